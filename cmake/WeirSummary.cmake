@@ -1,0 +1,15 @@
+# Says at the end of the configuration what will be built, and why a part is left out.
+
+get_property(weir_plugins GLOBAL PROPERTY WEIR_PLUGINS)
+get_property(weir_left_out GLOBAL PROPERTY WEIR_PLUGINS_LEFT_OUT)
+list(JOIN weir_plugins ", " weir_plugins)
+message(STATUS "Weir ${PROJECT_VERSION}, ${CMAKE_BUILD_TYPE}")
+if(WEIR_HAS_CUDA)
+  message(STATUS "  CUDA back end: yes (${CMAKE_CUDA_COMPILER}, architectures ${CMAKE_CUDA_ARCHITECTURES})")
+else()
+  message(STATUS "  CUDA back end: no (${WEIR_CUDA_REASON})")
+endif()
+message(STATUS "  plugins: ${weir_plugins}")
+foreach(left_out ${weir_left_out})
+  message(STATUS "  left out: ${left_out}")
+endforeach()

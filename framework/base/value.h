@@ -1,0 +1,84 @@
+// A JSON-like value that remembers where in its file it stood.
+//
+// Scene files, --set options and parameters all speak Value, so that no JSON library's type leaves the scene
+// room, and an error about any value can name its line and column.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace weir {
+
+class Value {
+ public:
+  using Array = std::vector<Value>;
+  /// In the order of the file; keys are unique.
+  using Object = std::vector<std::pair<std::string, Value>>;
+
+  Value() = default;
+  Value(bool b) : data_(b) {}
+  Value(int i) : data_(std::int64_t{i}) {}
+  Value(std::int64_t i) : data_(i) {}
+  /// A float is kept as the shortest decimal that gives it back, so 0.1f prints as 0.1.
+  Value(float f);
+  Value(double d) : data_(d) {}
+  Value(const char* s) : data_(std::string(s)) {}
+  Value(std::string_view s) : data_(std::string(s)) {}
+  Value(std::string s) : data_(std::move(s)) {}
+  Value(Array a) : data_(std::move(a)) {}
+  Value(Object o) : data_(std::move(o)) {}
+
+  static Value array() { return Value(Array{}); }
+  static Value object() { return Value(Object{}); }
+
+  bool isNull() const { return std::holds_alternative<std::monostate>(data_); }
+  bool isBool() const { return std::holds_alternative<bool>(data_); }
+  bool isInt() const { return std::holds_alternative<std::int64_t>(data_); }
+  bool isNumber() const { return isInt() || std::holds_alternative<double>(data_); }
+  bool isString() const { return std::holds_alternative<std::string>(data_); }
+  bool isArray() const { return std::holds_alternative<Array>(data_); }
+  bool isObject() const { return std::holds_alternative<Object>(data_); }
+
+  // Each of these expects the matching kind (a WEIR_CHECK otherwise).
+  bool asBool() const;
+  std::int64_t asInt() const;
+  double asDouble() const;  ///< of an integer too
+  const std::string& asString() const;
+  const Array& asArray() const;
+  Array& asArray();
+  const Object& asObject() const;
+  Object& asObject();
+
+  /// The member of an object, or null if it has none of that name (or this is no object).
+  const Value* find(std::string_view key) const;
+  Value* find(std::string_view key);
+  /// The member of an object, made if it is not there. A null value becomes an object first.
+  Value& operator[](std::string_view key);
+  void push(Value v) { asArray().push_back(std::move(v)); }
+
+  /// "a number", "a string", "an object": for messages.
+  std::string_view kindName() const;
+  /// The value itself for a message, cut to a readable length.
+  std::string brief() const;
+
+  int line = 0;    ///< from 1; 0 if it comes from no file
+  int column = 0;  ///< from 1
+
+  /// Equality of content; the place does not count. 1 and 1.0 are equal.
+  friend bool operator==(const Value& a, const Value& b);
+
+ private:
+  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> data_;
+};
+
+/// The name among `names` closest to `name` by edit distance, or "" if none is close enough to suggest.
+std::string closestName(std::string_view name, const std::vector<std::string>& names);
+
+/// "a, b or c".
+std::string joinNames(const std::vector<std::string>& names, std::string_view lastJoin = " or ");
+
+}  // namespace weir

@@ -1,0 +1,105 @@
+// Array<T>: elements on one device, from its pool. ArrayView<T>: the same elements as a kernel sees them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "framework/base/check.h"
+#include "framework/base/host_device.h"
+#include "framework/compute/device.h"
+
+namespace weir {
+
+/// Pointer and size, for kernels; T may be const.
+template <class T>
+struct ArrayView {
+  T* data = nullptr;
+  std::int64_t size = 0;
+
+  WEIR_HD T& operator[](std::int64_t i) const { return data[i]; }
+  operator ArrayView<const T>() const { return {data, size}; }
+};
+
+/// Owns memory on one device. Contents start undefined.
+template <class T>
+class Array {
+  static_assert(std::is_trivially_copyable_v<T>, "arrays are copied bytewise between devices");
+
+ public:
+  Array() = default;
+  explicit Array(Device& device, std::int64_t size = 0) : device_(&device) { resize(size); }
+  Array(Device& device, std::span<const T> values) : device_(&device) { assign(values); }
+  ~Array() { free(); }
+  Array(Array&& other) noexcept { swap(other); }
+  Array& operator=(Array&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  Array(const Array&) = delete;
+  Array& operator=(const Array&) = delete;
+
+  std::int64_t size() const { return size_; }
+  std::int64_t capacity() const { return capacity_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  Device& device() const { return *device_; }
+  ArrayView<T> view() { return {data_, size_}; }
+  ArrayView<const T> view() const { return {data_, size_}; }
+
+  /// Makes room for `capacity` elements; keeps the contents. Grows by at least half, so that a growing
+  /// simulation allocates rarely.
+  void reserve(std::int64_t capacity) {
+    if (capacity <= capacity_) return;
+    WEIR_CHECK(device_ != nullptr);
+    const std::int64_t grown = capacity_ > 0 ? std::max(capacity, capacity_ + capacity_ / 2) : capacity;
+    T* data = static_cast<T*>(device_->allocate(static_cast<std::size_t>(grown) * sizeof(T)));
+    if (size_ > 0) device_->copy(data, data_, static_cast<std::size_t>(size_) * sizeof(T));
+    const std::int64_t size = size_;
+    free();
+    data_ = data, size_ = size, capacity_ = grown;
+  }
+  void resize(std::int64_t size) {
+    WEIR_CHECK(size >= 0);
+    reserve(size);
+    size_ = size;
+  }
+
+  void assign(std::span<const T> values) {
+    resize(static_cast<std::int64_t>(values.size()));
+    if (!values.empty()) device_->upload(data_, values.data(), values.size_bytes());
+  }
+  void fillZero() {
+    if (size_ > 0) device_->fillBytes(data_, 0, static_cast<std::size_t>(size_) * sizeof(T));
+  }
+  /// Waits for the device.
+  std::vector<T> toHost() const { return toHost(size_); }
+  std::vector<T> toHost(std::int64_t count) const {
+    WEIR_CHECK(count <= size_);
+    std::vector<T> values(static_cast<std::size_t>(count));
+    if (count > 0) device_->download(values.data(), data_, values.size() * sizeof(T));
+    return values;
+  }
+
+  void swap(Array& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+  }
+
+ private:
+  void free() noexcept {
+    if (data_ != nullptr) device_->release(data_, static_cast<std::size_t>(capacity_) * sizeof(T));
+    data_ = nullptr, size_ = capacity_ = 0;
+  }
+
+  Device* device_ = nullptr;
+  T* data_ = nullptr;
+  std::int64_t size_ = 0, capacity_ = 0;
+};
+
+}  // namespace weir

@@ -1,0 +1,30 @@
+// Counting sort of particles by grid cell: the order in which neighbours are found and memory is read.
+#pragma once
+
+#include "framework/compute/parallel.h"
+
+namespace weir {
+
+/// Where each cell's particles stand after a sort. Cell c holds sorted places [start[c], start[c+1]).
+class CellSort {
+ public:
+  explicit CellSort(Device& device)
+      : start_(device), rank_(device), cell_(device), order_(device), cursor_(device) {}
+
+  /// Sorts `count` particles into `cells` cells by key(i) in [0, cells). A key of -1 drops the particle: it is
+  /// put behind all the others and *kept (device memory) does not count it. Within a cell, particles keep
+  /// the order of their indices, so the result is unique on every back end and for every number of threads;
+  /// dropped particles are in no particular order.
+  template <class Backend, class Key>
+  void sort(Backend& device, Count count, int cells, const Key& key, int* kept);
+
+  ArrayView<const int> start() const { return start_.view(); }  ///< size cells + 1
+  ArrayView<const int> order() const { return order_.view(); }  ///< order[k] = index before the sort of place k
+
+ private:
+  Array<int> start_, rank_, cell_, order_, cursor_;
+};
+
+}  // namespace weir
+
+#include "framework/compute/cell_sort.inl"

@@ -1,0 +1,169 @@
+// The machine that a simulation runs on: its memory, its clock of work, and how kernels reach it.
+//
+// A Device is an object that is passed, never a global. CpuDevice and CudaDevice are the two back ends; code
+// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler and
+// once by nvcc. Everything else speaks to Device alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/compute/profiler.h"
+
+struct CUstream_st;  // cudaStream_t is a pointer to it; named here so that no host file needs CUDA's headers
+
+namespace weir {
+
+enum class DeviceKind { kCpu, kCuda };
+
+/// Memory use of one device, in bytes.
+struct MemoryUse {
+  std::size_t inUse = 0;           ///< held by live arrays
+  std::size_t peak = 0;            ///< the largest inUse so far
+  std::size_t reserved = 0;        ///< held by the pool, in use or not
+  std::uint64_t allocations = 0;   ///< requests that had to go to the system, not to the pool
+};
+
+class Device {
+ public:
+  virtual ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  DeviceKind kind() const { return kind_; }
+  /// "cpu" or "cuda:0".
+  const std::string& name() const { return name_; }
+  /// What the hardware calls itself, with its size: "NVIDIA H100 80GB HBM3, 79 GiB".
+  virtual std::string description() const = 0;
+
+  /// Memory aligned to 256 bytes from this device's pool; throws a simulation Error that names the size and
+  /// what is free when there is none. `release` gives it back to the pool in stream order.
+  virtual void* allocate(std::size_t bytes) = 0;
+  virtual void release(void* memory, std::size_t bytes) noexcept = 0;
+  virtual MemoryUse memoryUse() const = 0;
+
+  // Copies are ordered with the kernels of this device. `download` waits for its result and is counted in
+  // blockingReadbacks(), because a step of a simulation must not do that (see Readback in readback.h).
+  virtual void upload(void* to, const void* fromHost, std::size_t bytes) = 0;
+  virtual void download(void* toHost, const void* from, std::size_t bytes) = 0;
+  virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
+  virtual void fillBytes(void* to, int byte, std::size_t bytes) = 0;
+
+  /// Waits until all work so far is done; reports any error of that work.
+  virtual void synchronize() = 0;
+  std::uint64_t blockingReadbacks() const { return blockingReadbacks_; }
+
+  /// Whether results must be bitwise the same from run to run (they always are on the CPU).
+  bool deterministic() const { return deterministic_; }
+  void setDeterministic(bool on) { deterministic_ = on; }
+
+  Profiler& profiler() { return *profiler_; }
+  const Profiler& profiler() const { return *profiler_; }
+
+ protected:
+  Device(DeviceKind kind, std::string name);
+
+  std::unique_ptr<Profiler> profiler_;  // set by the back end's constructor
+  std::uint64_t blockingReadbacks_ = 0;
+
+ private:
+  DeviceKind kind_;
+  std::string name_;
+  bool deterministic_ = true;
+};
+
+/// Runs on the host's cores through oneTBB. Results do not depend on the number of threads.
+class CpuDevice final : public Device {
+ public:
+  /// `threads` 0 means one for every core the process may use.
+  explicit CpuDevice(int threads = 0);
+  ~CpuDevice() override;
+
+  std::string description() const override;
+  void* allocate(std::size_t bytes) override;
+  void release(void* memory, std::size_t bytes) noexcept override;
+  MemoryUse memoryUse() const override;
+  void upload(void* to, const void* fromHost, std::size_t bytes) override;
+  void download(void* toHost, const void* from, std::size_t bytes) override;
+  void copy(void* to, const void* from, std::size_t bytes) override;
+  void fillBytes(void* to, int byte, std::size_t bytes) override;
+  void synchronize() override {}
+
+  int threads() const;
+
+  /// Calls body(context, begin, end) for consecutive ranges that cover [0, n), on all threads. The ranges are
+  /// [k*grain, min(n, (k+1)*grain)): they depend on n and grain alone.
+  void forRanges(std::int64_t n, std::int64_t grain, void (*body)(void* context, std::int64_t begin, std::int64_t end),
+                 void* context);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Runs on one CUDA device, all work on one stream. Exists in every build; only builds with WEIR_HAS_CUDA can
+/// construct one (see openDevice).
+class CudaDevice final : public Device {
+ public:
+  explicit CudaDevice(int index = 0);
+  ~CudaDevice() override;
+
+  std::string description() const override;
+  void* allocate(std::size_t bytes) override;
+  void release(void* memory, std::size_t bytes) noexcept override;
+  MemoryUse memoryUse() const override;
+  void upload(void* to, const void* fromHost, std::size_t bytes) override;
+  void download(void* toHost, const void* from, std::size_t bytes) override;
+  void copy(void* to, const void* from, std::size_t bytes) override;
+  void fillBytes(void* to, int byte, std::size_t bytes) override;
+  void synchronize() override;
+
+  CUstream_st* stream() const;
+  int index() const;
+  int multiprocessors() const;
+
+  /// Throws a simulation Error for a CUDA error code other than success; it names `what`, and the node and
+  /// module that the profiler says are at work.
+  void check(int cudaError, std::string_view what) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What `weir info` prints and `--device auto` chooses from.
+struct DeviceInfo {
+  std::string name;  ///< what openDevice takes
+  std::string description;
+};
+std::vector<DeviceInfo> listDevices();
+
+/// Whether this build holds the CUDA back end.
+bool builtWithCuda();
+
+/// `spec` is "auto" (the first CUDA device if there is one that works, otherwise the CPU), "cpu", "cuda" or
+/// "cuda:N". Throws a usage Error for anything else, and for CUDA where there is none, with the reason.
+std::unique_ptr<Device> openDevice(std::string_view spec, int threads = 0);
+
+/// Calls f with the device as its back end's own class.
+template <class F>
+decltype(auto) dispatch(Device& device, F&& f) {
+#ifdef WEIR_HAS_CUDA
+  if (device.kind() == DeviceKind::kCuda) return f(static_cast<CudaDevice&>(device));
+#endif
+  return f(static_cast<CpuDevice&>(device));
+}
+
+/// The back end that this translation unit is being compiled for: a source file that is compiled twice ends
+/// with explicit instantiations for it.
+#ifdef __CUDACC__
+using ThisBackend = CudaDevice;
+#else
+using ThisBackend = CpuDevice;
+#endif
+
+}  // namespace weir

@@ -1,0 +1,73 @@
+// The parallel primitives, one signature for both back ends.
+//
+//   parallelFor      f(i) for every i
+//   reduce           op over f(i), the result stays on the device
+//   exclusiveScan    prefix sums of ints
+//   stableSortByKey  radix sort of (key, value) pairs
+//   compact          indices of the elements that a predicate keeps, in order
+//   cellSort         counting sort by cell (cell_sort.h)
+//
+// Kernels are functors with a const operator() marked WEIR_HD; they hold ArrayViews and plain numbers, by
+// value. A template that launches them takes its back end as a template parameter `Backend` and is
+// compiled twice, see `weir_add_dual_sources` in cmake/. None of these waits for the device.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "framework/compute/array.h"
+
+namespace weir {
+
+/// How many elements a launch covers. A simulation that gains and loses particles on the device knows only an
+/// upper bound on the host; the exact number then stands in device memory and kernels stop there.
+struct Count {
+  std::int64_t bound = 0;
+  const int* exact = nullptr;  ///< on the device; null if bound is exact
+
+  Count() = default;
+  Count(std::int64_t n) : bound(n) {}
+  Count(std::int64_t upperBound, const int* onDevice) : bound(upperBound), exact(onDevice) {}
+
+  WEIR_HD std::int64_t get() const { return exact != nullptr ? *exact : bound; }
+};
+
+/// Calls f(i) for every i in [0, count).
+template <class F>
+void parallelFor(CpuDevice& device, std::string_view name, Count count, const F& f);
+template <class F>
+void parallelFor(CudaDevice& device, std::string_view name, Count count, const F& f);
+
+/// Writes op(identity, f(0), f(1), …) to *result (device memory). T is trivially copyable, op associative and
+/// commutative up to rounding, with identity its neutral element. The order of combination is fixed, so the
+/// result is the same for any number of threads and from run to run.
+template <class T, class F, class Op>
+void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op, T* result);
+template <class T, class F, class Op>
+void reduce(CudaDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op, T* result);
+
+/// out[i] = in[0] + … + in[i-1]; in and out may be the same. `n` elements.
+void exclusiveScan(CpuDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
+void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
+
+/// Sorts n pairs by ascending key; equal keys keep their order.
+void stableSortByKey(CpuDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CpuDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values, std::int64_t n);
+
+/// indices[k] = the k-th i in [0, count) with keep(i); *kept (device memory) = how many. Needs indices.size >= bound.
+template <class Keep>
+void compact(CpuDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices, int* kept);
+template <class Keep>
+void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices, int* kept);
+
+/// Adds to *counter and returns what it held before; safe between the threads of one kernel.
+WEIR_HD int atomicAdd(int* counter, int amount);
+
+}  // namespace weir
+
+#include "framework/compute/parallel_cpu.inl"
+#ifdef __CUDACC__
+#include "framework/compute/parallel_cuda.inl"
+#endif
