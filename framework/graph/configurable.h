@@ -1,0 +1,182 @@
+// Self-describing parameters. A class derives from Configurable and declares its parameters as members:
+//
+//   class SquareEmitter : public Node {
+//     Param<float> speed{*this, "speed", 1.0f, {.unit = "m/s", .min = 0, .doc = "Speed of the jet."}};
+//   };
+//
+// From that one line come reading, validation, writing, the JSON Schema, `weir nodes`, and property editors.
+// A Group<T> nests another Configurable as an object, a GroupList<T> as a list of objects.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "framework/graph/param_types.h"
+
+namespace weir {
+
+class Configurable;
+
+/// One named member of a Configurable: a Param, a Group or a GroupList.
+class Property {
+ public:
+  Property(Configurable& owner, std::string_view name, const ParamSpec& spec);
+  virtual ~Property() = default;
+  Property(const Property&) = delete;
+  Property& operator=(const Property&) = delete;
+
+  const std::string& name() const { return name_; }
+  const ParamSpec& spec() const { return spec_; }
+
+  virtual std::string_view kind() const = 0;
+  virtual Value value() const = 0;
+  virtual Value defaultValue() const = 0;
+  virtual Value schema() const = 0;
+  /// All checks, then the change; after an Error the old value stands.
+  virtual void assign(const Value& v, const Place& place) = 0;
+  /// The names of an enum with their docs; empty for other kinds.
+  virtual std::vector<EnumName> choices() const { return {}; }
+  /// The nested parameters of a group; null for other kinds.
+  virtual const Configurable* group() const { return nullptr; }
+
+  /// Whether a scene, an option or a program has set it.
+  bool isSet() const { return set_; }
+
+ protected:
+  bool set_ = false;
+
+ private:
+  std::string name_;
+  ParamSpec spec_;
+};
+
+class Configurable {
+ public:
+  Configurable() = default;
+  virtual ~Configurable() = default;
+  Configurable(const Configurable&) = delete;
+  Configurable& operator=(const Configurable&) = delete;
+
+  const std::vector<Property*>& properties() const { return properties_; }
+  Property* findProperty(std::string_view name) const;
+
+  /// Assigns the members of an object by name. Transactional: after an Error, all old values stand. Unknown
+  /// names are errors that suggest the nearest one.
+  void assignAll(const Value& object, const Place& place);
+  /// The parameters that differ from their defaults, as assignAll reads them.
+  Value changedValues() const;
+  Value schema() const;
+
+  /// Checks that concern several parameters; throws a scene Error. Runs after every change.
+  virtual void validate() const {}
+
+ private:
+  friend class Property;
+  std::vector<Property*> properties_;
+};
+
+template <class T>
+class Param final : public Property {
+ public:
+  Param(Configurable& owner, std::string_view name, T initial, const ParamSpec& spec = {})
+      : Property(owner, name, spec), value_(initial), default_(std::move(initial)) {}
+
+  const T& get() const { return value_; }
+  operator const T&() const { return value_; }
+  const T* operator->() const { return &value_; }
+  const T& operator*() const { return value_; }
+
+  /// Checked like a value from a scene.
+  void set(const T& value) { assign(ParamTraits<T>::toValue(value), {}); }
+
+  std::string_view kind() const override { return ParamTraits<T>::kKind; }
+  Value value() const override { return ParamTraits<T>::toValue(value_); }
+  Value defaultValue() const override { return ParamTraits<T>::toValue(default_); }
+  Value schema() const override { return ParamTraits<T>::schema(spec()); }
+  void assign(const Value& v, const Place& place) override {
+    try {
+      value_ = ParamTraits<T>::fromValue(v, spec(), place);
+    } catch (Error& e) {
+      throw e.inParameter(name());
+    }
+    set_ = true;
+  }
+  std::vector<EnumName> choices() const override {
+    if constexpr (NamedEnum<T>)
+      return {EnumNames<T>::kNames.begin(), EnumNames<T>::kNames.end()};
+    else
+      return {};
+  }
+
+ private:
+  T value_;
+  T default_;
+};
+
+/// A nested object of parameters.
+template <class T>
+class Group final : public Property {
+ public:
+  Group(Configurable& owner, std::string_view name, std::string_view doc)
+      : Property(owner, name, ParamSpec{.doc = doc}), docText_(doc) {}
+
+  T* operator->() { return &group_; }
+  const T* operator->() const { return &group_; }
+  const T& operator*() const { return group_; }
+  T& operator*() { return group_; }
+
+  std::string_view kind() const override { return "group"; }
+  Value value() const override { return group_.changedValues(); }
+  Value defaultValue() const override { return Value::object(); }
+  Value schema() const override { return group_.schema(); }
+  void assign(const Value& v, const Place& place) override {
+    group_.assignAll(v, place);
+    set_ = true;
+  }
+  const Configurable* group() const override { return &group_; }
+
+ private:
+  std::string docText_;
+  T group_;
+};
+
+/// A list of nested objects of parameters.
+template <class T>
+class GroupList final : public Property {
+ public:
+  GroupList(Configurable& owner, std::string_view name, std::string_view doc)
+      : Property(owner, name, ParamSpec{.doc = doc}) {}
+
+  std::size_t size() const { return items_.size(); }
+  bool empty() const { return items_.empty(); }
+  const T& operator[](std::size_t i) const { return *items_[i]; }
+
+  std::string_view kind() const override { return "group list"; }
+  Value value() const override {
+    Value list = Value::array();
+    for (const auto& item : items_) list.push(item->changedValues());
+    return list;
+  }
+  Value defaultValue() const override { return Value::array(); }
+  Value schema() const override { return detail::arraySchema(prototype_.schema(), 0, std::nullopt); }
+  void assign(const Value& v, const Place& place) override {
+    if (!v.isArray()) throw place.error(v, "found " + v.brief(), "a list of objects").inParameter(name());
+    std::vector<std::unique_ptr<T>> items;
+    for (std::size_t i = 0; i < v.asArray().size(); ++i) {
+      items.push_back(std::make_unique<T>());
+      items.back()->assignAll(v.asArray()[i], place / i);
+    }
+    items_ = std::move(items);
+    set_ = true;
+  }
+  const Configurable* group() const override { return &prototype_; }
+
+ private:
+  T prototype_;
+  std::vector<std::unique_ptr<T>> items_;
+};
+
+}  // namespace weir

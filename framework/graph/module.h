@@ -1,0 +1,103 @@
+// A module is one algorithm of a node: a solver, a force, a boundary rule. A node runs a pipeline of named
+// modules; a scene may re-parameterise, disable, replace or insert modules by name.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/base/check.h"
+#include "framework/base/log.h"
+#include "framework/graph/configurable.h"
+
+namespace weir {
+
+class Registry;
+
+/// What a module class says of itself: `static constexpr ModuleInfo kInfo{"Xsph", "FluidModule", "…"};`
+struct ModuleInfo {
+  std::string_view type;    ///< its name in scenes
+  std::string_view family;  ///< the pipelines it fits: the name of its base class
+  std::string_view doc;
+};
+
+class Module : public Configurable {
+ public:
+  virtual const ModuleInfo& info() const = 0;
+
+  const std::string& name() const { return name_; }
+  void setName(std::string name) { name_ = std::move(name); }
+  bool enabled() const { return enabled_; }
+  void enable(bool on) { enabled_ = on; }
+
+ private:
+  std::string name_;
+  bool enabled_ = true;
+};
+
+/// The ordered modules of one node, seen without their family.
+class PipelineBase {
+ public:
+  explicit PipelineBase(std::string family) : family_(std::move(family)) {}
+  PipelineBase(const PipelineBase&) = delete;
+  PipelineBase& operator=(const PipelineBase&) = delete;
+
+  const std::string& family() const { return family_; }
+  const std::vector<std::unique_ptr<Module>>& modules() const { return modules_; }
+  Module* find(std::string_view name) const;
+  std::vector<std::string> names() const;
+
+  /// Both throw a scene Error if the module is of another family or the name is taken.
+  void insert(std::size_t index, std::unique_ptr<Module> module, std::string name);
+  void replace(std::string_view name, std::unique_ptr<Module> module);
+  std::size_t indexOf(std::string_view name) const;
+
+  /// Applies a scene's "modules" object: for each name any of
+  ///   "type": replaces the module of that name, or makes a new one, which then needs "after" or "before";
+  ///   "after"/"before": the name of the module to stand next to;  "enabled": true or false;
+  ///   "params": the module's parameters.
+  void assign(const Value& modules, const Registry& registry, const Place& place);
+  /// The same, for writing: only what differs from the pipeline as the node's constructor left it.
+  Value changedValues() const;
+  /// To be called by the constructor of a node once its default modules stand.
+  void markDefault();
+
+ private:
+  void checkFamily(const Module& module) const;
+  void place(Module& module, const Value& spec, const Place& at);
+
+  std::string family_;
+  std::vector<std::unique_ptr<Module>> modules_;
+  std::vector<std::pair<std::string, std::string>> defaults_;  // name and type
+};
+
+/// A pipeline of modules that derive from M, which has `static constexpr std::string_view kFamily`.
+template <class M>
+class Pipeline final : public PipelineBase {
+ public:
+  Pipeline() : PipelineBase(std::string(M::kFamily)) {}
+
+  /// Appends a module that the pipeline has by default.
+  template <class T>
+  T& add(std::string name) {
+    auto module = std::make_unique<T>();
+    T& reference = *module;
+    insert(modules().size(), std::move(module), std::move(name));
+    return reference;
+  }
+
+  /// Calls f(M&) for every enabled module in order.
+  template <class F>
+  void forEachEnabled(F&& f) const {
+    for (const auto& module : modules()) {
+      if (!module->enabled()) continue;
+      auto* typed = dynamic_cast<M*>(module.get());
+      WEIR_CHECK(typed != nullptr);
+      f(*typed);
+    }
+  }
+};
+
+}  // namespace weir

@@ -1,0 +1,99 @@
+// A node of a scene: parameters, ports, and perhaps a pipeline of modules.
+//
+//   class Counter : public Node {
+//    public:
+//     static constexpr NodeInfo kInfo{"Counter", "Counts steps."};
+//     const NodeInfo& info() const override { return kInfo; }
+//     Param<int> start{*this, "start", 0, {.doc = "First number."}};
+//     Output<Number> number{*this, "number", "The number of the step."};
+//     void reset(const SetupContext&) override { number->value = start; }
+//     void step(const StepContext&) override { ++number->value; }
+//   };
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/base/log.h"
+#include "framework/compute/device.h"
+#include "framework/graph/configurable.h"
+#include "framework/graph/module.h"
+#include "framework/graph/port.h"
+
+namespace weir {
+
+class Registry;
+
+/// What a node class says of itself.
+struct NodeInfo {
+  std::string_view type;  ///< its name in scenes
+  std::string_view doc;
+};
+
+/// What all nodes of a scene share while it is set up.
+struct SetupContext {
+  Device& device;
+  Log& log;
+  const Registry& registry;
+  Vec3f gravity{};          ///< m/s²
+  double dt = 0;            ///< longest step that the clock will make, s
+  std::int64_t seed = 0;    ///< for random numbers
+};
+
+/// One step from `time` to `time + dt`, in seconds.
+struct StepContext {
+  Device& device;
+  Log& log;
+  Vec3f gravity{};
+  double time = 0;
+  double dt = 0;
+  std::int64_t index = 0;  ///< from 0
+};
+
+/// Something tolerated that must stay rare, such as a truncated neighbour list.
+struct RareEvent {
+  std::string what;  ///< "particles left the domain"
+  std::int64_t count = 0;
+};
+
+/// What a node says of itself at a frame or at the end of a run.
+struct NodeReport {
+  Value statistics = Value::object();  ///< numbers by name, for --stats
+  std::vector<RareEvent> events;
+};
+
+class Node : public Configurable {
+ public:
+  virtual const NodeInfo& info() const = 0;
+
+  const std::string& name() const { return name_; }
+  void setName(std::string name) { name_ = std::move(name); }
+
+  const std::vector<InputPort*>& inputs() const { return inputs_; }
+  const std::vector<OutputPort*>& outputs() const { return outputs_; }
+  InputPort* findInput(std::string_view name) const;
+  OutputPort* findOutput(std::string_view name) const;
+  /// The node's modules, or null if it has no pipeline.
+  virtual PipelineBase* pipeline() { return nullptr; }
+
+  /// Sends requests up its inputs. Runs before reset, from the last node to the first.
+  virtual void configure(const SetupContext&) {}
+  /// Puts the node into its state at time 0 and fills its outputs.
+  virtual void reset(const SetupContext& context) = 0;
+  virtual void step(const StepContext&) {}
+  /// May wait for the device: it is called between steps, once a run or when someone looks.
+  virtual void report(NodeReport&) {}
+  /// Particles it holds, as far as the host knows without asking the device.
+  virtual std::int64_t particleCount() const { return 0; }
+
+ private:
+  friend class InputPort;
+  friend class OutputPort;
+  std::string name_;
+  std::vector<InputPort*> inputs_;
+  std::vector<OutputPort*> outputs_;
+};
+
+}  // namespace weir

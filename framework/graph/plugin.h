@@ -1,0 +1,86 @@
+// Plugins: shared libraries that add to the registry at run time. A plugin ends with
+//
+//   WEIR_PLUGIN("vortex", "A vortex force.", registry) { registry.addModule<VortexForce>(); }
+//
+// The macro defines two C symbols. The host reads the first, plain data, and compares interface version and
+// build before it calls anything of the plugin.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/graph/registry.h"
+
+namespace weir {
+
+/// Grows whenever a public header changes in a way that breaks compiled plugins.
+inline constexpr int kPluginInterface = 1;
+/// What must be equal for two C++ libraries to share types: compiler family, its ABI, and checked builds.
+inline constexpr const char kPluginBuild[] =
+#ifdef __GXX_ABI_VERSION
+    "gxx-abi-" __VERSION__
+#else
+    "unknown-abi"
+#endif
+    ;
+
+/// Plain data, so that it can be read before anything is called.
+struct PluginHeader {
+  char magic[8];  ///< "WEIRPLG"
+  int interfaceVersion;
+  int headerSize;
+  char build[112];
+  char name[64];
+  char doc[256];
+};
+
+namespace detail {
+template <std::size_t N>
+constexpr void copyText(char (&to)[N], const char* from) {
+  for (std::size_t i = 0; i + 1 < N && from[i] != 0; ++i) to[i] = from[i];
+}
+constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
+  PluginHeader header{};
+  copyText(header.magic, "WEIRPLG");
+  header.interfaceVersion = kPluginInterface;
+  header.headerSize = sizeof(PluginHeader);
+  copyText(header.build, kPluginBuild);
+  copyText(header.name, name);
+  copyText(header.doc, doc);
+  return header;
+}
+}  // namespace detail
+
+/// A loaded library; keep it alive for as long as anything it registered.
+class Plugin {
+ public:
+  /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another version
+  /// or build, or fails to register; the registry is then as before.
+  Plugin(const std::filesystem::path& file, Registry& registry);
+  ~Plugin();
+  Plugin(Plugin&&) noexcept;
+  Plugin& operator=(Plugin&&) noexcept;
+
+  const std::string& name() const { return name_; }
+  const std::string& doc() const { return doc_; }
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+  std::filesystem::path file_;
+  std::string name_, doc_;
+};
+
+/// Every *.so of a folder, by name; none if there is no such folder.
+std::vector<std::filesystem::path> pluginFiles(const std::filesystem::path& folder);
+
+}  // namespace weir
+
+// A macro, because the two symbols must be defined at namespace scope with C linkage.
+#define WEIR_PLUGIN(pluginName, pluginDoc, registry)                                              \
+  extern "C" __attribute__((visibility("default"))) constinit const ::weir::PluginHeader          \
+      weirPluginHeader = ::weir::detail::pluginHeader(pluginName, pluginDoc);                     \
+  extern "C" __attribute__((visibility("default"))) void weirRegisterPlugin(::weir::Registry& registry)
