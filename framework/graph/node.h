@@ -83,6 +83,9 @@ class Node : public Configurable {
   /// Puts the node into its state at time 0 and fills its outputs.
   virtual void reset(const SetupContext& context) = 0;
   virtual void step(const StepContext&) {}
+  /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks what
+  /// is too costly for every step. May wait for the device.
+  virtual void frame(const StepContext&) {}
   /// May wait for the device: it is called between steps, once a run or when someone looks.
   virtual void report(NodeReport&) {}
   /// Particles it holds, as far as the host knows without asking the device.

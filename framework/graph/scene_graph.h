@@ -1,0 +1,56 @@
+// The nodes of a scene and the links between them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/graph/node.h"
+
+namespace weir {
+
+class Registry;
+
+struct Link {
+  std::string fromNode, output, toNode, input;
+  /// "nozzle.particles -> water.emitters"
+  std::string text() const { return fromNode + "." + output + " -> " + toNode + "." + input; }
+};
+
+class SceneGraph {
+ public:
+  /// Letters, digits, '_' and '-', starting with a letter; not "world", "render" or another section's name.
+  static bool isValidName(std::string_view name);
+
+  /// Throws a scene Error for a bad or taken name.
+  Node& add(std::unique_ptr<Node> node, const std::string& name);
+  Node* find(std::string_view name) const;
+  const std::vector<std::unique_ptr<Node>>& nodes() const { return nodes_; }
+
+  /// Throws a scene Error that names both ends: no such node or port (with a suggestion), wrong types, a taken
+  /// input, a link that closes a cycle (the cycle is spelled out).
+  void link(const Link& link);
+  const std::vector<Link>& links() const { return links_; }
+
+  /// Parses "node.output -> node.input"; throws a scene Error that says what the form is.
+  static Link parseLink(std::string_view text);
+
+  /// Checks what can only be checked when all is there: required inputs.
+  void validate() const;
+
+  /// Every node behind the nodes it reads from; by name where order is free.
+  std::vector<Node*> order() const;
+
+  // The life of a simulation. An Error that leaves these names the node.
+  void reset(const SetupContext& context);   ///< configure from last to first, then reset from first to last
+  void step(const StepContext& context);
+  void frame(const StepContext& context);
+
+ private:
+  std::vector<std::unique_ptr<Node>> nodes_;
+  std::vector<Link> links_;
+  std::vector<Node*> order_;  // as of the last reset
+};
+
+}  // namespace weir
