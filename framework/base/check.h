@@ -16,7 +16,9 @@ class InternalError : public std::logic_error {
 namespace detail {
 
 template <class A>
-concept Printable = requires(std::ostream& out, const A& a) { out << a; };
+concept Printable = requires(std::ostream& out, const A& a) {
+  out << a;
+};
 
 template <class A>
 std::string print(const A& a) {
@@ -43,18 +45,38 @@ struct CheckLeft {
     if (holds(a, b)) return {true, {}};
     return {false, print(a) + op + print(b)};
   }
-  template <class B> CheckResult operator==(const B& b) const { return compare(b, " == ", [](auto& x, auto& y) { return x == y; }); }
-  template <class B> CheckResult operator!=(const B& b) const { return compare(b, " != ", [](auto& x, auto& y) { return x != y; }); }
-  template <class B> CheckResult operator<(const B& b) const { return compare(b, " < ", [](auto& x, auto& y) { return x < y; }); }
-  template <class B> CheckResult operator<=(const B& b) const { return compare(b, " <= ", [](auto& x, auto& y) { return x <= y; }); }
-  template <class B> CheckResult operator>(const B& b) const { return compare(b, " > ", [](auto& x, auto& y) { return x > y; }); }
-  template <class B> CheckResult operator>=(const B& b) const { return compare(b, " >= ", [](auto& x, auto& y) { return x >= y; }); }
+  template <class B>
+  CheckResult operator==(const B& b) const {
+    return compare(b, " == ", [](auto& x, auto& y) { return x == y; });
+  }
+  template <class B>
+  CheckResult operator!=(const B& b) const {
+    return compare(b, " != ", [](auto& x, auto& y) { return x != y; });
+  }
+  template <class B>
+  CheckResult operator<(const B& b) const {
+    return compare(b, " < ", [](auto& x, auto& y) { return x < y; });
+  }
+  template <class B>
+  CheckResult operator<=(const B& b) const {
+    return compare(b, " <= ", [](auto& x, auto& y) { return x <= y; });
+  }
+  template <class B>
+  CheckResult operator>(const B& b) const {
+    return compare(b, " > ", [](auto& x, auto& y) { return x > y; });
+  }
+  template <class B>
+  CheckResult operator>=(const B& b) const {
+    return compare(b, " >= ", [](auto& x, auto& y) { return x >= y; });
+  }
   operator CheckResult() const { return {static_cast<bool>(a), {}}; }
 };
 
 struct CheckStart {
   template <class A>
-  CheckLeft<A> operator<<(const A& a) const { return {a}; }
+  CheckLeft<A> operator<<(const A& a) const {
+    return {a};
+  }
 };
 
 [[noreturn]] void failCheck(const char* expression, const std::string& values, const char* file, int line);
@@ -63,8 +85,8 @@ struct CheckStart {
 }  // namespace weir
 
 // A macro, because only the preprocessor can quote the expression and its place.
-#define WEIR_CHECK(expression)                                                                     \
-  do {                                                                                             \
-    const ::weir::detail::CheckResult weirCheck = ::weir::detail::CheckStart{} << expression;      \
+#define WEIR_CHECK(expression)                                                                       \
+  do {                                                                                               \
+    const ::weir::detail::CheckResult weirCheck = ::weir::detail::CheckStart{} << expression;        \
     if (!weirCheck.ok) ::weir::detail::failCheck(#expression, weirCheck.values, __FILE__, __LINE__); \
   } while (false)

@@ -28,13 +28,18 @@ Error& Error::at(Location location) {
   return *this;
 }
 
-Error& Error::inNode(const std::string& name) { return at({.node = name}); }
+Error& Error::inNode(const std::string& name) {
+  return at({.node = name});
+}
 
-Error& Error::inParameter(const std::string& name) { return at({.parameter = name}); }
+Error& Error::inParameter(const std::string& name) {
+  return at({.parameter = name});
+}
 
 void Error::compose() {
   std::string where = location_.file;
-  if (location_.line > 0) where += ":" + std::to_string(location_.line) + ":" + std::to_string(location_.column);
+  if (location_.line > 0)
+    where += ":" + std::to_string(location_.line) + ":" + std::to_string(location_.column);
   const auto append = [&](const std::string& part) {
     if (!part.empty()) where += (where.empty() ? "" : ": ") + part;
   };
@@ -49,10 +54,14 @@ void Error::compose() {
 
 ExitCode exitCode(ErrorKind kind) {
   switch (kind) {
-    case ErrorKind::kUsage: return kUsage;
-    case ErrorKind::kScene: return kInvalidScene;
-    case ErrorKind::kSimulation: return kSimulationFailed;
-    case ErrorKind::kIo: return kIoFailed;
+    case ErrorKind::kUsage:
+      return kUsage;
+    case ErrorKind::kScene:
+      return kInvalidScene;
+    case ErrorKind::kSimulation:
+      return kSimulationFailed;
+    case ErrorKind::kIo:
+      return kIoFailed;
   }
   return kSimulationFailed;
 }

@@ -68,7 +68,14 @@ inline Error ioError(std::string message, std::string allowed = {}, std::string 
 }
 
 /// Exit codes of every Weir program.
-enum ExitCode : int { kDone = 0, kUsage = 2, kInvalidScene = 3, kSimulationFailed = 4, kIoFailed = 5, kInterrupted = 130 };
+enum ExitCode : int {
+  kDone = 0,
+  kUsage = 2,
+  kInvalidScene = 3,
+  kSimulationFailed = 4,
+  kIoFailed = 5,
+  kInterrupted = 130
+};
 
 ExitCode exitCode(ErrorKind kind);
 

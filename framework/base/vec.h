@@ -119,7 +119,9 @@ WEIR_HD inline Vec3f rotate(const Quatf& q, const Vec3f& v) {
   return v + q.w * t + cross(u, t);
 }
 
-WEIR_HD inline Quatf conjugate(const Quatf& q) { return {q.w, -q.x, -q.y, -q.z}; }
+WEIR_HD inline Quatf conjugate(const Quatf& q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 
 /// Rotation by Euler angles in degrees, applied about the fixed x, then y, then z axis.
 Quatf quaternionFromEulerDegrees(const Vec3f& degrees);

@@ -37,9 +37,9 @@ struct SetupContext {
   Device& device;
   Log& log;
   const Registry& registry;
-  Vec3f gravity{};          ///< m/s²
-  double dt = 0;            ///< longest step that the clock will make, s
-  std::int64_t seed = 0;    ///< for random numbers
+  Vec3f gravity{};        ///< m/s²
+  double dt = 0;          ///< longest step that the clock will make, s
+  std::int64_t seed = 0;  ///< for random numbers
 };
 
 /// One step from `time` to `time + dt`, in seconds.
@@ -83,8 +83,8 @@ class Node : public Configurable {
   /// Puts the node into its state at time 0 and fills its outputs.
   virtual void reset(const SetupContext& context) = 0;
   virtual void step(const StepContext&) {}
-  /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks what
-  /// is too costly for every step. May wait for the device.
+  /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks
+  /// what is too costly for every step. May wait for the device.
   virtual void frame(const StepContext&) {}
   /// May wait for the device: it is called between steps, once a run or when someone looks.
   virtual void report(NodeReport&) {}

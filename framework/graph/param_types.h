@@ -25,17 +25,18 @@ namespace weir {
 ///   Param<float> speed{*this, "speed", 1.0f, {.unit = "m/s", .min = 0, .doc = "Speed of the jet."}};
 struct ParamSpec {
   std::string_view unit = {};
-  double min = -std::numeric_limits<double>::infinity();  ///< values below are refused
-  double max = std::numeric_limits<double>::infinity();   ///< values above are refused
-  bool aboveMin = false;                                  ///< the minimum itself is refused too
+  double min = -std::numeric_limits<double>::infinity();      ///< values below are refused
+  double max = std::numeric_limits<double>::infinity();       ///< values above are refused
+  bool aboveMin = false;                                      ///< the minimum itself is refused too
   double softMin = std::numeric_limits<double>::quiet_NaN();  ///< only a hint to property editors
   double softMax = std::numeric_limits<double>::quiet_NaN();
-  int minItems = 0;        ///< least number of elements of a list or curve
-  bool live = false;       ///< may change while the simulation runs; otherwise a change asks for a reset
+  int minItems = 0;   ///< least number of elements of a list or curve
+  bool live = false;  ///< may change while the simulation runs; otherwise a change asks for a reset
   std::string_view doc = {};
 };
 
-/// A colour, red, green, blue and opacity in [0, 1] (sRGB). Written as [r, g, b], [r, g, b, a] or "#rrggbb[aa]".
+/// A colour, red, green, blue and opacity in [0, 1] (sRGB). Written as [r, g, b], [r, g, b, a] or
+/// "#rrggbb[aa]".
 struct Color {
   float r = 1, g = 1, b = 1, a = 1;
   friend bool operator==(const Color&, const Color&) = default;
@@ -68,14 +69,17 @@ template <class E>
 struct EnumNames;
 using EnumName = std::pair<std::string_view, std::string_view>;
 template <class E>
-concept NamedEnum = requires { EnumNames<E>::kNames.size(); };
+concept NamedEnum = requires {
+  EnumNames<E>::kNames.size();
+};
 
 template <class T>
 struct ParamTraits;
 
 namespace detail {
 double readNumber(const Value& v, const ParamSpec& spec, const Place& place);
-std::int64_t readInteger(const Value& v, const ParamSpec& spec, const Place& place, std::int64_t lo, std::int64_t hi);
+std::int64_t readInteger(const Value& v, const ParamSpec& spec, const Place& place, std::int64_t lo,
+                         std::int64_t hi);
 /// A float from a double that fits; a number too large for float is refused.
 float readFloat(const Value& v, const ParamSpec& spec, const Place& place);
 const Value::Array& readArray(const Value& v, const Place& place, std::size_t size, std::string_view what);
@@ -207,14 +211,16 @@ struct ParamTraits<std::vector<T>> {
   }
   static std::vector<T> fromValue(const Value& v, const ParamSpec& spec, const Place& place) {
     if (!v.isArray() || v.asArray().size() < static_cast<std::size_t>(spec.minItems))
-      throw place.error(v, "found " + v.brief(), "a list of at least " + std::to_string(spec.minItems) + " elements");
+      throw place.error(v, "found " + v.brief(),
+                        "a list of at least " + std::to_string(spec.minItems) + " elements");
     std::vector<T> items;
     for (std::size_t i = 0; i < v.asArray().size(); ++i)
       items.push_back(ParamTraits<T>::fromValue(v.asArray()[i], spec, place / i));
     return items;
   }
   static Value schema(const ParamSpec& spec) {
-    return detail::arraySchema(ParamTraits<T>::schema(spec), static_cast<std::size_t>(spec.minItems), std::nullopt);
+    return detail::arraySchema(ParamTraits<T>::schema(spec), static_cast<std::size_t>(spec.minItems),
+                               std::nullopt);
   }
 };
 

@@ -1,5 +1,5 @@
-// Where a value stands: the file and the JSON pointer that lead to it. Reading functions pass it down, so that
-// every error can name file, line, column and pointer.
+// Where a value stands: the file and the JSON pointer that lead to it. Reading functions pass it down, so
+// that every error can name file, line, column and pointer.
 #pragma once
 
 #include <string>
@@ -32,7 +32,8 @@ struct Place {
   /// RFC 6901: ~ and / are escaped in a pointer.
   static std::string escape(std::string_view key) {
     std::string text;
-    for (const char c : key) text += c == '~' ? std::string("~0") : c == '/' ? std::string("~1") : std::string(1, c);
+    for (const char c : key)
+      text += c == '~' ? std::string("~0") : c == '/' ? std::string("~1") : std::string(1, c);
     return text;
   }
 };

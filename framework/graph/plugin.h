@@ -56,8 +56,8 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
 /// A loaded library; keep it alive for as long as anything it registered.
 class Plugin {
  public:
-  /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another version
-  /// or build, or fails to register; the registry is then as before.
+  /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another
+  /// version or build, or fails to register; the registry is then as before.
   Plugin(const std::filesystem::path& file, Registry& registry);
   ~Plugin();
   Plugin(Plugin&&) noexcept;
@@ -80,7 +80,7 @@ std::vector<std::filesystem::path> pluginFiles(const std::filesystem::path& fold
 }  // namespace weir
 
 // A macro, because the two symbols must be defined at namespace scope with C linkage.
-#define WEIR_PLUGIN(pluginName, pluginDoc, registry)                                              \
-  extern "C" __attribute__((visibility("default"))) constinit const ::weir::PluginHeader          \
-      weirPluginHeader = ::weir::detail::pluginHeader(pluginName, pluginDoc);                     \
+#define WEIR_PLUGIN(pluginName, pluginDoc, registry)                                                        \
+  extern "C" __attribute__((visibility("default"))) constinit const ::weir::PluginHeader weirPluginHeader = \
+      ::weir::detail::pluginHeader(pluginName, pluginDoc);                                                  \
   extern "C" __attribute__((visibility("default"))) void weirRegisterPlugin(::weir::Registry& registry)

@@ -2,7 +2,8 @@
 //
 //   Output<ParticleBatch> particles{*this, "particles", "Particles born in this step."};
 //   Input<TriangleMesh>   surface{*this, "surface", "The mesh to sample."};              // exactly one link
-//   Inputs<Boundary>      boundaries{*this, "boundaries", "Walls of the fluid."};        // any number of links
+//   Inputs<Boundary>      boundaries{*this, "boundaries", "Walls of the fluid."};        // any number of
+//   links
 //
 // A type that travels along links names itself: `static constexpr std::string_view kPortType = "Boundary";`
 // the names are compared, so that types from different libraries meet.
@@ -89,7 +90,9 @@ struct RequestOf {
   };
 };
 template <class T>
-  requires requires { typename T::Request; }
+requires requires {
+  typename T::Request;
+}
 struct RequestOf<T> {
   using type = typename T::Request;
 };
@@ -100,7 +103,8 @@ class Output final : public OutputPort {
  public:
   using Request = typename detail::RequestOf<T>::type;
 
-  Output(Node& node, std::string_view name, std::string_view doc) : OutputPort(node, name, T::kPortType, doc) {}
+  Output(Node& node, std::string_view name, std::string_view doc)
+      : OutputPort(node, name, T::kPortType, doc) {}
 
   T& operator*() { return value_; }
   const T& operator*() const { return value_; }

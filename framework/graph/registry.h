@@ -47,7 +47,8 @@ class Registry {
   void addSection(const std::string& name, const std::string& doc) {
     addSectionType(name, {doc, source_, [] { return std::make_unique<S>(); }});
   }
-  /// A service: an implementation of an interface I, which has `static constexpr std::string_view kInterface`.
+  /// A service: an implementation of an interface I, which has `static constexpr std::string_view
+  /// kInterface`.
   template <class I>
   void addService(const std::string& name, std::function<std::unique_ptr<I>()> create) {
     addServiceFactory(std::string(I::kInterface), name, std::move(create));

@@ -28,8 +28,8 @@ class SceneGraph {
   Node* find(std::string_view name) const;
   const std::vector<std::unique_ptr<Node>>& nodes() const { return nodes_; }
 
-  /// Throws a scene Error that names both ends: no such node or port (with a suggestion), wrong types, a taken
-  /// input, a link that closes a cycle (the cycle is spelled out).
+  /// Throws a scene Error that names both ends: no such node or port (with a suggestion), wrong types, a
+  /// taken input, a link that closes a cycle (the cycle is spelled out).
   void link(const Link& link);
   const std::vector<Link>& links() const { return links_; }
 
@@ -43,7 +43,7 @@ class SceneGraph {
   std::vector<Node*> order() const;
 
   // The life of a simulation. An Error that leaves these names the node.
-  void reset(const SetupContext& context);   ///< configure from last to first, then reset from first to last
+  void reset(const SetupContext& context);  ///< configure from last to first, then reset from first to last
   void step(const StepContext& context);
   void frame(const StepContext& context);
 

@@ -1,5 +1,5 @@
-// Observers look at a running simulation: they render, export, or print. They are services of the registry, so
-// plugins bring them.
+// Observers look at a running simulation: they render, export, or print. They are services of the registry,
+// so plugins bring them.
 #pragma once
 
 #include <filesystem>
@@ -34,12 +34,12 @@ class OutputKind {
  public:
   static constexpr std::string_view kInterface = "OutputKind";
   virtual ~OutputKind() = default;
-  virtual std::string option() const = 0;       ///< "--video"
-  virtual std::string argument() const = 0;     ///< "FILE.mp4"
+  virtual std::string option() const = 0;    ///< "--video"
+  virtual std::string argument() const = 0;  ///< "FILE.mp4"
   virtual std::string doc() const = 0;
   virtual std::unique_ptr<Observer> create(const std::filesystem::path& path) const = 0;
-  /// Other frame outputs that share work with this one (a video and images of the same pictures) get merged by
-  /// their plugin: all paths given for options of the same non-empty group go to one observer.
+  /// Other frame outputs that share work with this one (a video and images of the same pictures) get merged
+  /// by their plugin: all paths given for options of the same non-empty group go to one observer.
 };
 
 }  // namespace weir

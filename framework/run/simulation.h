@@ -25,7 +25,7 @@ class Clock {
   std::int64_t stepsAfterFrame(std::int64_t frame) const;
   double stepTime(std::int64_t frame, std::int64_t step) const;  ///< start of a step
   double dtAfterFrame(std::int64_t frame) const;
-  bool hasRest() const { return rest_ > 0; }   ///< whether time is left after the last frame
+  bool hasRest() const { return rest_ > 0; }  ///< whether time is left after the last frame
   std::int64_t totalSteps() const;
 
  private:
@@ -44,14 +44,14 @@ class Simulation {
   Device& device() const { return device_; }
   const Clock& clock() const { return clock_; }
 
-  void reset();               ///< to time 0, frame 0
-  void step();                ///< one step
+  void reset();  ///< to time 0, frame 0
+  void step();   ///< one step
   /// Steps up to the next frame; false if `stop` was set before it was reached or there is none.
   bool advanceFrame(const std::atomic<bool>& stop);
   /// Steps through what is left after the last frame.
   void finishRest(const std::atomic<bool>& stop);
 
-  std::int64_t frame() const { return frame_; }   ///< the last frame that was reached
+  std::int64_t frame() const { return frame_; }  ///< the last frame that was reached
   std::int64_t stepsDone() const { return stepsDone_; }
   double time() const;
   std::int64_t particleCount() const;

@@ -14,11 +14,22 @@ namespace weir {
 class World final : public Configurable {
  public:
   Param<Vec3f> gravity{*this, "gravity", {0, -9.8f, 0}, {.unit = "m/s^2", .doc = "Acceleration of gravity."}};
-  Param<double> dt{*this, "dt", 0.001, {.unit = "s", .min = 0, .max = 1, .aboveMin = true,
-                   .doc = "Longest time step. A frame is divided into equal steps that are no longer than it."}};
-  Param<double> frameRate{*this, "frame_rate", 30.0, {.unit = "1/s", .min = 0, .max = 10000, .aboveMin = true,
-                          .doc = "Frames per simulated second."}};
-  Param<double> duration{*this, "duration", 4.0, {.unit = "s", .min = 0, .max = 1e6, .doc = "Simulated time."}};
+  Param<double> dt{
+      *this,
+      "dt",
+      0.001,
+      {.unit = "s",
+       .min = 0,
+       .max = 1,
+       .aboveMin = true,
+       .doc = "Longest time step. A frame is divided into equal steps that are no longer than it."}};
+  Param<double> frameRate{
+      *this,
+      "frame_rate",
+      30.0,
+      {.unit = "1/s", .min = 0, .max = 10000, .aboveMin = true, .doc = "Frames per simulated second."}};
+  Param<double> duration{
+      *this, "duration", 4.0, {.unit = "s", .min = 0, .max = 1e6, .doc = "Simulated time."}};
   Param<std::int64_t> seed{*this, "seed", 1, {.min = 0, .doc = "Seed of all random numbers."}};
 };
 
@@ -30,8 +41,8 @@ struct Scene {
   std::map<std::string, std::unique_ptr<Configurable>> sections;
   /// Sections of the file that no loaded plugin knows; kept for writing.
   std::map<std::string, Value> unknownSections;
-  std::string file;     ///< where it was read from; "" if from nowhere
-  std::string text;     ///< as it was read, with overrides not applied; kept with exported data
+  std::string file;  ///< where it was read from; "" if from nowhere
+  std::string text;  ///< as it was read, with overrides not applied; kept with exported data
 };
 
 }  // namespace weir

@@ -28,8 +28,9 @@ std::string writeJson(const Value& value);
 /// Reads a whole file. Throws an io Error that says why it cannot be read.
 std::string readTextFile(const std::filesystem::path& path, std::size_t largest);
 
-/// One "--set NODE.PARAM=VALUE", "NODE.MODULE.PARAM=VALUE", "world.PARAM=VALUE" or "render.PARAM[.PARAM]=VALUE".
-/// VALUE is JSON, or else a string. Throws a usage Error that says what the form is.
+/// One "--set NODE.PARAM=VALUE", "NODE.MODULE.PARAM=VALUE", "world.PARAM=VALUE" or
+/// "render.PARAM[.PARAM]=VALUE". VALUE is JSON, or else a string. Throws a usage Error that says what the
+/// form is.
 struct Override {
   std::vector<std::string> path;
   Value value;

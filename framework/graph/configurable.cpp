@@ -1,0 +1,77 @@
+#include "framework/graph/configurable.h"
+
+#include "framework/base/check.h"
+
+namespace weir {
+
+Property::Property(Configurable& owner, std::string_view name, const ParamSpec& spec)
+    : name_(name), spec_(spec) {
+  WEIR_CHECK(owner.findProperty(name) == nullptr);
+  owner.properties_.push_back(this);
+}
+
+Property* Configurable::findProperty(std::string_view name) const {
+  for (Property* property : properties_)
+    if (property->name() == name) return property;
+  return nullptr;
+}
+
+namespace {
+
+Error unknownParameter(const Configurable& owner, const std::string& key, const Value& value,
+                       const Place& place) {
+  std::vector<std::string> names;
+  for (const Property* property : owner.properties()) names.push_back(property->name());
+  const std::string nearest = closestName(key, names);
+  return (place / key)
+      .error(value, "there is no parameter '" + key + "'",
+             names.empty() ? "nothing: there are no parameters" : joinNames(names),
+             nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+}
+
+}  // namespace
+
+void Configurable::assignAll(const Value& object, const Place& place) {
+  if (!object.isObject())
+    throw place.error(object, "found " + object.brief(), "an object of parameters by name");
+  std::vector<std::pair<Property*, Value>> old;
+  try {
+    for (const auto& [key, value] : object.asObject()) {
+      Property* property = findProperty(key);
+      if (property == nullptr) throw unknownParameter(*this, key, value, place);
+      old.emplace_back(property, property->value());
+      property->assign(value, place / key);
+    }
+    validate();
+  } catch (Error& e) {
+    for (auto entry = old.rbegin(); entry != old.rend(); ++entry) entry->first->assign(entry->second, {});
+    throw e.at(place.of(object));
+  }
+}
+
+Value Configurable::changedValues() const {
+  Value object = Value::object();
+  for (const Property* property : properties_)
+    if (!(property->value() == property->defaultValue())) object[property->name()] = property->value();
+  return object;
+}
+
+Value Configurable::schema() const {
+  Value members = Value::object();
+  for (const Property* property : properties_) {
+    Value schema = property->schema();
+    std::string doc(property->spec().doc);
+    if (!property->spec().unit.empty())
+      doc += (doc.empty() ? "[" : " [") + std::string(property->spec().unit) + "]";
+    if (!doc.empty()) schema["description"] = doc;
+    if (property->group() == nullptr) schema["default"] = property->defaultValue();
+    members[property->name()] = std::move(schema);
+  }
+  Value schema = Value::object();
+  schema["type"] = "object";
+  schema["properties"] = std::move(members);
+  schema["additionalProperties"] = false;
+  return schema;
+}
+
+}  // namespace weir

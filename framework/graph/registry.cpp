@@ -1,0 +1,57 @@
+#include "framework/graph/registry.h"
+
+namespace weir {
+
+namespace {
+
+template <class Entry>
+void addUnique(std::map<std::string, Entry>& entries, const std::string& name, Entry entry,
+               const char* kind) {
+  const auto [place, added] = entries.emplace(name, entry);
+  if (!added)
+    throw sceneError(std::string("two libraries add the ") + kind + " '" + name +
+                         "': " + place->second.source + " and " + entry.source,
+                     "a name of its own for each");
+}
+
+template <class Entry>
+const Entry& lookUp(const std::map<std::string, Entry>& entries, std::string_view name, const char* kind) {
+  const auto found = entries.find(std::string(name));
+  if (found != entries.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, entry] : entries) names.push_back(known);
+  const std::string nearest = closestName(name, names);
+  throw sceneError(std::string("there is no ") + kind + " '" + std::string(name) + "'", joinNames(names),
+                   nearest.empty() ? "a plugin may be missing" : "did you mean '" + nearest + "'?");
+}
+
+}  // namespace
+
+void Registry::addNodeType(NodeType type) {
+  const std::string name(type.info.type);
+  addUnique(nodes_, name, std::move(type), "node type");
+}
+
+void Registry::addModuleType(ModuleType type) {
+  const std::string name(type.info.type);
+  addUnique(modules_, name, std::move(type), "module type");
+}
+
+void Registry::addSectionType(const std::string& name, SectionType type) {
+  addUnique(sections_, name, std::move(type), "section");
+}
+
+void Registry::addServiceFactory(const std::string& interface, const std::string& name, std::any factory) {
+  if (!services_[interface].emplace(name, std::move(factory)).second)
+    throw sceneError("two libraries add the " + interface + " '" + name + "'", "a name of its own for each");
+}
+
+std::unique_ptr<Node> Registry::createNode(std::string_view type) const {
+  return lookUp(nodes_, type, "node type").create();
+}
+
+std::unique_ptr<Module> Registry::createModule(std::string_view type) const {
+  return lookUp(modules_, type, "module type").create();
+}
+
+}  // namespace weir

@@ -1,0 +1,194 @@
+#include "framework/graph/scene_graph.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "framework/compute/profiler.h"
+
+namespace weir {
+
+namespace {
+
+// What a node may not be called, because options like --set world.dt=… would be ambiguous.
+constexpr std::string_view kReservedNames[] = {"world", "render", "title"};
+
+template <class F>
+void inNode(Node& node, F&& f) {
+  try {
+    f();
+  } catch (Error& e) {
+    throw e.inNode(node.name());
+  }
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+template <class P>
+std::string portNames(const std::vector<P*>& ports) {
+  std::vector<std::string> names;
+  for (const P* port : ports) names.push_back(port->name());
+  return names.empty() ? "nothing: it has none" : joinNames(names);
+}
+
+template <class P>
+Error noSuchPort(const Node& node, const std::string& name, const std::vector<P*>& ports, const char* kind) {
+  std::vector<std::string> names;
+  for (const P* port : ports) names.push_back(port->name());
+  const std::string nearest = closestName(name, names);
+  return sceneError(
+      "'" + node.name() + "' (" + std::string(node.info().type) + ") has no " + kind + " '" + name + "'",
+      portNames(ports), nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+}
+
+/// The names on a path of links from `from` to `to`; empty if there is none.
+std::vector<std::string> pathBetween(Node& from, const Node& to) {
+  std::map<const Node*, const Node*> cameFrom{{&from, nullptr}};
+  std::vector<const Node*> open{&from};
+  while (!open.empty() && !cameFrom.contains(&to)) {
+    const Node* node = open.back();
+    open.pop_back();
+    for (const OutputPort* output : node->outputs())
+      for (const InputPort* input : output->links())
+        if (cameFrom.emplace(&input->node(), node).second) open.push_back(&input->node());
+  }
+  std::vector<std::string> path;
+  if (cameFrom.contains(&to))
+    for (const Node* node = &to; node != nullptr; node = cameFrom[node])
+      path.insert(path.begin(), node->name());
+  return path;
+}
+
+}  // namespace
+
+bool SceneGraph::isValidName(std::string_view name) {
+  constexpr std::size_t kLongestName = 100;
+  if (name.empty() || name.size() > kLongestName || !std::isalpha(static_cast<unsigned char>(name[0])))
+    return false;
+  if (std::find(std::begin(kReservedNames), std::end(kReservedNames), name) != std::end(kReservedNames))
+    return false;
+  return std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+}
+
+Node& SceneGraph::add(std::unique_ptr<Node> node, const std::string& name) {
+  if (!isValidName(name))
+    throw sceneError("'" + Value(name).brief() + "' is no name for a node",
+                     "letters, digits, '_' and '-', starting with a letter; not world, render or title");
+  if (find(name) != nullptr)
+    throw sceneError("there are two nodes '" + name + "'", "a name of its own for each");
+  node->setName(name);
+  nodes_.push_back(std::move(node));
+  return *nodes_.back();
+}
+
+Node* SceneGraph::find(std::string_view name) const {
+  for (const auto& node : nodes_)
+    if (node->name() == name) return node.get();
+  return nullptr;
+}
+
+Link SceneGraph::parseLink(std::string_view text) {
+  const auto fail = [&] {
+    return sceneError("found " + Value(text).brief(), "a link of the form \"node.output -> node.input\"");
+  };
+  const auto arrow = text.find("->");
+  if (arrow == std::string_view::npos) throw fail();
+  const auto split = [&](std::string_view end) {
+    end = trimmed(end);
+    const auto dot = end.find('.');
+    if (dot == std::string_view::npos || dot == 0 || dot + 1 == end.size() ||
+        end.find_first_of(" \t.>", dot + 1) != std::string_view::npos)
+      throw fail();
+    return std::pair(std::string(end.substr(0, dot)), std::string(end.substr(dot + 1)));
+  };
+  const auto [fromNode, output] = split(text.substr(0, arrow));
+  const auto [toNode, input] = split(text.substr(arrow + 2));
+  return {fromNode, output, toNode, input};
+}
+
+void SceneGraph::link(const Link& link) {
+  const auto node = [&](const std::string& name) -> Node& {
+    if (Node* found = find(name)) return *found;
+    std::vector<std::string> names;
+    for (const auto& n : nodes_) names.push_back(n->name());
+    const std::string nearest = closestName(name, names);
+    throw sceneError("there is no node '" + name + "'", joinNames(names),
+                     nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+  };
+  Node& from = node(link.fromNode);
+  Node& to = node(link.toNode);
+  OutputPort* output = from.findOutput(link.output);
+  if (output == nullptr) throw noSuchPort(from, link.output, from.outputs(), "output");
+  InputPort* input = to.findInput(link.input);
+  if (input == nullptr) throw noSuchPort(to, link.input, to.inputs(), "input");
+
+  if (const auto back = pathBetween(to, from); !back.empty())
+    throw sceneError(
+        "the link \"" + link.text() + "\" closes a cycle: " + joinNames(back, " -> ") + " -> " + back.front(),
+        "links without a cycle");
+  input->link(*output);
+  links_.push_back(link);
+}
+
+void SceneGraph::validate() const {
+  for (const auto& node : nodes_)
+    for (const InputPort* input : node->inputs())
+      if (input->required() && input->links().empty())
+        throw sceneError("the input '" + input->path() + "' is not linked",
+                         "a link from an output of type " + input->typeName())
+            .inNode(node->name());
+}
+
+std::vector<Node*> SceneGraph::order() const {
+  std::map<std::string, Node*> ready;  // by name: the order where the links leave it free
+  std::map<const Node*, std::size_t> waitingFor;
+  for (const auto& node : nodes_) {
+    std::size_t links = 0;
+    for (const InputPort* input : node->inputs()) links += input->links().size();
+    waitingFor[node.get()] = links;
+    if (links == 0) ready[node->name()] = node.get();
+  }
+  std::vector<Node*> order;
+  while (!ready.empty()) {
+    Node* node = ready.begin()->second;
+    ready.erase(ready.begin());
+    order.push_back(node);
+    for (const OutputPort* output : node->outputs())
+      for (const InputPort* input : output->links())
+        if (--waitingFor[&input->node()] == 0) ready[input->node().name()] = &input->node();
+  }
+  WEIR_CHECK(order.size() == nodes_.size());  // link() refuses cycles
+  return order;
+}
+
+void SceneGraph::reset(const SetupContext& context) {
+  validate();
+  order_ = order();
+  for (const auto& node : nodes_)
+    for (OutputPort* output : node->outputs()) output->forgetRequests();
+  for (auto node = order_.rbegin(); node != order_.rend(); ++node)
+    inNode(**node, [&] { (*node)->configure(context); });
+  for (Node* node : order_) {
+    const ProfileScope scope(context.device.profiler(), node->name());
+    inNode(*node, [&] { node->reset(context); });
+  }
+}
+
+void SceneGraph::step(const StepContext& context) {
+  for (Node* node : order_) {
+    const ProfileScope scope(context.device.profiler(), node->name());
+    inNode(*node, [&] { node->step(context); });
+  }
+}
+
+void SceneGraph::frame(const StepContext& context) {
+  for (Node* node : order_) inNode(*node, [&] { node->frame(context); });
+}
+
+}  // namespace weir
