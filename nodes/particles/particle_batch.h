@@ -1,0 +1,37 @@
+// Particles on their way into a fluid: what samplers, files and emitters put out.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "framework/base/vec.h"
+#include "framework/compute/array.h"
+
+namespace weir {
+
+/// The first `count` elements of both arrays are particles, on the scene's device. A sampler fills it in
+/// reset(); an emitter refills it in every step with the particles born in that step, placed where they are at
+/// the beginning of the step.
+struct ParticleBatch {
+  static constexpr std::string_view kPortType = "ParticleBatch";
+
+  /// What a fluid asks of its sources.
+  struct Request {
+    float spacing = 0;  ///< m
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+
+  std::int64_t count = 0;
+  Array<Vec3f> positions;   ///< m
+  Array<Vec3f> velocities;  ///< m/s
+
+  /// Replaces the contents by host data of equal length.
+  void assign(Device& device, std::span<const Vec3f> hostPositions, std::span<const Vec3f> hostVelocities) {
+    WEIR_CHECK(hostPositions.size() == hostVelocities.size());
+    count = static_cast<std::int64_t>(hostPositions.size());
+    positions = Array<Vec3f>(device, hostPositions);
+    velocities = Array<Vec3f>(device, hostVelocities);
+  }
+};
+
+}  // namespace weir
