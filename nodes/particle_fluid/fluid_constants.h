@@ -1,0 +1,48 @@
+// The numbers that describe a fluid and its discretisation; all modules of a fluid share them.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "framework/graph/param_types.h"
+#include "nodes/particle_fluid/spiky_kernel.h"
+
+namespace weir {
+
+/// What the kernel's normalisation s makes exact.
+enum class Calibration { kPacking, kLattice };
+template <>
+struct EnumNames<Calibration> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"packing", "A settled fluid holds one particle per spacing cubed: no volume is lost at rest."},
+      EnumName{"lattice", "A cubic lattice has rest density, as in the authors' code; fluid loses volume as it settles."}};
+};
+
+struct FluidConstants {
+  float spacing = 0;         ///< d, m
+  float supportRadius = 0;   ///< H, m
+  float restDensity = 0;     ///< ρ0, kg/m³
+  float particleVolume = 0;  ///< V0 = d³, m³
+  float particleMass = 0;    ///< m = ρ0·V0, kg
+  float bulkModulus = 0;     ///< K, Pa
+  float calibration = 0;     ///< s
+  SpikyKernel kernel;
+
+  /// Speed of sound squared, c² = K/ρ0, m²/s².
+  float soundSpeedSquared() const { return bulkModulus / restDensity; }
+};
+
+/// s = 1 / Σ V0·W₁ over the cubic lattice of spacing d, centre included, for H = supportRatio·d.
+double latticeCalibration(double supportRatio);
+
+/// s such that a settled fluid has rest density at one particle per d³: the lattice value times a measured
+/// factor, interpolated between support ratios 1.1 and 3.
+double packingCalibration(double supportRatio);
+
+/// Room for the neighbours of one particle, a multiple of 8.
+int neighborCapacity(double supportRatio);
+
+FluidConstants makeFluidConstants(float spacing, float supportRatio, float restDensity, float bulkModulus,
+                                  Calibration calibration);
+
+}  // namespace weir

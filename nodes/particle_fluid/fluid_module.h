@@ -1,0 +1,46 @@
+// What the modules of a fluid work on. A module of one's own derives from FluidModule:
+//
+//   class Vortex : public FluidModule {
+//    public:
+//     static constexpr ModuleInfo kInfo{"Vortex", kFamily, "Swirls the fluid about the y axis."};
+//     const ModuleInfo& info() const override { return kInfo; }
+//     void step(FluidStep& fluid) override;
+//   };
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "framework/graph/module.h"
+#include "framework/graph/node.h"
+#include "nodes/particle_fluid/fluid_constants.h"
+#include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/particle_set.h"
+
+namespace weir {
+
+struct Boundary;
+
+/// The state of a fluid within one step. Between the modules `predict` and the solver, positions are predicted
+/// ones; before and after, they are those of the beginning and the end of the step.
+struct FluidStep {
+  const StepContext& time;
+  Device& device;
+  const FluidConstants& constants;
+  ParticleSet& particles;
+  NeighborList& neighbors;
+  const std::vector<const Boundary*>& boundaries;
+  Aabb domain;  ///< particles outside are removed
+};
+
+class FluidModule : public Module {
+ public:
+  static constexpr std::string_view kFamily = "FluidModule";
+
+  /// Before the first step: adds attributes, checks parameters against the fluid.
+  virtual void reset(FluidStep&) {}
+  virtual void step(FluidStep& fluid) = 0;
+  virtual void report(FluidStep&, NodeReport&) {}
+};
+
+}  // namespace weir

@@ -1,0 +1,54 @@
+#include "nodes/particle_fluid/modules/boundary_collision.h"
+
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+namespace {
+
+struct Collide {
+  BoundaryView boundary;
+  float radius;
+  ArrayView<Vec3f> positions, velocities;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    // In a corner, leaving one wall may mean entering another.
+    constexpr int kMostContacts = 4;
+    Vec3f p = positions[i];
+    Vec3f v = velocities[i];
+    int contacts = 0;
+    for (; contacts < kMostContacts; ++contacts) {
+      const BoundaryHit hit = boundaryQuery(boundary, p);
+      if (!(hit.distance < radius)) break;
+      p += (radius - hit.distance) * hit.normal;
+      v = reflected(v, hit);
+    }
+    if (contacts == 0) return;
+    positions[i] = p;
+    velocities[i] = v;
+  }
+
+  WEIR_HD static Vec3f reflected(const Vec3f& v, const BoundaryHit& hit) {
+    const float normalSpeed = dot(v, hit.normal);
+    if (normalSpeed >= 0) return v;
+    const float change = -(1 + hit.restitution) * normalSpeed;
+    const Vec3f tangential = v - normalSpeed * hit.normal;
+    const float slip = length(tangential);
+    const float kept = slip > 0 ? 1 - hit.friction * change / slip : 0.0f;
+    return (normalSpeed + change) * hit.normal + (kept > 0 ? kept : 0.0f) * tangential;
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void BoundaryCollision::stepOn(Backend& device, FluidStep& fluid) {
+  for (const Boundary* boundary : fluid.boundaries)
+    parallelFor(device, "collide", fluid.particles.count(),
+                Collide{boundary->view(), 0.5f * fluid.constants.spacing, fluid.particles.positions().view(),
+                        fluid.particles.velocities().view()});
+}
+
+template void BoundaryCollision::stepOn(ThisBackend&, FluidStep&);
+
+}  // namespace weir

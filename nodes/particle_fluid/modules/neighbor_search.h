@@ -1,0 +1,17 @@
+// Sorts the particles and finds the neighbours that the modules behind it use.
+#pragma once
+
+#include "nodes/particle_fluid/fluid_module.h"
+
+namespace weir {
+
+class NeighborSearch final : public FluidModule {
+ public:
+  static constexpr ModuleInfo kInfo{"NeighborSearch", kFamily,
+                                    "Sorts particles by cell and lists the neighbours of each, once a step."};
+  const ModuleInfo& info() const override { return kInfo; }
+
+  void step(FluidStep& fluid) override { fluid.neighbors.build(fluid.particles, fluid.domain); }
+};
+
+}  // namespace weir

@@ -1,0 +1,22 @@
+// v* = v + dt·g,  x* = x + dt·v*  (paper, Algorithm 1, first loop).
+#pragma once
+
+#include "nodes/particle_fluid/fluid_module.h"
+
+namespace weir {
+
+class Predict final : public FluidModule {
+ public:
+  static constexpr ModuleInfo kInfo{"Predict", kFamily, "Moves particles by their velocity and gravity alone."};
+  const ModuleInfo& info() const override { return kInfo; }
+
+  void step(FluidStep& fluid) override {
+    dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+  }
+
+ private:
+  template <class Backend>
+  void stepOn(Backend& device, FluidStep& fluid);
+};
+
+}  // namespace weir

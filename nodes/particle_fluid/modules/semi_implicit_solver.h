@@ -1,0 +1,45 @@
+// Semi-implicit successive substitution for incompressibility: the paper's Eq. 14 (or 12), bulk energy B0.
+//
+// With λ = ρ/ρ0, Ḃ = max(λ, 1) − 1 (or λ − 1 with tension), a_ij = (c·dt)²·V0·|W'(r_ij)|/r_ij and predicted
+// positions x*, each iteration moves every particle by
+//
+//   Δx_i = [ (x*_i − x_i) − Σ_j (Ḃ_i + Ḃ_j)·a_ij·(x_j − x_i) ] / [ 1 + 2·Σ_j a_ij ]
+//
+// which is Eq. 14 in displacement form with the sign of Eq. 8 corrected. The non-conservative form (Eq. 12) has
+// Ḃ_i alone in place of the sum and a divisor of 1 + Σ_j a_ij. Both directed contributions of a pair are known to
+// each of its particles, so the update only gathers. Velocities gain (x^N − x*)/dt.
+#pragma once
+
+#include "nodes/particle_fluid/fluid_module.h"
+
+namespace weir {
+
+class SemiImplicitSolver final : public FluidModule {
+ public:
+  static constexpr ModuleInfo kInfo{"SemiImplicitSolver", kFamily,
+                                    "Keeps the fluid incompressible by semi-implicit successive substitution."};
+  const ModuleInfo& info() const override { return kInfo; }
+
+  Param<int> iterations{*this, "iterations", 3, {.min = 1, .max = 10000, .live = true,
+                        .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
+  Param<bool> conservative{*this, "conservative", true, {.live = true,
+                           .doc = "Equal and opposite displacements (Eq. 14), or each particle's own terms only (Eq. 12)."}};
+  Param<bool> tension{*this, "tension", false, {.live = true,
+                      .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
+
+  void step(FluidStep& fluid) override {
+    dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+  }
+  void report(FluidStep&, NodeReport& report) override;
+
+ private:
+  template <class Backend>
+  void stepOn(Backend& device, FluidStep& fluid);
+  void reserve(FluidStep& fluid);
+
+  // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
+  Array<Vec4f> state_, weighted_;
+  Array<Vec3f> displacement_;
+};
+
+}  // namespace weir

@@ -1,0 +1,115 @@
+#include "nodes/particle_fluid/particle_fluid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "nodes/particle_fluid/fluid_statistics.h"
+#include "nodes/particle_fluid/modules/boundary_collision.h"
+#include "nodes/particle_fluid/modules/neighbor_search.h"
+#include "nodes/particle_fluid/modules/predict.h"
+#include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/xsph.h"
+
+namespace weir {
+
+ParticleFluid::ParticleFluid() {
+  pipeline_.add<Predict>("predict");
+  pipeline_.add<NeighborSearch>("neighbors");
+  pipeline_.add<SemiImplicitSolver>("solver");
+  pipeline_.add<Xsph>("viscosity");
+  pipeline_.add<BoundaryCollision>("boundary");
+  pipeline_.markDefault();
+}
+
+void ParticleFluid::validate() const {
+  if (mu.get() && bulkModulus.isSet())
+    throw sceneError("both bulk_modulus and mu are given", "one of them: they say the same in different units");
+  const Aabb box = domain();
+  if (box.empty()) throw sceneError("domain_min is above domain_max", "a box that is not empty");
+}
+
+Aabb ParticleFluid::domain() const {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  return {domainMin.get().value_or(Vec3f{-kFar, -kFar, -kFar}), domainMax.get().value_or(Vec3f{kFar, kFar, kFar})};
+}
+
+void ParticleFluid::configure(const SetupContext&) {
+  initial.request({spacing});
+  emitters.request({spacing});
+  boundaries.request({spacing});
+}
+
+void ParticleFluid::reset(const SetupContext& context) {
+  const float volume = spacing * spacing * spacing;
+  constants_ = makeFluidConstants(spacing, supportRatio, restDensity, mu.get() ? *mu.get() / volume : bulkModulus.get(),
+                                  calibration);
+  State& state = state_.emplace(context.device);
+  state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
+  state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});
+  for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
+  *fluid = {&state.particles, &constants_};
+
+  for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
+  const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
+  FluidStep step = fluidStep(start);
+  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
+  frame(start);
+}
+
+FluidStep ParticleFluid::fluidStep(const StepContext& time) {
+  State& state = *state_;
+  return {time, time.device, constants_, state.particles, state.neighbors, state.boundaries, domain()};
+}
+
+void ParticleFluid::step(const StepContext& context) {
+  for (std::size_t i = 0; i < emitters.size(); ++i) state_->particles.append(emitters[i]);
+  if (state_->particles.bound() == 0) return;
+  FluidStep step = fluidStep(context);
+  pipeline_.forEachEnabled([&](FluidModule& module) {
+    const ProfileScope scope(context.device.profiler(), module.name());
+    module.step(step);
+  });
+}
+
+void ParticleFluid::frame(const StepContext& context) {
+  State& state = *state_;
+  state.gravity = context.gravity;
+  if (state.particles.refreshCount() > 0) {
+    dispatch(context.device, [&](auto& device) { boundingBoxOn(device); });
+    state.neighbors.fitGrid(state.box.toHost().front(), state.particles.bound());
+    state.neighbors.build(state.particles, domain());
+    state.particles.refreshCount();
+    dispatch(context.device, [&](auto& device) { densityOn(device); });
+  }
+  checkEvents();
+}
+
+void ParticleFluid::checkEvents() {
+  State& state = *state_;
+  // A few lost numbers are tolerated and reported; more means that the simulation has blown up.
+  constexpr std::int64_t kMostNonFinite = 10;
+  constexpr double kMostNonFiniteShare = 1e-3;
+  state.events = state.neighbors.eventsOnHost();
+  const double most = std::max(double(kMostNonFinite), kMostNonFiniteShare * double(state.particles.bound()));
+  if (state.events.nonFinite > most)
+    throw simulationError(
+        fmt::format("the simulation diverged: {} particles have positions or velocities that are no numbers",
+                    state.events.nonFinite),
+        {}, "use a smaller world.dt, a smaller bulk_modulus, or more solver iterations");
+}
+
+void ParticleFluid::report(NodeReport& report) {
+  if (!state_) return;
+  State& state = *state_;
+  state.particles.refreshCount();
+  writeFluidStatistics(state.particles, state.neighbors, constants_, state.gravity, report.statistics);
+  report.statistics["neighbors_truncated"] = state.events.truncated;
+  report.statistics["particles_escaped"] = state.events.escaped;
+  report.statistics["particles_not_finite"] = state.events.nonFinite;
+  report.events.push_back({"neighbour lists were cut off (more neighbours than there is room for)", state.events.truncated});
+  report.events.push_back({"particles left the domain and were removed", state.events.escaped});
+  report.events.push_back({"particles with positions that are no numbers were removed", state.events.nonFinite});
+}
+
+}  // namespace weir

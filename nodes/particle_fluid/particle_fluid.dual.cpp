@@ -1,0 +1,54 @@
+#include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+
+namespace weir {
+
+namespace {
+
+struct PointBox {
+  ArrayView<const Vec3f> positions;
+  WEIR_HD Aabb operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    // A particle that is no longer finite must not spoil the box of the others.
+    return isFinite(p) ? Aabb{p, p} : Aabb{};
+  }
+};
+
+struct UniteBoxes {
+  WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
+};
+
+struct Density {
+  NeighborView neighbors;
+  SpikyKernel kernel;
+  float particleVolume, restDensity;
+  ArrayView<const Vec3f> positions;
+  ArrayView<float> density;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    density[i] = restDensity * relativeDensity(i, neighbors, kernel, particleVolume,
+                                               [this](std::int64_t j) { return positions[j]; });
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void ParticleFluid::boundingBoxOn(Backend& device) {
+  State& state = *state_;
+  reduce(device, "bounding box", state.particles.count(), Aabb{}, PointBox{state.particles.positions().view()},
+         UniteBoxes{}, state.box.data());
+}
+
+template <class Backend>
+void ParticleFluid::densityOn(Backend& device) {
+  State& state = *state_;
+  parallelFor(device, "density", state.particles.count(),
+              Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
+                      state.particles.positions().view(), state.density->view()});
+}
+
+template void ParticleFluid::boundingBoxOn(ThisBackend&);
+template void ParticleFluid::densityOn(ThisBackend&);
+
+}  // namespace weir

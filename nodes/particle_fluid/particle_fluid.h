@@ -1,0 +1,88 @@
+// A fluid made of particles: where all samplers, emitters and boundaries of one liquid meet.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "framework/graph/node.h"
+#include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particles/particle_batch.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+/// What travels from a fluid to renderers, exporters and couplings.
+struct Fluid {
+  static constexpr std::string_view kPortType = "Fluid";
+  ParticleSet* particles = nullptr;
+  const FluidConstants* constants = nullptr;
+};
+
+class ParticleFluid final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{
+      "ParticleFluid", "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH)."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<float> spacing{*this, "spacing", 0.01f, {.unit = "m", .min = 0, .max = 1000, .aboveMin = true,
+                       .softMin = 0.002, .softMax = 0.1,
+                       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked."}};
+  Param<float> supportRatio{*this, "support_ratio", 1.5f, {.min = 1.1, .max = 3,
+                            .doc = "Radius in which particles interact, in spacings. 1.2 is the paper's."}};
+  Param<float> restDensity{*this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true,
+                           .doc = "Density at rest."}};
+  Param<float> bulkModulus{*this, "bulk_modulus", 1e6f, {.unit = "Pa", .min = 0, .aboveMin = true,
+                           .doc = "Stiffness against compression; the speed of sound is sqrt(bulk_modulus / rest_density)."}};
+  Param<std::optional<float>> mu{*this, "mu", std::nullopt, {.unit = "J", .min = 0, .aboveMin = true,
+                                 .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3."}};
+  Param<Calibration> calibration{*this, "calibration", Calibration::kPacking,
+                                 {.doc = "Which arrangement of particles has rest density."}};
+  Param<std::optional<Vec3f>> domainMin{*this, "domain_min", std::nullopt,
+                                        {.unit = "m", .doc = "Lower corner of the box in which particles live."}};
+  Param<std::optional<Vec3f>> domainMax{*this, "domain_max", std::nullopt,
+                                        {.unit = "m", .doc = "Upper corner of that box. Particles outside are removed and counted."}};
+
+  Inputs<ParticleBatch> initial{*this, "initial", "Particles that are there from the start."};
+  Inputs<ParticleBatch> emitters{*this, "emitters", "Particles that are born in each step."};
+  Inputs<Boundary> boundaries{*this, "boundaries", "Solids and containers that the fluid does not enter."};
+  Output<Fluid> fluid{*this, "fluid", "The fluid."};
+
+  ParticleFluid();
+
+  PipelineBase* pipeline() override { return &pipeline_; }
+  void validate() const override;
+  void configure(const SetupContext& context) override;
+  void reset(const SetupContext& context) override;
+  void step(const StepContext& context) override;
+  void frame(const StepContext& context) override;
+  void report(NodeReport& report) override;
+  std::int64_t particleCount() const override { return state_ ? state_->particles.bound() : 0; }
+
+ private:
+  /// What exists from reset on, on the device of that reset.
+  struct State {
+    explicit State(Device& device) : particles(device), neighbors(device), box(device, 1) {}
+    ParticleSet particles;
+    NeighborList neighbors;
+    Array<Aabb> box;
+    Array<float>* density = nullptr;
+    std::vector<const Boundary*> boundaries;
+    Vec3f gravity{};
+    NeighborEvents events;
+    std::int64_t appended = 0;
+  };
+
+  FluidStep fluidStep(const StepContext& time);
+  Aabb domain() const;
+  void checkEvents();
+  template <class Backend>
+  void boundingBoxOn(Backend& device);
+  template <class Backend>
+  void densityOn(Backend& device);
+
+  Pipeline<FluidModule> pipeline_;
+  FluidConstants constants_;
+  std::optional<State> state_;
+};
+
+}  // namespace weir

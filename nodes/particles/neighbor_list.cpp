@@ -1,0 +1,47 @@
+#include "nodes/particles/neighbor_list.h"
+
+#include <algorithm>
+
+namespace weir {
+
+static_assert(sizeof(NeighborEvents) == 3 * sizeof(int));
+
+NeighborList::NeighborList(Device& device)
+    : shift_(device.kind() == DeviceKind::kCuda ? 5 : 0),
+      sort_(device),
+      entries_(device),
+      counts_(device),
+      kept_(device, 1),
+      events_(device) {
+  events_.resize(3);
+  events_.fillZero();
+}
+
+void NeighborList::configure(float radius, int capacity) {
+  WEIR_CHECK(radius > 0);
+  WEIR_CHECK(capacity > 0);
+  radius_ = radius;
+  capacity_ = capacity;
+  grid_ = chooseCellGrid({}, radius, 0);
+}
+
+void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
+  // About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
+  constexpr std::int64_t kCellsPerParticle = 4;
+  constexpr std::int64_t kFewestCells = 1 << 12;
+  constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
+  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells));
+}
+
+void NeighborList::build(ParticleSet& particles, const Aabb& domain) {
+  dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain); });
+}
+
+NeighborView NeighborList::view() const { return {entries_.data(), counts_.data(), capacity_, shift_}; }
+
+NeighborEvents NeighborList::eventsOnHost() const {
+  const std::vector<int> values = events_.toHost();
+  return {values[0], values[1], values[2]};
+}
+
+}  // namespace weir

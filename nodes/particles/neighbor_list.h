@@ -1,0 +1,75 @@
+// Neighbours of every particle within a radius, found once a step and walked many times.
+#pragma once
+
+#include <cstdint>
+
+#include "framework/compute/cell_sort.h"
+#include "nodes/particles/cell_grid.h"
+#include "nodes/particles/particle_set.h"
+
+namespace weir {
+
+/// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i &
+/// mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines.
+struct NeighborView {
+  const int* entries = nullptr;
+  const int* counts = nullptr;
+  int capacity = 0;
+  int shift = 0;
+
+  WEIR_HD std::int64_t first(std::int64_t i) const {
+    return (((i >> shift) * capacity) << shift) + (i & ((std::int64_t{1} << shift) - 1));
+  }
+};
+
+/// Calls f(j) for every neighbour j of particle i; i itself is none of them.
+template <class F>
+WEIR_HD inline void forEachNeighbor(std::int64_t i, const NeighborView& list, F&& f) {
+  const int count = list.counts[i];
+  const int* entry = list.entries + list.first(i);
+  const int stride = 1 << list.shift;
+  for (int k = 0; k < count; ++k, entry += stride) f(*entry);
+}
+
+/// Rare events of the search, counted on the device since the last reset.
+struct NeighborEvents {
+  int truncated = 0;  ///< lists that had more neighbours than there is room for
+  int escaped = 0;    ///< particles that left the domain and were removed
+  int nonFinite = 0;  ///< particles with a position or velocity that is no number, removed
+};
+
+/// Sorts particles by cell and builds the lists.
+class NeighborList {
+ public:
+  explicit NeighborList(Device& device);
+
+  /// Radius in m, and the longest list.
+  void configure(float radius, int capacity);
+  /// The shape of the grid; any shape gives the same neighbours.
+  void fitGrid(const Aabb& box, std::int64_t particles);
+
+  /// Removes particles that are outside `domain` or not finite, sorts the rest by cell, and finds for each all
+  /// others closer than the radius. Lists are reciprocal unless truncated.
+  void build(ParticleSet& particles, const Aabb& domain);
+
+  NeighborView view() const;
+  int capacity() const { return capacity_; }
+  // Both wait for the device.
+  NeighborEvents eventsOnHost() const;
+  std::vector<int> countsOnHost(std::int64_t particles) const { return counts_.toHost(particles); }
+
+ private:
+  template <class Backend>
+  void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain);
+
+  float radius_ = 0;
+  int capacity_ = 0;
+  int shift_ = 0;
+  CellGrid grid_;
+  CellSort sort_;
+  Array<int> entries_, counts_;
+  Array<int> kept_;    // one number: the particles that a sort left
+  Array<int> events_;  // NeighborEvents
+};
+
+}  // namespace weir

@@ -1,0 +1,114 @@
+#include "nodes/particles/particle_set.h"
+
+#include <limits>
+
+#include "framework/base/error.h"
+#include "nodes/particles/attribute_storage.h"
+
+namespace weir {
+
+using detail::AttributeStorage;
+using detail::TypedStorage;
+
+ParticleSet::ParticleSet(Device& device) : device_(&device), counter_(device) {
+  counter_.resize(1);
+  counter_.fillZero();
+  positions_ = &add<Vec3f>({"position", AttributeType::kVec3, "m", "Position."});
+  velocities_ = &add<Vec3f>({"velocity", AttributeType::kVec3, "m/s", "Velocity."});
+  ids_ = &add<int>({"id", AttributeType::kInt, "", "A number that stays with the particle, from 0."});
+}
+
+ParticleSet::~ParticleSet() = default;
+ParticleSet::ParticleSet(ParticleSet&&) noexcept = default;
+ParticleSet& ParticleSet::operator=(ParticleSet&&) noexcept = default;
+
+AttributeStorage* ParticleSet::storage(std::string_view name) const {
+  for (const auto& storage : storages_)
+    if (storage->info().name == name) return storage.get();
+  return nullptr;
+}
+
+const AttributeInfo* ParticleSet::find(std::string_view name) const {
+  const AttributeStorage* found = storage(name);
+  return found != nullptr ? &found->info() : nullptr;
+}
+
+std::vector<AttributeInfo> ParticleSet::attributes() const {
+  std::vector<AttributeInfo> infos;
+  for (const auto& storage : storages_) infos.push_back(storage->info());
+  return infos;
+}
+
+template <class T>
+Array<T>& ParticleSet::add(const AttributeInfo& info) {
+  if (AttributeStorage* found = storage(info.name)) {
+    auto* typed = dynamic_cast<TypedStorage<T>*>(found);
+    if (typed == nullptr)
+      throw sceneError("two modules use the particle attribute '" + info.name + "' with different types",
+                       "one type for one name");
+    return typed->values;
+  }
+  AttributeInfo typedInfo = info;
+  typedInfo.type = detail::attributeTypeOf<T>();
+  auto added = std::make_unique<TypedStorage<T>>(typedInfo, *device_);
+  added->resize(positions_ != nullptr ? positions_->size() : 0);
+  added->values.fillZero();
+  Array<T>& values = added->values;
+  storages_.push_back(std::move(added));
+  return values;
+}
+
+template <class T>
+Array<T>& ParticleSet::get(std::string_view name) {
+  auto* typed = dynamic_cast<TypedStorage<T>*>(storage(name));
+  WEIR_CHECK(typed != nullptr);
+  return typed->values;
+}
+
+template <class T>
+const Array<T>& ParticleSet::get(std::string_view name) const {
+  return const_cast<ParticleSet*>(this)->get<T>(name);
+}
+
+template Array<float>& ParticleSet::add<float>(const AttributeInfo&);
+template Array<Vec3f>& ParticleSet::add<Vec3f>(const AttributeInfo&);
+template Array<int>& ParticleSet::add<int>(const AttributeInfo&);
+template Array<float>& ParticleSet::get<float>(std::string_view);
+template Array<Vec3f>& ParticleSet::get<Vec3f>(std::string_view);
+template Array<int>& ParticleSet::get<int>(std::string_view);
+template const Array<float>& ParticleSet::get<float>(std::string_view) const;
+template const Array<Vec3f>& ParticleSet::get<Vec3f>(std::string_view) const;
+template const Array<int>& ParticleSet::get<int>(std::string_view) const;
+
+std::int64_t ParticleSet::refreshCount() {
+  bound_ = counter_.toHost().front();
+  return bound_;
+}
+
+void ParticleSet::reserve(std::int64_t capacity) {
+  for (const auto& storage : storages_) storage->resize(std::max(capacity, positions_->size()));
+}
+
+void ParticleSet::append(const ParticleBatch& batch) {
+  if (batch.count == 0) return;
+  if (bound_ + batch.count > std::numeric_limits<int>::max() || nextId_ + batch.count > std::numeric_limits<int>::max())
+    throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
+  const std::int64_t need = bound_ + batch.count;
+  if (need > positions_->size()) reserve(std::max(need, positions_->capacity()));
+  for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
+  dispatch(*device_, [&](auto& device) { appendOn(device, batch); });
+  bound_ = need;
+  nextId_ += batch.count;
+}
+
+void ParticleSet::permute(ArrayView<const int> order) {
+  for (const auto& storage : storages_) storage->permute(*device_, count(), order);
+}
+
+void ParticleSet::clear() {
+  counter_.fillZero();
+  bound_ = 0;
+  nextId_ = 0;
+}
+
+}  // namespace weir

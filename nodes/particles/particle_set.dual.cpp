@@ -1,0 +1,80 @@
+#include "nodes/particles/attribute_storage.h"
+#include "nodes/particles/particle_set.h"
+
+namespace weir {
+
+namespace {
+
+template <class T>
+struct GatherElements {
+  ArrayView<const T> from;
+  ArrayView<const int> order;
+  ArrayView<T> to;
+  WEIR_HD void operator()(std::int64_t k) const { to[k] = from[order[k]]; }
+};
+
+template <class T>
+struct ZeroBehind {
+  ArrayView<T> values;
+  const int* count;
+  WEIR_HD void operator()(std::int64_t k) const { values[*count + k] = T{}; }
+};
+
+struct AppendBatch {
+  ArrayView<const Vec3f> newPositions, newVelocities;
+  int firstId;
+  const int* count;
+  ArrayView<Vec3f> positions, velocities;
+  ArrayView<int> ids;
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = *count + k;
+    positions[i] = newPositions[k];
+    velocities[i] = newVelocities[k];
+    ids[i] = firstId + static_cast<int>(k);
+  }
+};
+
+struct Advance {
+  int* count;
+  int amount;
+  WEIR_HD void operator()(std::int64_t) const { *count += amount; }
+};
+
+}  // namespace
+
+namespace detail {
+
+template <class T>
+template <class Backend>
+void TypedStorage<T>::permuteOn(Backend& device, Count count, ArrayView<const int> order) {
+  spare_.resize(values.size());
+  parallelFor(device, "permute", count, GatherElements<T>{values.view(), order, spare_.view()});
+  values.swap(spare_);
+}
+
+template <class T>
+template <class Backend>
+void TypedStorage<T>::zeroBehindOn(Backend& device, const int* count, std::int64_t amount) {
+  parallelFor(device, "zero", amount, ZeroBehind<T>{values.view(), count});
+}
+
+template void TypedStorage<float>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
+template void TypedStorage<Vec3f>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
+template void TypedStorage<int>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
+template void TypedStorage<float>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+template void TypedStorage<Vec3f>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+
+}  // namespace detail
+
+template <class Backend>
+void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch) {
+  parallelFor(device, "append", batch.count,
+              AppendBatch{batch.positions.view(), batch.velocities.view(), static_cast<int>(nextId_), counter_.data(),
+                          positions_->view(), velocities_->view(), ids_->view()});
+  parallelFor(device, "advance count", 1, Advance{counter_.data(), static_cast<int>(batch.count)});
+}
+
+template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&);
+
+}  // namespace weir

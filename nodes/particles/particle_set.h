@@ -1,0 +1,91 @@
+// The particles of a fluid: a struct of arrays with a registry of named attributes.
+//
+// Sorting, removal, emission, export and rendering walk the registry, so an attribute that a module adds is
+// permuted, carried and shown like the built-in ones: position [m], velocity [m/s] and id.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/compute/parallel.h"
+#include "nodes/particles/particle_batch.h"
+
+namespace weir {
+
+enum class AttributeType { kFloat, kVec3, kInt };
+
+struct AttributeInfo {
+  std::string name;
+  AttributeType type = AttributeType::kFloat;
+  std::string unit;
+  std::string doc;
+};
+
+namespace detail {
+/// Storage of one attribute without its type; see particle_set.dual.cpp.
+class AttributeStorage;
+}  // namespace detail
+
+class ParticleSet {
+ public:
+  explicit ParticleSet(Device& device);
+  ~ParticleSet();
+  ParticleSet(ParticleSet&&) noexcept;
+  ParticleSet& operator=(ParticleSet&&) noexcept;
+
+  Device& device() const { return *device_; }
+
+  /// Adds an attribute with value 0 for all particles, now and when they are born; or finds the one of that
+  /// name, which must have the same type (a scene Error otherwise). T is float, Vec3f or int. The reference
+  /// lives as long as the set.
+  template <class T>
+  Array<T>& add(const AttributeInfo& info);
+  /// An attribute that is known to be there (a WEIR_CHECK otherwise).
+  template <class T>
+  Array<T>& get(std::string_view name);
+  template <class T>
+  const Array<T>& get(std::string_view name) const;
+  const AttributeInfo* find(std::string_view name) const;
+  std::vector<AttributeInfo> attributes() const;
+
+  Array<Vec3f>& positions() { return *positions_; }
+  Array<Vec3f>& velocities() { return *velocities_; }
+  Array<int>& ids() { return *ids_; }
+  const Array<Vec3f>& positions() const { return *positions_; }
+  const Array<Vec3f>& velocities() const { return *velocities_; }
+  const Array<int>& ids() const { return *ids_; }
+
+  /// The exact number stands on the device; the host knows an upper bound until the next refreshCount().
+  Count count() const { return {bound_, counter_.data()}; }
+  std::int64_t bound() const { return bound_; }
+  /// Device memory that holds the number.
+  int* counter() { return counter_.data(); }
+  /// Fetches the exact number; waits for the device.
+  std::int64_t refreshCount();
+
+  /// Adds the particles of a batch behind the others; their ids go on from the last one given.
+  void append(const ParticleBatch& batch);
+  /// Particle order[k] becomes particle k, for k < count(). The order may leave particles out if the counter
+  /// was lowered to fit.
+  void permute(ArrayView<const int> order);
+  void clear();
+
+ private:
+  template <class Backend>
+  void appendOn(Backend& device, const ParticleBatch& batch);
+  void reserve(std::int64_t capacity);
+  detail::AttributeStorage* storage(std::string_view name) const;
+
+  Device* device_;
+  std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
+  Array<Vec3f>* positions_ = nullptr;
+  Array<Vec3f>* velocities_ = nullptr;
+  Array<int>* ids_ = nullptr;
+  Array<int> counter_;
+  std::int64_t bound_ = 0;
+  std::int64_t nextId_ = 0;
+};
+
+}  // namespace weir

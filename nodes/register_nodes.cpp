@@ -1,0 +1,24 @@
+#include "nodes/register_nodes.h"
+
+#include "nodes/particle_fluid/modules/boundary_collision.h"
+#include "nodes/particle_fluid/modules/neighbor_search.h"
+#include "nodes/particle_fluid/modules/predict.h"
+#include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/xsph.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/square_emitter/square_emitter.h"
+
+namespace weir {
+
+void registerNodes(Registry& registry) {
+  registry.addNode<ParticleFluid>();
+  registry.addNode<SquareEmitter>();
+
+  registry.addModule<Predict>();
+  registry.addModule<NeighborSearch>();
+  registry.addModule<SemiImplicitSolver>();
+  registry.addModule<Xsph>();
+  registry.addModule<BoundaryCollision>();
+}
+
+}  // namespace weir

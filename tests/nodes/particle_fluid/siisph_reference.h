@@ -1,0 +1,35 @@
+// One step of semi-implicit incompressible SPH in double precision, over all pairs: slow, obvious, and written
+// from the equations alone. The oracle of the fast one.
+#pragma once
+
+#include <vector>
+
+#include "framework/base/vec.h"
+
+namespace weir::test {
+
+struct ReferenceFluid {
+  double spacing = 0.01, supportRatio = 1.2, restDensity = 1000, mu = 1;
+  double dt = 1e-3;
+  int iterations = 3;
+  bool conservative = true;
+  double xsph = 0;
+  Vec3d gravity{0, -9.8, 0};
+
+  std::vector<Vec3d> positions, velocities;
+
+  void step();
+  /// λ of every particle at the current positions.
+  std::vector<double> relativeDensities() const;
+
+ private:
+  double radius() const { return supportRatio * spacing; }
+  double calibration() const;
+  double kernel(double r) const;
+  double slope(double r) const;  ///< |W'|
+  std::vector<std::vector<int>> neighbors() const;
+  void solve(const std::vector<std::vector<int>>& neighbors);
+  void smooth(const std::vector<std::vector<int>>& neighbors);
+};
+
+}  // namespace weir::test
