@@ -1,7 +1,9 @@
 // Array<T>: elements on one device, from its pool. ArrayView<T>: the same elements as a kernel sees them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -56,11 +58,12 @@ class Array {
     if (capacity <= capacity_) return;
     WEIR_CHECK(device_ != nullptr);
     const std::int64_t grown = capacity_ > 0 ? std::max(capacity, capacity_ + capacity_ / 2) : capacity;
-    T* data = static_cast<T*>(device_->allocate(static_cast<std::size_t>(grown) * sizeof(T)));
-    if (size_ > 0) device_->copy(data, data_, static_cast<std::size_t>(size_) * sizeof(T));
-    const std::int64_t size = size_;
-    free();
-    data_ = data, size_ = size, capacity_ = grown;
+    Array bigger;
+    bigger.device_ = device_;
+    bigger.data_ = static_cast<T*>(device_->allocate(static_cast<std::size_t>(grown) * sizeof(T)));
+    bigger.size_ = size_, bigger.capacity_ = grown;
+    if (size_ > 0) device_->copy(bigger.data_, data_, static_cast<std::size_t>(size_) * sizeof(T));
+    swap(bigger);
   }
   void resize(std::int64_t size) {
     WEIR_CHECK(size >= 0);

@@ -1,8 +1,8 @@
 // The machine that a simulation runs on: its memory, its clock of work, and how kernels reach it.
 //
 // A Device is an object that is passed, never a global. CpuDevice and CudaDevice are the two back ends; code
-// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler and
-// once by nvcc. Everything else speaks to Device alone.
+// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler
+// and once by nvcc. Everything else speaks to Device alone.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@ enum class DeviceKind { kCpu, kCuda };
 
 /// Memory use of one device, in bytes.
 struct MemoryUse {
-  std::size_t inUse = 0;           ///< held by live arrays
-  std::size_t peak = 0;            ///< the largest inUse so far
-  std::size_t reserved = 0;        ///< held by the pool, in use or not
-  std::uint64_t allocations = 0;   ///< requests that had to go to the system, not to the pool
+  std::size_t inUse = 0;          ///< held by live arrays
+  std::size_t peak = 0;           ///< the largest inUse so far
+  std::size_t reserved = 0;       ///< held by the pool, in use or not
+  std::uint64_t allocations = 0;  ///< requests that had to go to the system, not to the pool
 };
 
 class Device {
@@ -97,8 +97,8 @@ class CpuDevice final : public Device {
 
   /// Calls body(context, begin, end) for consecutive ranges that cover [0, n), on all threads. The ranges are
   /// [k*grain, min(n, (k+1)*grain)): they depend on n and grain alone.
-  void forRanges(std::int64_t n, std::int64_t grain, void (*body)(void* context, std::int64_t begin, std::int64_t end),
-                 void* context);
+  void forRanges(std::int64_t n, std::int64_t grain,
+                 void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context);
 
  private:
   struct Impl;
