@@ -88,8 +88,8 @@ template <class Backend, class Key>
 void CellSort::sort(Backend& device, Count count, int cells, const Key& key, int* kept) {
   WEIR_CHECK(cells >= 0);
   WEIR_CHECK(count.bound <= std::numeric_limits<int>::max());
-  start_.resize(std::int64_t{cells} + 1);
-  for (Array<int>* array : {&cell_, &rank_, &provisional_, &order_}) array->resize(count.bound);
+  start_.resizeDiscarding(std::int64_t{cells} + 1);
+  for (Array<int>* array : {&cell_, &rank_, &provisional_, &order_}) array->resizeDiscarding(count.bound);
 
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
   start_.fillZero();

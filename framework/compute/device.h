@@ -3,6 +3,8 @@
 // A Device is an object that is passed, never a global. CpuDevice and CudaDevice are the two back ends; code
 // that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler
 // and once by nvcc. Everything else speaks to Device alone.
+//
+// One thread at a time uses a device; allocate, release and memoryUse alone may be called by any thread.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +43,8 @@ class Device {
   virtual std::string description() const = 0;
 
   /// Memory aligned to 256 bytes from this device's pool; throws a simulation Error that names the size and
-  /// what is free when there is none. `release` gives it back to the pool in stream order.
+  /// what is free when there is none. `release` gives it back to the pool in stream order; a captured graph
+  /// therefore owns the memory it uses for as long as it may be replayed.
   virtual void* allocate(std::size_t bytes) = 0;
   virtual void release(void* memory, std::size_t bytes) noexcept = 0;
   virtual MemoryUse memoryUse() const = 0;
@@ -79,7 +82,7 @@ class Device {
 /// Runs on the host's cores through oneTBB. Results do not depend on the number of threads.
 class CpuDevice final : public Device {
  public:
-  /// `threads` 0 means one for every core the process may use.
+  /// `threads` 0 means one for every core the process may use; there may be more threads than cores.
   explicit CpuDevice(int threads = 0);
   ~CpuDevice() override;
 
