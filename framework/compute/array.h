@@ -1,7 +1,9 @@
 // Array<T>: elements on one device, from its pool. ArrayView<T>: the same elements as a kernel sees them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -20,7 +22,11 @@ struct ArrayView {
   std::int64_t size = 0;
 
   WEIR_HD T& operator[](std::int64_t i) const { return data[i]; }
-  operator ArrayView<const T>() const { return {data, size}; }
+  /// To a view of const elements. A template, because nvcc warns of a plain one where T is const already.
+  template <class U>
+  requires(std::is_same_v<U, const T> && !std::is_const_v<T>) WEIR_HD operator ArrayView<U>() const {
+    return {data, size};
+  }
 };
 
 /// Owns memory on one device. Contents start undefined.
@@ -54,22 +60,30 @@ class Array {
   /// simulation allocates rarely.
   void reserve(std::int64_t capacity) {
     if (capacity <= capacity_) return;
-    WEIR_CHECK(device_ != nullptr);
-    const std::int64_t grown = capacity_ > 0 ? std::max(capacity, capacity_ + capacity_ / 2) : capacity;
-    T* data = static_cast<T*>(device_->allocate(static_cast<std::size_t>(grown) * sizeof(T)));
-    if (size_ > 0) device_->copy(data, data_, static_cast<std::size_t>(size_) * sizeof(T));
-    const std::int64_t size = size_;
-    free();
-    data_ = data, size_ = size, capacity_ = grown;
+    Array bigger;
+    bigger.allocate(device_, grownCapacity(capacity));
+    bigger.size_ = size_;
+    if (size_ > 0) device_->copy(bigger.data_, data_, static_cast<std::size_t>(size_) * sizeof(T));
+    swap(bigger);
   }
   void resize(std::int64_t size) {
     WEIR_CHECK(size >= 0);
     reserve(size);
     size_ = size;
   }
+  /// Like resize, for contents that nobody needs any more: growing copies nothing and never holds both.
+  void resizeDiscarding(std::int64_t size) {
+    WEIR_CHECK(size >= 0);
+    if (size > capacity_) {
+      const std::int64_t grown = grownCapacity(size);
+      free();
+      allocate(device_, grown);
+    }
+    size_ = size;
+  }
 
   void assign(std::span<const T> values) {
-    resize(static_cast<std::int64_t>(values.size()));
+    resizeDiscarding(static_cast<std::int64_t>(values.size()));
     if (!values.empty()) device_->upload(data_, values.data(), values.size_bytes());
   }
   void fillZero() {
@@ -92,6 +106,13 @@ class Array {
   }
 
  private:
+  std::int64_t grownCapacity(std::int64_t least) const { return std::max(least, capacity_ + capacity_ / 2); }
+  void allocate(Device* device, std::int64_t capacity) {
+    WEIR_CHECK(device != nullptr);
+    device_ = device;
+    data_ = static_cast<T*>(device->allocate(static_cast<std::size_t>(capacity) * sizeof(T)));
+    capacity_ = capacity;
+  }
   void free() noexcept {
     if (data_ != nullptr) device_->release(data_, static_cast<std::size_t>(capacity_) * sizeof(T));
     data_ = nullptr, size_ = capacity_ = 0;

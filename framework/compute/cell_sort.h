@@ -9,20 +9,24 @@ namespace weir {
 class CellSort {
  public:
   explicit CellSort(Device& device)
-      : start_(device), rank_(device), cell_(device), order_(device), cursor_(device) {}
+      : start_(device), cell_(device), rank_(device), provisional_(device), order_(device) {}
 
-  /// Sorts `count` particles into `cells` cells by key(i) in [0, cells). A key of -1 drops the particle: it is
-  /// put behind all the others and *kept (device memory) does not count it. Within a cell, particles keep
-  /// the order of their indices, so the result is unique on every back end and for every number of threads;
-  /// dropped particles are in no particular order.
+  /// Sorts `count` particles into `cells` cells by key(i) in [0, cells). A key of -1 (or any
+  /// other outside the cells) drops the particle: it is put behind all the others, and *kept (device memory)
+  /// does not count it. *kept is start()[cells], and may stand where the exact count does. Within a cell,
+  /// particles keep the order of their indices, so the result is unique on every back end and for every
+  /// number of threads; dropped particles are in no particular order. Allocates only when a size grows, never
+  /// waits.
   template <class Backend, class Key>
   void sort(Backend& device, Count count, int cells, const Key& key, int* kept);
 
   ArrayView<const int> start() const { return start_.view(); }  ///< size cells + 1
-  ArrayView<const int> order() const { return order_.view(); }  ///< order[k] = index before the sort of place k
+  ArrayView<const int> order() const {
+    return order_.view();
+  }  ///< order[k] = index before the sort of place k
 
  private:
-  Array<int> start_, rank_, cell_, order_, cursor_;
+  Array<int> start_, cell_, rank_, provisional_, order_;
 };
 
 }  // namespace weir

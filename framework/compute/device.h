@@ -1,8 +1,10 @@
 // The machine that a simulation runs on: its memory, its clock of work, and how kernels reach it.
 //
 // A Device is an object that is passed, never a global. CpuDevice and CudaDevice are the two back ends; code
-// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler and
-// once by nvcc. Everything else speaks to Device alone.
+// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler
+// and once by nvcc. Everything else speaks to Device alone.
+//
+// One thread at a time uses a device; allocate, release and memoryUse alone may be called by any thread.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +24,10 @@ enum class DeviceKind { kCpu, kCuda };
 
 /// Memory use of one device, in bytes.
 struct MemoryUse {
-  std::size_t inUse = 0;           ///< held by live arrays
-  std::size_t peak = 0;            ///< the largest inUse so far
-  std::size_t reserved = 0;        ///< held by the pool, in use or not
-  std::uint64_t allocations = 0;   ///< requests that had to go to the system, not to the pool
+  std::size_t inUse = 0;          ///< held by live arrays
+  std::size_t peak = 0;           ///< the largest inUse so far
+  std::size_t reserved = 0;       ///< held by the pool, in use or not
+  std::uint64_t allocations = 0;  ///< requests that had to go to the system, not to the pool
 };
 
 class Device {
@@ -41,7 +43,8 @@ class Device {
   virtual std::string description() const = 0;
 
   /// Memory aligned to 256 bytes from this device's pool; throws a simulation Error that names the size and
-  /// what is free when there is none. `release` gives it back to the pool in stream order.
+  /// what is free when there is none. `release` gives it back to the pool in stream order; a captured graph
+  /// therefore owns the memory it uses for as long as it may be replayed.
   virtual void* allocate(std::size_t bytes) = 0;
   virtual void release(void* memory, std::size_t bytes) noexcept = 0;
   virtual MemoryUse memoryUse() const = 0;
@@ -79,7 +82,7 @@ class Device {
 /// Runs on the host's cores through oneTBB. Results do not depend on the number of threads.
 class CpuDevice final : public Device {
  public:
-  /// `threads` 0 means one for every core the process may use.
+  /// `threads` 0 means one for every core the process may use; there may be more threads than cores.
   explicit CpuDevice(int threads = 0);
   ~CpuDevice() override;
 
@@ -97,8 +100,8 @@ class CpuDevice final : public Device {
 
   /// Calls body(context, begin, end) for consecutive ranges that cover [0, n), on all threads. The ranges are
   /// [k*grain, min(n, (k+1)*grain)): they depend on n and grain alone.
-  void forRanges(std::int64_t n, std::int64_t grain, void (*body)(void* context, std::int64_t begin, std::int64_t end),
-                 void* context);
+  void forRanges(std::int64_t n, std::int64_t grain,
+                 void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context);
 
  private:
   struct Impl;

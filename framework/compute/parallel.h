@@ -23,7 +23,7 @@ namespace weir {
 /// upper bound on the host; the exact number then stands in device memory and kernels stop there.
 struct Count {
   std::int64_t bound = 0;
-  const int* exact = nullptr;  ///< on the device; null if bound is exact
+  const int* exact = nullptr;  ///< on the device, at most bound; null if bound is exact
 
   Count() = default;
   Count(std::int64_t n) : bound(n) {}
@@ -32,7 +32,8 @@ struct Count {
   WEIR_HD std::int64_t get() const { return exact != nullptr ? *exact : bound; }
 };
 
-/// Calls f(i) for every i in [0, count).
+/// Calls f(i) for every i in [0, count). The calls are independent: none reads what another writes, except
+/// through atomicAdd.
 template <class F>
 void parallelFor(CpuDevice& device, std::string_view name, Count count, const F& f);
 template <class F>
@@ -40,11 +41,14 @@ void parallelFor(CudaDevice& device, std::string_view name, Count count, const F
 
 /// Writes op(identity, f(0), f(1), …) to *result (device memory). T is trivially copyable, op associative and
 /// commutative up to rounding, with identity its neutral element. The order of combination is fixed, so the
-/// result is the same for any number of threads and from run to run.
+/// result depends on the exact count and the values alone: not on the bound, the number of threads, or the
+/// run.
 template <class T, class F, class Op>
-void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op, T* result);
+void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
+            T* result);
 template <class T, class F, class Op>
-void reduce(CudaDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op, T* result);
+void reduce(CudaDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
+            T* result);
 
 /// out[i] = in[0] + … + in[i-1]; in and out may be the same. `n` elements.
 void exclusiveScan(CpuDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
@@ -52,18 +56,23 @@ void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> o
 
 /// Sorts n pairs by ascending key; equal keys keep their order.
 void stableSortByKey(CpuDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values, std::int64_t n);
-void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
+                     std::int64_t n);
 void stableSortByKey(CpuDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values, std::int64_t n);
-void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
+                     std::int64_t n);
 
-/// indices[k] = the k-th i in [0, count) with keep(i); *kept (device memory) = how many. Needs indices.size >= bound.
+/// indices[k] = the k-th i in [0, count) with keep(i); *kept (device memory) = how many; it may stand where
+/// the exact count does. Needs indices.size >= bound. keep(i) is asked twice and must give the same answer.
 template <class Keep>
-void compact(CpuDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices, int* kept);
+void compact(CpuDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
+             int* kept);
 template <class Keep>
-void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices, int* kept);
+void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
+             int* kept);
 
 /// Adds to *counter and returns what it held before; safe between the threads of one kernel.
-WEIR_HD int atomicAdd(int* counter, int amount);
+WEIR_HD inline int atomicAdd(int* counter, int amount);
 
 }  // namespace weir
 

@@ -28,6 +28,7 @@ class Profiler {
   bool timesKernels() const { return timeKernels_; }
 
   virtual void push(std::string_view name) = 0;
+  /// Never throws for a failing device, because scopes also close while an error travels.
   virtual void pop() = 0;
   /// The path of the scopes that are open now; errors quote it.
   virtual std::string currentPath() const = 0;
@@ -57,6 +58,23 @@ class ProfileScope {
 
  private:
   Profiler& profiler_;
+};
+
+/// The scope of one kernel: opened only if kernels are timed.
+class KernelScope {
+ public:
+  KernelScope(Profiler& profiler, std::string_view name)
+      : profiler_(profiler.timesKernels() ? &profiler : nullptr) {
+    if (profiler_ != nullptr) profiler_->push(name);
+  }
+  ~KernelScope() {
+    if (profiler_ != nullptr) profiler_->pop();
+  }
+  KernelScope(const KernelScope&) = delete;
+  KernelScope& operator=(const KernelScope&) = delete;
+
+ private:
+  Profiler* profiler_;
 };
 
 }  // namespace weir

@@ -32,7 +32,8 @@ class Readback {
   explicit Readback(Device& device) : slot_(detail::makeReadbackSlot(device, sizeof(T))) {}
 
   bool pending() const { return pending_; }
-  /// Asks for *from (device memory) as it will be after the work so far. Nothing happens while one is pending.
+  /// Asks for *from (device memory) as it will be after the work so far. Nothing happens while one is
+  /// pending.
   bool request(const T* from) {
     if (pending_) return false;
     slot_->start(from);

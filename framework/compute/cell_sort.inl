@@ -1,0 +1,107 @@
+// CellSort::sort, one source for both back ends. Included by cell_sort.h.
+#pragma once
+
+#include <limits>
+
+namespace weir {
+namespace detail {
+
+/// Sorts n ints in place in O(n log n) without recursion or memory, on any back end.
+WEIR_HD inline void heapSort(int* a, int n) {
+  const auto sink = [a](int root, int size) {
+    const int value = a[root];
+    for (int child = 2 * root + 1; child < size; child = 2 * root + 1) {
+      if (child + 1 < size && a[child] < a[child + 1]) ++child;
+      if (a[child] <= value) break;
+      a[root] = a[child];
+      root = child;
+    }
+    a[root] = value;
+  };
+  for (int root = n / 2 - 1; root >= 0; --root) sink(root, n);
+  for (int last = n - 1; last > 0; --last) {
+    const int largest = a[0];
+    a[0] = a[last];
+    a[last] = largest;
+    sink(0, last);
+  }
+}
+
+/// Counts the particles of every cell; who counts first gets the lower provisional rank. The dropped are
+/// counted in a cell of their own behind the others.
+template <class Key>
+struct CountInCells {
+  Key key;
+  int cells;
+  ArrayView<int> cell, rank, counts;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const int k = key(i);
+    // A key outside the cells must not corrupt memory, so it drops the particle like -1.
+    const int c = k >= 0 && k < cells ? k : cells;
+    cell[i] = c;
+    rank[i] = atomicAdd(&counts[c], 1);
+  }
+};
+
+struct ScatterToCells {
+  ArrayView<const int> cell, rank, start;
+  ArrayView<int> provisional;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    provisional[start[cell[i]] + rank[i]] = static_cast<int>(i);
+  }
+};
+
+/// Gives every particle its final place: in a small cell each one counts those that come before it, which
+/// spreads the work evenly; a crowded cell is sorted as a whole by its first.
+struct OrderInCells {
+  static constexpr int kCrowded = 32;  // particles
+
+  int cells;
+  ArrayView<const int> cell, start, provisional;
+  ArrayView<int> order;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    const int i = provisional[k];
+    const int c = cell[i];
+    if (c == cells) {
+      order[k] = i;
+      return;
+    }
+    const int begin = start[c], size = start[c + 1] - begin;
+    const int* members = provisional.data + begin;
+    if (size <= kCrowded) {
+      int before = 0;
+      for (int m = 0; m < size; ++m) before += members[m] < i ? 1 : 0;
+      order[begin + before] = i;
+    } else if (k == begin) {
+      for (int m = 0; m < size; ++m) order[begin + m] = members[m];
+      heapSort(order.data + begin, size);
+    }
+  }
+};
+
+}  // namespace detail
+
+template <class Backend, class Key>
+void CellSort::sort(Backend& device, Count count, int cells, const Key& key, int* kept) {
+  WEIR_CHECK(cells >= 0);
+  WEIR_CHECK(count.bound <= std::numeric_limits<int>::max());
+  start_.resizeDiscarding(std::int64_t{cells} + 1);
+  for (Array<int>* array : {&cell_, &rank_, &provisional_, &order_}) array->resizeDiscarding(count.bound);
+
+  // The last entry counts the dropped before the scan, and is the number of the kept after it.
+  start_.fillZero();
+  parallelFor(device, "countInCells", count,
+              detail::CountInCells<Key>{key, cells, cell_.view(), rank_.view(), start_.view()});
+  exclusiveScan(device, start_.view(), start_.view(), start_.size());
+  parallelFor(device, "scatterToCells", count,
+              detail::ScatterToCells{cell_.view(), rank_.view(), start_.view(), provisional_.view()});
+  parallelFor(device, "orderInCells", count,
+              detail::OrderInCells{cells, cell_.view(), start_.view(), provisional_.view(), order_.view()});
+  // Last, because `kept` may be where `count` stands.
+  device.copy(kept, start_.data() + cells, sizeof(int));
+}
+
+}  // namespace weir

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "framework/base/check.h"
+#include "framework/base/error.h"
+#include "framework/compute/cpu_profiler.h"
+#include "framework/compute/memory_pool.h"
+
+namespace weir {
+namespace {
+
+constexpr std::align_val_t kAlignment{256};  // bytes
+
+/// The value of a line "key : value" of a file in /proc, or "".
+std::string procValue(const char* file, std::string_view key) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos || line.compare(0, key.size(), key) != 0) continue;
+    const std::size_t value = line.find_first_not_of(" \t", colon + 1);
+    return value == std::string::npos ? std::string() : line.substr(value);
+  }
+  return {};
+}
+
+/// A line of /proc/meminfo in bytes, 0 if it is not there.
+std::size_t memoryInfo(std::string_view key) {
+  return static_cast<std::size_t>(std::strtoull(procValue("/proc/meminfo", key).c_str(), nullptr, 10)) * 1024;
+}
+
+/// What the system can still give, 0 if it does not say.
+std::size_t availableMemory() {
+  return memoryInfo("MemAvailable") + memoryInfo("SwapFree");
+}
+
+void* allocateOnHost(std::size_t bytes) {
+  // Linux promises memory that it does not have and kills the process when it is used. Asking first turns
+  // that into an error for every block that is large enough to matter.
+  constexpr std::size_t kLarge = std::size_t{64} << 20;
+  if (bytes >= kLarge) {
+    const std::size_t available = availableMemory();
+    if (available > 0 && bytes > available) return nullptr;
+  }
+  return ::operator new(bytes, kAlignment, std::nothrow);
+}
+
+}  // namespace
+
+struct CpuDevice::Impl {
+  explicit Impl(int threadCount) : threads(threadCount), arena(threadCount) {
+    // Only ever raises the limit of the process, so devices with other numbers of threads are not affected.
+    if (threads > tbb::info::default_concurrency()) {
+      moreThanCores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    }
+  }
+
+  int threads;
+  std::optional<tbb::global_control> moreThanCores;
+  tbb::task_arena arena;
+  MemoryPool pool{allocateOnHost, [](void* memory, std::size_t) { ::operator delete(memory, kAlignment); }};
+};
+
+CpuDevice::CpuDevice(int threads) : Device(DeviceKind::kCpu, "cpu") {
+  WEIR_CHECK(threads >= 0);
+  impl_ = std::make_unique<Impl>(threads > 0 ? threads : tbb::info::default_concurrency());
+  profiler_ = std::make_unique<CpuProfiler>();
+}
+
+CpuDevice::~CpuDevice() = default;
+
+int CpuDevice::threads() const {
+  return impl_->threads;
+}
+
+std::string CpuDevice::description() const {
+  const std::string model = procValue("/proc/cpuinfo", "model name");
+  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  return fmt::format("{}, {} thread{}, {:.0f} GiB", model.empty() ? "CPU" : model, threads(),
+                     threads() == 1 ? "" : "s", static_cast<double>(memoryInfo("MemTotal")) / kGiB);
+}
+
+void* CpuDevice::allocate(std::size_t bytes) {
+  void* memory = impl_->pool.allocate(bytes);
+  if (memory == nullptr && bytes > 0) {
+    throw simulationError(fmt::format("out of memory: {} were asked for, {} are free", describeBytes(bytes),
+                                      describeBytes(availableMemory())),
+                          {}, "use fewer particles, which means a larger spacing");
+  }
+  return memory;
+}
+
+void CpuDevice::release(void* memory, std::size_t bytes) noexcept {
+  impl_->pool.release(memory, bytes);
+}
+
+MemoryUse CpuDevice::memoryUse() const {
+  return impl_->pool.use();
+}
+
+void CpuDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
+  copy(to, fromHost, bytes);
+}
+
+void CpuDevice::download(void* toHost, const void* from, std::size_t bytes) {
+  ++blockingReadbacks_;
+  copy(toHost, from, bytes);
+}
+
+void CpuDevice::copy(void* to, const void* from, std::size_t bytes) {
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
+void CpuDevice::fillBytes(void* to, int byte, std::size_t bytes) {
+  if (bytes > 0) std::memset(to, byte, bytes);
+}
+
+void CpuDevice::forRanges(std::int64_t n, std::int64_t grain,
+                          void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context) {
+  WEIR_CHECK(grain > 0);
+  if (n <= 0) return;
+  const std::int64_t ranges = (n - 1) / grain + 1;
+  const auto run = [=](std::int64_t first, std::int64_t last) {
+    for (std::int64_t k = first; k < last; ++k) body(context, k * grain, std::min(n, (k + 1) * grain));
+  };
+  // Waking threads for one range would cost more than the range.
+  if (ranges == 1 || impl_->threads == 1) return run(0, ranges);
+  impl_->arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, ranges),
+                      [&](const tbb::blocked_range<std::int64_t>& r) { run(r.begin(), r.end()); });
+  });
+}
+
+}  // namespace weir

@@ -1,0 +1,237 @@
+#include <cuda_runtime.h>
+
+#include <string>
+#include <utility>
+
+#include "framework/base/check.h"
+#include "framework/base/error.h"
+#include "framework/compute/cuda_profiler.h"
+#include "framework/compute/cuda_support.h"
+#include "framework/compute/memory_pool.h"
+
+namespace weir {
+namespace {
+
+std::string describeError(cudaError_t error) {
+  return std::string(cudaGetErrorString(error)) + " (" + cudaGetErrorName(error) + ")";
+}
+
+/// Free memory of the current device, 0 if it does not say.
+std::size_t freeMemory() {
+  std::size_t free = 0, total = 0;
+  if (cudaMemGetInfo(&free, &total) == cudaSuccess) return free;
+  static_cast<void>(cudaGetLastError());
+  return 0;
+}
+
+/// Shows whether this build holds code that the device can run.
+__global__ void probeKernel() {}
+
+}  // namespace
+
+struct CudaDevice::Impl {
+  explicit Impl(int deviceIndex) : index(deviceIndex) {}
+  ~Impl() {
+    if (makeCurrent() != cudaSuccess) static_cast<void>(cudaGetLastError());
+    if (stream == nullptr) return;
+    static_cast<void>(cudaStreamSynchronize(stream));
+    static_cast<void>(cudaStreamDestroy(std::exchange(stream, nullptr)));
+  }
+
+  cudaError_t makeCurrent() const { return cudaSetDevice(index); }
+
+  // Plain allocations, not stream-ordered ones: the pool already recycles without waiting, and a captured
+  // graph may use such memory freely.
+  void* systemAllocate(std::size_t bytes) const {
+    void* memory = nullptr;
+    if (makeCurrent() == cudaSuccess && bytes <= freeMemory() && cudaMalloc(&memory, bytes) == cudaSuccess) {
+      return memory;
+    }
+    static_cast<void>(cudaGetLastError());
+    return nullptr;
+  }
+
+  // An idle block may still be in use by kernels that were launched before it was released.
+  void systemFree(void* memory) const {
+    static_cast<void>(makeCurrent());
+    static_cast<void>(cudaStreamSynchronize(stream));
+    static_cast<void>(cudaFree(memory));
+  }
+
+  int index;
+  int multiprocessors = 0;
+  cudaStream_t stream = nullptr;
+  MemoryPool pool{[this](std::size_t bytes) { return systemAllocate(bytes); },
+                  [this](void* memory, std::size_t) { systemFree(memory); }};
+};
+
+CudaDevice::CudaDevice(int index)
+    : Device(DeviceKind::kCuda, "cuda:" + std::to_string(index)), impl_(std::make_unique<Impl>(index)) {
+  const auto require = [&](cudaError_t error) {
+    if (error == cudaSuccess) return;
+    static_cast<void>(cudaGetLastError());
+    throw usageError("device '" + name() + "' cannot be used: " + describeError(error));
+  };
+  require(impl_->makeCurrent());
+  require(cudaStreamCreateWithFlags(&impl_->stream, cudaStreamNonBlocking));
+  require(cudaDeviceGetAttribute(&impl_->multiprocessors, cudaDevAttrMultiProcessorCount, index));
+  probeKernel<<<1, 1, 0, impl_->stream>>>();
+  require(cudaGetLastError());
+  require(cudaStreamSynchronize(impl_->stream));
+  profiler_ = std::make_unique<CudaProfiler>(index, impl_->stream);
+}
+
+CudaDevice::~CudaDevice() {
+  profiler_.reset();  // its events go before the stream that they stand on
+}
+
+std::string CudaDevice::description() const {
+  cudaDeviceProp properties{};
+  check(cudaGetDeviceProperties(&properties, impl_->index), "cudaGetDeviceProperties");
+  return std::string(properties.name) + ", " + std::to_string(properties.totalGlobalMem >> 30) + " GiB";
+}
+
+void* CudaDevice::allocate(std::size_t bytes) {
+  void* memory = impl_->pool.allocate(bytes);
+  if (memory == nullptr && bytes > 0) {
+    check(impl_->makeCurrent(), "allocate");
+    throw simulationError("out of memory on " + name() + ": " + describeBytes(bytes) + " were asked for, " +
+                              describeBytes(freeMemory()) + " are free",
+                          {}, "use fewer particles, which means a larger spacing, or run on the CPU");
+  }
+  return memory;
+}
+
+void CudaDevice::release(void* memory, std::size_t bytes) noexcept {
+  impl_->pool.release(memory, bytes);
+}
+
+MemoryUse CudaDevice::memoryUse() const {
+  return impl_->pool.use();
+}
+
+// From pageable memory the runtime stages the bytes before it returns, so `fromHost` may change afterwards.
+void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
+  if (bytes == 0) return;
+  check(impl_->makeCurrent(), "upload");
+  check(cudaMemcpyAsync(to, fromHost, bytes, cudaMemcpyHostToDevice, impl_->stream), "upload");
+}
+
+void CudaDevice::download(void* toHost, const void* from, std::size_t bytes) {
+  ++blockingReadbacks_;
+  if (bytes == 0) return;
+  check(impl_->makeCurrent(), "download");
+  check(cudaMemcpyAsync(toHost, from, bytes, cudaMemcpyDeviceToHost, impl_->stream), "download");
+  check(cudaStreamSynchronize(impl_->stream), "download");
+}
+
+void CudaDevice::copy(void* to, const void* from, std::size_t bytes) {
+  if (bytes == 0) return;
+  check(impl_->makeCurrent(), "copy");
+  check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, impl_->stream), "copy");
+}
+
+void CudaDevice::fillBytes(void* to, int byte, std::size_t bytes) {
+  if (bytes == 0) return;
+  check(impl_->makeCurrent(), "fillBytes");
+  check(cudaMemsetAsync(to, byte, bytes, impl_->stream), "fillBytes");
+}
+
+void CudaDevice::synchronize() {
+  check(impl_->makeCurrent(), "synchronize");
+  check(cudaStreamSynchronize(impl_->stream), "synchronize");
+}
+
+CUstream_st* CudaDevice::stream() const {
+  return impl_->stream;
+}
+int CudaDevice::index() const {
+  return impl_->index;
+}
+int CudaDevice::multiprocessors() const {
+  return impl_->multiprocessors;
+}
+
+void CudaDevice::check(int cudaError, std::string_view what) const {
+  if (cudaError == cudaSuccess) return;
+  const std::string path = profiler_->currentPath();
+  const std::string node = path.substr(0, path.find('/'));
+  std::string message = describeError(static_cast<cudaError_t>(cudaError)) + " on " + name() + " in '";
+  message.append(what).append("'");
+  if (!path.empty()) message += ", at " + path;
+  throw simulationError(std::move(message)).inNode(node);
+}
+
+bool builtWithCuda() {
+  return true;
+}
+
+detail::CudaProbe detail::probeCuda() {
+  int devices = 0;
+  const cudaError_t error = cudaGetDeviceCount(&devices);
+  if (error == cudaSuccess && devices > 0) return {devices, {}};
+  static_cast<void>(cudaGetLastError());
+  return {0, "there is no CUDA device: " + describeError(error == cudaSuccess ? cudaErrorNoDevice : error)};
+}
+
+namespace {
+
+class CudaReadbackSlot final : public detail::ReadbackSlot {
+ public:
+  CudaReadbackSlot(CudaDevice& device, std::size_t size)
+      : device_(device), index_(device.index()), size_(size) {
+    makeCurrent();
+    device_.check(cudaEventCreateWithFlags(&arrived_, cudaEventDisableTiming), "readback");
+    const cudaError_t error = cudaMallocHost(&bytes_, size);
+    if (error != cudaSuccess) static_cast<void>(cudaEventDestroy(arrived_));
+    device_.check(error, "readback");
+  }
+
+  ~CudaReadbackSlot() override {
+    static_cast<void>(cudaSetDevice(index_));
+    static_cast<void>(cudaEventSynchronize(arrived_));  // a copy may still be on its way
+    static_cast<void>(cudaFreeHost(bytes_));
+    static_cast<void>(cudaEventDestroy(arrived_));
+  }
+
+  void start(const void* from) override {
+    makeCurrent();
+    device_.check(cudaMemcpyAsync(bytes_, from, size_, cudaMemcpyDeviceToHost, device_.stream()), "readback");
+    device_.check(cudaEventRecord(arrived_, device_.stream()), "readback");
+  }
+
+  bool ready() override {
+    makeCurrent();
+    const cudaError_t state = cudaEventQuery(arrived_);
+    if (state != cudaErrorNotReady) {
+      device_.check(state, "readback");
+      return true;
+    }
+    static_cast<void>(cudaGetLastError());  // "not ready" must not show up as the error of the next launch
+    return false;
+  }
+
+  void wait() override {
+    makeCurrent();
+    device_.check(cudaEventSynchronize(arrived_), "readback");
+  }
+
+  const void* bytes() const override { return bytes_; }
+
+ private:
+  void makeCurrent() const { device_.check(cudaSetDevice(index_), "readback"); }
+
+  CudaDevice& device_;
+  int index_;
+  std::size_t size_;
+  cudaEvent_t arrived_ = nullptr;
+  void* bytes_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<detail::ReadbackSlot> detail::makeCudaReadbackSlot(CudaDevice& device, std::size_t bytes) {
+  return std::make_unique<CudaReadbackSlot>(device, bytes);
+}
+
+}  // namespace weir

@@ -1,0 +1,143 @@
+#include "framework/compute/cuda_profiler.h"
+
+#include "framework/base/check.h"
+
+#if __has_include(<nvtx3/nvToolsExt.h>)
+#include <nvtx3/nvToolsExt.h>
+#define WEIR_HAS_NVTX
+#endif
+
+// A failing event loses a measurement and nothing else: whatever broke the device is reported by the next
+// launch or copy, with its name. So failures are not thrown here, and null stands for an event that failed.
+
+namespace weir {
+namespace {
+
+void beginRange([[maybe_unused]] std::string_view name) {
+#ifdef WEIR_HAS_NVTX
+  nvtxRangePushA(std::string(name).c_str());
+#endif
+}
+
+void endRange() {
+#ifdef WEIR_HAS_NVTX
+  nvtxRangePop();
+#endif
+}
+
+/// Whether `event` has passed; an event that failed counts as passed.
+bool hasPassed(cudaEvent_t event) {
+  const cudaError_t state = cudaEventQuery(event);
+  if (state != cudaErrorNotReady) return true;
+  static_cast<void>(cudaGetLastError());  // "not ready" must not show up as the error of the next launch
+  return false;
+}
+
+}  // namespace
+
+CudaProfiler::~CudaProfiler() {
+  static_cast<void>(cudaSetDevice(deviceIndex_));
+  clear();
+  for (cudaEvent_t event : begun_) discard(event);
+  discard(stepBegun_);
+  for (cudaEvent_t event : spare_) static_cast<void>(cudaEventDestroy(event));
+}
+
+cudaEvent_t CudaProfiler::recordEvent() {
+  if (cudaSetDevice(deviceIndex_) != cudaSuccess) return nullptr;
+  cudaEvent_t event = nullptr;
+  if (spare_.empty()) {
+    if (cudaEventCreate(&event) != cudaSuccess) return nullptr;
+  } else {
+    event = spare_.back();
+    spare_.pop_back();
+  }
+  if (cudaEventRecord(event, stream_) == cudaSuccess) return event;
+  discard(event);
+  return nullptr;
+}
+
+void CudaProfiler::discard(cudaEvent_t event) {
+  if (event != nullptr) spare_.push_back(event);
+}
+
+void CudaProfiler::finish(int scope, cudaEvent_t begin) {
+  const cudaEvent_t end = begin != nullptr ? recordEvent() : nullptr;
+  if (end != nullptr) {
+    measuring_.push_back({scope, begin, end});
+  } else {
+    discard(begin);
+  }
+}
+
+void CudaProfiler::push(std::string_view name) {
+  scopes_.open(name);
+  beginRange(name);
+  begun_.push_back(recordEvent());
+}
+
+void CudaProfiler::pop() {
+  const int scope = scopes_.close();
+  finish(scope, begun_.back());
+  begun_.pop_back();
+  endRange();
+}
+
+// A step that an error ended never reaches endStep, so beginning again is allowed.
+void CudaProfiler::beginStep() {
+  discard(stepBegun_);
+  stepBegun_ = recordEvent();
+  inStep_ = true;
+}
+
+void CudaProfiler::endStep() {
+  WEIR_CHECK(inStep_);
+  finish(kStep, stepBegun_);
+  stepBegun_ = nullptr;
+  inStep_ = false;
+  poll();
+}
+
+void CudaProfiler::poll() {
+  while (!measuring_.empty() && hasPassed(measuring_.front().end)) {
+    const Measurement done = measuring_.front();
+    measuring_.pop_front();
+    float ms = 0;
+    if (cudaEventElapsedTime(&ms, done.begin, done.end) == cudaSuccess) {
+      if (done.scope == kStep) {
+        stepMs_.push_back(ms);
+      } else {
+        scopes_.add(done.scope, ms);
+      }
+    }
+    discard(done.begin);
+    discard(done.end);
+  }
+}
+
+void CudaProfiler::waitForAll() {
+  if (!measuring_.empty()) static_cast<void>(cudaEventSynchronize(measuring_.back().end));
+  poll();
+}
+
+std::vector<ProfileEntry> CudaProfiler::entries() {
+  waitForAll();
+  return scopes_.entries();
+}
+
+std::vector<double> CudaProfiler::stepMs() {
+  waitForAll();
+  return stepMs_;
+}
+
+void CudaProfiler::clear() {
+  for (const Measurement& measurement : measuring_) {
+    discard(measurement.begin);
+    discard(measurement.end);
+  }
+  measuring_.clear();
+  scopes_.clear();
+  stepMs_.clear();
+}
+
+}  // namespace weir

@@ -1,0 +1,20 @@
+// What device.cpp needs from the CUDA back end, in builds with it and without.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "framework/compute/readback.h"
+
+namespace weir::detail {
+
+struct CudaProbe {
+  int devices = 0;
+  std::string reason;  ///< why there are none
+};
+CudaProbe probeCuda();
+
+std::unique_ptr<ReadbackSlot> makeCudaReadbackSlot(CudaDevice& device, std::size_t bytes);
+
+}  // namespace weir::detail

@@ -1,0 +1,92 @@
+#include "framework/compute/memory_pool.h"
+
+#include <algorithm>
+#include <bit>
+
+#include <fmt/format.h>
+
+namespace weir {
+namespace {
+
+constexpr std::size_t kAlignment = 256;  // bytes
+constexpr std::size_t kLargest = std::size_t{1} << 62;
+
+/// A block that was idle for so many requests is a leftover of arrays that have grown since.
+constexpr std::uint64_t kKeepRequests = 4096;
+
+}  // namespace
+
+MemoryPool::MemoryPool(Allocate allocate, Free free)
+    : systemAllocate_(std::move(allocate)), systemFree_(std::move(free)) {}
+
+MemoryPool::~MemoryPool() {
+  freeIdle(requests_ + 1);
+}
+
+std::size_t MemoryPool::sizeClass(std::size_t bytes) {
+  if (bytes > kLargest) return 0;
+  const std::size_t step = std::max(kAlignment, std::bit_ceil(bytes) / 16);
+  return (bytes + step - 1) / step * step;
+}
+
+void* MemoryPool::allocate(std::size_t bytes) {
+  const std::size_t size = sizeClass(bytes);
+  if (size == 0) return nullptr;
+  const std::lock_guard lock(mutex_);
+  ++requests_;
+  std::vector<Idle>& blocks = idle_[size];
+  void* memory = nullptr;
+  if (!blocks.empty()) {
+    memory = blocks.back().memory;
+    blocks.pop_back();
+  } else {
+    // Only here, so that a steady state never gives back what it will need again.
+    if (requests_ > kKeepRequests) freeIdle(requests_ - kKeepRequests);
+    memory = systemAllocate_(size);
+    if (memory == nullptr) {
+      freeIdle(requests_ + 1);
+      memory = systemAllocate_(size);
+    }
+    if (memory == nullptr) return nullptr;
+    ++use_.allocations;
+    use_.reserved += size;
+  }
+  use_.inUse += size;
+  use_.peak = std::max(use_.peak, use_.inUse);
+  return memory;
+}
+
+void MemoryPool::release(void* memory, std::size_t bytes) noexcept {
+  if (memory == nullptr) return;
+  const std::size_t size = sizeClass(bytes);
+  const std::lock_guard lock(mutex_);
+  idle_[size].push_back({memory, requests_});
+  use_.inUse -= size;
+}
+
+MemoryUse MemoryPool::use() const {
+  const std::lock_guard lock(mutex_);
+  return use_;
+}
+
+void MemoryPool::freeIdle(std::uint64_t releasedBefore) noexcept {
+  for (auto& [size, blocks] : idle_) {
+    std::erase_if(blocks, [&, size = size](const Idle& block) {
+      if (block.since >= releasedBefore) return false;
+      systemFree_(block.memory, size);
+      use_.reserved -= size;
+      return true;
+    });
+  }
+}
+
+std::string describeBytes(std::size_t bytes) {
+  constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  if (bytes < 1024) return fmt::format("{} bytes", bytes);
+  double value = static_cast<double>(bytes) / 1024;
+  int unit = 0;
+  for (; value >= 1024; value /= 1024) ++unit;
+  return fmt::format("{} bytes ({:.1f} {})", bytes, value, kUnits[unit]);
+}
+
+}  // namespace weir

@@ -1,0 +1,75 @@
+// Scan and sort on CUDA, through CUB; here alone, because its headers are slow to compile.
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include "framework/base/check.h"
+#include "framework/compute/parallel.h"
+
+namespace weir {
+namespace {
+
+/// Calls run(scratch, bytes) as CUB wants it: first for the size of its scratch memory, then for the work.
+template <class Run>
+void runCub(CudaDevice& device, std::string_view name, const Run& run) {
+  detail::beginLaunch(device, name);
+  std::size_t bytes = 0;
+  device.check(run(nullptr, bytes), name);
+  // CUB takes a null pointer for the question again, so there is always a byte.
+  Array<unsigned char> scratch(device, static_cast<std::int64_t>(std::max<std::size_t>(bytes, 1)));
+  device.check(run(scratch.data(), bytes), name);
+}
+
+int checkedSize(std::int64_t n) {
+  WEIR_CHECK(n <= std::numeric_limits<int>::max());
+  return static_cast<int>(n);
+}
+
+template <class Key>
+void radixSort(CudaDevice& device, ArrayView<Key> keys, ArrayView<int> values, std::int64_t n) {
+  constexpr std::string_view kName = "stableSortByKey";
+  WEIR_CHECK(keys.size >= n);
+  WEIR_CHECK(values.size >= n);
+  if (n <= 1) return;
+  const KernelScope scope(device.profiler(), kName);
+  const int size = checkedSize(n);
+  Array<Key> otherKeys(device, n);
+  Array<int> otherValues(device, n);
+  cub::DoubleBuffer<Key> keyBuffers(keys.data, otherKeys.data());
+  cub::DoubleBuffer<int> valueBuffers(values.data, otherValues.data());
+  runCub(device, kName, [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceRadixSort::SortPairs(scratch, bytes, keyBuffers, valueBuffers, size, 0,
+                                           static_cast<int>(sizeof(Key)) * 8, device.stream());
+  });
+  if (keyBuffers.Current() != keys.data) {
+    device.copy(keys.data, keyBuffers.Current(), static_cast<std::size_t>(n) * sizeof(Key));
+  }
+  if (valueBuffers.Current() != values.data) {
+    device.copy(values.data, valueBuffers.Current(), static_cast<std::size_t>(n) * sizeof(int));
+  }
+}
+
+}  // namespace
+
+void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n) {
+  constexpr std::string_view kName = "exclusiveScan";
+  WEIR_CHECK(in.size >= n);
+  WEIR_CHECK(out.size >= n);
+  if (n <= 0) return;
+  const KernelScope scope(device.profiler(), kName);
+  const int size = checkedSize(n);
+  runCub(device, kName, [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(scratch, bytes, in.data, out.data, size, device.stream());
+  });
+}
+
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
+                     std::int64_t n) {
+  radixSort(device, keys, values, n);
+}
+
+void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
+                     std::int64_t n) {
+  radixSort(device, keys, values, n);
+}
+
+}  // namespace weir

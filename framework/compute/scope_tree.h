@@ -1,0 +1,38 @@
+// The nested scopes of a profiler and their totals; where the times come from is the back end's matter.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/compute/profiler.h"
+
+namespace weir {
+
+class ScopeTree {
+ public:
+  /// Enters the scope `name` below the one that is open; gives its number.
+  int open(std::string_view name);
+  /// Leaves the innermost open scope; gives its number.
+  int close();
+  /// Adds one finished measurement.
+  void add(int scope, double ms);
+
+  std::string currentPath() const;
+  /// The scopes that were measured, in order of first appearance.
+  std::vector<ProfileEntry> entries() const;
+  /// Forgets the totals; open scopes stay open.
+  void clear();
+
+ private:
+  struct Scope {
+    std::string name;
+    int parent;  // -1 at the top
+    ProfileEntry totals;
+  };
+
+  std::vector<Scope> scopes_;
+  int current_ = -1;
+};
+
+}  // namespace weir

@@ -1,0 +1,238 @@
+#include "framework/compute/device.h"
+
+#include <cstring>
+
+#include "framework/base/check.h"
+#include "framework/compute/array.h"
+#include "framework/compute/memory_pool.h"
+#include "framework/compute/readback.h"
+#include "tests/framework/compute/kernels.h"
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+using DeviceTest = OnDevice;
+WEIR_ON_EVERY_DEVICE(DeviceTest);
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The usage error of openDevice.
+Error openError(const std::string& spec, int threads = 0) {
+  try {
+    openDevice(spec, threads);
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "'" << spec << "' was opened";
+  return usageError("");
+}
+
+TEST(OpenDevice, RefusesWhatIsNoDevice) {
+  for (const char* spec :
+       {"", "gpu", "CPU", "cuda:", "cuda:-1", "cuda:1x", "cuda: 1", "cuda:99999999999999", "cpu:0"}) {
+    const Error error = openError(spec);
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage) << spec;
+    EXPECT_TRUE(contains(error.what(), "'" + std::string(spec) + "'")) << error.what();
+    EXPECT_TRUE(contains(error.allowed(), "auto")) << error.allowed();
+    EXPECT_TRUE(contains(error.allowed(), "cpu")) << error.allowed();
+  }
+}
+
+TEST(OpenDevice, RefusesCudaDevicesThatAreNotThere) {
+  const Error far = openError("cuda:1234");
+  EXPECT_EQ(far.kind(), ErrorKind::kUsage);
+  EXPECT_TRUE(contains(far.what(), "cuda:1234")) << far.what();
+  if (availableDevices().size() > 1) return;
+  const Error error = openError("cuda");
+  EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+  EXPECT_TRUE(contains(error.what(), "CUDA")) << error.what();
+}
+
+TEST(OpenDevice, RefusesANegativeNumberOfThreads) {
+  EXPECT_EQ(openError("cpu", -1).kind(), ErrorKind::kUsage);
+}
+
+TEST(OpenDevice, AutoTakesCudaWhereItWorks) {
+  EXPECT_EQ(openDevice("auto")->name(), availableDevices().size() > 1 ? "cuda:0" : "cpu");
+}
+
+TEST(OpenDevice, TakesTheNumberOfThreads) {
+  const std::unique_ptr<Device> device = openDevice("cpu", 3);
+  EXPECT_EQ(static_cast<CpuDevice&>(*device).threads(), 3);
+  EXPECT_GE(CpuDevice().threads(), 1);
+}
+
+TEST(ListDevices, StartsWithTheCpuAndNamesWhatOpens) {
+  const std::vector<DeviceInfo> devices = listDevices();
+  ASSERT_FALSE(devices.empty());
+  EXPECT_EQ(devices[0].name, "cpu");
+  EXPECT_EQ(devices.size() > 1, availableDevices().size() > 1);
+  for (const DeviceInfo& info : devices) EXPECT_FALSE(info.description.empty());
+}
+
+TEST_P(DeviceTest, DescribesItself) {
+  EXPECT_TRUE(contains(device->description(), "GiB")) << device->description();
+  EXPECT_EQ(device->name(), GetParam() == "cpu" ? "cpu" : "cuda:0");
+}
+
+TEST_P(DeviceTest, CopiesBytesInOrder) {
+  const std::vector<int> values{3, 1, 4, 1, 5, 9, 2, 6};
+  Array<int> a(*device, values), b(*device, 8);
+  device->copy(b.data(), a.data(), 8 * sizeof(int));
+  a.fillZero();
+  EXPECT_EQ(b.toHost(), values);
+  EXPECT_EQ(a.toHost(), std::vector<int>(8, 0));
+  EXPECT_EQ(b.toHost(3), (std::vector<int>{3, 1, 4}));
+  EXPECT_EQ(device->blockingReadbacks(), 3u);
+  device->fillBytes(b.data(), 0xff, 4 * sizeof(int));
+  EXPECT_EQ(b.toHost(), (std::vector<int>{-1, -1, -1, -1, 5, 9, 2, 6}));
+  device->synchronize();
+}
+
+TEST_P(DeviceTest, ArraysKeepTheirContentsWhenTheyGrow) {
+  Array<int> array(*device, std::vector<int>{1, 2, 3});
+  array.resize(100000);
+  EXPECT_EQ(array.toHost(3), (std::vector<int>{1, 2, 3}));
+  Array<int> moved = std::move(array);
+  EXPECT_EQ(moved.size(), 100000);
+  EXPECT_EQ(moved.toHost(3), (std::vector<int>{1, 2, 3}));
+  EXPECT_TRUE(Array<int>(*device).toHost().empty());
+}
+
+TEST_P(DeviceTest, MemoryIsAlignedCountedAndReused) {
+  void* a = device->allocate(1000);
+  void* b = device->allocate(1);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(a) % 256, 0u);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(b) % 256, 0u);
+  const MemoryUse two = device->memoryUse();
+  EXPECT_EQ(two.inUse, 1024u + 256u);
+  EXPECT_EQ(two.allocations, 2u);
+  device->release(a, 1000);
+  EXPECT_EQ(device->memoryUse().inUse, 256u);
+  EXPECT_EQ(device->memoryUse().reserved, two.reserved);
+  EXPECT_EQ(device->allocate(990), a);
+  EXPECT_EQ(device->memoryUse().allocations, 2u);
+  EXPECT_EQ(device->memoryUse().peak, two.inUse);
+  device->release(a, 990);
+  device->release(b, 1);
+  EXPECT_EQ(device->memoryUse().inUse, 0u);
+  EXPECT_EQ(device->allocate(0), nullptr);
+  device->release(nullptr, 0);
+}
+
+TEST_P(DeviceTest, RunningOutOfMemoryNamesTheSize) {
+  for (const std::size_t bytes : {std::size_t{1} << 50, ~std::size_t{0}}) {
+    try {
+      device->allocate(bytes);
+      FAIL() << "got " << bytes << " bytes";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kSimulation);
+      EXPECT_TRUE(contains(error.what(), std::to_string(bytes))) << error.what();
+      EXPECT_TRUE(contains(error.what(), "free")) << error.what();
+    }
+  }
+  // The device still works.
+  EXPECT_EQ(Array<int>(*device, std::vector<int>{7}).toHost()[0], 7);
+}
+
+TEST_P(DeviceTest, ReadbackComesWithoutABlockingRead) {
+  Array<std::int64_t> values(*device, 200000);
+  dispatch(*device, [&](auto& d) { writeSquares(d, 200000, values.view()); });
+  Readback<std::int64_t> readback(*device);
+  EXPECT_FALSE(readback.pending());
+  EXPECT_EQ(readback.poll(), std::nullopt);
+  EXPECT_TRUE(readback.request(values.data() + 1000));
+  EXPECT_TRUE(readback.pending());
+  EXPECT_FALSE(readback.request(values.data() + 5)) << "one request at a time";
+  // What is written after the request does not show.
+  values.fillZero();
+  std::optional<std::int64_t> got;
+  while (!got.has_value()) got = readback.poll();
+  EXPECT_EQ(*got, 1000001);
+  EXPECT_FALSE(readback.pending());
+  EXPECT_EQ(readback.poll(), std::nullopt);
+  EXPECT_TRUE(readback.request(values.data() + 7));
+  EXPECT_EQ(readback.wait(), 0);
+  EXPECT_EQ(device->blockingReadbacks(), 0u);
+}
+
+TEST_P(DeviceTest, AReadbackMayDieWhileItIsPending) {
+  Array<std::int64_t> values(*device, 1000000);
+  values.fillZero();
+  Readback<std::int64_t> readback(*device);
+  EXPECT_TRUE(readback.request(values.data()));
+}
+
+#ifndef WEIR_HAS_CUDA
+TEST(CudaDevice, SaysThatTheBuildHasNone) {
+  EXPECT_FALSE(builtWithCuda());
+  EXPECT_THROW(CudaDevice(0), Error);
+}
+#endif
+
+TEST(MemoryPool, WastesAtMostAnEighth) {
+  EXPECT_EQ(MemoryPool::sizeClass(0), 0u);
+  EXPECT_EQ(MemoryPool::sizeClass(~std::size_t{0}), 0u);
+  for (std::size_t bytes = 1; bytes < (std::size_t{1} << 40); bytes += bytes / 3 + 1) {
+    const std::size_t size = MemoryPool::sizeClass(bytes);
+    EXPECT_GE(size, bytes);
+    EXPECT_EQ(size % 256, 0u);
+    EXPECT_LE(size - bytes, std::max<std::size_t>(255, bytes / 8)) << bytes;
+    EXPECT_EQ(MemoryPool::sizeClass(size), size);
+  }
+}
+
+/// A system with little memory, for the pool.
+struct SmallSystem {
+  std::size_t left;
+  int blocks = 0;
+
+  MemoryPool pool() {
+    return {[this](std::size_t bytes) -> void* {
+              if (bytes > left) return nullptr;
+              left -= bytes;
+              ++blocks;
+              return ::operator new(bytes);
+            },
+            [this](void* memory, std::size_t bytes) {
+              left += bytes;
+              --blocks;
+              ::operator delete(memory);
+            }};
+  }
+};
+
+TEST(MemoryPool, GivesIdleBlocksBackBeforeItGivesUp) {
+  SmallSystem system{10000};
+  {
+    MemoryPool pool = system.pool();
+    void* a = pool.allocate(6144);
+    pool.release(a, 6144);
+    EXPECT_EQ(system.blocks, 1);
+    void* b = pool.allocate(8192);
+    ASSERT_NE(b, nullptr);
+    EXPECT_EQ(system.blocks, 1);
+    EXPECT_EQ(pool.use().reserved, 8192u);
+    EXPECT_EQ(pool.allocate(8192), nullptr);
+    pool.release(b, 8192);
+  }
+  EXPECT_EQ(system.blocks, 0);
+  EXPECT_EQ(system.left, 10000u);
+}
+
+TEST(MemoryPool, ForgetsBlocksThatNobodyWantsAnyMore) {
+  SmallSystem system{1000000};
+  MemoryPool pool = system.pool();
+  pool.release(pool.allocate(6144), 6144);
+  for (int i = 0; i < 5000; ++i) pool.release(pool.allocate(256), 256);
+  EXPECT_EQ(system.blocks, 2) << "a steady state gives nothing back";
+  pool.release(pool.allocate(512), 512);
+  EXPECT_EQ(system.blocks, 2) << "the next growth does";
+  EXPECT_EQ(pool.use().reserved, 256u + 512u);
+}
+
+}  // namespace
+}  // namespace weir::test

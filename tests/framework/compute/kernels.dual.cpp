@@ -1,0 +1,97 @@
+#include "tests/framework/compute/kernels.h"
+
+namespace weir::test {
+namespace {
+
+struct WriteSquare {
+  ArrayView<std::int64_t> out;
+  WEIR_HD void operator()(std::int64_t i) const { out[i] = i * i + 1; }
+};
+
+struct AddToCounter {
+  ArrayView<const int> values;
+  ArrayView<int> counters;
+  WEIR_HD void operator()(std::int64_t i) const {
+    atomicAdd(&counters[values[i] % counters.size], values[i]);
+  }
+};
+
+template <class T>
+struct Element {
+  ArrayView<const T> values;
+  WEIR_HD T operator()(std::int64_t i) const { return values[i]; }
+};
+
+struct Plus {
+  template <class T>
+  WEIR_HD T operator()(const T& a, const T& b) const {
+    return a + b;
+  }
+};
+
+struct PointBox {
+  ArrayView<const Vec3f> points;
+  WEIR_HD Aabb operator()(std::int64_t i) const { return {points[i], points[i]}; }
+};
+
+struct Union {
+  WEIR_HD Aabb operator()(Aabb a, const Aabb& b) const {
+    a.extend(b);
+    return a;
+  }
+};
+
+struct IsMultiple {
+  ArrayView<const int> values;
+  int divisor;
+  WEIR_HD bool operator()(std::int64_t i) const { return values[i] % divisor == 0; }
+};
+
+}  // namespace
+
+template <class Backend>
+void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out) {
+  parallelFor(device, "writeSquares", count, WriteSquare{out});
+}
+
+template <class Backend>
+void addToCounters(Backend& device, Count count, ArrayView<const int> values, ArrayView<int> counters) {
+  parallelFor(device, "addToCounters", count, AddToCounter{values, counters});
+}
+
+template <class Backend>
+void sum(Backend& device, Count count, ArrayView<const float> values, float* result) {
+  reduce(device, "sum", count, 0.0f, Element<float>{values}, Plus{}, result);
+}
+
+template <class Backend>
+void sum(Backend& device, Count count, ArrayView<const int> values, std::int64_t* result) {
+  reduce(device, "sum", count, std::int64_t{0}, Element<int>{values}, Plus{}, result);
+}
+
+template <class Backend>
+void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result) {
+  reduce(device, "boundingBox", count, Aabb{}, PointBox{points}, Union{}, result);
+}
+
+template <class Backend>
+void keepMultiples(Backend& device, Count count, ArrayView<const int> values, int divisor,
+                   ArrayView<int> indices, int* kept) {
+  compact(device, "keepMultiples", count, IsMultiple{values, divisor}, indices, kept);
+}
+
+template <class Backend>
+void sortByCell(Backend& device, CellSort& sort, Count count, int cells, ArrayView<const int> keys,
+                int* kept) {
+  sort.sort(device, count, cells, Element<int>{keys}, kept);
+}
+
+template void writeSquares(ThisBackend&, Count, ArrayView<std::int64_t>);
+template void addToCounters(ThisBackend&, Count, ArrayView<const int>, ArrayView<int>);
+template void sum(ThisBackend&, Count, ArrayView<const float>, float*);
+template void sum(ThisBackend&, Count, ArrayView<const int>, std::int64_t*);
+template void boundingBox(ThisBackend&, Count, ArrayView<const Vec3f>, Aabb*);
+template void keepMultiples(ThisBackend&, Count, ArrayView<const int>, int, ArrayView<int>, int*);
+template void sortByCell(ThisBackend&, CellSort&, Count, int, ArrayView<const int>, int*);
+
+}  // namespace weir::test

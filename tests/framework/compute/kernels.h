@@ -1,0 +1,37 @@
+// Kernels for the tests of the primitives, compiled for each back end in kernels.dual.cpp.
+#pragma once
+
+#include "framework/base/vec.h"
+#include "framework/compute/cell_sort.h"
+#include "framework/compute/parallel.h"
+
+namespace weir::test {
+
+/// out[i] = i*i + 1
+template <class Backend>
+void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out);
+
+/// counters[values[i] mod counters.size] grows by values[i].
+template <class Backend>
+void addToCounters(Backend& device, Count count, ArrayView<const int> values, ArrayView<int> counters);
+
+template <class Backend>
+void sum(Backend& device, Count count, ArrayView<const float> values, float* result);
+
+template <class Backend>
+void sum(Backend& device, Count count, ArrayView<const int> values, std::int64_t* result);
+
+/// The box around points; a result that is no plain number.
+template <class Backend>
+void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result);
+
+/// Keeps the multiples of `divisor`.
+template <class Backend>
+void keepMultiples(Backend& device, Count count, ArrayView<const int> values, int divisor,
+                   ArrayView<int> indices, int* kept);
+
+template <class Backend>
+void sortByCell(Backend& device, CellSort& sort, Count count, int cells, ArrayView<const int> keys,
+                int* kept);
+
+}  // namespace weir::test

@@ -1,0 +1,41 @@
+// The devices that a test runs on: every back end of the build that works on this machine.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/base/error.h"
+#include "framework/compute/device.h"
+
+namespace weir::test {
+
+/// "cpu", and "cuda" where a CUDA device can be opened.
+inline std::vector<std::string> availableDevices() {
+  std::vector<std::string> names{"cpu"};
+  try {
+    openDevice("cuda");
+    names.emplace_back("cuda");
+  } catch (const Error&) {
+    // No CUDA in the build or no device that works: the CPU alone is tested.
+  }
+  return names;
+}
+
+/// A test that runs once on each device:
+///   using MyTest = OnDevice;
+///   TEST_P(MyTest, Adds) { … *device … }
+///   WEIR_ON_EVERY_DEVICE(MyTest);
+class OnDevice : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Device> device = openDevice(GetParam());
+};
+
+}  // namespace weir::test
+
+// A macro, because it names the suite to GoogleTest's own macro.
+#define WEIR_ON_EVERY_DEVICE(Suite)                                                             \
+  INSTANTIATE_TEST_SUITE_P(Devices, Suite, testing::ValuesIn(::weir::test::availableDevices()), \
+                           [](const auto& tested) { return tested.param; })
