@@ -79,7 +79,8 @@ std::string Value::brief() const {
   if (isBool()) return asBool() ? "true" : "false";
   if (isInt()) return std::to_string(asInt());
   if (isNumber()) return fmt::format("{}", asDouble());
-  if (isObject()) return fmt::format("an object of {} member{}", asObject().size(), asObject().size() == 1 ? "" : "s");
+  if (isObject())
+    return fmt::format("an object of {} member{}", asObject().size(), asObject().size() == 1 ? "" : "s");
   if (isString()) return '"' + printable(asString(), kLongest) + '"';
   std::string text = "[";
   for (const Value& v : asArray()) {

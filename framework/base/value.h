@@ -72,8 +72,8 @@ class Value {
   /// The value itself for a message, cut to a readable length.
   std::string brief() const;
 
-  int line = 0;    ///< from 1; 0 if it comes from no file
-  int column = 0;  ///< from 1
+  int line = 0;                               ///< from 1; 0 if it comes from no file
+  int column = 0;                             ///< from 1
   std::shared_ptr<const ValueOrigin> origin;  ///< null if it comes from the file being read
 
   /// Equality of content; place and origin do not count. 1 and 1.0 are equal.

@@ -47,8 +47,7 @@ class ValueBuilder final : public Json::json_sax_t {
     const auto [first, added] = open_.back().lines.emplace(name, at.line);
     if (!added)
       failAt(at, sceneError("there are two members \"" + printable(name) + "\" in this object",
-                            "every name once",
-                            fmt::format("the first one is in line {}", first->second)));
+                            "every name once", fmt::format("the first one is in line {}", first->second)));
     open_.back().value->asObject().emplace_back(std::move(name), Value());
     open_.back().afterKey = true;
     return true;

@@ -80,8 +80,10 @@ StringMistake findStringMistake(std::string_view text) {
       return {0, "the string " + printable(text.substr(0, i), 40) + " does not end on its line",
               "a closing '\"'", "a line break in a string is written \\n"};
     if (byte < 0x20)
-      return {i, fmt::format("found the control character U+{:04X} in a string", byte),
-              fmt::format("\\u{:04x}", byte), {}};
+      return {i,
+              fmt::format("found the control character U+{:04X} in a string", byte),
+              fmt::format("\\u{:04x}", byte),
+              {}};
     const std::size_t length = utf8Length(text, i);
     if (length == 0)
       return {i, fmt::format("found the byte 0x{:02X}, which is no UTF-8", byte), "text in UTF-8",
@@ -96,7 +98,9 @@ StringMistake findStringMistake(std::string_view text) {
     if (i + 1 < text.size() && text[i + 1] == 'u') {
       const std::string_view digits = text.substr(i + 2, 4);
       if (digits.size() < 4 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string_view::npos)
-        return {i, "found '" + printable(text.substr(i, 6)) + "' in a string", "\\u and four digits 0-9, a-f",
+        return {i,
+                "found '" + printable(text.substr(i, 6)) + "' in a string",
+                "\\u and four digits 0-9, a-f",
                 {}};
     }
     i += 2;
@@ -166,7 +170,8 @@ Error describeWord(std::string_view word, bool valueExpected, const std::string&
 Error describeToken(std::string_view rest, JsonState state, bool afterComma, bool valueExpected,
                     const std::string& expected) {
   const char c = rest[0];
-  if (c == '/' || c == '#') return sceneError("found " + quoted(rest.substr(0, 2)), expected, "JSON has no comments");
+  if (c == '/' || c == '#')
+    return sceneError("found " + quoted(rest.substr(0, 2)), expected, "JSON has no comments");
   if (c == '\'') return sceneError("found a single quote", expected, "strings are written in double quotes");
   if (afterComma && (c == ']' || c == '}'))
     return sceneError("found ',' before '" + std::string(1, c) + "'", expected, "remove the last comma");
@@ -178,8 +183,9 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
   }
   const std::size_t length = utf8Length(rest, 0);
   if (length == 0)
-    return sceneError(fmt::format("found the byte 0x{:02X}, which is no UTF-8", static_cast<unsigned char>(c)),
-                      expected, "the file may be binary, or not in UTF-8");
+    return sceneError(
+        fmt::format("found the byte 0x{:02X}, which is no UTF-8", static_cast<unsigned char>(c)), expected,
+        "the file may be binary, or not in UTF-8");
   return sceneError("found " + quoted(rest.substr(0, length)), expected);
 }
 
@@ -196,7 +202,8 @@ Error describeJsonMistake(JsonTokens tokens, JsonState state, const TextPlace& o
     tokens.skipOne();
     valueExpected = true;
     expected = "a value";
-  } else if ((state == JsonState::kNextElement || state == JsonState::kNextKey) && tokens.rest().starts_with(',')) {
+  } else if ((state == JsonState::kNextElement || state == JsonState::kNextKey) &&
+             tokens.rest().starts_with(',')) {
     tokens.skipOne();
     afterComma = true;
     valueExpected = state == JsonState::kNextElement;
@@ -212,9 +219,9 @@ Error describeJsonMistake(JsonTokens tokens, JsonState state, const TextPlace& o
 
   if (rest.empty() && emptyFile) return here(sceneError("the file is empty", expected));
   if (rest.empty())
-    return here(sceneError(fmt::format("the file ends inside what opens at line {}, column {}", opened.line,
-                                       opened.column),
-                           expected, "the file may be cut off"));
+    return here(sceneError(
+        fmt::format("the file ends inside what opens at line {}, column {}", opened.line, opened.column),
+        expected, "the file may be cut off"));
   const bool stringExpected = valueExpected || state == JsonState::kFirstKey;
   if (rest[0] == '"' && stringExpected) {
     if (const StringMistake mistake = findStringMistake(rest); !mistake.message.empty()) {

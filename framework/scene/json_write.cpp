@@ -49,7 +49,8 @@ void writeDouble(std::string& out, double d) {
   // Long whole numbers need their exponent, or they would be read as integers that do not fit.
   constexpr double kLongestWhole = 1e15;
   char text[32];
-  const auto format = std::abs(d) < kLongestWhole ? std::chars_format::general : std::chars_format::scientific;
+  const auto format =
+      std::abs(d) < kLongestWhole ? std::chars_format::general : std::chars_format::scientific;
   const auto end = format == std::chars_format::general ? std::to_chars(text, text + sizeof text, d)
                                                         : std::to_chars(text, text + sizeof text, d, format);
   out.append(text, end.ptr);
