@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "framework/base/text.h"
+
 namespace weir {
 
 Error::Error(ErrorKind kind, std::string message, std::string allowed, std::string hint)
@@ -37,15 +39,17 @@ Error& Error::inParameter(const std::string& name) {
 }
 
 void Error::compose() {
-  std::string where = location_.file;
+  // Pointers and names hold keys as the user wrote them, which may be anything.
+  constexpr std::size_t kLongestShown = 200, kLongestPath = 4096;
+  std::string where = printable(location_.file, kLongestPath);
   if (location_.line > 0)
     where += ":" + std::to_string(location_.line) + ":" + std::to_string(location_.column);
   const auto append = [&](const std::string& part) {
     if (!part.empty()) where += (where.empty() ? "" : ": ") + part;
   };
-  append(location_.pointer);
-  if (!location_.node.empty()) append("node '" + location_.node + "'");
-  if (!location_.parameter.empty()) append("parameter '" + location_.parameter + "'");
+  append(printable(location_.pointer, kLongestShown));
+  if (!location_.node.empty()) append("node " + quoted(location_.node));
+  if (!location_.parameter.empty()) append("parameter " + quoted(location_.parameter));
 
   text_ = where.empty() ? message_ : where + ": " + message_;
   if (!allowed_.empty()) text_ += "\n  allowed: " + allowed_;

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "framework/base/check.h"
+#include "framework/base/text.h"
 
 namespace weir {
 
@@ -78,24 +79,19 @@ std::string Value::brief() const {
   if (isBool()) return asBool() ? "true" : "false";
   if (isInt()) return std::to_string(asInt());
   if (isNumber()) return fmt::format("{}", asDouble());
-  if (isObject()) return fmt::format("an object of {} members", asObject().size());
-  std::string text;
-  if (isString()) {
-    text = '"' + asString() + '"';
-  } else {
-    text = "[";
-    for (const Value& v : asArray()) {
-      if (text.size() > kLongest) break;
-      text += (text.size() > 1 ? ", " : "") + v.brief();
-    }
-    text += "]";
+  if (isObject())
+    return fmt::format("an object of {} member{}", asObject().size(), asObject().size() == 1 ? "" : "s");
+  if (isString()) return '"' + printable(asString(), kLongest) + '"';
+  std::string text = "[";
+  for (const Value& v : asArray()) {
+    if (text.size() > kLongest) break;
+    text += (text.size() > 1 ? ", " : "") + v.brief();
   }
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
-  return text;
+  return printable(text + "]", kLongest);
 }
 
 bool operator==(const Value& a, const Value& b) {
-  if (a.isNumber() && b.isNumber()) return a.asDouble() == b.asDouble();
+  if (a.isNumber() && b.isNumber() && !(a.isInt() && b.isInt())) return a.asDouble() == b.asDouble();
   return a.data_ == b.data_;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,12 @@
 #include <vector>
 
 namespace weir {
+
+/// Where a value comes from that is not from the file being read, such as a --set option.
+struct ValueOrigin {
+  std::string name;    ///< "--set water.spacing=0.02", for messages
+  std::string folder;  ///< what relative paths in the value are relative to
+};
 
 class Value {
  public:
@@ -65,10 +72,11 @@ class Value {
   /// The value itself for a message, cut to a readable length.
   std::string brief() const;
 
-  int line = 0;    ///< from 1; 0 if it comes from no file
-  int column = 0;  ///< from 1
+  int line = 0;                               ///< from 1; 0 if it comes from no file
+  int column = 0;                             ///< from 1
+  std::shared_ptr<const ValueOrigin> origin;  ///< null if it comes from the file being read
 
-  /// Equality of content; the place does not count. 1 and 1.0 are equal.
+  /// Equality of content; place and origin do not count. 1 and 1.0 are equal.
   friend bool operator==(const Value& a, const Value& b);
 
  private:

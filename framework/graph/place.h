@@ -11,7 +11,7 @@
 namespace weir {
 
 struct Place {
-  std::string file;     ///< the scene file, or "--set water.spacing=2"
+  std::string file;     ///< the scene file
   std::string pointer;  ///< "/nodes/water/params"
   std::string folder;   ///< what relative paths are relative to
 
@@ -19,7 +19,12 @@ struct Place {
   Place operator/(std::size_t index) const { return {file, pointer + "/" + std::to_string(index), folder}; }
 
   Location of(const Value& value) const {
-    return {.file = file, .line = value.line, .column = value.column, .pointer = pointer};
+    const std::string& source = value.origin ? value.origin->name : file;
+    return {.file = source, .line = value.line, .column = value.column, .pointer = pointer};
+  }
+  /// What a relative path in this value is relative to.
+  const std::string& folderOf(const Value& value) const {
+    return value.origin ? value.origin->folder : folder;
   }
   /// A scene error at this place.
   Error error(const Value& at, std::string message, std::string allowed = {}, std::string hint = {}) const {

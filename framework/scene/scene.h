@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "framework/graph/registry.h"
 #include "framework/graph/scene_graph.h"
@@ -35,12 +36,15 @@ class World final : public Configurable {
 
 struct Scene {
   std::string title;
+  std::string schema;             ///< the key "$schema", an address for editors; "" if there is none
+  std::vector<FilePath> plugins;  ///< libraries that must be loaded before the scene can be built
   World world;
   SceneGraph graph;
   /// Sections that plugins registered, such as "render"; each is there, with defaults if the file has none.
   std::map<std::string, std::unique_ptr<Configurable>> sections;
   /// Sections of the file that no loaded plugin knows; kept for writing.
   std::map<std::string, Value> unknownSections;
+  Value layout;      ///< the key "layout": where an editor shows the nodes; null if there is none
   std::string file;  ///< where it was read from; "" if from nowhere
   std::string text;  ///< as it was read, with overrides not applied; kept with exported data
 };

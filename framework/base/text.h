@@ -1,0 +1,24 @@
+// Text that comes from users: whether it is UTF-8, and how to quote it in a message.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace weir {
+
+/// The length in bytes of the UTF-8 sequence that starts at text[at]; 0 if there is no valid one.
+std::size_t utf8Length(std::string_view text, std::size_t at);
+
+bool isUtf8(std::string_view text);
+
+/// Text as a message may show it: control characters and bytes that are no UTF-8 are escaped, and it is cut
+/// after `longest` bytes. So no scene file can confuse a terminal or flood it.
+std::string printable(std::string_view text, std::size_t longest = 60);
+
+/// printable() between single quotes.
+inline std::string quoted(std::string_view text) {
+  return "'" + printable(text) + "'";
+}
+
+}  // namespace weir

@@ -1,0 +1,159 @@
+#include "framework/scene/scene_file.h"
+#include "framework/scene/sections.h"
+
+namespace weir {
+
+namespace {
+
+constexpr const char* kNodeName = "^[A-Za-z][A-Za-z0-9_-]{0,99}$";
+constexpr const char* kLinkForm = R"(^\s*[^.\s]+\.[^.\s]+\s*->\s*[^.\s]+\.[^.\s]+\s*$)";
+
+using Member = std::pair<std::string, Value>;
+
+Value object(std::vector<Member> members) {
+  return Value(
+      Value::Object(std::make_move_iterator(members.begin()), std::make_move_iterator(members.end())));
+}
+
+Value reference(const std::string& definition) {
+  return object({{"$ref", "#/$defs/" + definition}});
+}
+
+Value described(Value schema, std::string_view doc) {
+  if (!doc.empty()) schema["description"] = doc;
+  return schema;
+}
+
+/// { if: the member "type" is `type`, then: `schema` }
+Value ifType(std::string_view type, Value schema) {
+  Value is = object(
+      {{"properties", object({{"type", object({{"const", type}})}})}, {"required", Value::Array{"type"}}});
+  return object({{"if", std::move(is)}, {"then", std::move(schema)}});
+}
+
+Value paramsSchema(std::string reference_) {
+  return object({{"properties", object({{"params", reference(std::move(reference_))}})}});
+}
+
+/// A module of a family: its own members, and "params" by its type.
+Value familySchema(const Registry& registry, const std::string& family) {
+  Value types = Value::array(), byType = Value::array();
+  for (const auto& [type, entry] : registry.modules()) {
+    if (entry.info.family != family) continue;
+    types.push(type);
+    byType.push(ifType(type, paramsSchema("params." + type)));
+  }
+  const Value name = object({{"type", "string"}});
+  Value schema =
+      object({{"type", "object"},
+              {"properties",
+               object({{"type", described(object({{"enum", std::move(types)}}),
+                                          "Replaces the module of this name, or makes a new one.")},
+                       {"enabled", described(object({{"type", "boolean"}}), "Whether the module runs.")},
+                       {"after", described(name, "The module to stand behind.")},
+                       {"before", described(name, "The module to stand before.")},
+                       {"params", object({{"type", "object"}})}})},
+              {"additionalProperties", false}});
+  if (!byType.asArray().empty()) schema["allOf"] = std::move(byType);
+  return schema;
+}
+
+/// The "modules" of a node: those of its default pipeline need no type.
+Value modulesSchema(const PipelineBase& pipeline) {
+  const std::string family = "family." + pipeline.family();
+  Value defaults = Value::object();
+  for (const auto& module : pipeline.modules()) {
+    const std::string type(module->info().type);
+    Value hasType = object({{"required", Value::Array{"type"}}});
+    Value byDefault = object({{"if", std::move(hasType)}, {"else", paramsSchema("params." + type)}});
+    defaults[module->name()] =
+        object({{"description", "By default a " + type + ": " + std::string(module->info().doc)},
+                {"allOf", Value::Array{reference(family), std::move(byDefault)}}});
+  }
+  Value added =
+      object({{"allOf", Value::Array{reference(family), object({{"required", Value::Array{"type"}}})}}});
+  return object(
+      {{"type", "object"}, {"properties", std::move(defaults)}, {"additionalProperties", std::move(added)}});
+}
+
+Value nodeSchema(const Registry::NodeType& type) {
+  const std::unique_ptr<Node> node = type.create();
+  Value members = object({{"type", object({{"const", type.info.type}})}, {"params", node->schema()}});
+  if (PipelineBase* pipeline = node->pipeline()) members["modules"] = modulesSchema(*pipeline);
+  return object(
+      {{"description", type.info.doc}, {"properties", std::move(members)}, {"additionalProperties", false}});
+}
+
+Value definitions(const Registry& registry) {
+  Value all = Value::object();
+  Value types = Value::array(), byType = Value::array();
+  for (const auto& [name, type] : registry.nodes()) {
+    types.push(name);
+    byType.push(ifType(name, reference("node." + name)));
+    all["node." + name] = nodeSchema(type);
+  }
+  Value node = object({{"type", "object"},
+                       {"required", Value::Array{"type"}},
+                       {"properties", object({{"type", object({{"enum", std::move(types)}})}})}});
+  if (!byType.asArray().empty()) node["allOf"] = std::move(byType);
+  all["node"] = std::move(node);
+
+  for (const auto& [name, type] : registry.modules()) {
+    all["params." + name] = described(type.create()->schema(), type.info.doc);
+    const std::string family(type.info.family);
+    if (all.find("family." + family) == nullptr) all["family." + family] = familySchema(registry, family);
+  }
+  for (const auto& [name, type] : registry.nodes()) {
+    const std::unique_ptr<Node> made = type.create();
+    if (made->pipeline() == nullptr) continue;
+    const std::string& family = made->pipeline()->family();
+    if (all.find("family." + family) == nullptr) all["family." + family] = familySchema(registry, family);
+    // A default module's type need not be registered: only its node makes it.
+    for (const auto& module : made->pipeline()->modules()) {
+      const std::string definition = "params." + std::string(module->info().type);
+      if (all.find(definition) == nullptr) all[definition] = described(module->schema(), module->info().doc);
+    }
+  }
+  return all;
+}
+
+Value rootMembers(const Registry& registry) {
+  const Value text = object({{"type", "string"}});
+  const auto list = [](Value items) { return object({{"type", "array"}, {"items", std::move(items)}}); };
+  Value members =
+      object({{"$schema", text},
+              {"weir", described(object({{"const", kSceneVersion}}), "The version of the scene format.")},
+              {"title", described(text, "What the scene shows.")},
+              {"plugins",
+               described(list(text), "Libraries to load; relative paths are relative to the scene file.")},
+              {"world", described(World().schema(), "What all nodes share.")},
+              {"nodes", described(object({{"type", "object"},
+                                          {"minProperties", 1},
+                                          {"propertyNames", object({{"pattern", kNodeName}})},
+                                          {"additionalProperties", reference("node")}}),
+                                  "The nodes by name.")},
+              {"links", described(list(object({{"type", "string"}, {"pattern", kLinkForm}})),
+                                  "Links of the form \"node.output -> node.input\".")},
+              {"layout", described(object({{"type", "object"}}), "Where an editor shows the nodes.")}});
+  for (const std::string& name : sectionNames(registry)) {
+    const auto section = registry.sections().find(name);
+    members[name] = section == registry.sections().end()
+                        ? described(Value::object(), "Ignored: the plugin that reads it is not loaded.")
+                        : described(section->second.create()->schema(), section->second.doc);
+  }
+  return members;
+}
+
+}  // namespace
+
+Value sceneSchema(const Registry& registry) {
+  return object({{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                 {"title", "Weir scene"},
+                 {"type", "object"},
+                 {"required", Value::Array{"weir", "nodes"}},
+                 {"properties", rootMembers(registry)},
+                 {"additionalProperties", false},
+                 {"$defs", definitions(registry)}});
+}
+
+}  // namespace weir
