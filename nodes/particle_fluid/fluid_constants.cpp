@@ -26,13 +26,15 @@ namespace {
 struct PackingPoint {
   double supportRatio, factor;
 };
-constexpr PackingPoint kPackingCurve[] = {{1.1, 1.020}, {1.2, 1.023}, {1.5, 1.030}, {2.0, 1.045}, {3.0, 1.045}};
+constexpr PackingPoint kPackingCurve[] = {
+    {1.1, 1.020}, {1.2, 1.023}, {1.5, 1.030}, {2.0, 1.045}, {3.0, 1.045}};
 
 }  // namespace
 
 double packingCalibration(double supportRatio) {
-  const auto after = std::upper_bound(std::begin(kPackingCurve), std::end(kPackingCurve), supportRatio,
-                                      [](double ratio, const PackingPoint& p) { return ratio < p.supportRatio; });
+  const auto after =
+      std::upper_bound(std::begin(kPackingCurve), std::end(kPackingCurve), supportRatio,
+                       [](double ratio, const PackingPoint& p) { return ratio < p.supportRatio; });
   double factor;
   if (after == std::begin(kPackingCurve)) {
     factor = after->factor;

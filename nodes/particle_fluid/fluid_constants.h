@@ -15,7 +15,9 @@ template <>
 struct EnumNames<Calibration> {
   static constexpr std::array<EnumName, 2> kNames{
       EnumName{"packing", "A settled fluid holds one particle per spacing cubed: no volume is lost at rest."},
-      EnumName{"lattice", "A cubic lattice has rest density, as in the authors' code; fluid loses volume as it settles."}};
+      EnumName{
+          "lattice",
+          "A cubic lattice has rest density, as in the authors' code; fluid loses volume as it settles."}};
 };
 
 struct FluidConstants {

@@ -21,8 +21,8 @@ namespace weir {
 
 struct Boundary;
 
-/// The state of a fluid within one step. Between the modules `predict` and the solver, positions are predicted
-/// ones; before and after, they are those of the beginning and the end of the step.
+/// The state of a fluid within one step. Between the modules `predict` and the solver, positions are
+/// predicted ones; before and after, they are those of the beginning and the end of the step.
 struct FluidStep {
   const StepContext& time;
   Device& device;

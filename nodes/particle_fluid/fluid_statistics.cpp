@@ -7,9 +7,13 @@ namespace weir {
 
 namespace {
 
-Value toValue(const Vec3d& v) { return Value::Array{v.x, v.y, v.z}; }
+Value toValue(const Vec3d& v) {
+  return Value::Array{v.x, v.y, v.z};
+}
 
-Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
+Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
 
 Value meanAndMax(double mean, double max) {
   Value v = Value::object();
@@ -20,8 +24,8 @@ Value meanAndMax(double mean, double max) {
 
 }  // namespace
 
-void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors, const FluidConstants& constants,
-                          const Vec3f& gravity, Value& statistics) {
+void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors,
+                          const FluidConstants& constants, const Vec3f& gravity, Value& statistics) {
   const std::int64_t n = particles.bound();
   const std::vector<Vec3f> positions = particles.positions().toHost(n);
   const std::vector<Vec3f> velocities = particles.velocities().toHost(n);

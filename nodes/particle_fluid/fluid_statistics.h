@@ -12,7 +12,7 @@ namespace weir {
 /// compression {mean, max} of max(λ − 1, 0), linear_momentum [kg·m/s], kinetic_energy [J], potential_energy
 /// [J] (relative to the origin), center_of_mass [m], bounds [m], max_speed [m/s]. Expects neighbours and the
 /// attribute "density" as of the last frame. Waits for the device.
-void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors, const FluidConstants& constants,
-                          const Vec3f& gravity, Value& statistics);
+void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors,
+                          const FluidConstants& constants, const Vec3f& gravity, Value& statistics);
 
 }  // namespace weir

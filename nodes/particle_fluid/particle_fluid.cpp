@@ -24,14 +24,16 @@ ParticleFluid::ParticleFluid() {
 
 void ParticleFluid::validate() const {
   if (mu.get() && bulkModulus.isSet())
-    throw sceneError("both bulk_modulus and mu are given", "one of them: they say the same in different units");
+    throw sceneError("both bulk_modulus and mu are given",
+                     "one of them: they say the same in different units");
   const Aabb box = domain();
   if (box.empty()) throw sceneError("domain_min is above domain_max", "a box that is not empty");
 }
 
 Aabb ParticleFluid::domain() const {
   constexpr float kFar = std::numeric_limits<float>::max();
-  return {domainMin.get().value_or(Vec3f{-kFar, -kFar, -kFar}), domainMax.get().value_or(Vec3f{kFar, kFar, kFar})};
+  return {domainMin.get().value_or(Vec3f{-kFar, -kFar, -kFar}),
+          domainMax.get().value_or(Vec3f{kFar, kFar, kFar})};
 }
 
 void ParticleFluid::configure(const SetupContext&) {
@@ -42,8 +44,8 @@ void ParticleFluid::configure(const SetupContext&) {
 
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
-  constants_ = makeFluidConstants(spacing, supportRatio, restDensity, mu.get() ? *mu.get() / volume : bulkModulus.get(),
-                                  calibration);
+  constants_ = makeFluidConstants(spacing, supportRatio, restDensity,
+                                  mu.get() ? *mu.get() / volume : bulkModulus.get(), calibration);
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});
@@ -107,9 +109,11 @@ void ParticleFluid::report(NodeReport& report) {
   report.statistics["neighbors_truncated"] = state.events.truncated;
   report.statistics["particles_escaped"] = state.events.escaped;
   report.statistics["particles_not_finite"] = state.events.nonFinite;
-  report.events.push_back({"neighbour lists were cut off (more neighbours than there is room for)", state.events.truncated});
+  report.events.push_back(
+      {"neighbour lists were cut off (more neighbours than there is room for)", state.events.truncated});
   report.events.push_back({"particles left the domain and were removed", state.events.escaped});
-  report.events.push_back({"particles with positions that are no numbers were removed", state.events.nonFinite});
+  report.events.push_back(
+      {"particles with positions that are no numbers were removed", state.events.nonFinite});
 }
 
 }  // namespace weir

@@ -1,5 +1,5 @@
-#include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/particle_fluid/density.h"
 
 namespace weir {
 
@@ -36,16 +36,16 @@ struct Density {
 template <class Backend>
 void ParticleFluid::boundingBoxOn(Backend& device) {
   State& state = *state_;
-  reduce(device, "bounding box", state.particles.count(), Aabb{}, PointBox{state.particles.positions().view()},
-         UniteBoxes{}, state.box.data());
+  reduce(device, "bounding box", state.particles.count(), Aabb{},
+         PointBox{state.particles.positions().view()}, UniteBoxes{}, state.box.data());
 }
 
 template <class Backend>
 void ParticleFluid::densityOn(Backend& device) {
   State& state = *state_;
   parallelFor(device, "density", state.particles.count(),
-              Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
-                      state.particles.positions().view(), state.density->view()});
+              Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume,
+                      constants_.restDensity, state.particles.positions().view(), state.density->view()});
 }
 
 template void ParticleFluid::boundingBoxOn(ThisBackend&);

@@ -21,26 +21,58 @@ struct Fluid {
 class ParticleFluid final : public Node {
  public:
   static constexpr NodeInfo kInfo{
-      "ParticleFluid", "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH)."};
+      "ParticleFluid",
+      "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH)."};
   const NodeInfo& info() const override { return kInfo; }
 
-  Param<float> spacing{*this, "spacing", 0.01f, {.unit = "m", .min = 0, .max = 1000, .aboveMin = true,
-                       .softMin = 0.002, .softMax = 0.1,
-                       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked."}};
-  Param<float> supportRatio{*this, "support_ratio", 1.5f, {.min = 1.1, .max = 3,
-                            .doc = "Radius in which particles interact, in spacings. 1.2 is the paper's."}};
-  Param<float> restDensity{*this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true,
-                           .doc = "Density at rest."}};
-  Param<float> bulkModulus{*this, "bulk_modulus", 1e6f, {.unit = "Pa", .min = 0, .aboveMin = true,
-                           .doc = "Stiffness against compression; the speed of sound is sqrt(bulk_modulus / rest_density)."}};
-  Param<std::optional<float>> mu{*this, "mu", std::nullopt, {.unit = "J", .min = 0, .aboveMin = true,
-                                 .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3."}};
-  Param<Calibration> calibration{*this, "calibration", Calibration::kPacking,
+  Param<float> spacing{
+      *this,
+      "spacing",
+      0.01f,
+      {.unit = "m",
+       .min = 0,
+       .max = 1000,
+       .aboveMin = true,
+       .softMin = 0.002,
+       .softMax = 0.1,
+       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked."}};
+  Param<float> supportRatio{
+      *this,
+      "support_ratio",
+      1.5f,
+      {.min = 1.1, .max = 3, .doc = "Radius in which particles interact, in spacings. 1.2 is the paper's."}};
+  Param<float> restDensity{
+      *this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest."}};
+  Param<float> bulkModulus{
+      *this,
+      "bulk_modulus",
+      1e6f,
+      {.unit = "Pa",
+       .min = 0,
+       .aboveMin = true,
+       .doc = "Stiffness against compression; the speed of sound is sqrt(bulk_modulus / rest_density)."}};
+  Param<std::optional<float>> mu{
+      *this,
+      "mu",
+      std::nullopt,
+      {.unit = "J",
+       .min = 0,
+       .aboveMin = true,
+       .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3."}};
+  Param<Calibration> calibration{*this,
+                                 "calibration",
+                                 Calibration::kPacking,
                                  {.doc = "Which arrangement of particles has rest density."}};
-  Param<std::optional<Vec3f>> domainMin{*this, "domain_min", std::nullopt,
-                                        {.unit = "m", .doc = "Lower corner of the box in which particles live."}};
-  Param<std::optional<Vec3f>> domainMax{*this, "domain_max", std::nullopt,
-                                        {.unit = "m", .doc = "Upper corner of that box. Particles outside are removed and counted."}};
+  Param<std::optional<Vec3f>> domainMin{
+      *this,
+      "domain_min",
+      std::nullopt,
+      {.unit = "m", .doc = "Lower corner of the box in which particles live."}};
+  Param<std::optional<Vec3f>> domainMax{
+      *this,
+      "domain_max",
+      std::nullopt,
+      {.unit = "m", .doc = "Upper corner of that box. Particles outside are removed and counted."}};
 
   Inputs<ParticleBatch> initial{*this, "initial", "Particles that are there from the start."};
   Inputs<ParticleBatch> emitters{*this, "emitters", "Particles that are born in each step."};

@@ -1,9 +1,9 @@
 // A grid of cubic cells that wraps around in all three directions.
 //
-// Cell (i, j, k) and cell (i + nx, j, k) share their storage, so the grid covers all of space with as many cells
-// as there is memory for, and never needs the bounding box of the particles to be right. A shape close to the
-// box is only faster: particles of different places that share a cell are told apart by their distance. With at
-// least three cells in each direction the 27 cells around a point are all different.
+// Cell (i, j, k) and cell (i + nx, j, k) share their storage, so the grid covers all of space with as many
+// cells as there is memory for, and never needs the bounding box of the particles to be right. A shape close
+// to the box is only faster: particles of different places that share a cell are told apart by their
+// distance. With at least three cells in each direction the 27 cells around a point are all different.
 #pragma once
 
 #include <cmath>

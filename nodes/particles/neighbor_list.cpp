@@ -37,7 +37,9 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain) {
   dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain); });
 }
 
-NeighborView NeighborList::view() const { return {entries_.data(), counts_.data(), capacity_, shift_}; }
+NeighborView NeighborList::view() const {
+  return {entries_.data(), counts_.data(), capacity_, shift_};
+}
 
 NeighborEvents NeighborList::eventsOnHost() const {
   const std::vector<int> values = events_.toHost();

@@ -96,8 +96,8 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
   counts_.resize(padded);
   entries_.resize(padded * capacity_);
   parallelFor(device, "find neighbours", particles.count(),
-              FindNeighbors{particles.positions().view(), sort_.start(), grid_, radius_ * radius_, capacity_, shift_,
-                            entries_.data(), counts_.data(), events});
+              FindNeighbors{particles.positions().view(), sort_.start(), grid_, radius_ * radius_, capacity_,
+                            shift_, entries_.data(), counts_.data(), events});
 }
 
 template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&);

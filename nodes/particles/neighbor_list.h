@@ -9,8 +9,8 @@
 
 namespace weir {
 
-/// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i &
-/// mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines.
+/// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i
+/// & mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines.
 struct NeighborView {
   const int* entries = nullptr;
   const int* counts = nullptr;
@@ -48,8 +48,8 @@ class NeighborList {
   /// The shape of the grid; any shape gives the same neighbours.
   void fitGrid(const Aabb& box, std::int64_t particles);
 
-  /// Removes particles that are outside `domain` or not finite, sorts the rest by cell, and finds for each all
-  /// others closer than the radius. Lists are reciprocal unless truncated.
+  /// Removes particles that are outside `domain` or not finite, sorts the rest by cell, and finds for each
+  /// all others closer than the radius. Lists are reciprocal unless truncated.
   void build(ParticleSet& particles, const Aabb& domain);
 
   NeighborView view() const;

@@ -10,8 +10,8 @@
 namespace weir {
 
 /// The first `count` elements of both arrays are particles, on the scene's device. A sampler fills it in
-/// reset(); an emitter refills it in every step with the particles born in that step, placed where they are at
-/// the beginning of the step.
+/// reset(); an emitter refills it in every step with the particles born in that step, placed where they are
+/// at the beginning of the step.
 struct ParticleBatch {
   static constexpr std::string_view kPortType = "ParticleBatch";
 

@@ -91,7 +91,8 @@ void ParticleSet::reserve(std::int64_t capacity) {
 
 void ParticleSet::append(const ParticleBatch& batch) {
   if (batch.count == 0) return;
-  if (bound_ + batch.count > std::numeric_limits<int>::max() || nextId_ + batch.count > std::numeric_limits<int>::max())
+  if (bound_ + batch.count > std::numeric_limits<int>::max() ||
+      nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
   const std::int64_t need = bound_ + batch.count;
   if (need > positions_->size()) reserve(std::max(need, positions_->capacity()));

@@ -1,5 +1,5 @@
-#include "nodes/particles/attribute_storage.h"
 #include "nodes/particles/particle_set.h"
+#include "nodes/particles/attribute_storage.h"
 
 namespace weir {
 
@@ -70,8 +70,8 @@ template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int
 template <class Backend>
 void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch) {
   parallelFor(device, "append", batch.count,
-              AppendBatch{batch.positions.view(), batch.velocities.view(), static_cast<int>(nextId_), counter_.data(),
-                          positions_->view(), velocities_->view(), ids_->view()});
+              AppendBatch{batch.positions.view(), batch.velocities.view(), static_cast<int>(nextId_),
+                          counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
   parallelFor(device, "advance count", 1, Advance{counter_.data(), static_cast<int>(batch.count)});
 }
 

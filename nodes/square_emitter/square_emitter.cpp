@@ -13,8 +13,9 @@ void SquareEmitter::validate() const {
 
 void SquareEmitter::reset(const SetupContext& context) {
   const auto request = particles.requested();
-  if (!request) throw sceneError("the emitter is not linked to a fluid, so its particle spacing is unknown",
-                                 "a link from '" + particles.path() + "' to the emitters of a ParticleFluid");
+  if (!request)
+    throw sceneError("the emitter is not linked to a fluid, so its particle spacing is unknown",
+                     "a link from '" + particles.path() + "' to the emitters of a ParticleFluid");
   spacing_ = request->spacing;
   constexpr double kMostParticlesInLayer = 1e7;
   const double columns = std::max(1.0, std::round(double(width) / spacing_));
@@ -28,9 +29,10 @@ void SquareEmitter::reset(const SetupContext& context) {
   constexpr double kNoticeableRounding = 0.1;
   const double area = columns * rows * spacing_ * spacing_, asked = double(width) * height;
   if (std::abs(area / asked - 1) > kNoticeableRounding)
-    context.log.warn(fmt::format(
-        "node '{}': the nozzle of {} x {} m is rounded to {} x {} particles of {} m, which changes the flux by {:+.0f} %",
-        name(), width.get(), height.get(), columns_, rows_, spacing_, 100 * (area / asked - 1)));
+    context.log.warn(
+        fmt::format("node '{}': the nozzle of {} x {} m is rounded to {} x {} particles of {} m, which "
+                    "changes the flux by {:+.0f} %",
+                    name(), width.get(), height.get(), columns_, rows_, spacing_, 100 * (area / asked - 1)));
   travel_ = 0;
   layers_ = emitted_ = 0;
   particles->count = 0;
@@ -62,6 +64,8 @@ void SquareEmitter::step(const StepContext& context) {
   travel_ = travelled;
 }
 
-void SquareEmitter::report(NodeReport& report) { report.statistics["particles_emitted"] = emitted_; }
+void SquareEmitter::report(NodeReport& report) {
+  report.statistics["particles_emitted"] = emitted_;
+}
 
 }  // namespace weir

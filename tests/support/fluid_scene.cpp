@@ -32,7 +32,9 @@ void FluidScene::step(int steps) {
   for (int k = 0; k < steps; ++k, ++steps_) graph_.step(context());
 }
 
-void FluidScene::frame() { graph_.frame(context()); }
+void FluidScene::frame() {
+  graph_.frame(context());
+}
 
 std::vector<Vec3f> FluidScene::byId(const Array<Vec3f>& values) const {
   ParticleSet& particles = *fluid_->fluid->particles;
@@ -44,9 +46,13 @@ std::vector<Vec3f> FluidScene::byId(const Array<Vec3f>& values) const {
   return ordered;
 }
 
-std::vector<Vec3f> FluidScene::positions() const { return byId(fluid_->fluid->particles->positions()); }
+std::vector<Vec3f> FluidScene::positions() const {
+  return byId(fluid_->fluid->particles->positions());
+}
 
-std::vector<Vec3f> FluidScene::velocities() const { return byId(fluid_->fluid->particles->velocities()); }
+std::vector<Vec3f> FluidScene::velocities() const {
+  return byId(fluid_->fluid->particles->velocities());
+}
 
 NodeReport FluidScene::report() {
   NodeReport report;
@@ -62,7 +68,8 @@ std::vector<Vec3f> jitteredCube(int n, float spacing, float jitter, unsigned see
   for (int x = 0; x < n; ++x)
     for (int y = 0; y < n; ++y)
       for (int z = 0; z < n; ++z)
-        positions.push_back(corner + spacing * Vec3f{x + offset(random), y + offset(random), z + offset(random)});
+        positions.push_back(corner +
+                            spacing * Vec3f{x + offset(random), y + offset(random), z + offset(random)});
   return positions;
 }
 

@@ -20,14 +20,16 @@ class GivenParticles final : public Node {
   Output<ParticleBatch> particles{*this, "particles", "The particles."};
   std::vector<Vec3f> positions, velocities;
 
-  void reset(const SetupContext& context) override { particles->assign(context.device, positions, velocities); }
+  void reset(const SetupContext& context) override {
+    particles->assign(context.device, positions, velocities);
+  }
 };
 
 class FluidScene {
  public:
   /// `parameters` are those of the ParticleFluid, `modules` its "modules", both as JSON-like values.
-  FluidScene(Device& device, std::vector<Vec3f> positions, std::vector<Vec3f> velocities, const Value& parameters,
-             const Value& modules = Value::object());
+  FluidScene(Device& device, std::vector<Vec3f> positions, std::vector<Vec3f> velocities,
+             const Value& parameters, const Value& modules = Value::object());
 
   SceneGraph& graph() { return graph_; }
   ParticleFluid& fluid() { return *fluid_; }

@@ -1,8 +1,8 @@
 // Keeps particles out of solids that are given by signed distance.
 //
 // A particle closer than its radius r = spacing/2 to a solid (φ < r) is put to φ = r along the normal. The
-// velocity it has into the wall is reflected with the wall's restitution e, and Coulomb friction takes at most
-// μ times that change of velocity from the tangential part:
+// velocity it has into the wall is reflected with the wall's restitution e, and Coulomb friction takes at
+// most μ times that change of velocity from the tangential part:
 //
 //   Δv_n = −(1 + e)·v_n  (if v_n < 0)        v_t ← v_t·max(0, 1 − μ·|Δv_n|/|v_t|)
 //
@@ -15,8 +15,9 @@ namespace weir {
 
 class BoundaryCollision final : public FluidModule {
  public:
-  static constexpr ModuleInfo kInfo{"BoundaryCollision", kFamily,
-                                    "Pushes particles out of boundaries, with their restitution and friction."};
+  static constexpr ModuleInfo kInfo{
+      "BoundaryCollision", kFamily,
+      "Pushes particles out of boundaries, with their restitution and friction."};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

@@ -21,8 +21,8 @@ struct PredictParticle {
 template <class Backend>
 void Predict::stepOn(Backend& device, FluidStep& fluid) {
   parallelFor(device, "predict", fluid.particles.count(),
-              PredictParticle{fluid.time.gravity, static_cast<float>(fluid.time.dt), fluid.particles.positions().view(),
-                              fluid.particles.velocities().view()});
+              PredictParticle{fluid.time.gravity, static_cast<float>(fluid.time.dt),
+                              fluid.particles.positions().view(), fluid.particles.velocities().view()});
 }
 
 template void Predict::stepOn(ThisBackend&, FluidStep&);

@@ -7,7 +7,8 @@ namespace weir {
 
 class Predict final : public FluidModule {
  public:
-  static constexpr ModuleInfo kInfo{"Predict", kFamily, "Moves particles by their velocity and gravity alone."};
+  static constexpr ModuleInfo kInfo{"Predict", kFamily,
+                                    "Moves particles by their velocity and gravity alone."};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

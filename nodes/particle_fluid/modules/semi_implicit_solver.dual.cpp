@@ -6,7 +6,9 @@ namespace weir {
 
 namespace {
 
-WEIR_HD Vec3f xyz(const Vec4f& v) { return {v.x, v.y, v.z}; }
+WEIR_HD Vec3f xyz(const Vec4f& v) {
+  return {v.x, v.y, v.z};
+}
 
 struct Start {
   ArrayView<const Vec3f> predicted;
@@ -41,8 +43,8 @@ struct EnergyDerivative {
 struct Substitute {
   NeighborView neighbors;
   SpikyKernel kernel;
-  float stiffness;  // (c·dt)²·V0
-  float shortest;   // m; closer pairs are treated as this far apart, along their direction
+  float stiffness;    // (c·dt)²·V0
+  float shortest;     // m; closer pairs are treated as this far apart, along their direction
   float own, others;  // weights of Ḃ_i and Ḃ_j
   ArrayView<const Vec3f> predicted;
   ArrayView<const Vec4f> weighted;
@@ -95,8 +97,8 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const float dt = static_cast<float>(fluid.time.dt);
   const NeighborView neighbors = fluid.neighbors.view();
-  const EnergyDerivative derivative{neighbors,     c.kernel,           c.particleVolume, tension,
-                                    state_.view(), weighted_.view()};
+  const EnergyDerivative derivative{neighbors, c.kernel,      c.particleVolume,
+                                    tension,   state_.view(), weighted_.view()};
   const Substitute substitute{neighbors,
                               c.kernel,
                               c.soundSpeedSquared() * dt * dt * c.particleVolume,
@@ -108,7 +110,8 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                               displacement_.view(),
                               state_.view()};
 
-  parallelFor(device, "start", count, Start{fluid.particles.positions().view(), state_.view(), displacement_.view()});
+  parallelFor(device, "start", count,
+              Start{fluid.particles.positions().view(), state_.view(), displacement_.view()});
   for (int k = 0; k < iterations; ++k) {
     parallelFor(device, "density", count, derivative);
     parallelFor(device, "substitute", count, substitute);

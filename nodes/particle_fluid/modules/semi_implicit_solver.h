@@ -5,9 +5,9 @@
 //
 //   Δx_i = [ (x*_i − x_i) − Σ_j (Ḃ_i + Ḃ_j)·a_ij·(x_j − x_i) ] / [ 1 + 2·Σ_j a_ij ]
 //
-// which is Eq. 14 in displacement form with the sign of Eq. 8 corrected. The non-conservative form (Eq. 12) has
-// Ḃ_i alone in place of the sum and a divisor of 1 + Σ_j a_ij. Both directed contributions of a pair are known to
-// each of its particles, so the update only gathers. Velocities gain (x^N − x*)/dt.
+// which is Eq. 14 in displacement form with the sign of Eq. 8 corrected. The non-conservative form (Eq. 12)
+// has Ḃ_i alone in place of the sum and a divisor of 1 + Σ_j a_ij. Both directed contributions of a pair are
+// known to each of its particles, so the update only gathers. Velocities gain (x^N − x*)/dt.
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
@@ -16,16 +16,29 @@ namespace weir {
 
 class SemiImplicitSolver final : public FluidModule {
  public:
-  static constexpr ModuleInfo kInfo{"SemiImplicitSolver", kFamily,
-                                    "Keeps the fluid incompressible by semi-implicit successive substitution."};
+  static constexpr ModuleInfo kInfo{
+      "SemiImplicitSolver", kFamily,
+      "Keeps the fluid incompressible by semi-implicit successive substitution."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  Param<int> iterations{*this, "iterations", 3, {.min = 1, .max = 10000, .live = true,
-                        .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
-  Param<bool> conservative{*this, "conservative", true, {.live = true,
-                           .doc = "Equal and opposite displacements (Eq. 14), or each particle's own terms only (Eq. 12)."}};
-  Param<bool> tension{*this, "tension", false, {.live = true,
-                      .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
+  Param<int> iterations{*this,
+                        "iterations",
+                        3,
+                        {.min = 1,
+                         .max = 10000,
+                         .live = true,
+                         .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
+  Param<bool> conservative{
+      *this,
+      "conservative",
+      true,
+      {.live = true,
+       .doc = "Equal and opposite displacements (Eq. 14), or each particle's own terms only (Eq. 12)."}};
+  Param<bool> tension{
+      *this,
+      "tension",
+      false,
+      {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
 
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });

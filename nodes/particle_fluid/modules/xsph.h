@@ -12,11 +12,18 @@ namespace weir {
 
 class Xsph final : public FluidModule {
  public:
-  static constexpr ModuleInfo kInfo{"Xsph", kFamily, "Smooths velocities between neighbours (artificial viscosity)."};
+  static constexpr ModuleInfo kInfo{"Xsph", kFamily,
+                                    "Smooths velocities between neighbours (artificial viscosity)."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  Param<float> strength{*this, "strength", 0.3f, {.min = 0, .max = 1, .live = true,
-                        .doc = "Share of the difference to the neighbours' velocities that is removed in a step."}};
+  Param<float> strength{
+      *this,
+      "strength",
+      0.3f,
+      {.min = 0,
+       .max = 1,
+       .live = true,
+       .doc = "Share of the difference to the neighbours' velocities that is removed in a step."}};
 
   void step(FluidStep& fluid) override {
     if (strength > 0) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });

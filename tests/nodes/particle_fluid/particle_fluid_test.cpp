@@ -14,7 +14,8 @@ TEST(ParticleFluid, StartsEmptyAndGrows) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     FluidScene scene(*device, {}, {}, object({{"spacing", 0.02}}));
-    auto& emitter = static_cast<SquareEmitter&>(scene.graph().add(std::make_unique<SquareEmitter>(), "nozzle"));
+    auto& emitter =
+        static_cast<SquareEmitter&>(scene.graph().add(std::make_unique<SquareEmitter>(), "nozzle"));
     emitter.assignAll(object({{"width", 0.1}, {"height", 0.06}, {"speed", 1.0}}), {});
     scene.graph().link(SceneGraph::parseLink("nozzle.particles -> water.emitters"));
     scene.reset(1e-3);
@@ -30,7 +31,9 @@ TEST(ParticleFluid, CountsWhatLeavesTheDomain) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     FluidScene scene(*device, {{0, 0, 0}, {0.5f, 0, 0}, {0.9f, 0, 0}}, {{0, 0, 0}, {0, 0, 0}, {20, 0, 0}},
-                     object({{"spacing", 0.01}, {"domain_min", Value::Array{-1, -1, -1}}, {"domain_max", Value::Array{1, 1, 1}}}));
+                     object({{"spacing", 0.01},
+                             {"domain_min", Value::Array{-1, -1, -1}},
+                             {"domain_max", Value::Array{1, 1, 1}}}));
     scene.gravity = {};
     scene.reset(1e-3);
     scene.step(10);
@@ -55,7 +58,8 @@ TEST(ParticleFluid, TwoScenesDoNotKnowOfEachOther) {
       return scene.positions();
     };
     const std::vector<Vec3f> expectedA = alone(cubeA, 0.01f), expectedB = alone(cubeB, 0.02f);
-    FluidScene a(*device, cubeA, {}, object({{"spacing", 0.01f}})), b(*device, cubeB, {}, object({{"spacing", 0.02f}}));
+    FluidScene a(*device, cubeA, {}, object({{"spacing", 0.01f}})),
+        b(*device, cubeB, {}, object({{"spacing", 0.02f}}));
     a.reset(1e-3);
     b.reset(1e-3);
     for (int k = 0; k < 50; ++k) a.step(), b.step();
@@ -72,7 +76,8 @@ TEST(ParticleFluid, AttributesOfModulesTravelWithTheirParticles) {
     ParticleSet& particles = *scene.fluid().fluid->particles;
     Array<float>& tag = particles.add<float>({"tag", AttributeType::kFloat, "", "Ten times the id."});
     std::vector<float> tags;
-    for (const int id : particles.ids().toHost(particles.bound())) tags.push_back(10.0f * static_cast<float>(id));
+    for (const int id : particles.ids().toHost(particles.bound()))
+      tags.push_back(10.0f * static_cast<float>(id));
     tag.assign(tags);
     scene.step(50);
     const std::vector<int> ids = particles.ids().toHost(particles.bound());
@@ -85,7 +90,8 @@ TEST(ParticleFluid, NumbersThatAreNoneFailTheRun) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    FluidScene scene(*device, jitteredCube(6, 0.01f, 0.2f, 1), std::vector<Vec3f>(216, Vec3f{nan, 0, 0}), object({}));
+    FluidScene scene(*device, jitteredCube(6, 0.01f, 0.2f, 1), std::vector<Vec3f>(216, Vec3f{nan, 0, 0}),
+                     object({}));
     try {
       scene.reset(1e-3);
       scene.step(2);
@@ -107,8 +113,9 @@ TEST(ParticleFluid, RefusesMuBesideBulkModulus) {
 TEST(ParticleFluid, PipelineIsEditable) {
   const auto device = openDevice("cpu");
   const std::vector<Vec3f> cube = jitteredCube(6, 0.01f, 0.2f, 1);
-  FluidScene still(*device, cube, {}, object({}),
-                   object({{"predict", object({{"enabled", false}})}, {"solver", object({{"enabled", false}})}}));
+  FluidScene still(
+      *device, cube, {}, object({}),
+      object({{"predict", object({{"enabled", false}})}, {"solver", object({{"enabled", false}})}}));
   still.reset(1e-3);
   still.step(5);
   EXPECT_EQ(still.positions(), cube);

@@ -80,7 +80,8 @@ void ReferenceFluid::smooth(const std::vector<std::vector<int>>& lists) {
   std::vector<Vec3d> next = velocities;
   for (std::size_t i = 0; i < positions.size(); ++i)
     for (const int j : lists[i])
-      next[i] += xsph * std::pow(spacing, 3) * kernel(length(positions[j] - positions[i])) * (velocities[j] - velocities[i]);
+      next[i] += xsph * std::pow(spacing, 3) * kernel(length(positions[j] - positions[i])) *
+                 (velocities[j] - velocities[i]);
   velocities = next;
 }
 

@@ -1,5 +1,5 @@
-// One step of semi-implicit incompressible SPH in double precision, over all pairs: slow, obvious, and written
-// from the equations alone. The oracle of the fast one.
+// One step of semi-implicit incompressible SPH in double precision, over all pairs: slow, obvious, and
+// written from the equations alone. The oracle of the fast one.
 #pragma once
 
 #include <vector>

@@ -12,13 +12,16 @@
 namespace weir::test {
 namespace {
 
-Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
+Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
 
 std::vector<Vec3f> randomVelocities(std::size_t count, float most, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> component(-most, most);
   std::vector<Vec3f> velocities;
-  for (std::size_t i = 0; i < count; ++i) velocities.push_back({component(random), component(random), component(random)});
+  for (std::size_t i = 0; i < count; ++i)
+    velocities.push_back({component(random), component(random), component(random)});
   return velocities;
 }
 
@@ -30,7 +33,8 @@ struct OneStepCase {
 
 double largestDifference(const std::vector<Vec3f>& found, const std::vector<Vec3d>& expected) {
   double largest = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) largest = std::max(largest, length(toDouble(found[i]) - expected[i]));
+  for (std::size_t i = 0; i < found.size(); ++i)
+    largest = std::max(largest, length(toDouble(found[i]) - expected[i]));
   return largest;
 }
 
@@ -40,18 +44,26 @@ TEST_P(OneStep, AgreesWithDoublePrecision) {
   const OneStepCase& c = GetParam();
   const std::vector<Vec3f> positions = jitteredCube(14, c.spacing, 0.2f, 7, {0.1f, 0.2f, -0.05f});
   const std::vector<Vec3f> velocities = randomVelocities(positions.size(), 0.5f, 8);
-  ReferenceFluid reference{.spacing = c.spacing, .supportRatio = c.supportRatio, .dt = c.dt,
-                           .conservative = c.conservative, .xsph = 0.3};
+  ReferenceFluid reference{.spacing = c.spacing,
+                           .supportRatio = c.supportRatio,
+                           .dt = c.dt,
+                           .conservative = c.conservative,
+                           .xsph = 0.3};
   for (const Vec3f& p : positions) reference.positions.push_back(toDouble(p));
   for (const Vec3f& v : velocities) reference.velocities.push_back(toDouble(v));
   reference.step();
 
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
-    FluidScene scene(*device, positions, velocities,
-                     object({{"spacing", c.spacing}, {"support_ratio", c.supportRatio}, {"calibration", "lattice"}, {"mu", 1.0}}),
-                     object({{"solver", object({{"params", object({{"iterations", 3}, {"conservative", c.conservative}})}})},
-                             {"viscosity", object({{"params", object({{"strength", 0.3}})}})}}));
+    FluidScene scene(
+        *device, positions, velocities,
+        object({{"spacing", c.spacing},
+                {"support_ratio", c.supportRatio},
+                {"calibration", "lattice"},
+                {"mu", 1.0}}),
+        object(
+            {{"solver", object({{"params", object({{"iterations", 3}, {"conservative", c.conservative}})}})},
+             {"viscosity", object({{"params", object({{"strength", 0.3}})}})}}));
     scene.reset(c.dt);
     scene.step();
     EXPECT_LT(largestDifference(scene.positions(), reference.positions) / c.spacing, 1e-4) << name;
@@ -133,8 +145,8 @@ TEST(SemiImplicitSolver, StepsAllocateNothingAndReadNothingBack) {
   }
 }
 
-/// Drift of the linear momentum of a ball of fluid that flies and spins without gravity, as a part of the sum of
-/// its particles' momenta, over 1,000 steps.
+/// Drift of the linear momentum of a ball of fluid that flies and spins without gravity, as a part of the sum
+/// of its particles' momenta, over 1,000 steps.
 double momentumDrift(Device& device, float jitter, int iterations) {
   constexpr float kSpacing = 0.01f, kRadius = 0.08f, kSpin = 5;  // m, m, 1/s
   std::vector<Vec3f> positions, velocities;
@@ -163,7 +175,8 @@ TEST(SemiImplicitSolver, MomentumOfFreeBlobDriftsLittle) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     const double drift = momentumDrift(*device, 0, 3);
-    std::printf("momentum drift of a free blob on %s: %.2g of its scale in 1000 steps\n", name.c_str(), drift);
+    std::printf("momentum drift of a free blob on %s: %.2g of its scale in 1000 steps\n", name.c_str(),
+                drift);
     EXPECT_LT(drift, 1e-5) << name;
   }
 }
@@ -174,8 +187,8 @@ TEST(SemiImplicitSolver, MomentumOfDisorderedBlobIsConservedAtConvergence) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     const double few = momentumDrift(*device, 0.1f, 3), many = momentumDrift(*device, 0.1f, 200);
-    std::printf("momentum drift of a disordered blob on %s: %.2g with 3 iterations, %.2g with 200\n", name.c_str(),
-                few, many);
+    std::printf("momentum drift of a disordered blob on %s: %.2g with 3 iterations, %.2g with 200\n",
+                name.c_str(), few, many);
     EXPECT_LT(few, 5e-3) << name;
     EXPECT_LT(many, few / 10) << name;
   }

@@ -11,12 +11,14 @@
 namespace weir::test {
 namespace {
 
-/// An emitter above a fluid whose modules are switched off but for the prediction, so that the jet stays as it left.
+/// An emitter above a fluid whose modules are switched off but for the prediction, so that the jet stays as
+/// it left.
 class Jet {
  public:
   Jet(Device& device, float spacing, const Value& parameters)
-      : scene_(device, {}, {}, object({{"spacing", spacing}}),
-               object({{"solver", object({{"enabled", false}})}, {"viscosity", object({{"enabled", false}})}})) {
+      : scene_(
+            device, {}, {}, object({{"spacing", spacing}}),
+            object({{"solver", object({{"enabled", false}})}, {"viscosity", object({{"enabled", false}})}})) {
     emitter_ = static_cast<SquareEmitter*>(&scene_.graph().add(std::make_unique<SquareEmitter>(), "nozzle"));
     emitter_->assignAll(parameters, {});
     scene_.graph().link(SceneGraph::parseLink("nozzle.particles -> water.emitters"));
@@ -52,7 +54,10 @@ TEST(SquareEmitter, FluxIsExactWhateverTheStep) {
 TEST(SquareEmitter, LayersAreOneSpacingApartAndLeaveDownwards) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
-    Jet jet(*device, 0.01f, object({{"position", Value::Array{0.2, 1.0, -0.3}}, {"width", 0.01}, {"height", 0.01}, {"speed", 2.0}}));
+    Jet jet(
+        *device, 0.01f,
+        object(
+            {{"position", Value::Array{0.2, 1.0, -0.3}}, {"width", 0.01}, {"height", 0.01}, {"speed", 2.0}}));
     const std::vector<Vec3f> p = jet.after(7.1e-3, 20);  // more than one layer a step
     ASSERT_EQ(p.size(), 29u);
     for (std::size_t k = 0; k < p.size(); ++k) {
@@ -67,7 +72,9 @@ TEST(SquareEmitter, LayersAreOneSpacingApartAndLeaveDownwards) {
 TEST(SquareEmitter, RotationKeepsTheSpacing) {
   const auto device = openDevice("cpu");
   Jet straight(*device, 0.01f, object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}}));
-  Jet turned(*device, 0.01f, object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}, {"rotation", Value::Array{30, -70, 110}}}));
+  Jet turned(
+      *device, 0.01f,
+      object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}, {"rotation", Value::Array{30, -70, 110}}}));
   const std::vector<Vec3f> a = straight.after(1e-3, 50), b = turned.after(1e-3, 50);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 1; i < a.size(); ++i) EXPECT_NEAR(length(a[i] - a[0]), length(b[i] - b[0]), 1e-6);
@@ -75,10 +82,12 @@ TEST(SquareEmitter, RotationKeepsTheSpacing) {
 
 TEST(SquareEmitter, StartStopAndLimit) {
   const auto device = openDevice("cpu");
-  Jet window(*device, 0.01f, object({{"width", 0.01}, {"height", 0.01}, {"speed", 1.0}, {"start", 0.0505}, {"stop", 0.1}}));
+  Jet window(*device, 0.01f,
+             object({{"width", 0.01}, {"height", 0.01}, {"speed", 1.0}, {"start", 0.0505}, {"stop", 0.1}}));
   EXPECT_EQ(window.after(1e-3, 50).size(), 0u);
   EXPECT_EQ(window.after(1e-3, 200).size(), 5u);  // 0.0495 m of jet: layers 0 to 4
-  Jet limited(*device, 0.01f, object({{"width", 0.03}, {"height", 0.01}, {"speed", 1.0}, {"max_particles", 7}}));
+  Jet limited(*device, 0.01f,
+              object({{"width", 0.03}, {"height", 0.01}, {"speed", 1.0}, {"max_particles", 7}}));
   EXPECT_EQ(limited.after(1e-3, 200).size(), 7u);
   EXPECT_EQ(limited.report().statistics["particles_emitted"], Value(7));
 }
