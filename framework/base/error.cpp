@@ -48,8 +48,8 @@ void Error::compose() {
     if (!part.empty()) where += (where.empty() ? "" : ": ") + part;
   };
   append(printable(location_.pointer, kLongestShown));
-  if (!location_.node.empty()) append("node " + quoted(location_.node));
-  if (!location_.parameter.empty()) append("parameter " + quoted(location_.parameter));
+  if (!location_.node.empty()) append("node " + inQuotes(location_.node));
+  if (!location_.parameter.empty()) append("parameter " + inQuotes(location_.parameter));
 
   text_ = where.empty() ? message_ : where + ": " + message_;
   if (!allowed_.empty()) text_ += "\n  allowed: " + allowed_;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace weir {
 
 std::size_t utf8Length(std::string_view text, std::size_t at) {
@@ -33,6 +35,14 @@ bool isUtf8(std::string_view text) {
     i += length;
   }
   return true;
+}
+
+bool isName(std::string_view text) {
+  constexpr std::size_t kLongestName = 100;
+  const auto isLetter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto isInner = [&](char c) { return isLetter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+  return !text.empty() && text.size() <= kLongestName && isLetter(text[0]) &&
+         std::all_of(text.begin(), text.end(), isInner);
 }
 
 std::string printable(std::string_view text, std::size_t longest) {

@@ -12,12 +12,16 @@ std::size_t utf8Length(std::string_view text, std::size_t at);
 
 bool isUtf8(std::string_view text);
 
+/// Whether this may name a node or a module: letters, digits, '_' and '-', starting with a letter, at most
+/// 100.
+bool isName(std::string_view text);
+
 /// Text as a message may show it: control characters and bytes that are no UTF-8 are escaped, and it is cut
 /// after `longest` bytes. So no scene file can confuse a terminal or flood it.
-std::string printable(std::string_view text, std::size_t longest = 60);
+std::string printable(std::string_view text, std::size_t longest = 100);
 
 /// printable() between single quotes.
-inline std::string quoted(std::string_view text) {
+inline std::string inQuotes(std::string_view text) {
   return "'" + printable(text) + "'";
 }
 

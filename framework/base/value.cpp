@@ -128,6 +128,11 @@ std::string closestName(std::string_view name, const std::vector<std::string>& n
   return best;
 }
 
+std::string didYouMean(std::string_view name, const std::vector<std::string>& names) {
+  const std::string nearest = closestName(name, names);
+  return nearest.empty() ? std::string() : "did you mean " + inQuotes(nearest) + "?";
+}
+
 std::string joinNames(const std::vector<std::string>& names, std::string_view lastJoin) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -86,6 +86,9 @@ class Value {
 /// The name among `names` closest to `name` by edit distance, or "" if none is close enough to suggest.
 std::string closestName(std::string_view name, const std::vector<std::string>& names);
 
+/// "did you mean 'spacing'?", or "" if no name is close enough.
+std::string didYouMean(std::string_view name, const std::vector<std::string>& names);
+
 /// "a, b or c".
 std::string joinNames(const std::vector<std::string>& names, std::string_view lastJoin = " or ");
 

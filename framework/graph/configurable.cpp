@@ -1,6 +1,7 @@
 #include "framework/graph/configurable.h"
 
 #include "framework/base/check.h"
+#include "framework/base/text.h"
 
 namespace weir {
 
@@ -22,11 +23,9 @@ Error unknownParameter(const Configurable& owner, const std::string& key, const 
                        const Place& place) {
   std::vector<std::string> names;
   for (const Property* property : owner.properties()) names.push_back(property->name());
-  const std::string nearest = closestName(key, names);
   return (place / key)
-      .error(value, "there is no parameter '" + key + "'",
-             names.empty() ? "nothing: there are no parameters" : joinNames(names),
-             nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+      .error(value, "there is no parameter " + inQuotes(key),
+             names.empty() ? "nothing: there are no parameters" : joinNames(names), didYouMean(key, names));
 }
 
 }  // namespace
@@ -34,17 +33,17 @@ Error unknownParameter(const Configurable& owner, const std::string& key, const 
 void Configurable::assignAll(const Value& object, const Place& place) {
   if (!object.isObject())
     throw place.error(object, "found " + object.brief(), "an object of parameters by name");
-  std::vector<std::pair<Property*, Value>> old;
+  std::vector<std::function<void()>> undo;
   try {
     for (const auto& [key, value] : object.asObject()) {
       Property* property = findProperty(key);
       if (property == nullptr) throw unknownParameter(*this, key, value, place);
-      old.emplace_back(property, property->value());
+      undo.push_back(property->undo());
       property->assign(value, place / key);
     }
     validate();
   } catch (Error& e) {
-    for (auto entry = old.rbegin(); entry != old.rend(); ++entry) entry->first->assign(entry->second, {});
+    for (auto restore = undo.rbegin(); restore != undo.rend(); ++restore) (*restore)();
     throw e.at(place.of(object));
   }
 }

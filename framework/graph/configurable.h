@@ -8,6 +8,7 @@
 // A Group<T> nests another Configurable as an object, a GroupList<T> as a list of objects.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -37,6 +38,8 @@ class Property {
   virtual Value schema() const = 0;
   /// All checks, then the change; after an Error the old value stands.
   virtual void assign(const Value& v, const Place& place) = 0;
+  /// What puts back the present value, without any check.
+  virtual std::function<void()> undo() = 0;
   /// The names of an enum with their docs; empty for other kinds.
   virtual std::vector<EnumName> choices() const { return {}; }
   /// The nested parameters of a group; null for other kinds.
@@ -70,7 +73,7 @@ class Configurable {
   Value changedValues() const;
   Value schema() const;
 
-  /// Checks that concern several parameters; throws a scene Error. Runs after every change.
+  /// Checks that concern several parameters; throws a scene Error. Runs at the end of every assignAll.
   virtual void validate() const {}
 
  private:
@@ -104,6 +107,9 @@ class Param final : public Property {
     }
     set_ = true;
   }
+  std::function<void()> undo() override {
+    return [this, value = value_, set = set_] { value_ = value, set_ = set; };
+  }
   std::vector<EnumName> choices() const override {
     if constexpr (NamedEnum<T>)
       return {EnumNames<T>::kNames.begin(), EnumNames<T>::kNames.end()};
@@ -121,7 +127,7 @@ template <class T>
 class Group final : public Property {
  public:
   Group(Configurable& owner, std::string_view name, std::string_view doc)
-      : Property(owner, name, ParamSpec{.doc = doc}), docText_(doc) {}
+      : Property(owner, name, ParamSpec{.doc = doc}) {}
 
   T* operator->() { return &group_; }
   const T* operator->() const { return &group_; }
@@ -136,10 +142,17 @@ class Group final : public Property {
     group_.assignAll(v, place);
     set_ = true;
   }
+  std::function<void()> undo() override {
+    std::vector<std::function<void()>> members;
+    for (Property* property : group_.properties()) members.push_back(property->undo());
+    return [this, members = std::move(members), set = set_] {
+      for (const auto& restore : members) restore();
+      set_ = set;
+    };
+  }
   const Configurable* group() const override { return &group_; }
 
  private:
-  std::string docText_;
   T group_;
 };
 
@@ -164,19 +177,29 @@ class GroupList final : public Property {
   Value schema() const override { return detail::arraySchema(prototype_.schema(), 0, std::nullopt); }
   void assign(const Value& v, const Place& place) override {
     if (!v.isArray()) throw place.error(v, "found " + v.brief(), "a list of objects").inParameter(name());
-    std::vector<std::unique_ptr<T>> items;
+    if (v.asArray().size() > kMostItems)
+      throw place
+          .error(v, "found a list of " + std::to_string(v.asArray().size()) + " objects",
+                 "at most " + std::to_string(kMostItems))
+          .inParameter(name());
+    std::vector<std::shared_ptr<T>> items;
     for (std::size_t i = 0; i < v.asArray().size(); ++i) {
-      items.push_back(std::make_unique<T>());
+      items.push_back(std::make_shared<T>());
       items.back()->assignAll(v.asArray()[i], place / i);
     }
     items_ = std::move(items);
     set_ = true;
   }
+  std::function<void()> undo() override {
+    return [this, items = items_, set = set_] { items_ = items, set_ = set; };
+  }
   const Configurable* group() const override { return &prototype_; }
 
  private:
+  static constexpr std::size_t kMostItems = 10000;  // each costs some kilobytes
+
   T prototype_;
-  std::vector<std::unique_ptr<T>> items_;
+  std::vector<std::shared_ptr<T>> items_;  // never changed once here, so undo() may share them
 };
 
 }  // namespace weir

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/base/text.h"
 #include "framework/graph/registry.h"
 
 namespace weir {
@@ -21,9 +22,9 @@ std::vector<std::string> PipelineBase::names() const {
 std::size_t PipelineBase::indexOf(std::string_view name) const {
   for (std::size_t i = 0; i < modules_.size(); ++i)
     if (modules_[i]->name() == name) return i;
-  const std::string nearest = closestName(name, names());
-  throw sceneError("there is no module '" + std::string(name) + "'", joinNames(names()),
-                   nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+  throw sceneError("there is no module " + inQuotes(name),
+                   modules_.empty() ? "nothing: there are no modules" : joinNames(names()),
+                   didYouMean(name, names()));
 }
 
 void PipelineBase::checkFamily(const Module& module) const {
@@ -36,7 +37,7 @@ void PipelineBase::checkFamily(const Module& module) const {
 void PipelineBase::insert(std::size_t index, std::unique_ptr<Module> module, std::string name) {
   checkFamily(*module);
   if (find(name) != nullptr)
-    throw sceneError("there are two modules '" + name + "'", "a name of its own for each");
+    throw sceneError("there are two modules " + inQuotes(name), "a name of its own for each");
   WEIR_CHECK(index <= modules_.size());
   module->setName(std::move(name));
   modules_.insert(modules_.begin() + static_cast<std::ptrdiff_t>(index), std::move(module));
@@ -51,8 +52,11 @@ void PipelineBase::replace(std::string_view name, std::unique_ptr<Module> module
 
 void PipelineBase::markDefault() {
   defaults_.clear();
-  for (const auto& module : modules_)
-    defaults_.emplace_back(module->name(), std::string(module->info().type));
+  for (const auto& module : modules_) {
+    Default initial{module->name(), std::string(module->info().type), module->enabled(), {}};
+    for (const Property* property : module->properties()) initial.values.push_back(property->value());
+    defaults_.push_back(std::move(initial));
+  }
 }
 
 namespace {
@@ -64,10 +68,8 @@ void checkModuleKeys(const Value& spec, const Place& place) {
   const std::vector<std::string> known(std::begin(kModuleKeys), std::end(kModuleKeys));
   for (const auto& [key, value] : spec.asObject()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const std::string nearest = closestName(key, known);
     throw(place / key)
-        .error(value, "a module has no '" + key + "'", joinNames(known),
-               nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+        .error(value, "a module has no member " + inQuotes(key), joinNames(known), didYouMean(key, known));
   }
 }
 
@@ -101,52 +103,84 @@ void PipelineBase::place(Module& module, const Value& spec, const Place& at) {
   }
 }
 
+Module& PipelineBase::findOrMake(const std::string& name, const Value& spec, const Registry& registry,
+                                 const Place& at) {
+  const std::string* type = readText(spec, "type", at);
+  Module* module = find(name);
+  if (module != nullptr && (type == nullptr || *type == module->info().type)) return *module;
+  if (type == nullptr) indexOf(name);  // throws with a suggestion
+  try {
+    std::unique_ptr<Module> made = registry.createModule(*type);
+    checkFamily(*made);
+    if (module != nullptr) {
+      replace(name, std::move(made));
+      return *find(name);
+    }
+    if (!isName(name))
+      throw sceneError(inQuotes(name) + " is no name for a module",
+                       "letters, digits, '_' and '-', starting with a letter");
+    if (!modules_.empty() && spec.find("after") == nullptr && spec.find("before") == nullptr)
+      throw sceneError("the new module " + inQuotes(name) + " has no place",
+                       "\"after\" or \"before\" with the name of " + joinNames(names()));
+    insert(modules_.size(), std::move(made), name);
+    return *find(name);
+  } catch (Error& e) {
+    throw e.at((at / "type").of(*spec.find("type")));
+  }
+}
+
 void PipelineBase::assign(const Value& modules, const Registry& registry, const Place& at) {
-  if (!modules.isObject())
-    throw at.error(modules, "found " + modules.brief(), "an object of modules by name");
+  constexpr std::size_t kMostModules = 1000;
+  if (!modules.isObject() || modules.asObject().size() > kMostModules)
+    throw at.error(modules, "found " + modules.brief(),
+                   "an object of at most " + std::to_string(kMostModules) + " modules by name");
   for (const auto& [name, spec] : modules.asObject()) {
     const Place here = at / name;
     checkModuleKeys(spec, here);
     try {
-      Module* module = find(name);
-      const std::string* type = readText(spec, "type", here);
-      if (module == nullptr) {
-        if (type == nullptr) indexOf(name);  // throws with a suggestion
-        if (spec.find("after") == nullptr && spec.find("before") == nullptr)
-          throw sceneError("the new module '" + name + "' has no place",
-                           "\"after\" or \"before\" with the name of " + joinNames(names()));
-        insert(modules_.size(), registry.createModule(*type), name);
-      } else if (type != nullptr && *type != module->info().type) {
-        replace(name, registry.createModule(*type));
-      }
+      Module& module = findOrMake(name, spec, registry, here);
+      place(module, spec, here);
+      if (const Value* enabled = spec.find("enabled"))
+        module.enable(ParamTraits<bool>::fromValue(*enabled, {}, here / "enabled"));
+      if (const Value* params = spec.find("params")) module.assignAll(*params, here / "params");
     } catch (Error& e) {
       throw e.at(here.of(spec));
     }
-    Module& module = *find(name);
-    place(module, spec, here);
-    if (const Value* enabled = spec.find("enabled"))
-      module.enable(ParamTraits<bool>::fromValue(*enabled, {}, here / "enabled"));
-    if (const Value* params = spec.find("params")) module.assignAll(*params, here / "params");
   }
 }
 
+Value PipelineBase::changedFrom(const Module& module, const Default* initial) {
+  Value spec = Value::object();
+  const bool sameType = initial != nullptr && initial->type == module.info().type;
+  if (!sameType) spec["type"] = module.info().type;
+  if (module.enabled() != (sameType ? initial->enabled : true)) spec["enabled"] = module.enabled();
+  Value params = sameType ? Value::object() : module.changedValues();
+  if (sameType)
+    for (std::size_t i = 0; i < initial->values.size(); ++i)
+      if (const Property& property = *module.properties()[i]; !(property.value() == initial->values[i]))
+        params[property.name()] = property.value();
+  if (!params.asObject().empty()) spec["params"] = std::move(params);
+  return spec;
+}
+
 Value PipelineBase::changedValues() const {
+  // `order` follows how assign() will move and insert modules when it reads what is written here.
+  std::vector<std::string> order;
+  for (const Default& d : defaults_) order.push_back(d.name);
   Value all = Value::object();
   for (std::size_t i = 0; i < modules_.size(); ++i) {
     const Module& module = *modules_[i];
-    Value spec = Value::object();
-    const auto isDefault = [&](const auto& d) { return d.first == module.name(); };
-    const auto found = std::find_if(defaults_.begin(), defaults_.end(), isDefault);
-    if (found == defaults_.end() || found->second != module.info().type) spec["type"] = module.info().type;
-    if (found == defaults_.end()) {
-      // The module before it stands already when this one is read, if it is written in this order.
+    const auto isDefault = [&](const Default& d) { return d.name == module.name(); };
+    const auto initial = std::find_if(defaults_.begin(), defaults_.end(), isDefault);
+    Value spec = changedFrom(module, initial == defaults_.end() ? nullptr : &*initial);
+    if (i >= order.size() || order[i] != module.name()) {
       if (i > 0)
         spec["after"] = modules_[i - 1]->name();
-      else if (modules_.size() > 1)
-        spec["before"] = modules_[1]->name();
+      else if (!order.empty())
+        spec["before"] = order.front();
+      std::erase(order, module.name());
+      order.insert(order.begin() + static_cast<std::ptrdiff_t>(i), module.name());
     }
-    if (!module.enabled()) spec["enabled"] = false;
-    if (Value params = module.changedValues(); !params.asObject().empty()) spec["params"] = std::move(params);
     if (!spec.asObject().empty()) all[module.name()] = std::move(spec);
   }
   return all;

@@ -55,7 +55,8 @@ class PipelineBase {
   std::size_t indexOf(std::string_view name) const;
 
   /// Applies a scene's "modules" object: for each name any of
-  ///   "type": replaces the module of that name, or makes a new one, which then needs "after" or "before";
+  ///   "type": replaces the module of that name, or makes a new one, which then needs "after" or "before"
+  ///           unless it is the first one;
   ///   "after"/"before": the name of the module to stand next to;  "enabled": true or false;
   ///   "params": the module's parameters.
   void assign(const Value& modules, const Registry& registry, const Place& place);
@@ -65,12 +66,21 @@ class PipelineBase {
   void markDefault();
 
  private:
+  /// A module as the node's constructor left it.
+  struct Default {
+    std::string name, type;
+    bool enabled;
+    std::vector<Value> values;  // of all its properties
+  };
+
+  static Value changedFrom(const Module& module, const Default* initial);
+  Module& findOrMake(const std::string& name, const Value& spec, const Registry& registry, const Place& at);
   void checkFamily(const Module& module) const;
   void place(Module& module, const Value& spec, const Place& at);
 
   std::string family_;
   std::vector<std::unique_ptr<Module>> modules_;
-  std::vector<std::pair<std::string, std::string>> defaults_;  // name and type
+  std::vector<Default> defaults_;
 };
 
 /// A pipeline of modules that derive from M, which has `static constexpr std::string_view kFamily`.

@@ -218,6 +218,13 @@ Value ParamTraits<Color>::schema(const ParamSpec&) {
   return either;
 }
 
+Quatf Rotation::toQuaternion() const {
+  if (!quaternion) return quaternionFromEulerDegrees(degrees);
+  const Quatf& q = *quaternion;
+  const float length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
 Value ParamTraits<Rotation>::toValue(const Rotation& r) {
   if (!r.quaternion) return ParamTraits<Vec3f>::toValue(r.degrees);
   return Value::Array{r.quaternion->w, r.quaternion->x, r.quaternion->y, r.quaternion->z};
@@ -256,8 +263,10 @@ FilePath ParamTraits<FilePath>::fromValue(const Value& v, const ParamSpec&, cons
   if (text.find('\0') != std::string::npos) throw place.error(v, "found a path with a zero byte", "a path");
   if (text.empty()) return {};
   const std::filesystem::path path(text);
-  return {text,
-          path.is_absolute() || place.folder.empty() ? path : std::filesystem::path(place.folder) / path};
+  const std::string& folder = place.folderOf(v);
+  const auto resolved = path.is_absolute() || folder.empty() ? path : std::filesystem::path(folder) / path;
+  // Written into a scene, a path from elsewhere must still lead to the same file.
+  return {v.origin ? resolved.string() : text, resolved};
 }
 Value ParamTraits<FilePath>::schema(const ParamSpec&) {
   return detail::typeSchema("string");

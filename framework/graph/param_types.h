@@ -46,13 +46,13 @@ struct Color {
 struct Rotation {
   Vec3f degrees{};
   std::optional<Quatf> quaternion;
-  Quatf toQuaternion() const { return quaternion ? *quaternion : quaternionFromEulerDegrees(degrees); }
+  Quatf toQuaternion() const;  ///< of length 1
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-/// A file or folder. A relative path is relative to the scene file.
+/// A file or folder. A relative path is relative to the scene file, or to what else it comes from.
 struct FilePath {
-  std::string text;                ///< as written
+  std::string text;                ///< as the scene has it; absolute if it does not come from the scene file
   std::filesystem::path resolved;  ///< where it is
   bool empty() const { return text.empty(); }
   friend bool operator==(const FilePath& a, const FilePath& b) { return a.text == b.text; }

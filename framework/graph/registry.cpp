@@ -1,5 +1,7 @@
 #include "framework/graph/registry.h"
 
+#include "framework/base/text.h"
+
 namespace weir {
 
 namespace {
@@ -20,9 +22,9 @@ const Entry& lookUp(const std::map<std::string, Entry>& entries, std::string_vie
   if (found != entries.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [known, entry] : entries) names.push_back(known);
-  const std::string nearest = closestName(name, names);
-  throw sceneError(std::string("there is no ") + kind + " '" + std::string(name) + "'", joinNames(names),
-                   nearest.empty() ? "a plugin may be missing" : "did you mean '" + nearest + "'?");
+  const std::string hint = didYouMean(name, names);
+  throw sceneError(std::string("there is no ") + kind + " " + inQuotes(name), joinNames(names),
+                   hint.empty() ? "a plugin may be missing" : hint);
 }
 
 }  // namespace

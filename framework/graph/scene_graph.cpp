@@ -1,10 +1,10 @@
 #include "framework/graph/scene_graph.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
-#include <set>
+#include <unordered_map>
 
+#include "framework/base/text.h"
 #include "framework/compute/profiler.h"
 
 namespace weir {
@@ -30,25 +30,17 @@ std::string_view trimmed(std::string_view text) {
 }
 
 template <class P>
-std::string portNames(const std::vector<P*>& ports) {
-  std::vector<std::string> names;
-  for (const P* port : ports) names.push_back(port->name());
-  return names.empty() ? "nothing: it has none" : joinNames(names);
-}
-
-template <class P>
 Error noSuchPort(const Node& node, const std::string& name, const std::vector<P*>& ports, const char* kind) {
   std::vector<std::string> names;
   for (const P* port : ports) names.push_back(port->name());
-  const std::string nearest = closestName(name, names);
-  return sceneError(
-      "'" + node.name() + "' (" + std::string(node.info().type) + ") has no " + kind + " '" + name + "'",
-      portNames(ports), nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+  return sceneError(inQuotes(node.name()) + " (" + std::string(node.info().type) + ") has no " + kind + " " +
+                        inQuotes(name),
+                    names.empty() ? "nothing: it has none" : joinNames(names), didYouMean(name, names));
 }
 
 /// The names on a path of links from `from` to `to`; empty if there is none.
 std::vector<std::string> pathBetween(Node& from, const Node& to) {
-  std::map<const Node*, const Node*> cameFrom{{&from, nullptr}};
+  std::unordered_map<const Node*, const Node*> cameFrom{{&from, nullptr}};
   std::vector<const Node*> open{&from};
   while (!open.empty() && !cameFrom.contains(&to)) {
     const Node* node = open.back();
@@ -67,18 +59,13 @@ std::vector<std::string> pathBetween(Node& from, const Node& to) {
 }  // namespace
 
 bool SceneGraph::isValidName(std::string_view name) {
-  constexpr std::size_t kLongestName = 100;
-  if (name.empty() || name.size() > kLongestName || !std::isalpha(static_cast<unsigned char>(name[0])))
-    return false;
-  if (std::find(std::begin(kReservedNames), std::end(kReservedNames), name) != std::end(kReservedNames))
-    return false;
-  return std::all_of(name.begin(), name.end(),
-                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+  return isName(name) &&
+         std::find(std::begin(kReservedNames), std::end(kReservedNames), name) == std::end(kReservedNames);
 }
 
 Node& SceneGraph::add(std::unique_ptr<Node> node, const std::string& name) {
   if (!isValidName(name))
-    throw sceneError("'" + Value(name).brief() + "' is no name for a node",
+    throw sceneError(inQuotes(name) + " is no name for a node",
                      "letters, digits, '_' and '-', starting with a letter; not world, render or title");
   if (find(name) != nullptr)
     throw sceneError("there are two nodes '" + name + "'", "a name of its own for each");
@@ -117,9 +104,7 @@ void SceneGraph::link(const Link& link) {
     if (Node* found = find(name)) return *found;
     std::vector<std::string> names;
     for (const auto& n : nodes_) names.push_back(n->name());
-    const std::string nearest = closestName(name, names);
-    throw sceneError("there is no node '" + name + "'", joinNames(names),
-                     nearest.empty() ? "" : "did you mean '" + nearest + "'?");
+    throw sceneError("there is no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
   };
   Node& from = node(link.fromNode);
   Node& to = node(link.toNode);

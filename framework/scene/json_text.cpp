@@ -157,7 +157,7 @@ bool isJsonNumber(std::string_view t) {
 Error describeWord(std::string_view word, bool valueExpected, const std::string& expected) {
   const char first = word[0] == '-' || word[0] == '+' ? (word.size() > 1 ? word[1] : ' ') : word[0];
   const bool numeric = std::isdigit(static_cast<unsigned char>(first)) != 0 || first == '.';
-  const std::string found = "found " + quoted(word);
+  const std::string found = "found " + inQuotes(word);
   if (numeric && valueExpected && isJsonNumber(word))
     return sceneError("the number " + printable(word) + " is too large", "numbers up to 1.7e308");
   if (numeric && valueExpected)
@@ -171,7 +171,7 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
                     const std::string& expected) {
   const char c = rest[0];
   if (c == '/' || c == '#')
-    return sceneError("found " + quoted(rest.substr(0, 2)), expected, "JSON has no comments");
+    return sceneError("found " + inQuotes(rest.substr(0, 2)), expected, "JSON has no comments");
   if (c == '\'') return sceneError("found a single quote", expected, "strings are written in double quotes");
   if (afterComma && (c == ']' || c == '}'))
     return sceneError("found ',' before '" + std::string(1, c) + "'", expected, "remove the last comma");
@@ -186,7 +186,7 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
     return sceneError(
         fmt::format("found the byte 0x{:02X}, which is no UTF-8", static_cast<unsigned char>(c)), expected,
         "the file may be binary, or not in UTF-8");
-  return sceneError("found " + quoted(rest.substr(0, length)), expected);
+  return sceneError("found " + inQuotes(rest.substr(0, length)), expected);
 }
 
 }  // namespace

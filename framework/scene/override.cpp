@@ -55,7 +55,7 @@ Override parseOverride(std::string_view text) {
     if (more) path.remove_prefix(dot + 1);
   }
   if (result.path.size() == 1 && result.path[0] != "title")
-    throw usageError(option + " names no parameter of " + quoted(result.path[0]), kForms);
+    throw usageError(option + " names no parameter of " + inQuotes(result.path[0]), kForms);
   if (result.path.size() > kDeepestNesting) throw usageError(option + " has too many parts", kForms);
   result.value = readOverrideValue(text.substr(equals + 1), option);
   std::error_code ignored;
@@ -72,11 +72,6 @@ Error overrideError(const Override& o, std::string message, std::string allowed,
   return Place{}.error(o.value, std::move(message), std::move(allowed), std::move(hint));
 }
 
-std::string suggestion(const std::string& name, const std::vector<std::string>& names) {
-  const std::string nearest = closestName(name, names);
-  return nearest.empty() ? std::string() : "did you mean '" + nearest + "'?";
-}
-
 /// The member or element that `key` names; a missing member is made.
 Value& child(Value& parent, const std::string& key, const Override& o) {
   if (parent.isArray()) {
@@ -85,11 +80,11 @@ Value& child(Value& parent, const std::string& key, const Override& o) {
     if (error == std::errc() && end == key.data() + key.size() && index < parent.asArray().size())
       return parent.asArray()[index];
     const std::size_t size = parent.asArray().size();
-    throw overrideError(o, "the list has no element " + quoted(key),
+    throw overrideError(o, "the list has no element " + inQuotes(key),
                         size == 0 ? "nothing: it is empty" : fmt::format("0 to {}", size - 1));
   }
   if (!parent.isObject())
-    throw overrideError(o, quoted(key) + " cannot be set in what is " + parent.brief() + " in the file",
+    throw overrideError(o, inQuotes(key) + " cannot be set in what is " + parent.brief() + " in the file",
                         "a path to a member of an object");
   if (parent.find(key) == nullptr) {
     Value made;
@@ -139,8 +134,8 @@ Path pathInNode(const Override& o, const Value& spec, const Registry& registry) 
         for (const Property* property : node->properties())
           if (property->group() != nullptr) names.push_back(property->name());
         throw overrideError(
-            o, quoted(o.path[0]) + " (" + type->asString() + ") has no module " + quoted(rest[0]),
-            names.empty() ? "nothing: it has no modules" : joinNames(names), suggestion(rest[0], names));
+            o, inQuotes(o.path[0]) + " (" + type->asString() + ") has no module " + inQuotes(rest[0]),
+            names.empty() ? "nothing: it has no modules" : joinNames(names), didYouMean(rest[0], names));
       }
       rest.insert(rest.begin(), "modules");
       rest.insert(rest.begin() + 2, "params");
@@ -166,8 +161,8 @@ Path pathInScene(const Override& o, const Value& root, const Registry& registry)
       for (const auto& [name, node] : nodes->asObject()) names.push_back(printable(name));
     names.push_back("world");
     for (const std::string& section : sectionNames(registry)) names.push_back(section);
-    throw overrideError(o, "the scene has no node " + quoted(first), joinNames(names),
-                        suggestion(first, names));
+    throw overrideError(o, "the scene has no node " + inQuotes(first), joinNames(names),
+                        didYouMean(first, names));
   }
   Path path{"nodes", first};
   for (std::string& part : pathInNode(o, *spec, registry)) path.push_back(std::move(part));

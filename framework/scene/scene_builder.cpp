@@ -10,18 +10,13 @@ namespace weir {
 
 namespace {
 
-std::string suggestion(const std::string& name, const std::vector<std::string>& names) {
-  const std::string nearest = closestName(name, names);
-  return nearest.empty() ? std::string() : "did you mean '" + nearest + "'?";
-}
-
 /// Refuses members of an object that are not among `known`.
 void checkKeys(const Value& object, const Place& place, const std::vector<std::string>& known,
                const std::string& what) {
   for (const auto& [key, value] : object.asObject())
     if (std::find(known.begin(), known.end(), key) == known.end())
       throw(place / key)
-          .error(value, what + " has no member " + quoted(key), joinNames(known), suggestion(key, known));
+          .error(value, what + " has no member " + inQuotes(key), joinNames(known), didYouMean(key, known));
 }
 
 /// The member if it is there; its kind is checked by `is`.
@@ -136,7 +131,7 @@ class Builder {
     if (!spec.isObject()) throw place.error(spec, "found " + spec.brief(), "an object that describes a node");
     checkKeys(spec, place, {"type", "params", "modules"}, "a node");
     if (registry_.sections().contains(name))
-      throw place.error(spec, quoted(name) + " is the name of a section of scenes",
+      throw place.error(spec, inQuotes(name) + " is the name of a section of scenes",
                         "another name for the node");
     const Value* type = optionalMember(spec, place, "type", &Value::isString, "the name of a node type");
     if (type == nullptr) throw place.error(spec, "the node has no \"type\"", joinNames(nodeTypes()));
