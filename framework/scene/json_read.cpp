@@ -20,13 +20,13 @@ class ValueBuilder final : public Json::json_sax_t {
  public:
   ValueBuilder(std::string_view text, const std::string& fileName) : tokens_(text), fileName_(fileName) {}
 
-  bool null() override { return add(Value()); }
-  bool boolean(bool b) override { return add(b); }
-  bool number_integer(number_integer_t i) override { return add(Value(std::int64_t{i})); }
+  bool null() override { return addWord(Value()); }
+  bool boolean(bool b) override { return addWord(b); }
+  bool number_integer(number_integer_t i) override { return addWord(Value(std::int64_t{i})); }
   bool number_unsigned(number_unsigned_t u) override {
     if (u > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
       failAt(tokens_.next(), tooLargeInteger(std::to_string(u)));
-    return add(Value(static_cast<std::int64_t>(u)));
+    return addWord(Value(static_cast<std::int64_t>(u)));
   }
   bool number_float(number_float_t d, const string_t& digits) override {
     if (digits.find_first_of(".eE") == string_t::npos) failAt(tokens_.next(), tooLargeInteger(digits));
@@ -34,9 +34,12 @@ class ValueBuilder final : public Json::json_sax_t {
     if (d == 0 && mantissa.find_first_of("123456789") != std::string_view::npos)
       failAt(tokens_.next(), sceneError("the number " + printable(digits) + " is too small",
                                         "0 or a magnitude of at least 4.9e-324"));
-    return add(Value(double{d}));
+    return addWord(Value(double{d}));
   }
-  bool string(string_t& s) override { return add(Value(std::move(s))); }
+  bool string(string_t& s) override {
+    place(Value(std::move(s)), tokens_.next());
+    return true;
+  }
   bool binary(binary_t&) override { return false; }  // the text format has none
   bool start_object(std::size_t) override { return open(Value::object()); }
   bool start_array(std::size_t) override { return open(Value::array()); }
@@ -96,8 +99,12 @@ class ValueBuilder final : public Json::json_sax_t {
     return parent.value->asObject().back().second = std::move(value);
   }
 
-  bool add(Value value) {
-    place(std::move(value), tokens_.next());
+  /// A number or literal. The library takes 01 for a 0 with a 1 behind it, and truer for true and an r.
+  bool addWord(Value value) {
+    const JsonTokens before = tokens_;
+    const TextPlace at = tokens_.next();
+    if (!isJsonWord(tokens_.since(at))) throw describeJsonMistake(before, state(), opened(), fileName_);
+    place(std::move(value), at);
     return true;
   }
 

@@ -34,7 +34,33 @@ std::size_t tokenLength(std::string_view text) {
   return length;
 }
 
+bool isJsonNumber(std::string_view t) {
+  const auto digits = [&] {
+    const std::size_t count = std::min(t.find_first_not_of("0123456789"), t.size());
+    t.remove_prefix(count);
+    return count;
+  };
+  if (t.starts_with('-')) t.remove_prefix(1);
+  const bool leadingZero = t.starts_with('0');
+  const std::size_t whole = digits();
+  if (whole == 0 || (leadingZero && whole > 1)) return false;
+  if (t.starts_with('.')) {
+    t.remove_prefix(1);
+    if (digits() == 0) return false;
+  }
+  if (t.starts_with('e') || t.starts_with('E')) {
+    t.remove_prefix(1);
+    if (t.starts_with('+') || t.starts_with('-')) t.remove_prefix(1);
+    if (digits() == 0) return false;
+  }
+  return t.empty();
+}
+
 }  // namespace
+
+bool isJsonWord(std::string_view word) {
+  return word == "true" || word == "false" || word == "null" || isJsonNumber(word);
+}
 
 JsonTokens::JsonTokens(std::string_view text) : text_(text) {
   if (text.starts_with(kByteOrderMark)) place_.offset = kByteOrderMark.size();
@@ -130,28 +156,6 @@ std::string_view hintForWord(std::string_view word) {
   if (lower.find("nan") != std::string::npos || lower.find("inf") != std::string::npos)
     return "JSON has no NaN and no infinity";
   return "text is written in double quotes";
-}
-
-bool isJsonNumber(std::string_view t) {
-  const auto digits = [&] {
-    const std::size_t count = std::min(t.find_first_not_of("0123456789"), t.size());
-    t.remove_prefix(count);
-    return count;
-  };
-  if (t.starts_with('-')) t.remove_prefix(1);
-  const bool leadingZero = t.starts_with('0');
-  const std::size_t whole = digits();
-  if (whole == 0 || (leadingZero && whole > 1)) return false;
-  if (t.starts_with('.')) {
-    t.remove_prefix(1);
-    if (digits() == 0) return false;
-  }
-  if (t.starts_with('e') || t.starts_with('E')) {
-    t.remove_prefix(1);
-    if (t.starts_with('+') || t.starts_with('-')) t.remove_prefix(1);
-    if (digits() == 0) return false;
-  }
-  return t.empty();
 }
 
 Error describeWord(std::string_view word, bool valueExpected, const std::string& expected) {

@@ -30,6 +30,9 @@ class JsonTokens {
   void skipOne() { advance(1); }
   const TextPlace& place() const { return place_; }
   std::string_view rest() const { return text_.substr(place_.offset); }
+  std::string_view since(const TextPlace& start) const {
+    return text_.substr(start.offset, place_.offset - start.offset);
+  }
 
  private:
   void advance(std::size_t bytes);
@@ -37,6 +40,9 @@ class JsonTokens {
   std::string_view text_;
   TextPlace place_;
 };
+
+/// Whether a word is a number, true, false or null as JSON writes them.
+bool isJsonWord(std::string_view word);
 
 /// What may come next at a place of a JSON text.
 enum class JsonState {
