@@ -1,0 +1,146 @@
+// Neighbour lists against all pairs, on grids of any shape.
+#include "nodes/particles/neighbor_list.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+using Pairs = std::set<std::pair<int, int>>;  // of ids
+
+constexpr Aabb kEverywhere{{-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}};
+
+std::vector<Vec3f> randomPoints(int count, Vec3f lo, Vec3f hi, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<Vec3f> points;
+  for (int i = 0; i < count; ++i) {
+    const Vec3f t{unit(random), unit(random), unit(random)};
+    points.push_back({lo.x + t.x * (hi.x - lo.x), lo.y + t.y * (hi.y - lo.y), lo.z + t.z * (hi.z - lo.z)});
+  }
+  return points;
+}
+
+Pairs allPairs(const std::vector<Vec3f>& points, float radius) {
+  Pairs pairs;
+  for (int i = 0; i < int(points.size()); ++i)
+    for (int j = 0; j < int(points.size()); ++j) {
+      const Vec3f d = points[j] - points[i];
+      if (i != j && dot(d, d) < radius * radius) pairs.emplace(i, j);
+    }
+  return pairs;
+}
+
+Pairs listedPairs(ParticleSet& particles, const NeighborList& list) {
+  const std::int64_t n = particles.refreshCount();
+  const std::vector<int> ids = particles.ids().toHost(n);
+  // The lists live on the device; they are read through the same view, from a copy.
+  const NeighborView view = list.view();
+  const std::int64_t lanes = std::int64_t{1} << view.shift;
+  std::vector<int> counts(n), entries((n + lanes - 1) / lanes * lanes * view.capacity);
+  particles.device().download(counts.data(), view.counts, counts.size() * sizeof(int));
+  particles.device().download(entries.data(), view.entries, entries.size() * sizeof(int));
+  const NeighborView onHost{entries.data(), counts.data(), view.capacity, view.shift};
+  Pairs pairs;
+  for (std::int64_t i = 0; i < n; ++i)
+    forEachNeighbor(i, onHost, [&](int j) { pairs.emplace(ids[i], ids[j]); });
+  return pairs;
+}
+
+class NeighborListTest : public OnDevice {
+ protected:
+  ParticleSet makeParticles(const std::vector<Vec3f>& points) {
+    ParticleSet particles(*device);
+    ParticleBatch batch;
+    batch.assign(*device, points, std::vector<Vec3f>(points.size()));
+    particles.append(batch);
+    return particles;
+  }
+};
+WEIR_ON_EVERY_DEVICE(NeighborListTest);
+
+TEST_P(NeighborListTest, FindsAllPairsOnAnyGrid) {
+  const float radius = 0.1f;
+  for (const int count : {1, 2, 33, 1000}) {
+    const std::vector<Vec3f> points = randomPoints(count, {-0.3f, 0.1f, -0.2f}, {0.5f, 0.6f, 0.3f}, 17);
+    const Pairs expected = allPairs(points, radius);
+    for (const Aabb& box : {Aabb{}, Aabb{{0, 0, 0}, {0.1f, 0.1f, 0.1f}}, Aabb{{-1, -1, -1}, {1, 1, 1}},
+                            Aabb{{-1, 0, 0}, {1, 0, 0}}}) {
+      ParticleSet particles = makeParticles(points);
+      NeighborList list(*device);
+      list.configure(radius, 200);
+      list.fitGrid(box, 1 << 20);
+      list.build(particles, kEverywhere);
+      EXPECT_EQ(listedPairs(particles, list), expected) << count;
+      EXPECT_EQ(list.eventsOnHost().truncated, 0);
+    }
+  }
+}
+
+TEST_P(NeighborListTest, FindsPairsFarFromTheOriginAndFarApart) {
+  const float radius = 1.0f;
+  std::vector<Vec3f> points = randomPoints(200, {9000, -5000, 100}, {9004, -4996, 104}, 3);
+  for (const Vec3f& p : randomPoints(200, {-1e6f, -1e6f, -1e6f}, {1e6f, 1e6f, 1e6f}, 4)) points.push_back(p);
+  ParticleSet particles = makeParticles(points);
+  NeighborList list(*device);
+  list.configure(radius, 200);
+  list.fitGrid({{-1e6f, -1e6f, -1e6f}, {1e6f, 1e6f, 1e6f}}, 400);
+  list.build(particles, kEverywhere);
+  EXPECT_EQ(listedPairs(particles, list), allPairs(points, radius));
+}
+
+TEST_P(NeighborListTest, CountsListsThatAreCutOff) {
+  const std::vector<Vec3f> points(20, Vec3f{0.5f, 0.5f, 0.5f});
+  ParticleSet particles = makeParticles(points);
+  NeighborList list(*device);
+  list.configure(0.1f, 8);
+  list.build(particles, kEverywhere);
+  EXPECT_EQ(list.eventsOnHost().truncated, 20);
+  EXPECT_EQ(listedPairs(particles, list).size(), 20u * 8u);
+}
+
+TEST_P(NeighborListTest, RemovesWhatIsOutsideOrNoNumberAndCountsIt) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinity = std::numeric_limits<float>::infinity();
+  ParticleSet particles =
+      makeParticles({{0, 0, 0}, {5, 0, 0}, {nan, 0, 0}, {0.05f, 0, 0}, {0, -infinity, 0}, {0, 0, 0.9f}});
+  NeighborList list(*device);
+  list.configure(0.1f, 8);
+  list.build(particles, {{-1, -1, -1}, {1, 1, 1}});
+  EXPECT_EQ(particles.refreshCount(), 3);
+  std::vector<int> ids = particles.ids().toHost(3);
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(ids, (std::vector<int>{0, 3, 5}));
+  EXPECT_EQ(list.eventsOnHost().escaped, 1);
+  EXPECT_EQ(list.eventsOnHost().nonFinite, 2);
+  EXPECT_EQ(listedPairs(particles, list), (Pairs{{0, 3}, {3, 0}}));
+}
+
+TEST(CellGrid, ShapeFollowsTheBoxWithinTheLimit) {
+  const CellGrid fits = chooseCellGrid({{0, 0, 0}, {1, 0.5f, 0.25f}}, 0.1f, 1 << 20);
+  EXPECT_EQ(fits.cells, (Vec3i{13, 8, 6}));
+  const CellGrid wide = chooseCellGrid({{0, 0, 0}, {1e6f, 1, 1e6f}}, 0.1f, 1 << 16);
+  EXPECT_LE(wide.cellCount(), 1 << 16);
+  EXPECT_GE(wide.cellCount(), 1 << 12);
+  EXPECT_GE(std::min({wide.cells.x, wide.cells.y, wide.cells.z}), CellGrid::kLeastCells);
+}
+
+TEST(CellGrid, CellsRepeatInAllDirections) {
+  CellGrid grid;
+  grid.inverseCellSize = 2;
+  grid.cells = {4, 5, 6};
+  EXPECT_EQ(grid.cellOf({0.1f, 0.1f, 0.1f}), (Vec3i{0, 0, 0}));
+  EXPECT_EQ(grid.cellOf({-0.1f, -0.1f, -0.1f}), (Vec3i{3, 4, 5}));
+  EXPECT_EQ(grid.cellOf({2.1f, 2.6f, 3.1f}), (Vec3i{0, 0, 0}));
+  const Vec3i far = grid.cellOf({1e30f, -1e30f, 3e38f});
+  EXPECT_TRUE(far.x >= 0 && far.x < 4 && far.y >= 0 && far.y < 5 && far.z >= 0 && far.z < 6);
+}
+
+}  // namespace
+}  // namespace weir::test
