@@ -1,20 +1,16 @@
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <new>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
 #include "framework/compute/cpu_profiler.h"
+#include "framework/compute/cpu_threads.h"
 #include "framework/compute/memory_pool.h"
 
 namespace weir {
@@ -55,32 +51,50 @@ void* allocateOnHost(std::size_t bytes) {
   return ::operator new(bytes, kAlignment, std::nothrow);
 }
 
+/// One call of forRanges.
+struct Launch {
+  std::int64_t n, grain;
+  void (*body)(void* context, std::int64_t begin, std::int64_t end);
+  void* context;
+  // The threads' library orders what stands before the launch, in it and behind it. These say so once more,
+  // where the thread sanitizer can see it: it cannot look into the library.
+  std::atomic<bool> started{false};
+  std::atomic<int> finished{0};
+
+  ~Launch() { static_cast<void>(finished.load(std::memory_order_acquire)); }
+
+  void run(std::int64_t k) const { body(context, k * grain, std::min(n, (k + 1) * grain)); }
+
+  static void runOnThread(void* self, std::int64_t k) {
+    Launch& launch = *static_cast<Launch*>(self);
+    static_cast<void>(launch.started.load(std::memory_order_acquire));
+    struct Finish {
+      std::atomic<int>& finished;
+      ~Finish() { finished.fetch_add(1, std::memory_order_release); }
+    } const finish{launch.finished};  // also when the body throws
+    launch.run(k);
+  }
+};
+
 }  // namespace
 
 struct CpuDevice::Impl {
-  explicit Impl(int threadCount) : threads(threadCount), arena(threadCount) {
-    // Only ever raises the limit of the process, so devices with other numbers of threads are not affected.
-    if (threads > tbb::info::default_concurrency()) {
-      moreThanCores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    }
-  }
+  explicit Impl(int threadCount) : threads(threadCount) {}
 
-  int threads;
-  std::optional<tbb::global_control> moreThanCores;
-  tbb::task_arena arena;
+  CpuThreads threads;
   MemoryPool pool{allocateOnHost, [](void* memory, std::size_t) { ::operator delete(memory, kAlignment); }};
 };
 
 CpuDevice::CpuDevice(int threads) : Device(DeviceKind::kCpu, "cpu") {
   WEIR_CHECK(threads >= 0);
-  impl_ = std::make_unique<Impl>(threads > 0 ? threads : tbb::info::default_concurrency());
+  impl_ = std::make_unique<Impl>(threads);
   profiler_ = std::make_unique<CpuProfiler>();
 }
 
 CpuDevice::~CpuDevice() = default;
 
 int CpuDevice::threads() const {
-  return impl_->threads;
+  return impl_->threads.count();
 }
 
 std::string CpuDevice::description() const {
@@ -130,15 +144,14 @@ void CpuDevice::forRanges(std::int64_t n, std::int64_t grain,
   WEIR_CHECK(grain > 0);
   if (n <= 0) return;
   const std::int64_t ranges = (n - 1) / grain + 1;
-  const auto run = [=](std::int64_t first, std::int64_t last) {
-    for (std::int64_t k = first; k < last; ++k) body(context, k * grain, std::min(n, (k + 1) * grain));
-  };
+  Launch launch{.n = n, .grain = grain, .body = body, .context = context};
   // Waking threads for one range would cost more than the range.
-  if (ranges == 1 || impl_->threads == 1) return run(0, ranges);
-  impl_->arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, ranges),
-                      [&](const tbb::blocked_range<std::int64_t>& r) { run(r.begin(), r.end()); });
-  });
+  if (ranges == 1 || threads() == 1) {
+    for (std::int64_t k = 0; k < ranges; ++k) launch.run(k);
+    return;
+  }
+  launch.started.store(true, std::memory_order_release);
+  impl_->threads.run(ranges, Launch::runOnThread, &launch);
 }
 
 }  // namespace weir
