@@ -70,13 +70,14 @@ const Value::Array& readArray(const Value& v, const Place& place, std::size_t si
 }
 
 int readEnum(const Value& v, const Place& place, const EnumName* names, std::size_t count) {
-  std::vector<std::string> all;
+  std::vector<std::string> all, allQuoted;
   for (std::size_t i = 0; i < count; ++i) {
     if (v.isString() && v.asString() == names[i].first) return static_cast<int>(i);
     all.emplace_back(names[i].first);
+    allQuoted.push_back(Value(names[i].first).brief());
   }
   const std::string nearest = v.isString() ? closestName(v.asString(), all) : std::string();
-  throw place.error(v, "found " + v.brief(), "\"" + joinNames(all, "\" or \"") + "\"",
+  throw place.error(v, "found " + v.brief(), joinNames(allQuoted),
                     nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
 }
 

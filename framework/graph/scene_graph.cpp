@@ -113,10 +113,12 @@ void SceneGraph::link(const Link& link) {
   InputPort* input = to.findInput(link.input);
   if (input == nullptr) throw noSuchPort(to, link.input, to.inputs(), "input");
 
-  if (const auto back = pathBetween(to, from); !back.empty())
-    throw sceneError(
-        "the link \"" + link.text() + "\" closes a cycle: " + joinNames(back, " -> ") + " -> " + back.front(),
-        "links without a cycle");
+  if (const auto back = pathBetween(to, from); !back.empty()) {
+    std::string cycle;
+    for (const std::string& name : back) cycle += name + " -> ";
+    throw sceneError("the link \"" + link.text() + "\" closes a cycle: " + cycle + back.front(),
+                     "links without a cycle");
+  }
   input->link(*output);
   links_.push_back(link);
 }

@@ -120,6 +120,16 @@ void replaceValue(Value& scene, Random& random) {
   *pickValue(scene, random, isAnything) = oddValue(random);
 }
 
+/// A value that may well be right.
+void nudgeNumber(Value& scene, Random& random) {
+  Value* number = pickValue(scene, random, [](const Value& v) { return v.isNumber(); });
+  constexpr double kFactors[] = {0, 0.1, 0.5, 1.5, 2, 10, -1};
+  if (number == nullptr) return;
+  const double nudged = number->asDouble() * random.pick(kFactors);
+  *number =
+      number->isInt() ? Value(static_cast<std::int64_t>(std::clamp(nudged, -9e18, 9e18))) : Value(nudged);
+}
+
 void removePart(Value& scene, Random& random) {
   Value* parent = pickValue(scene, random, [](const Value& v) { return hasMembers(v) || hasElements(v); });
   if (parent == nullptr) return;
@@ -220,9 +230,9 @@ void reverseLinks(Value& scene, Random& random) {
         link = link.asString().substr(arrow + 4) + " -> " + link.asString().substr(0, arrow);
 }
 
-constexpr Mutation kMutations[] = {replaceValue, replaceValue, replaceValue, removePart,
-                                   misspellKey,  misspellText, repeatPart,   swapValues,
-                                   swapKeys,     addOddMember, addLink,      reverseLinks};
+constexpr Mutation kMutations[] = {nudgeNumber, nudgeNumber,  replaceValue, replaceValue, replaceValue,
+                                   removePart,  misspellKey,  misspellText, repeatPart,   swapValues,
+                                   swapKeys,    addOddMember, addLink,      reverseLinks};
 
 void editBytes(std::string& text, Random& random) {
   for (std::size_t edits = 1 + random.below(6); edits > 0 && !text.empty(); --edits) {
@@ -340,7 +350,8 @@ std::string SceneMutator::mutate(std::uint64_t seed) const {
   const bool editsValues = random.chance(0.65);
   if (editsValues) {
     Value scene = scenes_[base];
-    for (std::size_t edits = 1 + random.below(3); edits > 0; --edits) random.pick(kMutations)(scene, random);
+    const std::size_t edits = random.chance(0.6) ? 1 : 2 + random.below(3);
+    for (std::size_t i = 0; i < edits; ++i) random.pick(kMutations)(scene, random);
     text = writeJson(scene);
   }
   if (!editsValues || random.chance(0.1)) random.pick(kTextMutations)(text, random);
