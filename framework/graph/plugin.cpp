@@ -40,8 +40,9 @@ struct Plugin::Library {
   explicit Library(const fs::path& file) {
     std::error_code error;
     if (!fs::exists(file, error))
-      throw pluginError(file, "the plugin cannot be loaded: there is no such file", {},
-                        file.is_relative() ? "the current folder is " + fs::current_path(error).string() : "");
+      throw pluginError(
+          file, "the plugin cannot be loaded: there is no such file", {},
+          file.is_relative() ? "the current folder is " + fs::current_path(error).string() : "");
     if (fs::is_directory(file, error))
       throw pluginError(file, "the plugin cannot be loaded: it is a folder", "a shared library (*.so)");
     // Absolute, because the loader looks for bare names elsewhere.
@@ -100,8 +101,7 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
 Plugin::Plugin(const fs::path& file, Registry& registry)
     : library_(std::make_unique<Library>(file)), file_(file) {
   const PluginHeader header = checkedHeader(file, library_->symbol(file, kHeaderSymbol));
-  const auto registerTypes =
-      reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
+  const auto registerTypes = reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
   name_ = fieldText(header.name);
   doc_ = fieldText(header.doc);
 

@@ -9,11 +9,11 @@ namespace weir {
 
 namespace {
 
-constexpr double kRefreshSeconds = 0.1;    // on a terminal
-constexpr double kLeastLineSeconds = 1;    // between lines elsewhere
-constexpr double kMostLineSeconds = 10;    // without a line elsewhere
-constexpr double kSmoothingSeconds = 10;   // how long the speed is remembered
-constexpr double kLineShare = 0.1;         // of all frames, for another line
+constexpr double kRefreshSeconds = 0.1;   // on a terminal
+constexpr double kLeastLineSeconds = 1;   // between lines elsewhere
+constexpr double kMostLineSeconds = 10;   // without a line elsewhere
+constexpr double kSmoothingSeconds = 10;  // how long the speed is remembered
+constexpr double kLineShare = 0.1;        // of all frames, for another line
 
 }  // namespace
 
@@ -25,6 +25,7 @@ ProgressState ProgressState::of(const Simulation& simulation, std::int64_t lastF
           .steps = simulation.stepsDone(),
           .totalSteps = whole ? clock.totalSteps() : lastFrame * clock.stepsAfterFrame(0),
           .time = simulation.time(),
+          .stepSeconds = simulation.stepSeconds(),
           .particles = simulation.particleCount()};
 }
 
@@ -32,14 +33,15 @@ Progress::Progress(Writer write, std::function<std::optional<int>()> width, Wall
     : write_(std::move(write)), width_(std::move(width)), now_(std::move(now)) {}
 
 void Progress::measure(const ProgressState& state, double now) {
-  if (last_ && state.steps > last_->steps) {
-    const double elapsed = now - last_->at;
-    const double perStep = elapsed / static_cast<double>(state.steps - last_->steps);
-    // A mean over about the last kSmoothingSeconds, however many frames those are.
-    const double weight = secondsPerStep_ ? 1 - std::exp(-elapsed / kSmoothingSeconds) : 1;
-    secondsPerStep_ = secondsPerStep_.value_or(0) * (1 - weight) + perStep * weight;
+  if (last_) {
+    const double elapsed = now - lastAt_;
+    const double keep = std::exp(-elapsed / kSmoothingSeconds);
+    recent_.seconds = recent_.seconds * keep + elapsed;
+    recent_.stepSeconds = recent_.stepSeconds * keep + state.stepSeconds - last_->stepSeconds;
+    recent_.steps = recent_.steps * keep + static_cast<double>(state.steps - last_->steps);
   }
-  last_ = {now, state.steps};
+  last_ = state;
+  lastAt_ = now;
 }
 
 bool Progress::isTimeForLine(const ProgressState& state, double now) const {
@@ -79,12 +81,11 @@ void Progress::clearLine() {
 std::string Progress::text(const ProgressState& state) const {
   std::string text = fmt::format("frame {}/{} | {:.3f} s | {} particles", state.frame, state.lastFrame,
                                  state.time, groupedText(state.particles));
-  if (secondsPerStep_) {
+  if (recent_.steps > 0) {
     constexpr double kMsPerSecond = 1000;
-    text += fmt::format(" | {:.3g} ms/step", *secondsPerStep_ * kMsPerSecond);
-    if (state.frame < state.lastFrame)
-      text += " | " + durationText(*secondsPerStep_ * static_cast<double>(state.totalSteps - state.steps)) +
-              " left";
+    text += fmt::format(" | {:.1f} ms/step", recent_.stepSeconds / recent_.steps * kMsPerSecond);
+    const auto stepsLeft = static_cast<double>(state.totalSteps - state.steps);
+    if (stepsLeft > 0) text += " | " + durationText(recent_.seconds / recent_.steps * stepsLeft) + " left";
   }
   return text;
 }

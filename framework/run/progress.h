@@ -15,7 +15,8 @@ namespace weir {
 struct ProgressState {
   std::int64_t frame = 0, lastFrame = 0;
   std::int64_t steps = 0, totalSteps = 0;
-  double time = 0;  ///< simulated, s
+  double time = 0;         ///< simulated, s
+  double stepSeconds = 0;  ///< that steps took so far, without the observers
   std::int64_t particles = 0;
 
   static ProgressState of(const Simulation& simulation, std::int64_t lastFrame);
@@ -30,8 +31,9 @@ class Progress {
   /// `width` gives the columns of the terminal, or nothing where the output is no terminal.
   Progress(Writer write, std::function<std::optional<int>()> width, WallClock now);
 
-  /// Shows the state of a frame if it is time to: ten times a second on a terminal, otherwise at frame 0, at
-  /// the last one, and in between after another tenth of all frames or ten seconds, but not within a second.
+  /// To be called after every step and frame. Shows the state if it is time to: ten times a second on a
+  /// terminal, otherwise at frame 0, at the last one, and in between after another tenth of all frames or ten
+  /// seconds, but not within a second.
   void update(const ProgressState& state);
   /// Clears the line on the terminal, so that something else can be written; the next update shows it again.
   void clearLine();
@@ -47,12 +49,13 @@ class Progress {
   std::function<std::optional<int>()> width_;
   WallClock now_;
 
-  struct Sample {
-    double at = 0;
-    std::int64_t steps = 0;
+  // Sums that fade, so that their quotients are means over the last while.
+  struct Recent {
+    double seconds = 0, stepSeconds = 0, steps = 0;
   };
-  std::optional<Sample> last_;
-  std::optional<double> secondsPerStep_;  // smoothed
+  Recent recent_;
+  std::optional<ProgressState> last_;
+  double lastAt_ = 0;
   std::optional<double> shownAt_;
   std::int64_t shownFrame_ = 0;
   bool lineShown_ = false;

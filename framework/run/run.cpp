@@ -26,21 +26,24 @@ namespace {
 
 void showFrame(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
   for (Observer* observer : observers) observer->frame(simulation);
-  if (options.onFrame) options.onFrame(simulation);
+  if (options.onProgress) options.onProgress(simulation);
 }
 
 RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
   const std::atomic<bool> never = false;
   const std::atomic<bool>& stop = options.stop != nullptr ? *options.stop : never;
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
+  const auto afterStep = [&] {
+    if (options.onProgress) options.onProgress(simulation);
+  };
   simulation.reset();
   showFrame(simulation, observers, options);
   while (simulation.frame() < last) {
-    if (!simulation.advanceFrame(stop)) return RunEnd::kInterrupted;
+    if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
     showFrame(simulation, observers, options);
   }
   const bool whole = last == simulation.clock().frameCount();
-  if (whole && !simulation.finishRest(stop)) return RunEnd::kInterrupted;
+  if (whole && !simulation.finishRest(stop, afterStep)) return RunEnd::kInterrupted;
   return RunEnd::kFinished;
 }
 

@@ -16,8 +16,8 @@ struct RunOptions {
   std::optional<std::int64_t> lastFrame;
   /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
   const std::atomic<bool>* stop = nullptr;
-  /// Called at frame 0 and after every frame, once the observers have seen it.
-  std::function<void(const Simulation&)> onFrame;
+  /// Called at frame 0, after every step, and after every frame once the observers have seen it.
+  std::function<void(const Simulation&)> onProgress;
 };
 
 /// The frame at which such a run ends.

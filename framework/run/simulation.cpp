@@ -4,6 +4,14 @@
 
 namespace weir {
 
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
 Clock clockOf(const Scene& scene) {
   try {
     return {scene.world.frameRate, scene.world.dt, scene.world.duration};
@@ -38,11 +46,13 @@ void Simulation::reset() {
   device_.synchronize();
   device_.profiler().clear();  // what is profiled are the steps
   setupSeconds_ = secondsSinceReset();
+  stepSeconds_ = 0;
 }
 
 void Simulation::step() {
   WEIR_CHECK(stepInFrame_ < clock_.stepsAfterFrame(frame_));
   fresh_ = false;
+  const WallClock::time_point start = WallClock::now();
   Profiler& profiler = device_.profiler();
   profiler.beginStep();
   scene_->graph.step(stepContext());
@@ -50,34 +60,38 @@ void Simulation::step() {
   profiler.poll();
   ++stepInFrame_;
   ++stepsDone_;
+  stepSeconds_ += secondsSince(start);
 }
 
-bool Simulation::stepUntil(std::int64_t steps, const std::atomic<bool>& stop) {
-  while (stepInFrame_ < steps) {
+bool Simulation::finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep) {
+  while (stepInFrame_ < clock_.stepsAfterFrame(frame_)) {
     if (stop) return false;
     step();
+    if (afterStep) afterStep();
   }
   return true;
 }
 
-bool Simulation::advanceFrame(const std::atomic<bool>& stop) {
-  if (frame_ >= clock_.frameCount() || !stepUntil(clock_.stepsAfterFrame(frame_), stop)) return false;
+bool Simulation::advanceFrame(const std::atomic<bool>& stop, const std::function<void()>& afterStep) {
+  if (frame_ >= clock_.frameCount() || !finishSteps(stop, afterStep)) return false;
   ++frame_;
   stepInFrame_ = 0;
   refresh();
   return true;
 }
 
-bool Simulation::finishRest(const std::atomic<bool>& stop) {
-  if (!stepUntil(clock_.stepsAfterFrame(frame_), stop)) return false;
+bool Simulation::finishRest(const std::atomic<bool>& stop, const std::function<void()>& afterStep) {
+  if (!finishSteps(stop, afterStep)) return false;
   refresh();
   return true;
 }
 
 void Simulation::refresh() {
   if (fresh_) return;
-  scene_->graph.frame(stepContext());
+  const WallClock::time_point start = WallClock::now();
+  scene_->graph.frame(stepContext());  // waits for the steps so far, where they run beside the host
   fresh_ = true;
+  stepSeconds_ += secondsSince(start);
 }
 
 std::int64_t Simulation::particleCount() const {
@@ -87,7 +101,7 @@ std::int64_t Simulation::particleCount() const {
 }
 
 double Simulation::secondsSinceReset() const {
-  return std::chrono::duration<double>(WallClock::now() - resetAt_).count();
+  return secondsSince(resetAt_);
 }
 
 }  // namespace weir

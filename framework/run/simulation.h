@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "framework/run/clock.h"
@@ -31,10 +32,10 @@ class Simulation {
   void reset();  ///< to time 0, frame 0
   void step();   ///< one step; there must be one left
   /// Steps to the next frame. False if there is none, or if `stop` was set before it was reached; then it
-  /// goes on from there when it is called again.
-  bool advanceFrame(const std::atomic<bool>& stop);
+  /// goes on from there when it is called again. `afterStep` is called after each step, if it is given.
+  bool advanceFrame(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
   /// Steps through what is left after the last frame. False if `stop` was set before that was done.
-  bool finishRest(const std::atomic<bool>& stop);
+  bool finishRest(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
 
   std::int64_t frame() const { return frame_; }  ///< the last frame that was reached
   std::int64_t stepsDone() const { return stepsDone_; }
@@ -48,12 +49,13 @@ class Simulation {
   // Wall-clock times, in seconds.
   double setupSeconds() const { return setupSeconds_; }  ///< that the last reset took
   double secondsSinceReset() const;                      ///< since the last reset began
+  double stepSeconds() const { return stepSeconds_; }    ///< in steps since then, without observers
 
  private:
   using WallClock = std::chrono::steady_clock;
 
   StepContext stepContext() const;
-  bool stepUntil(std::int64_t steps, const std::atomic<bool>& stop);
+  bool finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep);
 
   std::unique_ptr<Scene> scene_;
   Device& device_;
@@ -63,7 +65,7 @@ class Simulation {
   std::int64_t frame_ = 0, stepInFrame_ = 0, stepsDone_ = 0;
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
   WallClock::time_point resetAt_ = WallClock::now();
-  double setupSeconds_ = 0;
+  double setupSeconds_ = 0, stepSeconds_ = 0;
 };
 
 }  // namespace weir

@@ -123,6 +123,7 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["dt"] = simulation.clock().longestStep();
   v["wall_seconds"] = simulation.secondsSinceReset();
   v["setup_seconds"] = simulation.setupSeconds();
+  v["stepping_seconds"] = simulation.stepSeconds();
   v["step_ms"] = stepTimes(device.profiler());
   v["modules_ms"] = moduleTimes(device.profiler(), simulation.stepsDone());
   v["memory"] = memoryValue(device);
