@@ -6,6 +6,7 @@
 // build before it calls anything of the plugin.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -17,14 +18,51 @@ namespace weir {
 
 /// Grows whenever a public header changes in a way that breaks compiled plugins.
 inline constexpr int kPluginInterface = 1;
-/// What must be equal for two C++ libraries to share types: compiler family, its ABI, and checked builds.
-inline constexpr const char kPluginBuild[] =
-#ifdef __GXX_ABI_VERSION
-    "gxx-abi-" __VERSION__
+
+namespace detail {
+
+/// Text that is put together while compiling.
+struct BuildText {
+  char text[112] = {};
+  std::size_t size = 0;
+
+  constexpr BuildText& add(const char* more) {
+    for (; *more != 0 && size + 1 < sizeof text; ++more) text[size++] = *more;
+    return *this;
+  }
+  constexpr BuildText& add(long number) {
+    if (number >= 10) add(number / 10);
+    const char digit[2] = {static_cast<char>('0' + number % 10), 0};
+    return add(digit);
+  }
+};
+
+/// What must be equal for two C++ libraries to share types: the compiler's and the standard library's ABI,
+/// and whether there is a CUDA back end, which changes what inline functions do.
+constexpr BuildText pluginBuild() {
+  BuildText build;
+#if defined(__GXX_ABI_VERSION)
+  build.add("Itanium C++ ABI");
 #else
-    "unknown-abi"
+  build.add("unknown C++ ABI");
 #endif
-    ;
+#if defined(_GLIBCXX_USE_CXX11_ABI)
+  build.add(", libstdc++ ").add(_GLIBCXX_USE_CXX11_ABI ? "C++11 ABI" : "old ABI");
+#elif defined(_LIBCPP_ABI_VERSION)
+  build.add(", libc++ ABI ").add(static_cast<long>(_LIBCPP_ABI_VERSION));
+#endif
+  build.add(", C++").add(__cplusplus / 100 % 100);
+#ifdef WEIR_HAS_CUDA
+  build.add(", with CUDA");
+#else
+  build.add(", without CUDA");
+#endif
+  return build;
+}
+
+}  // namespace detail
+
+inline constexpr detail::BuildText kPluginBuild = detail::pluginBuild();
 
 /// Plain data, so that it can be read before anything is called.
 struct PluginHeader {
@@ -46,7 +84,7 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
   copyText(header.magic, "WEIRPLG");
   header.interfaceVersion = kPluginInterface;
   header.headerSize = sizeof(PluginHeader);
-  copyText(header.build, kPluginBuild);
+  copyText(header.build, kPluginBuild.text);
   copyText(header.name, name);
   copyText(header.doc, doc);
   return header;
@@ -57,7 +95,8 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
 class Plugin {
  public:
   /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another
-  /// version or build, or fails to register; the registry is then as before.
+  /// version or build, or fails to register; the registry is then as before. What the registry holds from
+  /// the plugin, and all that is made of it, must be gone before the Plugin is.
   Plugin(const std::filesystem::path& file, Registry& registry);
   ~Plugin();
   Plugin(Plugin&&) noexcept;

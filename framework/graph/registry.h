@@ -74,6 +74,7 @@ class Registry {
 
   /// Who adds from now on; named in errors and listings.
   void setSource(std::string source) { source_ = std::move(source); }
+  const std::string& source() const { return source_; }
 
  private:
   void addNodeType(NodeType type);

@@ -1,40 +1,23 @@
-// A scene in time: the clock, the device, and the frame loop.
+// A scene in time, on one device.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <span>
-#include <string>
-#include <vector>
 
+#include "framework/run/clock.h"
 #include "framework/scene/scene.h"
 
 namespace weir {
 
-/// Divides simulated time into frames and frames into equal steps. Frame k is at exactly k / frameRate.
-class Clock {
- public:
-  /// All in seconds or 1/s, positive; duration may be 0.
-  Clock(double frameRate, double longestDt, double duration);
+/// The clock that a scene's "world" asks for. Throws a scene Error that names the file for what no clock can
+/// do; checking a scene therefore means to make its clock, too.
+Clock clockOf(const Scene& scene);
 
-  std::int64_t frameCount() const { return frames_; }  ///< frames after frame 0 that lie within the duration
-  double frameTime(std::int64_t frame) const;
-  /// Steps between frame k and k + 1; the last interval may be a shorter rest that ends with no frame.
-  std::int64_t stepsAfterFrame(std::int64_t frame) const;
-  double stepTime(std::int64_t frame, std::int64_t step) const;  ///< start of a step
-  double dtAfterFrame(std::int64_t frame) const;
-  bool hasRest() const { return rest_ > 0; }  ///< whether time is left after the last frame
-  std::int64_t totalSteps() const;
-
- private:
-  double frameRate_, longestDt_, duration_;
-  std::int64_t frames_ = 0;
-  double rest_ = 0;
-};
-
-/// Runs one scene on one device. Two of them in one process do not know of each other.
+/// Runs one scene on one device. Two of them in one process do not know of each other. Device, log, registry
+/// and the plugins that the scene uses must outlive it.
 class Simulation {
  public:
   Simulation(std::unique_ptr<Scene> scene, Device& device, Log& log, const Registry& registry);
@@ -42,27 +25,37 @@ class Simulation {
   Scene& scene() { return *scene_; }
   const Scene& scene() const { return *scene_; }
   Device& device() const { return device_; }
+  Log& log() const { return log_; }
+  const Registry& registry() const { return registry_; }
   const Clock& clock() const { return clock_; }
 
   void reset();  ///< to time 0, frame 0
-  void step();   ///< one step
-  /// Steps up to the next frame; false if `stop` was set before it was reached or there is none.
-  bool advanceFrame(const std::atomic<bool>& stop);
-  /// Steps through what is left after the last frame.
-  void finishRest(const std::atomic<bool>& stop);
+  void step();   ///< one step; there must be one left
+  /// Steps to the next frame. False if there is none, or if `stop` was set before it was reached; then it
+  /// goes on from there when it is called again. `afterStep` is called after each step, if it is given.
+  bool advanceFrame(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
+  /// Steps through what is left after the last frame. False if `stop` was set before that was done.
+  bool finishRest(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
 
   std::int64_t frame() const { return frame_; }  ///< the last frame that was reached
   std::int64_t stepsDone() const { return stepsDone_; }
-  double time() const;
+  double time() const { return clock_.stepTime(frame_, stepInFrame_); }
+  bool atFrame() const { return stepInFrame_ == 0; }  ///< exactly at a frame time
   std::int64_t particleCount() const;
-  /// Statistics of all nodes, device, times: what --stats writes.
-  Value statistics();
-  /// Rare events of all nodes, "water: 3 particles left the domain".
-  std::vector<std::string> rareEvents();
+
+  /// Brings what nodes show and report up to date with the last step, as it always is at a frame.
+  void refresh();
+
+  // Wall-clock times, in seconds.
+  double setupSeconds() const { return setupSeconds_; }  ///< that the last reset took
+  double secondsSinceReset() const;                      ///< since the last reset began
+  double stepSeconds() const { return stepSeconds_; }    ///< in steps since then, without observers
 
  private:
+  using WallClock = std::chrono::steady_clock;
+
   StepContext stepContext() const;
-  void frameHooks();
+  bool finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep);
 
   std::unique_ptr<Scene> scene_;
   Device& device_;
@@ -70,6 +63,9 @@ class Simulation {
   const Registry& registry_;
   Clock clock_;
   std::int64_t frame_ = 0, stepInFrame_ = 0, stepsDone_ = 0;
+  bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
+  WallClock::time_point resetAt_ = WallClock::now();
+  double setupSeconds_ = 0, stepSeconds_ = 0;
 };
 
 }  // namespace weir

@@ -1,0 +1,97 @@
+#include "framework/base/file_output.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "framework/base/error.h"
+
+namespace weir {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Error cannotWrite(const fs::path& path, const std::string& reason, const std::string& hint = {}) {
+  Error error = ioError("the file cannot be written: " + reason, {}, hint);
+  return error.at({.file = path.string()});
+}
+
+Error cannotWrite(const fs::path& path, int error) {
+  return cannotWrite(path, std::generic_category().message(error));
+}
+
+/// A new file beside the path; it is removed unless it was renamed to the path.
+class Temporary {
+ public:
+  explicit Temporary(const fs::path& path) : path_(path) {
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored)) throw cannotWrite(path, "it is a folder");
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (!fs::exists(folder, ignored))
+      throw cannotWrite(path, "there is no folder " + folder.string(), "make the folder first");
+    // A device such as /dev/full or a pipe is no file that could be replaced.
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
+      throw cannotWrite(path, "it is no regular file");
+    name_ = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
+    file_ = mkostemp(name_.data(), O_CLOEXEC);
+    if (file_ < 0) throw cannotWrite(path, errno);
+  }
+  ~Temporary() {
+    close();
+    if (!renamed_) ::unlink(name_.c_str());
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+
+  void write(std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = ::write(file_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throw cannotWrite(path_, errno);
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  void rename() {
+    const mode_t mask = ::umask(0);  // can only be read by setting it
+    ::umask(mask);
+    constexpr mode_t kReadWriteForAll = 0666;
+    ::fchmod(file_, kReadWriteForAll & ~mask);
+    if (::fsync(file_) != 0 && errno != EINVAL) throw cannotWrite(path_, errno);
+    if (close() != 0) throw cannotWrite(path_, errno);
+    if (::rename(name_.c_str(), path_.c_str()) != 0) throw cannotWrite(path_, errno);
+    renamed_ = true;
+  }
+
+ private:
+  int close() {
+    const int file = std::exchange(file_, -1);
+    return file < 0 ? 0 : ::close(file);
+  }
+
+  fs::path path_;
+  std::string name_;
+  int file_ = -1;
+  bool renamed_ = false;
+};
+
+}  // namespace
+
+void checkWritable(const fs::path& path) {
+  const Temporary probe(path);
+}
+
+void writeFileAtomically(const fs::path& path, std::string_view text) {
+  Temporary file(path);
+  file.write(text);
+  file.rename();
+}
+
+}  // namespace weir

@@ -1,0 +1,140 @@
+#include "framework/graph/plugin.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "framework/base/text.h"
+
+namespace weir {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kHeaderSymbol = "weirPluginHeader";
+constexpr const char* kRegisterSymbol = "weirRegisterPlugin";
+constexpr const char* kMagic = "WEIRPLG";
+
+Error pluginError(const fs::path& file, const std::string& message, const std::string& allowed = {},
+                  const std::string& hint = {}) {
+  Error error = ioError(message, allowed, hint);
+  return error.at({.file = file.string()});
+}
+
+std::string lastLoaderError() {
+  const char* text = dlerror();
+  return text != nullptr ? printable(text, 500) : "unknown error";
+}
+
+/// The text in a field that need not end with a zero.
+template <std::size_t N>
+std::string fieldText(const char (&field)[N]) {
+  return printable({field, strnlen(field, N)}, N);
+}
+
+}  // namespace
+
+struct Plugin::Library {
+  explicit Library(const fs::path& file) {
+    std::error_code error;
+    if (!fs::exists(file, error))
+      throw pluginError(
+          file, "the plugin cannot be loaded: there is no such file", {},
+          file.is_relative() ? "the current folder is " + fs::current_path(error).string() : "");
+    if (fs::is_directory(file, error))
+      throw pluginError(file, "the plugin cannot be loaded: it is a folder", "a shared library (*.so)");
+    // Absolute, because the loader looks for bare names elsewhere.
+    handle = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) {
+      const std::string reason = lastLoaderError();
+      const bool missing = reason.find("undefined symbol") != std::string::npos;
+      throw pluginError(file, "the plugin cannot be loaded: " + reason, "a shared library for this machine",
+                        missing ? "it may be built for another version of Weir: build it again" : "");
+    }
+  }
+  ~Library() { dlclose(handle); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  void* symbol(const fs::path& file, const char* name) const {
+    void* found = dlsym(handle, name);
+    if (found == nullptr)
+      throw pluginError(file, std::string("the library is no Weir plugin: it has no symbol ") + name,
+                        "a library that ends with WEIR_PLUGIN");
+    return found;
+  }
+
+  void* handle = nullptr;
+};
+
+namespace {
+
+/// Copies the header out, field by field as far as the versions agree on what stands where.
+PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
+  PluginHeader header{};
+  std::memcpy(header.magic, symbol, sizeof header.magic);
+  if (std::memcmp(header.magic, kMagic, std::strlen(kMagic) + 1) != 0)
+    throw pluginError(file, std::string("the library is no Weir plugin: ") + kHeaderSymbol +
+                                " does not begin with " + kMagic);
+  constexpr std::size_t kFixed = offsetof(PluginHeader, build);
+  std::memcpy(&header, symbol, kFixed);
+  if (header.interfaceVersion != kPluginInterface)
+    throw pluginError(
+        file, "the plugin is for version " + std::to_string(header.interfaceVersion) + " of the interface",
+        "version " + std::to_string(kPluginInterface), "build it again with this version of Weir");
+  if (header.headerSize != sizeof(PluginHeader))
+    throw pluginError(file, "the plugin's header has " + std::to_string(header.headerSize) + " bytes",
+                      std::to_string(sizeof(PluginHeader)) + " bytes",
+                      "build it again with this version of Weir");
+  std::memcpy(&header, symbol, sizeof header);
+  if (fieldText(header.build) != kPluginBuild.text)
+    throw pluginError(file, "the plugin's build is '" + fieldText(header.build) + "'",
+                      "'" + std::string(kPluginBuild.text) + "'",
+                      "build it with the compiler and options that built this Weir");
+  return header;
+}
+
+}  // namespace
+
+Plugin::Plugin(const fs::path& file, Registry& registry)
+    : library_(std::make_unique<Library>(file)), file_(file) {
+  const PluginHeader header = checkedHeader(file, library_->symbol(file, kHeaderSymbol));
+  const auto registerTypes = reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
+  name_ = fieldText(header.name);
+  doc_ = fieldText(header.doc);
+
+  Registry extended = registry;
+  extended.setSource("plugin " + name_);
+  std::string reason;
+  try {
+    registerTypes(extended);
+    extended.setSource(registry.source());
+    std::swap(registry, extended);
+    return;
+  } catch (const Error& e) {
+    reason = e.message();
+  } catch (const std::exception& e) {
+    reason = printable(e.what(), 500);
+  } catch (...) {
+    reason = "unknown exception";
+  }
+  // Thrown here, where the plugin's own exception is gone: its code goes with the library.
+  throw pluginError(file, "the plugin '" + name_ + "' cannot register: " + reason);
+}
+
+Plugin::~Plugin() = default;
+Plugin::Plugin(Plugin&&) noexcept = default;
+Plugin& Plugin::operator=(Plugin&&) noexcept = default;
+
+std::vector<fs::path> pluginFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().extension() == ".so" && !entry->is_directory(error)) files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace weir

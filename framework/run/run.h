@@ -1,0 +1,32 @@
+// The frame loop: runs a simulation from time 0 to its end, and shows every frame to the observers.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "framework/run/observer.h"
+
+namespace weir {
+
+struct RunOptions {
+  /// Ends the run at this frame, if its duration does not end it before. 0 makes frame 0 alone.
+  std::optional<std::int64_t> lastFrame;
+  /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
+  const std::atomic<bool>* stop = nullptr;
+  /// Called at frame 0, after every step, and after every frame once the observers have seen it.
+  std::function<void(const Simulation&)> onProgress;
+};
+
+/// The frame at which such a run ends.
+std::int64_t lastFrameOf(const Clock& clock, const RunOptions& options);
+
+/// begin() of all observers, reset, frames, end(). Whatever happens, end() is called for every observer whose
+/// begin() succeeded, in the same order; an error in one does not keep the others from it. The first error is
+/// thrown again at the end.
+RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observers,
+                     const RunOptions& options = {});
+
+}  // namespace weir

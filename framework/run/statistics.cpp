@@ -1,0 +1,145 @@
+#include "framework/run/statistics.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "framework/base/build_info.h"
+
+namespace weir {
+
+TimeSummary summarize(std::span<const double> times) {
+  if (times.empty()) return {};
+  std::vector<double> sorted(times.begin(), times.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto percentile = [&](double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+    return sorted[std::max<std::size_t>(rank, 1) - 1];
+  };
+  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
+  return {percentile(0.5), percentile(0.95), sum / static_cast<double>(sorted.size()), sorted.back()};
+}
+
+std::size_t peakHostMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr std::size_t kKibibyte = 1024;  // Linux counts in these
+  return static_cast<std::size_t>(usage.ru_maxrss) * kKibibyte;
+}
+
+namespace {
+
+Value integer(std::uint64_t n) {
+  return static_cast<std::int64_t>(n);
+}
+
+Value deviceValue(const Device& device) {
+  Value v = Value::object();
+  v["name"] = device.name();
+  v["back_end"] = device.kind() == DeviceKind::kCpu ? "cpu" : "cuda";
+  v["description"] = device.description();
+  return v;
+}
+
+Value stepTimes(Profiler& profiler) {
+  const TimeSummary times = summarize(profiler.stepMs());
+  Value v = Value::object();
+  v["median"] = times.median;
+  v["p95"] = times.p95;
+  v["mean"] = times.mean;
+  v["max"] = times.max;
+  return v;
+}
+
+Value moduleTimes(Profiler& profiler, std::int64_t steps) {
+  Value v = Value::object();
+  for (const ProfileEntry& entry : profiler.entries()) {
+    Value& scope = v[entry.path];
+    scope["total"] = entry.totalMs;
+    scope["per_step"] = steps > 0 ? entry.totalMs / static_cast<double>(steps) : 0.0;
+    scope["calls"] = integer(entry.calls);
+  }
+  return v;
+}
+
+Value memoryValue(const Device& device) {
+  const MemoryUse use = device.memoryUse();
+  Value v = Value::object();
+  v["host_peak_bytes"] = integer(peakHostMemory());
+  v["device_peak_bytes"] = integer(use.peak);
+  v["device_reserved_bytes"] = integer(use.reserved);
+  v["device_allocations"] = integer(use.allocations);
+  return v;
+}
+
+/// Fills "nodes" and "rare_events".
+void addReports(Simulation& simulation, Value& statistics) {
+  Value nodes = Value::object();
+  Value events = Value::array();
+  for (const auto& node : simulation.scene().graph.nodes()) {
+    Value& entry = nodes[node->name()];
+    entry["type"] = node->info().type;
+    NodeReport report;
+    try {
+      node->report(report);
+    } catch (const std::exception& e) {
+      entry["error"] = e.what();
+      continue;
+    }
+    for (auto& [name, value] : report.statistics.asObject()) entry[name] = std::move(value);
+    for (const RareEvent& event : report.events) {
+      if (event.count == 0) continue;
+      Value v = Value::object();
+      v["node"] = node->name();
+      v["what"] = event.what;
+      v["count"] = event.count;
+      events.push(std::move(v));
+    }
+  }
+  statistics["nodes"] = std::move(nodes);
+  statistics["rare_events"] = std::move(events);
+}
+
+}  // namespace
+
+Value runStatistics(Simulation& simulation, RunEnd end) {
+  // After a failure the last frame's state is all there is.
+  if (end != RunEnd::kFailed) simulation.refresh();
+  Device& device = simulation.device();
+  Value v = Value::object();
+  v["version"] = version();
+  v["scene"] = simulation.scene().file;
+  v["title"] = simulation.scene().title;
+  v["end"] = nameOf(end);
+  v["device"] = deviceValue(device);
+  v["deterministic"] = device.deterministic();
+  v["particles"] = simulation.particleCount();
+  v["frames"] = simulation.frame();
+  v["steps"] = simulation.stepsDone();
+  v["simulated_seconds"] = simulation.time();
+  v["dt"] = simulation.clock().longestStep();
+  v["wall_seconds"] = simulation.secondsSinceReset();
+  v["setup_seconds"] = simulation.setupSeconds();
+  v["stepping_seconds"] = simulation.stepSeconds();
+  v["step_ms"] = stepTimes(device.profiler());
+  v["modules_ms"] = moduleTimes(device.profiler(), simulation.stepsDone());
+  v["memory"] = memoryValue(device);
+  v["blocking_readbacks"] = integer(device.blockingReadbacks());
+  addReports(simulation, v);
+  return v;
+}
+
+std::vector<std::string> rareEventTexts(const Value& statistics) {
+  std::vector<std::string> texts;
+  const Value* events = statistics.find("rare_events");
+  if (events == nullptr) return texts;
+  for (const Value& event : events->asArray())
+    texts.push_back(fmt::format("{}: {} {}", event.find("node")->asString(), event.find("count")->asInt(),
+                                event.find("what")->asString()));
+  return texts;
+}
+
+}  // namespace weir

@@ -1,0 +1,35 @@
+// What is known of a run in numbers: what --stats writes, and the warnings at its end.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/run/observer.h"
+
+namespace weir {
+
+/// Median, 95th percentile, mean and largest of some durations; all 0 if there are none. A percentile is the
+/// least of them that is not below that share of all.
+struct TimeSummary {
+  double median = 0, p95 = 0, mean = 0, max = 0;
+};
+TimeSummary summarize(std::span<const double> times);
+
+/// The most memory that this process has held, in bytes.
+std::size_t peakHostMemory();
+
+/// Everything about the run so far, as one object:
+///   version, scene, title, end, device {name, back_end, description}, deterministic, particles, frames,
+///   steps, simulated_seconds, dt, wall_seconds, setup_seconds, stepping_seconds, step_ms {median, p95, mean,
+///   max}, modules_ms {"water/solver": {total, per_step, calls}}, memory {host_peak_bytes, device_peak_bytes,
+///   device_reserved_bytes, device_allocations}, blocking_readbacks,
+///   nodes {"water": {type, …what the node reports…}}, rare_events [{node, what, count}].
+/// A node that cannot report, as the run failed in it, has "error" instead. Waits for the device.
+Value runStatistics(Simulation& simulation, RunEnd end);
+
+/// "water: 3 particles left the domain", from the "rare_events" of runStatistics.
+std::vector<std::string> rareEventTexts(const Value& statistics);
+
+}  // namespace weir
