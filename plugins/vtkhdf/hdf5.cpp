@@ -1,10 +1,12 @@
 #include "plugins/vtkhdf/hdf5.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 #include <utility>
 
 #include "framework/base/check.h"
@@ -326,8 +328,12 @@ Dataset Group::createGrowing(const std::string& name, const Growing& layout) {
     checked(H5Pset_shuffle(properties.get()), "lay out a data set of");
     checked(H5Pset_deflate(properties.get(), kFastest), "lay out a data set of");
   }
+  // Without a cache, rows are in the file when append() returns, so File::flush() has only the index to
+  // write.
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  checked(H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT), "lay out a data set of");
   return {checkedHandle(H5Dcreate2(id(), name.c_str(), fileType(layout.type), space.get(), H5P_DEFAULT,
-                                   properties.get(), H5P_DEFAULT),
+                                   properties.get(), access.get()),
                         H5Dclose, "add a data set to"),
           file_, below(name)};
 }
@@ -372,10 +378,15 @@ Error File::error(const char* what) const {
 
 File File::create(const std::filesystem::path& file, const std::string& name) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
+  // The oldest formats of everything: those of LATEST cannot be opened after a kill.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
   // Without a lock other programs can look at the frames that are already there while the run goes on.
   H5Pset_file_locking(access.get(), false, true);
-  File made(Handle(H5Fcreate(file.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access.get()), H5Fclose), name);
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  // A compressed chunk that grows moves to another place. Its old place, which the index on the disk still
+  // names until the next flush, must not be given to other data.
+  H5Pset_file_space_strategy(creation.get(), H5F_FSPACE_STRATEGY_NONE, false, 1);
+  File made(Handle(H5Fcreate(file.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose), name);
   if (made.handle_.get() < 0) throw made.error("create the file");
   return made;
 }
@@ -394,7 +405,23 @@ Group File::root() const {
   return {std::move(root), name_, "/"};
 }
 
+void File::reserve() {
+  // HDF5 writes its index in an order of its own and goes on after a failure, which can leave a file that
+  // nobody can open. So the room for it is taken first.
+  hid_t access = H5P_DEFAULT;
+  void* driver = nullptr;
+  haddr_t end = 0;
+  if (H5Fget_vfd_handle(handle_.get(), access, &driver) < 0 || H5Fget_eoa(handle_.get(), &end) < 0)
+    throw error("write the file");
+  const int file = *static_cast<int*>(driver);
+  struct ::stat status {};
+  if (::fstat(file, &status) != 0 || static_cast<haddr_t>(status.st_size) >= end) return;
+  if (const int code = ::posix_fallocate(file, status.st_size, static_cast<off_t>(end) - status.st_size))
+    throw ioError("cannot write the file: " + std::system_category().message(code)).at({.file = *name_});
+}
+
 void File::flush() {
+  reserve();
   if (H5Fflush(handle_.get(), H5F_SCOPE_LOCAL) < 0) throw error("write the file");
 }
 

@@ -126,7 +126,8 @@ class Dataset : public Object {
   std::int64_t columns() const { return columns_; }
   bool isInteger() const { return isInteger_; }
 
-  /// Adds rows behind the last one; `values` holds whole rows.
+  /// Adds rows behind the last one; `values` holds whole rows. They reach the file at once, but count only
+  /// after File::flush().
   template <class T>
   void append(std::span<const T> values) {
     appendRows(kNumberType<T>, values.data(), values.size());
@@ -197,8 +198,8 @@ class Group : public Object {
 
 class File {
  public:
-  /// Makes a file, which must not exist, that HDF5 1.8 and later can read, also when the program that writes
-  /// it was killed after a flush. `name` is what errors call it.
+  /// Makes a file, which must not exist, that HDF5 1.10.1 and later can read, also when the program that
+  /// writes it was killed after a flush. `name` is what errors call it.
   static File create(const std::filesystem::path& file, const std::string& name);
   /// For reading only.
   static File open(const std::filesystem::path& file);
@@ -207,7 +208,8 @@ class File {
   ~File();
 
   Group root() const;
-  /// Hands everything to the operating system.
+  /// Hands everything to the operating system. If there is no room for it, the file stays as the last flush
+  /// left it.
   void flush();
   /// Flushes and closes. All objects of the file must be gone.
   void close();
@@ -218,6 +220,8 @@ class File {
  private:
   File(Handle handle, std::string name);
   Error error(const char* what) const;
+  /// Takes the room on the disk that the next flush needs.
+  void reserve();
 
   Handle handle_;
   std::shared_ptr<const std::string> name_;

@@ -80,9 +80,8 @@ class InFolder : public testing::Test {
  protected:
   InFolder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder = std::filesystem::temp_directory_path() /
-             ("weir_" + std::string(test->test_suite_name()) + "_" + test->name() + "_" +
-              std::to_string(::getpid()));
+    folder = std::filesystem::temp_directory_path() / ("weir_" + std::string(test->test_suite_name()) + "_" +
+                                                       test->name() + "_" + std::to_string(::getpid()));
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
   }

@@ -92,7 +92,8 @@ TEST_F(VtkHdfCrashTest, KeepsTheFramesWrittenBeforeAKill) {
   }
 }
 
-/// Appends until an error comes. Says how many frames were written, and ends with 0 if all is as it should be.
+/// Appends until an error comes. Says how many frames were written, and ends with 0 if all is as it should
+/// be.
 int writeUntilFull(const std::filesystem::path& file, int pipe) {
   VtkHdfWriter writer(file, sampleLayout());
   try {

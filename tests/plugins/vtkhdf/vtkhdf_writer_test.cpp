@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "framework/base/check.h"
@@ -19,7 +20,8 @@ const std::vector<int> kCounts{5, 0, 40000, 70000, 3, 0, 1};
 void writeSample(const std::filesystem::path& file, const std::vector<int>& counts) {
   VtkHdfWriter writer(file, sampleLayout());
   writer.setText("scene", "{ \"weir\": 1, \"title\": \"Übung\" }");
-  for (std::size_t s = 0; s < counts.size(); ++s) writer.append(SampleStep(static_cast<int>(s), counts[s]).frame());
+  for (std::size_t s = 0; s < counts.size(); ++s)
+    writer.append(SampleStep(static_cast<int>(s), counts[s]).frame());
   writer.setText("statistics", "");
   writer.close();
 }
@@ -29,7 +31,8 @@ TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
   writeSample(file, kCounts);
   const VtkHdfReader reader(file);
   ASSERT_EQ(reader.times().size(), kCounts.size());
-  for (std::size_t s = 0; s < kCounts.size(); ++s) expectStep(reader.read(s), static_cast<int>(s), kCounts[s]);
+  for (std::size_t s = 0; s < kCounts.size(); ++s)
+    expectStep(reader.read(s), static_cast<int>(s), kCounts[s]);
   expectStep(reader.readLast(), 6, 1);
   EXPECT_EQ(reader.text("scene"), "{ \"weir\": 1, \"title\": \"Übung\" }");
   EXPECT_EQ(reader.text("statistics"), "");
@@ -39,7 +42,8 @@ TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
 /// Reads integers with HDF5's own interface, not with ours.
 class RawFile {
  public:
-  explicit RawFile(const std::filesystem::path& file) : file_(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)) {}
+  explicit RawFile(const std::filesystem::path& file)
+      : file_(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)) {}
   ~RawFile() { H5Fclose(file_); }
 
   std::vector<std::int64_t> integers(const char* path) const {
@@ -138,6 +142,13 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
 }
 
+TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {
+  const char* file = std::getenv("WEIR_VTKHDF_SAMPLE");
+  if (!file) GTEST_SKIP() << "read_with_vtk.py says where to";
+  writeSample(file, kCounts);
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
 TEST_F(VtkHdfWriterTest, CanBeReadWhileItGrows) {
   const auto file = folder / "run.vtkhdf";
   VtkHdfWriter writer(file, sampleLayout());
@@ -223,7 +234,8 @@ TEST_F(VtkHdfWriterTest, LeavesAnExistingFileWhereTheNewOneCannotBeMade) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   const auto file = folder / "run.vtkhdf";
   writeSample(file, {3});
-  std::filesystem::permissions(folder, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  std::filesystem::permissions(folder,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   EXPECT_EQ(refusal(file), "cannot create the file: Permission denied");
   std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
   expectStep(VtkHdfReader(file).readLast(), 0, 3);
