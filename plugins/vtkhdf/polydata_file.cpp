@@ -1,0 +1,253 @@
+#include "plugins/vtkhdf/polydata_file.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "framework/base/check.h"
+#include "framework/base/text.h"
+
+namespace weir {
+
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::Growing;
+using hdf5::NumberType;
+
+/// Rows of particle data that are stored together: small enough that a short export stays small, large enough
+/// that a long one of a million particles has some 10,000 chunks a data set.
+constexpr std::int64_t kParticleChunk = 1 << 14;
+constexpr std::int64_t kStepChunk = 1 << 8;
+
+NumberType numberType(VtkHdfType type) {
+  switch (type) {
+    case VtkHdfType::kFloat32:
+      return NumberType::kFloat32;
+    case VtkHdfType::kInt32:
+      return NumberType::kInt32;
+    case VtkHdfType::kInt64:
+      return NumberType::kInt64;
+    case VtkHdfType::kUint32:
+      return NumberType::kUint32;
+  }
+  return NumberType::kFloat32;
+}
+
+Growing perStep(NumberType type = NumberType::kInt64, int columns = 1) {
+  return {.type = type, .columns = columns, .chunkRows = kStepChunk};
+}
+
+/// Ids and offsets count up, which compresses to almost nothing; floats hardly shrink and would cost time.
+Growing ascending(std::int64_t chunkRows) {
+  return {.type = NumberType::kInt64, .chunkRows = chunkRows, .deflate = true};
+}
+
+Growing layoutOf(const VtkHdfAttribute& attribute) {
+  return {.type = numberType(attribute.type),
+          .columns = attribute.components,
+          .chunkRows = kParticleChunk,
+          .deflate = attribute.type != VtkHdfType::kFloat32};
+}
+
+void checkLayout(const VtkHdfLayout& layout) {
+  std::vector<std::string> names;
+  const auto check = [&](const std::string& name) {
+    const bool good = !name.empty() && name != "." && name.find('/') == std::string::npos;
+    WEIR_CHECK(good);
+    WEIR_CHECK(std::count(names.begin(), names.end(), name) == 0);
+    names.push_back(name);
+  };
+  for (const VtkHdfAttribute& attribute : layout.attributes) {
+    check(attribute.name);
+    WEIR_CHECK(attribute.components > 0);
+  }
+  names.clear();
+  for (const std::string& field : layout.fields) check(field);
+}
+
+/// The file that a path stands for, symbolic links followed. Throws an io Error if no file can be there.
+fs::path target(const fs::path& file) {
+  const std::string name = file.string();
+  const auto refuse = [&](const std::string& what, const std::string& allowed) {
+    return ioError(what, allowed).at({.file = name});
+  };
+  if (file.extension() != ".vtkhdf")
+    throw refuse("the export would be a file of type " + inQuotes(file.extension().string()),
+                 "a name that ends in .vtkhdf");
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(file, error);
+  if (error) throw refuse("cannot create the file: " + error.message(), "");
+  const fs::file_status status = fs::status(real, error);
+  if (fs::is_directory(status)) throw refuse("the export would replace a folder", "the name of a file");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw refuse("the export would replace something that is no file", "the name of a file");
+  if (fs::exists(status) && ::access(real.c_str(), W_OK) != 0)
+    throw refuse("the file exists and may not be written", "a file that may be written, or a new name");
+  if (!fs::is_directory(real.parent_path(), error))
+    throw refuse("there is no folder " + inQuotes(file.parent_path().string()), "a folder that exists");
+  return real;
+}
+
+void writeHeader(hdf5::Group& root) {
+  constexpr std::int64_t kVersion[] = {2, 0};
+  root.setAttribute("Version", std::span<const std::int64_t>(kVersion));
+  root.setAttribute("Type", std::string_view("PolyData"));
+}
+
+hdf5::Group makeRoot(hdf5::File& file) {
+  hdf5::Group root = file.root().createGroup("VTKHDF");
+  writeHeader(root);
+  return root;
+}
+
+/// Appends 0, 1, … count − 1 without holding them all.
+void appendAscending(hdf5::Dataset& set, std::int64_t count) {
+  std::vector<std::int64_t> block(static_cast<std::size_t>(std::min(count, kParticleChunk)));
+  for (std::int64_t first = 0; first < count; first += kParticleChunk) {
+    block.resize(static_cast<std::size_t>(std::min(count - first, kParticleChunk)));
+    std::iota(block.begin(), block.end(), first);
+    set.append(std::span<const std::int64_t>(block));
+  }
+}
+
+}  // namespace
+
+PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind)
+    : Cells(root.createGroup(kind), kind == "Vertices" ? kParticleChunk : kStepChunk) {}
+
+PolyDataFile::Cells::Cells(hdf5::Group group, std::int64_t chunkRows)
+    : cellCounts(group.createGrowing("NumberOfCells", perStep())),
+      connectivityCounts(group.createGrowing("NumberOfConnectivityIds", perStep())),
+      connectivity(group.createGrowing("Connectivity", ascending(chunkRows))),
+      offsets(group.createGrowing("Offsets", ascending(chunkRows))) {}
+
+PolyDataFile::Steps::Steps(hdf5::Group& root)
+    : group(root.createGroup("Steps")),
+      values(group.createGrowing("Values", perStep(NumberType::kFloat64))),
+      partOffsets(group.createGrowing("PartOffsets", perStep())),
+      partCounts(group.createGrowing("NumberOfParts", perStep())),
+      pointOffsets(group.createGrowing("PointOffsets", perStep())),
+      cellOffsets(group.createGrowing("CellOffsets", perStep(NumberType::kInt64, 4))),
+      connectivityOffsets(group.createGrowing("ConnectivityIdOffsets", perStep(NumberType::kInt64, 4))) {
+  group.setAttribute("NSteps", std::int64_t{0});
+}
+
+PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
+    : root(makeRoot(file)),
+      simulation(file.root().createGroup("simulation")),
+      steps(root),
+      points(root.createGrowing("Points",
+                                {.type = NumberType::kFloat32, .columns = 3, .chunkRows = kParticleChunk})),
+      pointCounts(root.createGrowing("NumberOfPoints", perStep())),
+      vertices(root, "Vertices"),
+      lines(root, "Lines"),
+      polygons(root, "Polygons"),
+      strips(root, "Strips") {
+  hdf5::Group pointData = root.createGroup("PointData");
+  hdf5::Group pointOffsets = steps.group.createGroup("PointDataOffsets");
+  hdf5::Group units = simulation.createGroup("units");
+  units.setAttribute("Points", std::string_view("m"));
+  units.setAttribute("Values", std::string_view("s"));
+  for (const VtkHdfAttribute& attribute : layout.attributes) {
+    attributes.push_back({pointData.createGrowing(attribute.name, layoutOf(attribute)),
+                          pointOffsets.createGrowing(attribute.name, perStep())});
+    units.setAttribute(attribute.name.c_str(), attribute.unit);
+  }
+  hdf5::Group fieldData = root.createGroup("FieldData");
+  hdf5::Group fieldOffsets = steps.group.createGroup("FieldDataOffsets");
+  hdf5::Group fieldSizes = steps.group.createGroup("FieldDataSizes");
+  for (const std::string& name : layout.fields)
+    fields.push_back({fieldData.createGrowing(name, perStep(NumberType::kFloat64)),
+                      fieldOffsets.createGrowing(name, perStep()),
+                      fieldSizes.createGrowing(name, perStep(NumberType::kInt64, 2))});
+}
+
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) {
+  checkLayout(layout);
+  const fs::path real = target(file);
+  const fs::path draft = real.string() + "." + std::to_string(::getpid()) + ".part";
+  std::error_code ignored;
+  try {
+    file_ = std::make_unique<hdf5::File>(hdf5::File::create(draft, file.string()));
+    contents_ = std::make_unique<Contents>(*file_, layout);
+    file_->flush();
+    std::error_code error;
+    fs::rename(draft, real, error);
+    if (error) throw ioError("cannot create the file: " + error.message()).at({.file = file.string()});
+  } catch (const Error&) {
+    if (file_) {
+      abandon();
+      fs::remove(draft, ignored);
+    }
+    throw;
+  }
+}
+
+void PolyDataFile::write(const VtkHdfFrame& frame) {
+  const auto count = static_cast<std::int64_t>(frame.positions.size());
+  Contents& to = *contents_;
+  WEIR_CHECK(frame.attributes.size() == to.attributes.size());
+  WEIR_CHECK(frame.fields.size() == to.fields.size());
+
+  to.points.append(std::get<std::span<const float>>(flat(frame.positions)));
+  to.pointCounts.append(count);
+  for (std::size_t i = 0; i < to.attributes.size(); ++i) {
+    std::visit([&](const auto& values) { to.attributes[i].values.append(values); }, frame.attributes[i]);
+    to.attributes[i].offsets.append(particles_);
+  }
+  for (std::size_t i = 0; i < to.fields.size(); ++i) {
+    constexpr std::int64_t kOneNumber[] = {1, 1};
+    to.fields[i].values.append(frame.fields[i]);
+    to.fields[i].offsets.append(frames_);
+    to.fields[i].sizes.append(std::span<const std::int64_t>(kOneNumber));
+  }
+  writeVertices(count);
+
+  const std::int64_t vertexOffsets[] = {particles_, 0, 0, 0};
+  to.steps.values.append(frame.time);
+  to.steps.partOffsets.append(frames_);
+  to.steps.partCounts.append(std::int64_t{1});
+  to.steps.pointOffsets.append(particles_);
+  to.steps.cellOffsets.append(std::span<const std::int64_t>(vertexOffsets));
+  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(vertexOffsets));
+
+  // The step counts only once all that belongs to it is on its way to the disk.
+  file_->flush();
+  particles_ += count;
+  ++frames_;
+  to.steps.group.setAttribute("NSteps", frames_);
+  file_->flush();
+}
+
+void PolyDataFile::writeVertices(std::int64_t count) {
+  Cells& vertices = contents_->vertices;
+  vertices.cellCounts.append(count);
+  vertices.connectivityCounts.append(count);
+  appendAscending(vertices.connectivity, count);
+  appendAscending(vertices.offsets, count + 1);
+  for (Cells* none : {&contents_->lines, &contents_->polygons, &contents_->strips}) {
+    none->cellCounts.append(std::int64_t{0});
+    none->connectivityCounts.append(std::int64_t{0});
+    none->offsets.append(std::int64_t{0});
+  }
+}
+
+void PolyDataFile::setText(const std::string& name, std::string_view text) {
+  contents_->simulation.writeText(name, text);
+  file_->flush();
+}
+
+void PolyDataFile::close() {
+  contents_.reset();
+  file_->close();
+}
+
+void PolyDataFile::abandon() {
+  file_->abandon();
+  contents_.reset();
+  file_.reset();
+}
+
+}  // namespace weir

@@ -1,0 +1,72 @@
+// The growing file behind VtkHdfWriter: temporal PolyData in VTKHDF 2.0, one vertex cell a particle.
+//
+// The layout is the one that VTK's own documentation of the format gives for temporal PolyData, with
+// everything written out for each step, so that readers that do not fill in optional parts get it right as
+// well: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "plugins/vtkhdf/hdf5.h"
+#include "plugins/vtkhdf/vtkhdf_layout.h"
+
+namespace weir {
+
+/// Not thread-safe, and every call must be inside a hdf5::Session.
+class PolyDataFile {
+ public:
+  /// Makes the file with no steps. An existing file of that name is replaced only after the new one stands
+  /// complete in the same folder. Throws an io Error if the name does not end in .vtkhdf, or is a folder or
+  /// anything else but a file, or if the file cannot be made.
+  PolyDataFile(const std::filesystem::path& file, const VtkHdfLayout& layout);
+
+  /// Adds one step and hands it to the operating system. After an io Error only abandon() may be called.
+  void write(const VtkHdfFrame& frame);
+  /// Puts a text into the file's group /simulation, which readers of VTKHDF ignore.
+  void setText(const std::string& name, std::string_view text);
+  /// Completes the file.
+  void close();
+  /// After an error: closes without touching what is on the disk.
+  void abandon();
+
+ private:
+  /// The four data sets by which PolyData lists cells of one kind.
+  struct Cells {
+    Cells(hdf5::Group& root, const std::string& kind);
+    Cells(hdf5::Group group, std::int64_t chunkRows);
+    hdf5::Dataset cellCounts, connectivityCounts, connectivity, offsets;
+  };
+  /// The group Steps: where in each data set a step begins.
+  struct Steps {
+    explicit Steps(hdf5::Group& root);
+    hdf5::Group group;
+    hdf5::Dataset values, partOffsets, partCounts, pointOffsets, cellOffsets, connectivityOffsets;
+  };
+  /// A data set and where in it each step begins.
+  struct Column {
+    hdf5::Dataset values, offsets;
+  };
+  struct Field {
+    hdf5::Dataset values, offsets, sizes;
+  };
+  /// All that the file consists of; gone after close().
+  struct Contents {
+    Contents(hdf5::File& file, const VtkHdfLayout& layout);
+    hdf5::Group root, simulation;
+    Steps steps;
+    hdf5::Dataset points, pointCounts;
+    Cells vertices, lines, polygons, strips;
+    std::vector<Column> attributes;
+    std::vector<Field> fields;
+  };
+
+  void writeVertices(std::int64_t count);
+
+  std::unique_ptr<hdf5::File> file_;
+  std::unique_ptr<Contents> contents_;
+  std::int64_t frames_ = 0, particles_ = 0;
+};
+
+}  // namespace weir

@@ -1,0 +1,243 @@
+#include "plugins/vtkhdf/vtkhdf_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "framework/base/check.h"
+#include "framework/base/text.h"
+#include "plugins/vtkhdf/hdf5.h"
+
+namespace weir {
+
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::Dataset;
+using hdf5::Group;
+
+constexpr std::int64_t kMostPoints = std::numeric_limits<std::int32_t>::max();
+/// Deflate cannot shrink data further than this, so a file that claims more is damaged.
+constexpr double kStrongestCompression = 1032;
+
+void checkIsFile(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) throw ioError("there is no such file").at({.file = file.string()});
+  if (!fs::is_regular_file(status))
+    throw ioError("this is no file but a folder or device").at({.file = file.string()});
+}
+
+std::vector<Vec3f> asVectors(const std::vector<float>& numbers) {
+  std::vector<Vec3f> vectors(numbers.size() / 3);
+  for (std::size_t i = 0; i < vectors.size(); ++i)
+    vectors[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+  return vectors;
+}
+
+std::optional<std::size_t> firstNotFinite(const std::vector<Vec3f>& vectors) {
+  const auto bad =
+      std::find_if_not(vectors.begin(), vectors.end(), [](const Vec3f& v) { return isFinite(v); });
+  if (bad == vectors.end()) return std::nullopt;
+  return static_cast<std::size_t>(bad - vectors.begin());
+}
+
+/// One column of integers, such as an offset for each step.
+std::vector<std::int64_t> readIntegers(const Dataset& set) {
+  if (!set.isInteger()) throw set.error("holds no integers");
+  return set.readAll<std::int64_t>();
+}
+
+/// The entry of a step in a data set of Steps; `otherwise` if there is no such data set.
+std::int64_t ofStep(const Group& steps, const std::string& name, std::size_t step, std::int64_t otherwise) {
+  if (!steps.isDataset(name)) return otherwise;
+  const Dataset set = steps.dataset(name);
+  if (!set.isInteger()) throw set.error("holds no integers");
+  return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1).at(0);
+}
+
+VtkHdfArray readArray(const Dataset& set, const std::string& name, std::int64_t first, std::int64_t count) {
+  VtkHdfArray array{.name = name, .components = static_cast<int>(set.columns()), .values = {}};
+  if (set.isInteger())
+    array.values = set.read<std::int64_t>(first, count);
+  else
+    array.values = set.read<float>(first, count);
+  return array;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+}  // namespace
+
+const VtkHdfArray* VtkHdfStep::find(std::string_view name) const {
+  const std::string wanted = lower(name);
+  for (const VtkHdfArray& array : arrays)
+    if (lower(array.name) == wanted) return &array;
+  return nullptr;
+}
+
+std::vector<Vec3f> VtkHdfStep::velocities() const {
+  const VtkHdfArray* array = find("velocity");
+  if (!array) return {};
+  const auto* numbers = std::get_if<std::vector<float>>(&array->values);
+  if (array->components != 3 || !numbers)
+    throw ioError("the array " + inQuotes(array->name) + " has " + std::to_string(array->components) +
+                      (numbers ? " floating-point numbers a point" : " integers a point"),
+                  "3 floating-point numbers a point");
+  std::vector<Vec3f> vectors = asVectors(*numbers);
+  if (const auto bad = firstNotFinite(vectors))
+    throw ioError("the velocity of point " + std::to_string(*bad) + " is not finite", "finite numbers");
+  return vectors;
+}
+
+struct VtkHdfReader::Open {
+  explicit Open(const fs::path& path);
+  ~Open() {
+    const hdf5::Session session;
+    steps.reset();
+    root.reset();
+    file.reset();
+  }
+
+  VtkHdfStep read(std::size_t step) const;
+  std::int64_t pointCount(std::size_t step) const;
+
+  double fileSize = 0;
+  std::optional<hdf5::File> file;
+  std::optional<Group> root, steps;
+  std::vector<double> times;
+
+ private:
+  void readTimes();
+};
+
+VtkHdfReader::Open::Open(const fs::path& path) {
+  checkIsFile(path);
+  fileSize = static_cast<double>(fs::file_size(path));
+  file.emplace(hdf5::File::open(path));
+  const Group top = file->root();
+  constexpr const char* kAllowed = "VTKHDF with a PolyData or an UnstructuredGrid";
+  if (!top.isGroup("VTKHDF"))
+    throw ioError("this HDF5 file holds no VTKHDF", kAllowed).at({.file = path.string()});
+  root.emplace(top.group("VTKHDF"));
+  if (!root->hasAttribute("Type")) throw root->error("has no attribute Type", kAllowed);
+  const std::string type = root->textAttribute("Type");
+  if (type != "PolyData" && type != "UnstructuredGrid")
+    throw root->error("is of type " + inQuotes(type), kAllowed);
+  if (root->hasAttribute("Version") && root->intAttribute("Version").front() > 2)
+    throw root->error("has version " + std::to_string(root->intAttribute("Version").front()), "1 or 2");
+  readTimes();
+}
+
+void VtkHdfReader::Open::readTimes() {
+  if (!root->isGroup("Steps")) {
+    times = {0.0};
+    return;
+  }
+  steps.emplace(root->group("Steps"));
+  const std::int64_t count =
+      steps->hasAttribute("NSteps") ? steps->intAttribute("NSteps").front() : steps->dataset("Values").rows();
+  const Dataset values = steps->dataset("Values");
+  if (count < 0 || count > values.rows())
+    throw steps->error("has " + std::to_string(count) + " steps, but times for " +
+                       std::to_string(values.rows()));
+  times = values.read<double>(0, count);
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (!std::isfinite(times[i])) throw values.error("has no finite time for step " + std::to_string(i));
+}
+
+std::int64_t VtkHdfReader::Open::pointCount(std::size_t step) const {
+  const std::vector<std::int64_t> counts = readIntegers(root->dataset("NumberOfPoints"));
+  const auto parts = static_cast<std::int64_t>(counts.size());
+  std::int64_t first = 0, here = parts;
+  if (steps) {
+    first = ofStep(*steps, "PartOffsets", step, static_cast<std::int64_t>(step));
+    here = ofStep(*steps, "NumberOfParts", step, 1);
+  }
+  if (first < 0 || here < 0 || first > parts || here > parts - first)
+    throw root->error("lists " + std::to_string(parts) + " parts, but step " + std::to_string(step) +
+                      " asks for " + std::to_string(here) + " from part " + std::to_string(first) + " on");
+  std::int64_t points = 0;
+  for (std::int64_t i = first; i < first + here; ++i) {
+    const std::int64_t count = counts[static_cast<std::size_t>(i)];
+    if (count < 0 || count > kMostPoints - points)
+      throw root->error("claims " + std::to_string(count) + " points in part " + std::to_string(i),
+                        "0 to " + std::to_string(kMostPoints) + " in a step");
+    points += count;
+  }
+  return points;
+}
+
+VtkHdfStep VtkHdfReader::Open::read(std::size_t step) const {
+  const std::int64_t count = pointCount(step);
+  const Dataset points = root->dataset("Points");
+  if (points.columns() != 3) throw points.error("has " + std::to_string(points.columns()) + " columns", "3");
+  if (points.isInteger()) throw points.error("holds integers", "floating-point numbers");
+  if (static_cast<double>(count) > fileSize * kStrongestCompression)
+    throw points.error("claims " + std::to_string(count) + " points, more than fit into the file");
+
+  VtkHdfStep result{.time = times[step]};
+  const std::int64_t first = steps ? ofStep(*steps, "PointOffsets", step, 0) : 0;
+  result.positions = asVectors(points.read<float>(first, count));
+  if (const auto bad = firstNotFinite(result.positions))
+    throw points.error("holds a position that is not finite, point " + std::to_string(*bad) + " of step " +
+                           std::to_string(step),
+                       "finite numbers");
+
+  if (!root->isGroup("PointData")) return result;
+  const Group data = root->group("PointData");
+  std::optional<Group> offsets;
+  if (steps && steps->isGroup("PointDataOffsets")) offsets.emplace(steps->group("PointDataOffsets"));
+  for (const std::string& name : data.members()) {
+    if (!data.isDataset(name)) continue;
+    const std::int64_t from = offsets ? ofStep(*offsets, name, step, first) : first;
+    result.arrays.push_back(readArray(data.dataset(name), name, from, count));
+  }
+  return result;
+}
+
+VtkHdfReader::VtkHdfReader(const fs::path& file) {
+  const hdf5::Session session;
+  open_ = std::make_unique<Open>(file);
+}
+
+VtkHdfReader::~VtkHdfReader() = default;
+
+const std::vector<double>& VtkHdfReader::times() const {
+  return open_->times;
+}
+
+std::size_t VtkHdfReader::nearestStep(double time) const {
+  const std::vector<double>& times = open_->times;
+  WEIR_CHECK(!times.empty());
+  const auto nearest = std::min_element(times.begin(), times.end(), [&](double a, double b) {
+    return std::abs(a - time) < std::abs(b - time);
+  });
+  return static_cast<std::size_t>(nearest - times.begin());
+}
+
+VtkHdfStep VtkHdfReader::read(std::size_t step) const {
+  WEIR_CHECK(step < open_->times.size());
+  const hdf5::Session session;
+  return open_->read(step);
+}
+
+VtkHdfStep VtkHdfReader::readLast() const {
+  const hdf5::Session session;
+  if (open_->times.empty())
+    throw open_->steps->error("is empty: the file holds no time step", "one or more steps");
+  return open_->read(open_->times.size() - 1);
+}
+
+std::string VtkHdfReader::text(const std::string& name) const {
+  const hdf5::Session session;
+  return open_->file->root().group("simulation").readText(name);
+}
+
+}  // namespace weir

@@ -1,0 +1,58 @@
+// Reads particles from VTKHDF files: Weir's own exports, and other programs' PolyData or UnstructuredGrid,
+// with or without time steps, in one or several parts. Cells are not looked at.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "framework/base/vec.h"
+
+namespace weir {
+
+/// One array of point data: points × components numbers, point by point.
+struct VtkHdfArray {
+  std::string name;
+  int components = 1;
+  std::variant<std::vector<float>, std::vector<std::int64_t>> values;
+};
+
+struct VtkHdfStep {
+  double time = 0;               ///< s; 0 in a file without time steps
+  std::vector<Vec3f> positions;  ///< m; finite; may be empty
+  std::vector<VtkHdfArray> arrays;
+
+  /// The array of that name in any mix of cases, or null.
+  const VtkHdfArray* find(std::string_view name) const;
+  /// The array "velocity" as vectors [m/s], finite; empty if there is none. Throws an io Error, without the
+  /// file's name, if it has not three components of floating-point numbers.
+  std::vector<Vec3f> velocities() const;
+};
+
+class VtkHdfReader {
+ public:
+  /// Opens the file and reads its times. Throws an io Error if there is no such file, if it is no HDF5, or
+  /// damaged, or holds no VTKHDF with points.
+  explicit VtkHdfReader(const std::filesystem::path& file);
+  ~VtkHdfReader();
+
+  /// Of each step [s]; one 0 for a file without time steps. A file whose run was stopped early may have none.
+  const std::vector<double>& times() const;
+  /// The step whose time is nearest, the earlier one of two; times() must not be empty.
+  std::size_t nearestStep(double time) const;
+  /// Throws an io Error if the file contradicts itself, is damaged, or holds a position that is not finite.
+  VtkHdfStep read(std::size_t step) const;
+  /// Throws an io Error if the file has no steps.
+  VtkHdfStep readLast() const;
+  /// A text of the file's group /simulation.
+  std::string text(const std::string& name) const;
+
+ private:
+  struct Open;
+  std::unique_ptr<Open> open_;
+};
+
+}  // namespace weir

@@ -1,0 +1,247 @@
+// The export: what goes in comes out again, and what third-party readers rely on is in the file.
+#include "plugins/vtkhdf/vtkhdf_writer.h"
+
+#include <hdf5.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "framework/base/check.h"
+#include "framework/base/error.h"
+#include "tests/plugins/vtkhdf/sample_run.h"
+
+namespace weir::test {
+namespace {
+
+using VtkHdfWriterTest = InFolder;
+
+const std::vector<int> kCounts{5, 0, 40000, 70000, 3, 0, 1};
+
+void writeSample(const std::filesystem::path& file, const std::vector<int>& counts) {
+  VtkHdfWriter writer(file, sampleLayout());
+  writer.setText("scene", "{ \"weir\": 1, \"title\": \"Übung\" }");
+  for (std::size_t s = 0; s < counts.size(); ++s)
+    writer.append(SampleStep(static_cast<int>(s), counts[s]).frame());
+  writer.setText("statistics", "");
+  writer.close();
+}
+
+TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, kCounts);
+  const VtkHdfReader reader(file);
+  ASSERT_EQ(reader.times().size(), kCounts.size());
+  for (std::size_t s = 0; s < kCounts.size(); ++s)
+    expectStep(reader.read(s), static_cast<int>(s), kCounts[s]);
+  expectStep(reader.readLast(), 6, 1);
+  EXPECT_EQ(reader.text("scene"), "{ \"weir\": 1, \"title\": \"Übung\" }");
+  EXPECT_EQ(reader.text("statistics"), "");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no drafts are left behind";
+}
+
+/// Reads integers with HDF5's own interface, not with ours.
+class RawFile {
+ public:
+  explicit RawFile(const std::filesystem::path& file)
+      : file_(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)) {}
+  ~RawFile() { H5Fclose(file_); }
+
+  std::vector<std::int64_t> integers(const char* path) const {
+    const hid_t set = H5Dopen2(file_, path, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(set);
+    std::vector<std::int64_t> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    H5Dread(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Sclose(space);
+    H5Dclose(set);
+    return values;
+  }
+
+  std::vector<hsize_t> shape(const char* path) const {
+    const hid_t set = H5Dopen2(file_, path, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(set);
+    std::vector<hsize_t> size(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, size.data(), nullptr);
+    H5Sclose(space);
+    H5Dclose(set);
+    return size;
+  }
+
+  int filters(const char* path) const {
+    const hid_t set = H5Dopen2(file_, path, H5P_DEFAULT);
+    const hid_t properties = H5Dget_create_plist(set);
+    const int count = H5Pget_nfilters(properties);
+    H5Pclose(properties);
+    H5Dclose(set);
+    return count;
+  }
+
+  hid_t id() const { return file_; }
+
+ private:
+  hid_t file_;
+};
+
+TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
+  using Integers = std::vector<std::int64_t>;
+  using Shape = std::vector<hsize_t>;
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, {2, 0, 3});
+  const RawFile raw(file);
+
+  const hid_t root = H5Gopen2(raw.id(), "/VTKHDF", H5P_DEFAULT);
+  std::int64_t version[2] = {};
+  const hid_t versionId = H5Aopen(root, "Version", H5P_DEFAULT);
+  H5Aread(versionId, H5T_NATIVE_INT64, version);
+  EXPECT_EQ(version[0], 2);
+  EXPECT_EQ(version[1], 0);
+  const hid_t typeId = H5Aopen(root, "Type", H5P_DEFAULT);
+  const hid_t type = H5Aget_type(typeId);
+  EXPECT_EQ(H5Tget_size(type), 8u);
+  EXPECT_EQ(H5Tget_cset(type), H5T_CSET_ASCII);
+  EXPECT_EQ(H5Tget_strpad(type), H5T_STR_NULLPAD);
+  EXPECT_EQ(H5Tis_variable_str(type), 0);
+  char name[8] = {};
+  H5Aread(typeId, type, name);
+  EXPECT_EQ(std::string(name, 8), "PolyData");
+  for (const hid_t id : {typeId, versionId}) H5Aclose(id);
+  H5Tclose(type);
+  H5Gclose(root);
+
+  EXPECT_EQ(raw.shape("/VTKHDF/Points"), (Shape{5, 3}));
+  EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (Integers{2, 0, 3}));
+  EXPECT_EQ(raw.shape("/VTKHDF/PointData/velocity"), (Shape{5, 3}));
+  EXPECT_EQ(raw.shape("/VTKHDF/PointData/density"), (Shape{5}));
+  EXPECT_EQ(raw.integers("/VTKHDF/FieldData/particles"), (Integers{2, 0, 3}));
+
+  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfCells"), (Integers{2, 0, 3}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfConnectivityIds"), (Integers{2, 0, 3}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Connectivity"), (Integers{0, 1, 0, 1, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Offsets"), (Integers{0, 1, 2, 0, 0, 1, 2, 3}));
+  for (const std::string none : {"Lines", "Polygons", "Strips"}) {
+    const std::string group = "/VTKHDF/" + none;
+    EXPECT_EQ(raw.integers((group + "/NumberOfCells").c_str()), (Integers{0, 0, 0}));
+    EXPECT_EQ(raw.integers((group + "/NumberOfConnectivityIds").c_str()), (Integers{0, 0, 0}));
+    EXPECT_EQ(raw.integers((group + "/Connectivity").c_str()), (Integers{}));
+    EXPECT_EQ(raw.integers((group + "/Offsets").c_str()), (Integers{0, 0, 0}));
+  }
+
+  const Integers vertexOffsets{0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0};
+  EXPECT_EQ(raw.shape("/VTKHDF/Steps/CellOffsets"), (Shape{3, 4}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"), vertexOffsets);
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"), vertexOffsets);
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PartOffsets"), (Integers{0, 1, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/NumberOfParts"), (Integers{1, 1, 1}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 2, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointDataOffsets/id"), (Integers{0, 2, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataOffsets/particles"), (Integers{0, 1, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataSizes/particles"), (Integers{1, 1, 1, 1, 1, 1}));
+
+  EXPECT_EQ(raw.filters("/VTKHDF/Points"), 0);
+  EXPECT_EQ(raw.filters("/VTKHDF/PointData/velocity"), 0);
+  EXPECT_GT(raw.filters("/VTKHDF/PointData/id"), 0);
+  EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
+}
+
+TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {
+  const char* file = std::getenv("WEIR_VTKHDF_SAMPLE");
+  if (!file) GTEST_SKIP() << "read_with_vtk.py says where to";
+  writeSample(file, kCounts);
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST_F(VtkHdfWriterTest, CanBeReadWhileItGrows) {
+  const auto file = folder / "run.vtkhdf";
+  VtkHdfWriter writer(file, sampleLayout());
+  EXPECT_TRUE(VtkHdfReader(file).times().empty());
+  EXPECT_THROW(VtkHdfReader(file).readLast(), Error);
+  for (int s = 0; s < 3; ++s) {
+    writer.append(SampleStep(s, 10 + s).frame());
+    writer.setText("wait", "until the frame is written");
+    EXPECT_EQ(writer.framesWritten(), s + 1);
+    expectStep(VtkHdfReader(file).readLast(), s, 10 + s);
+  }
+}
+
+TEST_F(VtkHdfWriterTest, ClosesTwiceAndInTheDestructor) {
+  {
+    VtkHdfWriter writer(folder / "a.vtkhdf", sampleLayout());
+    writer.append(SampleStep(0, 3).frame());
+    writer.close();
+    writer.close();
+    VtkHdfWriter other(folder / "b.vtkhdf", sampleLayout());
+    other.append(SampleStep(0, 4).frame());
+  }
+  expectStep(VtkHdfReader(folder / "a.vtkhdf").readLast(), 0, 3);
+  expectStep(VtkHdfReader(folder / "b.vtkhdf").readLast(), 0, 4);
+}
+
+TEST_F(VtkHdfWriterTest, ReplacesAnExistingFileAndFollowsLinks) {
+  const auto file = folder / "run.vtkhdf", link = folder / "link.vtkhdf";
+  writeSample(file, {1, 2});
+  std::filesystem::create_symlink(file, link);
+  writeSample(link, {7});
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(VtkHdfReader(file).times().size(), 1u);
+  expectStep(VtkHdfReader(file).readLast(), 0, 7);
+}
+
+TEST_F(VtkHdfWriterTest, ChecksWhatTheCallerHands) {
+  VtkHdfWriter writer(folder / "run.vtkhdf", sampleLayout());
+  const SampleStep step(3, 4);
+  VtkHdfFrame frame = step.frame();
+  frame.attributes.pop_back();
+  EXPECT_THROW(writer.append(frame), InternalError);
+  frame = step.frame();
+  frame.attributes[1] = std::span(step.ids);
+  EXPECT_THROW(writer.append(frame), InternalError);
+  frame = step.frame();
+  frame.positions = frame.positions.subspan(1);
+  EXPECT_THROW(writer.append(frame), InternalError);
+  writer.append(step.frame());
+  EXPECT_THROW(writer.append(step.frame()), InternalError) << "time does not rise";
+  writer.close();
+  EXPECT_THROW(writer.append(SampleStep(4, 1).frame()), InternalError);
+}
+
+/// The message of the io Error that creating this file ends with.
+std::string refusal(const std::filesystem::path& file) {
+  try {
+    VtkHdfWriter writer(file, sampleLayout());
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kIo);
+    EXPECT_EQ(error.location().file, file.string());
+    return error.message();
+  }
+  return "(no error)";
+}
+
+TEST_F(VtkHdfWriterTest, RefusesPathsThatCannotBeAFile) {
+  using testing::internal::GetCapturedStderr;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusal(folder / "run.mp4"), "the export would be a file of type '.mp4'");
+  std::filesystem::create_directory(folder / "dir.vtkhdf");
+  EXPECT_EQ(refusal(folder / "dir.vtkhdf"), "the export would replace a folder");
+  EXPECT_NE(refusal(folder / "missing" / "run.vtkhdf").find("there is no folder"), std::string::npos);
+  std::ofstream(folder / "plain") << "x";
+  EXPECT_NE(refusal(folder / "plain" / "run.vtkhdf").find("folder"), std::string::npos);
+  std::filesystem::create_symlink("/dev/full", folder / "full.vtkhdf");
+  EXPECT_EQ(refusal(folder / "full.vtkhdf"), "the export would replace something that is no file");
+  EXPECT_EQ(refusal("/proc/run.vtkhdf"), "cannot create the file: No such file or directory");
+  EXPECT_EQ(GetCapturedStderr(), "") << "HDF5 prints nothing itself";
+}
+
+TEST_F(VtkHdfWriterTest, LeavesAnExistingFileWhereTheNewOneCannotBeMade) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, {3});
+  std::filesystem::permissions(folder,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  EXPECT_EQ(refusal(file), "cannot create the file: Permission denied");
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+  expectStep(VtkHdfReader(file).readLast(), 0, 3);
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  EXPECT_EQ(refusal(file), "the file exists and may not be written");
+}
+
+}  // namespace
+}  // namespace weir::test
