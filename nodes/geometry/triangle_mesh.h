@@ -18,10 +18,10 @@ struct TriangleMesh {
 
   bool empty() const { return triangles.empty(); }
   Aabb bounds() const;
-  double area() const;    ///< m²
+  double area() const;  ///< m²
   /// Enclosed volume by the divergence theorem, m³; negative if the mesh is inside out.
   double volume() const;
-  void flip();            ///< turns all triangles round
+  void flip();  ///< turns all triangles round
   /// x → scale·x, then rotation, then + position.
   void transform(float scale, const Quatf& rotation, const Vec3f& position);
 };
@@ -48,8 +48,8 @@ struct MeshDiagnosis {
 /// Expects a welded mesh: what files store as separate vertices at one place counts as holes.
 MeshDiagnosis diagnose(const TriangleMesh& mesh);
 
-/// Merges vertices closer than `tolerance` times the size of the mesh, drops triangles that have no area then, duplicates, and
-/// vertices that no triangle uses or that are not finite (with their triangles).
+/// Merges vertices closer than `tolerance` times the size of the mesh, drops triangles that have no area
+/// then, duplicates, and vertices that no triangle uses or that are not finite (with their triangles).
 TriangleMesh cleaned(const TriangleMesh& mesh, float tolerance = 1e-6f);
 
 }  // namespace weir

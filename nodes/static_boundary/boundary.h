@@ -19,7 +19,9 @@ struct BoundaryPiece {
   float restitution = 0;  ///< share of the normal speed that a particle keeps when it bounces
   float friction = 0;     ///< Coulomb's coefficient
 
-  WEIR_HD SignedDistance query(const Vec3f& p) const { return isMesh ? mesh.query(p) : signedDistance(shape, p); }
+  WEIR_HD SignedDistance query(const Vec3f& p) const {
+    return isMesh ? mesh.query(p) : signedDistance(shape, p);
+  }
 };
 
 /// The nearest solid.
@@ -55,7 +57,7 @@ struct Boundary {
     friend bool operator==(const Request&, const Request&) = default;
   };
 
-  std::vector<BoundaryPiece> pieces;              ///< views into `meshes` and those of combined boundaries
+  std::vector<BoundaryPiece> pieces;  ///< views into `meshes` and those of combined boundaries
   std::vector<std::shared_ptr<const MeshSdf>> meshes;  ///< kept alive for the pieces
   Array<BoundaryPiece> onDevice;
 

@@ -1,9 +1,9 @@
 // Signed distance to a triangle mesh, on a sparse grid that both back ends can query.
 //
-// Near the surface, bricks of 8³ cells hold exact distances at their nodes; elsewhere a coarse grid with nodes at the corners of the bricks
-// does. Between nodes values are interpolated. Outside the grid, the distance goes on growing with the distance to the grid.
-// The sign comes from the generalised winding number (Jacobson et al. 2013, evaluated by dipoles as in Barill
-// et al. 2018), so small holes do not flip it.
+// Near the surface, bricks of 8³ cells hold exact distances at their nodes; elsewhere a coarse grid with
+// nodes at the corners of the bricks does. Between nodes values are interpolated. Outside the grid, the
+// distance goes on growing with the distance to the grid. The sign comes from the generalised winding number
+// (Jacobson et al. 2013, evaluated by dipoles as in Barill et al. 2018), so small holes do not flip it.
 #pragma once
 
 #include <string>
@@ -16,13 +16,13 @@
 namespace weir {
 
 struct MeshSdfView {
-  static constexpr int kBrick = 8;               // cells along the edge of a brick
-  static constexpr int kNodes = kBrick + 1;      // nodes along the edge of a brick
+  static constexpr int kBrick = 8;           // cells along the edge of a brick
+  static constexpr int kNodes = kBrick + 1;  // nodes along the edge of a brick
 
   Vec3f origin;
   float cellSize = 1;
-  Vec3i bricks;                  ///< along each axis
-  const float* coarse = nullptr;  ///< (bricks + 1) nodes along each axis
+  Vec3i bricks;                     ///< along each axis
+  const float* coarse = nullptr;    ///< (bricks + 1) nodes along each axis
   const int* brickIndex = nullptr;  ///< index of a brick's nodes, or -1 if it has none
   const float* nodes = nullptr;     ///< kNodes³ for each brick that has nodes
   bool inverted = false;            ///< the solid is all that is outside the mesh
@@ -32,9 +32,9 @@ struct MeshSdfView {
 
 class MeshSdf {
  public:
-  /// Builds on the host's cores, then copies to the device. `cellSize` in m; values are exact within `band` m of
-  /// the surface. Throws a scene Error if the mesh is empty or the grid would be too large; says in `warnings` what was wrong
-  /// with the mesh.
+  /// Builds on the host's cores, then copies to the device. `cellSize` in m; values are exact within `band` m
+  /// of the surface. Throws a scene Error if the mesh is empty or the grid would be too large; says in
+  /// `warnings` what was wrong with the mesh.
   MeshSdf(Device& device, TriangleMesh mesh, float cellSize, float band, std::vector<std::string>& warnings);
 
   MeshSdfView view(bool inverted) const;
@@ -66,7 +66,9 @@ WEIR_HD inline Interpolated trilinear(const float* corner, int strideY, int stri
   return {y0 + t.z * (y1 - y0), {gx, gy, y1 - y0}};
 }
 
-WEIR_HD inline float clampTo(float x, float most) { return x < 0 ? 0 : (x > most ? most : x); }
+WEIR_HD inline float clampTo(float x, float most) {
+  return x < 0 ? 0 : (x > most ? most : x);
+}
 
 /// The cell of a coordinate in [0, count], and where in it.
 WEIR_HD inline int cellAt(float x, int count, float& t) {

@@ -1,7 +1,7 @@
 // Signed distances to analytic solids: exact, in float, on both back ends.
 //
-// All solids are given in a frame of their own, with y as the axis of symmetry, and placed by position and rotation. Distances
-// are in metres, negative inside; normals are unit vectors that point out of the solid.
+// All solids are given in a frame of their own, with y as the axis of symmetry, and placed by position and
+// rotation. Distances are in metres, negative inside; normals are unit vectors that point out of the solid.
 #pragma once
 
 #include <cmath>
@@ -17,9 +17,9 @@ struct Shape {
   ShapeKind kind = ShapeKind::kBox;
   Vec3f position;
   Quatf rotation;
-  Vec3f halfSize;     ///< box
-  float radius = 0;   ///< sphere, cylinder, capsule, base of the cone
-  float height = 0;   ///< cylinder and capsule: of the axis, centred; cone: from the base at y = 0 to the tip
+  Vec3f halfSize;    ///< box
+  float radius = 0;  ///< sphere, cylinder, capsule, base of the cone
+  float height = 0;  ///< cylinder and capsule: of the axis, centred; cone: from the base at y = 0 to the tip
   bool inverted = false;  ///< the solid is all that is outside
 };
 
@@ -94,16 +94,21 @@ WEIR_HD inline SignedDistance coneDistance(const Vec3f& p, float radius, float h
 
 WEIR_HD inline SignedDistance localDistance(const Shape& s, const Vec3f& p) {
   switch (s.kind) {
-    case ShapeKind::kBox: return boxDistance(p, s.halfSize);
-    case ShapeKind::kSphere: return roundDistance(p, s.radius);
-    case ShapeKind::kCylinder: return cylinderDistance(p, s.radius, 0.5f * s.height);
+    case ShapeKind::kBox:
+      return boxDistance(p, s.halfSize);
+    case ShapeKind::kSphere:
+      return roundDistance(p, s.radius);
+    case ShapeKind::kCylinder:
+      return cylinderDistance(p, s.radius, 0.5f * s.height);
     case ShapeKind::kCapsule: {
       const float half = 0.5f * s.height;
       const float onAxis = p.y < -half ? -half : (p.y > half ? half : p.y);
       return roundDistance({p.x, p.y - onAxis, p.z}, s.radius);
     }
-    case ShapeKind::kCone: return coneDistance(p, s.radius, s.height);
-    case ShapeKind::kPlane: return {p.y, {0, 1, 0}};
+    case ShapeKind::kCone:
+      return coneDistance(p, s.radius, s.height);
+    case ShapeKind::kPlane:
+      return {p.y, {0, 1, 0}};
   }
   return {};
 }

@@ -1,0 +1,33 @@
+// Readers of particle files. The node ParticleFile asks the reader of a file's ending; plugins add readers:
+//
+//   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkhdfParticleReader>(); });
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/base/vec.h"
+
+namespace weir {
+
+/// Particles on the host, in the order of the file's rows.
+struct ParticleData {
+  std::vector<Vec3f> positions;   ///< m
+  std::vector<Vec3f> velocities;  ///< m/s, as many as positions; all 0 where the file has none
+};
+
+class ParticleReader {
+ public:
+  static constexpr std::string_view kInterface = "ParticleReader";
+  virtual ~ParticleReader() = default;
+
+  /// The endings of files that it reads, lower case with the dot: ".csv".
+  virtual std::vector<std::string> extensions() const = 0;
+  /// Throws an io Error that names the file, and the line where there are lines, for what cannot be read,
+  /// for positions or velocities that are not finite, and for a file without particles.
+  virtual ParticleData read(const std::filesystem::path& file) const = 0;
+};
+
+}  // namespace weir

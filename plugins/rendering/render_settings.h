@@ -1,0 +1,120 @@
+// The "render" section of a scene file: what the pictures show, and from where.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "framework/graph/configurable.h"
+#include "plugins/rendering/color_map.h"
+
+namespace weir {
+
+template <>
+struct EnumNames<rendering::ColorMapName> {
+  static constexpr std::array<EnumName, 4> kNames{
+      EnumName{"viridis", "Dark blue to green to yellow."}, EnumName{"turbo", "Blue to green to red."},
+      EnumName{"cividis", "Blue to yellow, for all kinds of colour vision."},
+      EnumName{"coolwarm", "Blue to grey to red, for values around a middle."}};
+};
+
+/// How a surface looks.
+enum class SurfaceLook { kMatt, kGlass, kMetal };
+template <>
+struct EnumNames<SurfaceLook> {
+  static constexpr std::array<EnumName, 3> kNames{EnumName{"matt", "Opaque, without highlights."},
+                                                  EnumName{"glass", "Transparent, with bright rims."},
+                                                  EnumName{"metal", "Opaque and shiny."}};
+};
+
+namespace rendering {
+
+/// One moment of a moving camera. Between moments, eye, target and field of view change linearly.
+class CameraKey final : public Configurable {
+ public:
+  Param<double> time{*this, "time", 0.0, {.unit = "s", .min = 0, .doc = "Simulated time of this moment."}};
+  Param<Vec3f> eye{*this, "eye", {2, 1.5f, 2}, {.unit = "m", .doc = "Where the camera is."}};
+  Param<Vec3f> target{*this, "target", {}, {.unit = "m", .doc = "What it looks at."}};
+  Param<std::optional<float>> fov{*this,
+                                  "fov",
+                                  std::nullopt,
+                                  {.unit = "degrees",
+                                   .min = 1,
+                                   .max = 170,
+                                   .doc = "Vertical field of view; the camera's if it is left out."}};
+};
+
+class CameraSettings final : public Configurable {
+ public:
+  Param<std::optional<Vec3f>> eye{
+      *this,
+      "eye",
+      std::nullopt,
+      {.unit = "m", .doc = "Where the camera is. Without it the camera sees the whole scene."}};
+  Param<std::optional<Vec3f>> target{
+      *this, "target", std::nullopt, {.unit = "m", .doc = "What it looks at."}};
+  Param<Vec3f> up{*this, "up", {0, 1, 0}, {.doc = "The direction that is up in the picture."}};
+  Param<float> fov{
+      *this, "fov", 40, {.unit = "degrees", .min = 1, .max = 170, .doc = "Vertical field of view."}};
+  GroupList<CameraKey> keyframes{*this, "keyframes",
+                                 "Moments of a moving camera, in the order of their times."};
+
+  void validate() const override;
+};
+
+class ColorSettings final : public Configurable {
+ public:
+  Param<std::string> by{
+      *this,
+      "by",
+      "speed",
+      {.doc =
+           "What colours the particles: speed, or any attribute such as density; \"none\" for one colour."}};
+  Param<std::optional<Vec2f>> range{
+      *this,
+      "range",
+      std::nullopt,
+      {.doc = "Values at the two ends of the colour map; found from the first frames if it is left out."}};
+  Param<ColorMapName> map{*this, "map", ColorMapName::kViridis, {.doc = "The colours."}};
+  Param<Color> fixed{
+      *this, "fixed", {0.16f, 0.45f, 0.85f, 1}, {.doc = "The one colour for \"by\": \"none\"."}};
+  Param<bool> bar{*this, "bar", true, {.doc = "Show the colours with their values."}};
+
+  void validate() const override;
+};
+
+/// The look of the surface that a node puts out.
+class SurfaceSettings final : public Configurable {
+ public:
+  Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
+  Param<SurfaceLook> look{*this, "look", SurfaceLook::kMatt, {.doc = "Kind of material."}};
+  Param<Color> color{
+      *this, "color", {0.75f, 0.77f, 0.8f, 1}, {.doc = "Colour; its opacity makes a surface transparent."}};
+  Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
+};
+
+class RenderSettings final : public Configurable {
+ public:
+  Group<CameraSettings> camera{*this, "camera", "The camera."};
+  Group<ColorSettings> color{*this, "color", "The colours of the particles."};
+  GroupList<SurfaceSettings> surfaces{*this, "surfaces", "The looks of surfaces, by node."};
+  Param<int> width{
+      *this, "width", 1280, {.unit = "pixels", .min = 16, .max = 16384, .doc = "Width of the pictures."}};
+  Param<int> height{
+      *this, "height", 720, {.unit = "pixels", .min = 16, .max = 16384, .doc = "Height of the pictures."}};
+  Param<float> particleSize{
+      *this,
+      "particle_size",
+      1.0f,
+      {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
+  Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
+  Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
+  Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};
+  Param<Color> backgroundTop{
+      *this, "background_top", {0.78f, 0.84f, 0.9f, 1}, {.doc = "Background at the top."}};
+  Param<Color> backgroundBottom{
+      *this, "background_bottom", {0.95f, 0.96f, 0.97f, 1}, {.doc = "Background at the bottom."}};
+};
+
+}  // namespace rendering
+}  // namespace weir
