@@ -7,12 +7,14 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/square_emitter/square_emitter.h"
+#include "nodes/static_boundary/static_boundary.h"
 
 namespace weir {
 
 void registerNodes(Registry& registry) {
   registry.addNode<ParticleFluid>();
   registry.addNode<SquareEmitter>();
+  registry.addNode<StaticBoundary>();
 
   registry.addModule<Predict>();
   registry.addModule<NeighborSearch>();

@@ -1,1 +1,105 @@
-int main() { return 0; }
+// The command line program: commands and options, and the one place where errors become messages.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+
+#include "apps/weir/completion.h"
+#include "apps/weir/describe.h"
+#include "apps/weir/program.h"
+#include "apps/weir/run_command.h"
+#include "apps/weir/validate_command.h"
+#include "framework/base/build_info.h"
+
+namespace weir::app {
+
+namespace {
+
+/// The values of --plugin, which must be loaded before the other options can be known.
+std::vector<std::string> pluginArguments(int argc, char** argv) {
+  constexpr std::string_view kOption = "--plugin";
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == kOption && i + 1 < argc)
+      files.emplace_back(argv[++i]);
+    else if (argument.starts_with(kOption) && argument.substr(kOption.size()).starts_with('='))
+      files.emplace_back(argument.substr(kOption.size() + 1));
+  }
+  return files;
+}
+
+int runProgram(Program& program, int argc, char** argv) {
+  program.loadInstalledPlugins();
+  for (const std::string& file : pluginArguments(argc, argv)) program.loadPlugin(file);
+  const Registry& registry = program.registry();
+
+  CLI::App app{"Simulates scenes of connected nodes, and makes videos of them.", "weir"};
+  app.set_version_flag("--version", std::string(version()));
+  app.require_subcommand(1);
+  RunCommand run(app, program);
+
+  std::vector<std::string> scenes, set, plugins;
+  CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
+  validate->add_option("scenes", scenes, "The scene files")->required()->type_name("SCENE...");
+  validate->add_option("--set", set, "Change a parameter first, as for 'weir run'")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+
+  std::string type;
+  bool json = false;
+  CLI::App* nodes = app.add_subcommand("nodes", "List the types of nodes and modules, or tell all of one");
+  nodes->add_option("type", type, "A node or module type")->type_name("TYPE");
+  nodes->add_flag("--json", json, "Print JSON");
+
+  CLI::App* schema = app.add_subcommand("schema", "Print the JSON Schema of scene files");
+  CLI::App* info = app.add_subcommand("info", "Show version, devices and plugins");
+  CLI::App* completion = app.add_subcommand("completion", "Print a script for completion in bash");
+  for (CLI::App* command : {validate, nodes, schema, info})
+    command->add_option("--plugin", plugins, "Load this plugin; may be repeated")
+        ->type_name("LIB")
+        ->take_all()
+        ->allow_extra_args(false);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help and --version
+  } catch (const CLI::ParseError& e) {
+    throw usageError(e.what(), {},
+                     "'weir --help' and 'weir COMMAND --help' list what there is; options for outputs come "
+                     "from plugins, see 'weir info'");
+  }
+  if (run.command().parsed()) return run.run();
+  if (validate->parsed()) return validateScenes(program, scenes, set);
+  if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
+  if (nodes->parsed() && !json)
+    fmt::print("{}", type.empty() ? describeAll(registry) : describeType(registry, type));
+  if (schema->parsed()) fmt::print("{}", writeJson(sceneSchema(registry)));
+  if (info->parsed()) fmt::print("{}", describeProgram(program, registry));
+  if (completion->parsed()) fmt::print("{}", bashCompletion(app));
+  return kDone;
+}
+
+}  // namespace
+
+}  // namespace weir::app
+
+int main(int argc, char** argv) {
+  weir::app::Program program;
+  try {
+    const int code = weir::app::runProgram(program, argc, argv);
+    if (std::fflush(stdout) != 0) throw weir::ioError("standard output cannot be written");
+    return code;
+  } catch (const weir::Error& e) {
+    program.log().error(e.what());
+    return exitCode(e.kind());
+  } catch (const std::bad_alloc&) {
+    program.log().error("out of memory");
+    return weir::kSimulationFailed;
+  } catch (const std::exception& e) {
+    program.log().error(std::string("a mistake in the program, please report it: ") + e.what());
+    return weir::kSimulationFailed;
+  }
+}

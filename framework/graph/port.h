@@ -113,6 +113,12 @@ class Output final : public OutputPort {
 
   void addRequest(const InputPort& from, const Request& request) { requests_.emplace_back(&from, request); }
   void forgetRequests() override { requests_.clear(); }
+  /// What each link below asks for, of those that ask.
+  std::vector<Request> requests() const {
+    std::vector<Request> all;
+    for (const auto& [input, request] : requests_) all.push_back(request);
+    return all;
+  }
   /// What the nodes below ask for; empty if none asks. Throws a scene Error if two ask for different things.
   std::optional<Request> requested() const {
     if (requests_.empty()) return std::nullopt;

@@ -235,10 +235,12 @@ std::unique_ptr<Scene> buildScene(const Value& root, const Place& place, const R
 }
 
 std::unique_ptr<Scene> loadScene(const std::filesystem::path& path, const Registry& registry,
-                                 const std::vector<Override>& overrides, std::vector<std::string>& warnings) {
+                                 const std::vector<Override>& overrides, std::vector<std::string>& warnings,
+                                 const PluginLoader& loadPlugins) {
   std::string text = readTextFile(path, kLargestSceneFile);
   const Value root = parseJson(text, path.string());
   const Place place{path.string(), "", path.parent_path().string()};
+  if (loadPlugins) loadPlugins(scenePlugins(root, place));
   std::unique_ptr<Scene> scene = buildScene(root, place, registry, overrides, warnings);
   scene->text = std::move(text);
   return scene;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -58,9 +59,13 @@ std::vector<FilePath> scenePlugins(const Value& root, const Place& place);
 std::unique_ptr<Scene> buildScene(const Value& root, const Place& place, const Registry& registry,
                                   const std::vector<Override>& overrides, std::vector<std::string>& warnings);
 
-/// readTextFile, parseJson and buildScene. Does not load the plugins that the scene names.
+/// Loads the plugins that a scene names into the registry that it is built with.
+using PluginLoader = std::function<void(const std::vector<FilePath>&)>;
+
+/// readTextFile, parseJson and buildScene. Without a loader, the plugins that the scene names must be there.
 std::unique_ptr<Scene> loadScene(const std::filesystem::path& path, const Registry& registry,
-                                 const std::vector<Override>& overrides, std::vector<std::string>& warnings);
+                                 const std::vector<Override>& overrides, std::vector<std::string>& warnings,
+                                 const PluginLoader& loadPlugins = {});
 
 /// The scene as a value that buildScene reads back to the same scene. Only what differs from the defaults is
 /// written. Relative paths are as they were read, so it belongs into the folder that it was read from.

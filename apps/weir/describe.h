@@ -1,0 +1,21 @@
+// weir nodes, weir schema and weir info: what this program can do, from what registered itself.
+#pragma once
+
+#include <string>
+
+#include "apps/weir/program.h"
+
+namespace weir::app {
+
+/// All node and module types in a line each.
+std::string describeAll(const Registry& registry);
+/// One node or module type with its ports, parameters and modules. Throws a usage Error with a suggestion for
+/// an unknown type.
+std::string describeType(const Registry& registry, const std::string& type);
+/// The same as data: an object {"nodes": {…}, "modules": {…}}, of one type if `type` is not empty.
+Value typesAsValue(const Registry& registry, const std::string& type);
+
+/// Version, build, devices, plugins and what they say of themselves.
+std::string describeProgram(const Program& program, const Registry& registry);
+
+}  // namespace weir::app

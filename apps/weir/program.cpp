@@ -1,0 +1,82 @@
+#include "apps/weir/program.h"
+
+#include <cstdlib>
+#include <string_view>
+
+#include "nodes/register_nodes.h"
+
+namespace weir::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The installation or build tree that the program runs from: the folder above bin/.
+fs::path prefix() {
+  std::error_code error;
+  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  return executable.parent_path().parent_path();
+}
+
+}  // namespace
+
+std::vector<fs::path> pluginFolders() {
+  std::vector<fs::path> folders;
+  const char* variable = std::getenv("WEIR_PLUGIN_PATH");
+  std::string_view rest = variable != nullptr ? variable : "";
+  while (!rest.empty()) {
+    const auto colon = rest.find(':');
+    if (colon != 0) folders.emplace_back(rest.substr(0, colon));
+    rest.remove_prefix(colon == std::string_view::npos ? rest.size() : colon + 1);
+  }
+  folders.push_back(prefix() / "lib/weir/plugins");
+  return folders;
+}
+
+fs::path dataFolder() {
+  return prefix() / "share/weir";
+}
+
+Program::Program()
+    : log_([this, sink = stderrSink()](LogLevel level, std::string_view message) {
+        if (quiet_ && level < LogLevel::kWarning) return;
+        if (beforeMessage_) beforeMessage_();
+        sink(level, message);
+      }) {
+  registerNodes(registry_);
+}
+
+bool Program::isLoaded(const fs::path& file) const {
+  for (const Plugin& plugin : plugins_) {
+    std::error_code error;
+    if (fs::equivalent(plugin.file(), file, error)) return true;
+  }
+  return false;
+}
+
+void Program::loadInstalledPlugins() {
+  for (const fs::path& folder : pluginFolders())
+    for (const fs::path& file : pluginFiles(folder)) {
+      try {
+        loadPlugin(file);
+      } catch (const Error& e) {
+        log_.warn(std::string("going on without a plugin: ") + e.what());
+      }
+    }
+}
+
+void Program::loadPlugin(const fs::path& file) {
+  if (!isLoaded(file)) plugins_.emplace_back(file, registry_);
+}
+
+std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Override>& overrides) {
+  std::vector<std::string> warnings;
+  std::unique_ptr<Scene> scene =
+      loadScene(file, registry_, overrides, warnings, [this](const std::vector<FilePath>& plugins) {
+        for (const FilePath& plugin : plugins) loadPlugin(plugin.resolved);
+      });
+  for (const std::string& warning : warnings) log_.warn(warning);
+  return scene;
+}
+
+}  // namespace weir::app

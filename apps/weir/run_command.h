@@ -1,0 +1,55 @@
+// weir run: simulates a scene and writes what is asked for.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/weir/program.h"
+#include "framework/run/output_kind.h"
+
+namespace weir::app {
+
+class RunCommand {
+ public:
+  /// Adds the subcommand with its options, those of the outputs that plugins bring included.
+  RunCommand(CLI::App& app, Program& program);
+
+  /// Runs what the command line says; an exit code, or throws an Error.
+  int run();
+
+  CLI::App& command() { return *command_; }
+
+ private:
+  struct Output {
+    std::unique_ptr<OutputKind> kind;
+    std::vector<OutputOption> options;
+    std::vector<std::string> paths;  // as given, one for each option; empty if it was not
+  };
+
+  void addOutputOptions();
+  std::vector<Override> overrides() const;
+  std::vector<std::unique_ptr<Observer>> makeObservers() const;
+  void checkOutputPaths() const;
+  void printResults() const;
+
+  Program& program_;
+  CLI::App* command_;
+  std::vector<Output> outputs_;
+
+  std::string scene_;
+  std::string device_ = "auto";
+  std::string duration_;
+  std::optional<std::int64_t> frames_;
+  std::vector<std::string> set_;
+  std::vector<std::string> plugin_;
+  std::string stats_;
+  int threads_ = 0;
+  bool deterministic_ = false;
+  bool profileKernels_ = false;
+  bool quiet_ = false;
+};
+
+}  // namespace weir::app

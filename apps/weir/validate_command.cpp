@@ -1,0 +1,50 @@
+#include "apps/weir/validate_command.h"
+
+#include <fmt/format.h>
+
+#include "framework/base/text.h"
+#include "framework/run/simulation.h"
+
+namespace weir::app {
+
+namespace {
+
+/// A file that a parameter names and that is not there would be found only when the simulation starts.
+void checkFiles(const Configurable& owner, const std::string& node) {
+  for (const Property* property : owner.properties()) {
+    const auto* path = dynamic_cast<const Param<FilePath>*>(property);
+    if (path == nullptr || path->get().empty()) continue;
+    std::error_code error;
+    if (std::filesystem::exists(path->get().resolved, error)) continue;
+    throw ioError("there is no file " + inQuotes(path->get().resolved.string()))
+        .inNode(node)
+        .inParameter(property->name());
+  }
+}
+
+void validateScene(Program& program, const std::string& file, const std::vector<std::string>& overrides) {
+  std::vector<Override> changes;
+  for (const std::string& text : overrides) changes.push_back(parseOverride(text));
+  const std::unique_ptr<Scene> scene = program.load(file, changes);
+  clockOf(*scene);
+  for (const auto& node : scene->graph.nodes()) checkFiles(*node, node->name());
+}
+
+}  // namespace
+
+int validateScenes(Program& program, const std::vector<std::string>& scenes,
+                   const std::vector<std::string>& overrides) {
+  int code = kDone;
+  for (const std::string& file : scenes) {
+    try {
+      validateScene(program, file, overrides);
+      fmt::print("{}: valid\n", file);
+    } catch (const Error& e) {
+      program.log().error(e.what());
+      if (code == kDone) code = exitCode(e.kind());
+    }
+  }
+  return code;
+}
+
+}  // namespace weir::app

@@ -1,0 +1,137 @@
+#include "nodes/static_boundary/static_boundary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace weir {
+
+namespace {
+
+/// The rotation that takes the y axis to a direction of length 1.
+Quatf rotationFromUp(const Vec3f& direction) {
+  const Vec3f up{0, 1, 0};
+  const float cosine = dot(up, direction);
+  constexpr float kOpposite = -0.999999f;  // any axis across the two will do
+  if (cosine < kOpposite) return {0, 1, 0, 0};
+  const Vec3f axis = cross(up, direction);
+  const float w = 1 + cosine;
+  const float scale = 1 / std::sqrt(w * w + dot(axis, axis));
+  return {w * scale, axis.x * scale, axis.y * scale, axis.z * scale};
+}
+
+}  // namespace
+
+void StaticBoundary::validate() const {
+  using S = BoundaryShape;
+  const auto refuseFor = [this](const Property& property, std::initializer_list<S> uses) {
+    if (!property.isSet() || std::find(uses.begin(), uses.end(), shape.get()) != uses.end()) return;
+    std::string shapes;
+    for (const S s : uses)
+      shapes +=
+          (shapes.empty() ? "" : ", ") + std::string(EnumNames<S>::kNames[static_cast<std::size_t>(s)].first);
+    throw sceneError(fmt::format("'{}' is given, which means nothing for the shape '{}'", property.name(),
+                                 EnumNames<S>::kNames[static_cast<std::size_t>(shape.get())].first),
+                     "it belongs to the shapes: " + shapes)
+        .inParameter(property.name());
+  };
+  refuseFor(min, {S::kBox});
+  refuseFor(max, {S::kBox});
+  refuseFor(position, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone, S::kPlane});
+  refuseFor(radius, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone});
+  refuseFor(height, {S::kCylinder, S::kCapsule, S::kCone});
+  refuseFor(normal, {S::kPlane});
+  refuseFor(rotation, {S::kBox, S::kCylinder, S::kCapsule, S::kCone});
+  const Vec3f extent = max.get() - min.get();
+  if (shape == S::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
+    throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
+  if (length(normal.get()) == 0)
+    throw sceneError("the normal is [0, 0, 0]", "a direction").inParameter(normal.name());
+}
+
+Shape StaticBoundary::analyticShape() const {
+  Shape result;
+  result.position = position;
+  result.rotation = rotation->toQuaternion();
+  result.radius = radius;
+  result.height = height;
+  result.inverted = inverted;
+  switch (shape.get()) {
+    case BoundaryShape::kNone:
+    case BoundaryShape::kBox:
+      result.kind = ShapeKind::kBox;
+      result.position = (min.get() + max.get()) * 0.5f;
+      result.halfSize = (max.get() - min.get()) * 0.5f;
+      break;
+    case BoundaryShape::kSphere:
+      result.kind = ShapeKind::kSphere;
+      break;
+    case BoundaryShape::kCylinder:
+      result.kind = ShapeKind::kCylinder;
+      break;
+    case BoundaryShape::kCapsule:
+      result.kind = ShapeKind::kCapsule;
+      break;
+    case BoundaryShape::kCone:
+      result.kind = ShapeKind::kCone;
+      break;
+    case BoundaryShape::kPlane:
+      result.kind = ShapeKind::kPlane;
+      result.rotation = rotationFromUp(normalized(normal.get()));
+      break;
+  }
+  return result;
+}
+
+BoundaryPiece StaticBoundary::piece() const {
+  BoundaryPiece result;
+  result.restitution = restitution;
+  result.friction = friction;
+  return result;
+}
+
+void StaticBoundary::configure(const SetupContext&) {
+  for (const Boundary::Request& request : boundary.requests()) boundaries.request(request);
+}
+
+void StaticBoundary::reset(const SetupContext& context) {
+  if (shape == BoundaryShape::kNone && meshes.empty() && boundaries.empty())
+    throw sceneError("the boundary is empty: it has no shape, and nothing is linked to it",
+                     "a shape, or a link to its meshes or its boundaries");
+  *boundary = {};
+  if (shape != BoundaryShape::kNone) {
+    boundary->pieces.push_back(piece());
+    boundary->pieces.back().shape = analyticShape();
+  }
+  // The finest fluid decides. Without one nobody asks for distances, and building them would be for nothing.
+  const auto requests = boundary.requests();
+  if (!requests.empty()) {
+    const float spacing =
+        std::min_element(requests.begin(), requests.end(), [](const auto& a, const auto& b) {
+          return a.spacing < b.spacing;
+        })->spacing;
+    for (std::size_t i = 0; i < meshes.size(); ++i) addMesh(context, i, spacing);
+  }
+  for (std::size_t i = 0; i < boundaries.size(); ++i) {
+    const Boundary& other = boundaries[i];
+    boundary->pieces.insert(boundary->pieces.end(), other.pieces.begin(), other.pieces.end());
+    boundary->meshes.insert(boundary->meshes.end(), other.meshes.begin(), other.meshes.end());
+  }
+  boundary->onDevice = Array<BoundaryPiece>(context.device, boundary->pieces);
+}
+
+void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {
+  const float cell = cellSize.get().value_or(0.5f * spacing);
+  std::vector<std::string> warnings;
+  // Particles are pushed out where they are closer than half a spacing; they come that close from the band.
+  auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cell, 2 * spacing, warnings);
+  for (const std::string& warning : warnings)
+    context.log.warn(
+        fmt::format("node '{}': the mesh from '{}': {}", name(), meshes.links()[link]->path(), warning));
+  boundary->pieces.push_back(piece());
+  boundary->pieces.back().isMesh = true;
+  boundary->pieces.back().mesh = sdf->view(inverted);
+  boundary->meshes.push_back(std::move(sdf));
+}
+
+}  // namespace weir

@@ -1,0 +1,83 @@
+// Solids that do not move: one analytic shape, any number of triangle meshes, and other boundaries, as one.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "framework/graph/node.h"
+#include "nodes/geometry/triangle_mesh.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+/// ShapeKind, and none.
+enum class BoundaryShape { kNone, kBox, kSphere, kCylinder, kCapsule, kCone, kPlane };
+template <>
+struct EnumNames<BoundaryShape> {
+  static constexpr std::array<EnumName, 7> kNames{
+      EnumName{"none", "No shape: meshes and other boundaries only."},
+      EnumName{"box", "From min to max, turned about its centre by rotation."},
+      EnumName{"sphere", "Of radius about position."},
+      EnumName{"cylinder", "Of radius and height about position; its axis is y."},
+      EnumName{"capsule", "A cylinder of radius and height with half spheres on its ends."},
+      EnumName{"cone", "Its base, of radius, stands at position; its tip is height above, along y."},
+      EnumName{"plane", "All that is below position, seen along normal."}};
+};
+
+class StaticBoundary final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{
+      "StaticBoundary", "Solids or containers that do not move: shapes and meshes by signed distance."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<BoundaryShape> shape{*this, "shape", BoundaryShape::kNone, {.doc = "The analytic shape."}};
+  Param<Vec3f> min{*this, "min", {-0.5f, 0, -0.5f}, {.unit = "m", .doc = "Lower corner of the box."}};
+  Param<Vec3f> max{*this, "max", {0.5f, 1, 0.5f}, {.unit = "m", .doc = "Upper corner of the box."}};
+  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Where the shape is; not for a box."}};
+  Param<float> radius{*this, "radius", 0.5f, {.unit = "m", .min = 0, .aboveMin = true, .doc = "Radius."}};
+  Param<float> height{*this,
+                      "height",
+                      1,
+                      {.unit = "m",
+                       .min = 0,
+                       .aboveMin = true,
+                       .doc = "Height of a cylinder or cone, length of a capsule's axis."}};
+  Param<Vec3f> normal{*this, "normal", {0, 1, 0}, {.doc = "Which way a plane faces; of any length but 0."}};
+  Param<Rotation> rotation{
+      *this, "rotation", {}, {.unit = "degrees", .doc = "Turns the shape; not a plane."}};
+  Param<bool> inverted{
+      *this,
+      "inverted",
+      false,
+      {.doc = "The solid is all that is outside: a container. For the shape and the meshes alike."}};
+  Param<std::optional<float>> cellSize{
+      *this,
+      "cell_size",
+      std::nullopt,
+      {.unit = "m",
+       .min = 0,
+       .aboveMin = true,
+       .doc = "Resolution of the distance to meshes; half the fluid's spacing if it is left out."}};
+  Param<float> restitution{
+      *this,
+      "restitution",
+      0,
+      {.min = 0, .max = 1, .doc = "Share of its speed into the wall that a particle bounces back with."}};
+  Param<float> friction{
+      *this, "friction", 0, {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction."}};
+
+  Inputs<TriangleMesh> meshes{*this, "meshes", "Meshes that are solid, or containers if inverted."};
+  Inputs<Boundary> boundaries{*this, "boundaries", "Other boundaries that this one shall include."};
+  Output<Boundary> boundary{*this, "boundary", "All of these together."};
+
+  void validate() const override;
+  void configure(const SetupContext& context) override;
+  void reset(const SetupContext& context) override;
+
+ private:
+  Shape analyticShape() const;
+  BoundaryPiece piece() const;
+  void addMesh(const SetupContext& context, std::size_t link, float spacing);
+};
+
+}  // namespace weir
