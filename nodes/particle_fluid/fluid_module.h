@@ -40,7 +40,7 @@ class FluidModule : public Module {
   /// Before the first step: adds attributes, checks parameters against the fluid.
   virtual void reset(FluidStep&) {}
   virtual void step(FluidStep& fluid) = 0;
-  virtual void report(FluidStep&, NodeReport&) {}
+  virtual void report(NodeReport&) {}
 };
 
 }  // namespace weir

@@ -114,6 +114,7 @@ void ParticleFluid::report(NodeReport& report) {
   report.events.push_back({"particles left the domain and were removed", state.events.escaped});
   report.events.push_back(
       {"particles with positions that are no numbers were removed", state.events.nonFinite});
+  pipeline_.forEachEnabled([&](FluidModule& module) { module.report(report); });
 }
 
 }  // namespace weir

@@ -17,7 +17,7 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fit(displacement_, fluid.device, size);
 }
 
-void SemiImplicitSolver::report(FluidStep&, NodeReport& report) {
+void SemiImplicitSolver::report(NodeReport& report) {
   report.statistics["solver_iterations"] = iterations.get();
 }
 

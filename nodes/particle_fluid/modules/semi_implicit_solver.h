@@ -43,7 +43,7 @@ class SemiImplicitSolver final : public FluidModule {
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
-  void report(FluidStep&, NodeReport& report) override;
+  void report(NodeReport& report) override;
 
  private:
   template <class Backend>

@@ -1,0 +1,230 @@
+// The program as a user runs it: files and options in; exit codes, messages and files out.
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "framework/scene/scene_file.h"
+#include "tests/support/child_process.h"
+#include "tests/support/expect_error.h"
+
+namespace weir::test {
+namespace {
+
+constexpr std::string_view kDamBreak = R"({
+  "weir": 1,
+  "title": "A small dam break",
+  "world": { "dt": 0.002, "duration": 0.1, "frame_rate": 50 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 0.5, 0.2], "inverted": true } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 } }
+  },
+  "links": [ "block.particles -> water.initial", "tank.boundary -> water.boundaries" ]
+})";
+
+/// The member that a path of keys leads to.
+const Value& member(const Value& value, std::initializer_list<const char*> keys) {
+  const Value* at = &value;
+  for (const char* key : keys) {
+    at = at->find(key);
+    if (at == nullptr) throw std::runtime_error(std::string("no member ") + key + " in " + writeJson(value));
+  }
+  return *at;
+}
+
+class Cli : public testing::Test {
+ protected:
+  std::string scene(std::string_view text = kDamBreak) const {
+    return folder.write("scene.json", std::string(text));
+  }
+  /// The scene with one part of its text exchanged.
+  std::string sceneWith(const std::string& part, const std::string& other) const {
+    std::string text(kDamBreak);
+    const auto at = text.find(part);
+    EXPECT_NE(at, std::string::npos) << part;
+    return scene(text.replace(at, part.size(), other));
+  }
+  static void expectFailure(const ChildResult& result, int code, std::initializer_list<const char*> parts) {
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_EQ(result.out, "");
+    for (const char* part : parts) EXPECT_CONTAINS(result.err, part);
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Cli, RunsASceneAndWritesStatistics) {
+  const std::string stats = folder / "stats.json";
+  const ChildResult result = runWeir({"run", scene(), "--stats", stats, "--threads", "2", "--device", "cpu"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out, stats + "\n");
+  const Value v = parseJson(readFile(stats), "stats");
+  EXPECT_EQ(member(v, {"particles"}).asInt(), 1000);
+  EXPECT_EQ(member(v, {"frames"}).asInt(), 5);
+  EXPECT_EQ(member(v, {"steps"}).asInt(), 50);
+  EXPECT_EQ(member(v, {"end"}).asString(), "finished");
+  EXPECT_EQ(member(v, {"device", "back_end"}).asString(), "cpu");
+  EXPECT_GT(member(v, {"step_ms", "median"}).asDouble(), 0);
+  EXPECT_GT(member(v, {"modules_ms", "water/solver", "per_step"}).asDouble(), 0);
+  EXPECT_GT(member(v, {"memory", "host_peak_bytes"}).asInt(), 0);
+  const Value& water = member(v, {"nodes", "water"});
+  for (const char* key : {"neighbors", "compression", "solver_iterations", "linear_momentum",
+                          "kinetic_energy", "potential_energy", "fluid_volume"})
+    EXPECT_NE(water.find(key), nullptr) << key << " is missing in " << writeJson(water);
+}
+
+TEST_F(Cli, SetFramesAndDurationOverrideTheScene) {
+  const std::string stats = folder / "stats.json";
+  ASSERT_EQ(runWeir({"run", scene(), "--stats", stats, "--set", "water.spacing=0.05", "--frames", "2"}).code,
+            0);
+  Value v = parseJson(readFile(stats), "stats");
+  EXPECT_EQ(member(v, {"particles"}).asInt(), 64);
+  EXPECT_EQ(member(v, {"frames"}).asInt(), 2);
+  ASSERT_EQ(runWeir({"run", scene(), "--stats", stats, "--duration", "0.06"}).code, 0);
+  v = parseJson(readFile(stats), "stats");
+  EXPECT_EQ(member(v, {"frames"}).asInt(), 3);
+}
+
+TEST_F(Cli, QuietSaysNothing) {
+  const ChildResult result = runWeir({"run", scene(), "--quiet"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(Cli, UsageErrors) {
+  expectFailure(runWeir({}), 2, {"subcommand"});
+  expectFailure(runWeir({"fly"}), 2, {"fly"});
+  expectFailure(runWeir({"run"}), 2, {"SCENE"});
+  expectFailure(runWeir({"run", scene(), "--spacing", "3"}), 2, {"--spacing"});
+  expectFailure(runWeir({"run", scene(), "--device", "tpu"}), 2, {"tpu", "cpu"});
+  expectFailure(runWeir({"run", scene(), "--set", "spacing"}), 2, {"spacing", "'='"});
+  expectFailure(runWeir({"run", scene(), "--frames", "-1"}), 2, {"--frames"});
+  expectFailure(runWeir({"run", scene(), "--threads", "0"}), 2, {"--threads"});
+  expectFailure(runWeir({"run", scene(), "--stats", folder / "stats.txt"}), 2, {"stats.txt", ".json"});
+  expectFailure(runWeir({"run", scene(), "--stats", scene()}), 2, {"would overwrite the scene"});
+  expectFailure(runWeir({"nodes", "ParticleFlud"}), 2, {"ParticleFlud", "did you mean 'ParticleFluid'?"});
+}
+
+TEST_F(Cli, SceneErrorsNameThePlace) {
+  expectFailure(runWeir({"run", folder.write("empty.json", "")}), 3, {"empty.json:1:1"});
+  expectFailure(runWeir({"run", folder.write("brackets.json", "{}")}), 3, {"brackets.json:1:1", "weir"});
+  expectFailure(runWeir({"run", sceneWith("\"title\"", "\"titel\"")}), 3,
+                {"scene.json:3:3", "titel", "did you mean 'title'?"});
+}
+
+TEST_F(Cli, UnknownTypesAreSuggested) {
+  expectFailure(runWeir({"run", sceneWith("\"BoxSampler\"", "\"BoxSmpler\"")}), 3,
+                {"scene.json:6", "/nodes/block/type", "BoxSmpler", "did you mean 'BoxSampler'?"});
+  expectFailure(runWeir({"run", sceneWith("\"spacing\"", "\"spaceing\"")}), 3,
+                {"scene.json:9", "/nodes/water/params", "spaceing", "did you mean 'spacing'?"});
+}
+
+TEST_F(Cli, WrongValuesAndLinks) {
+  expectFailure(runWeir({"run", sceneWith("\"spacing\": 0.02", "\"spacing\": -0.02")}), 3,
+                {"scene.json:9", "spacing", "-0.02", "above 0"});
+  expectFailure(runWeir({"run", sceneWith("\"spacing\": 0.02", "\"spacing\": NaN")}), 3, {"scene.json:9"});
+  expectFailure(runWeir({"run", sceneWith("\"spacing\": 0.02", "\"spacing\": 1e999")}), 3, {"scene.json:9"});
+  expectFailure(
+      runWeir({"run", sceneWith("tank.boundary -> water.boundaries", "tank.boundary -> water.initial")}), 3,
+      {"tank.boundary", "water.initial", "Boundary", "ParticleBatch"});
+  expectFailure(runWeir({"run", scene(), "--set", "water.spacing=-1"}), 3,
+                {"--set water.spacing=-1", "above 0"});
+  expectFailure(runWeir({"run", scene(), "--duration", "long"}), 3, {"--duration long"});
+}
+
+TEST_F(Cli, FilesThatAreNotThere) {
+  expectFailure(runWeir({"run", folder / "none.json"}), 5, {"none.json"});
+  expectFailure(runWeir({"run", folder.path()}), 5, {folder.path().c_str()});
+  expectFailure(runWeir({"run", scene(), "--stats", folder / "none/stats.json"}), 5, {"there is no folder"});
+  expectFailure(runWeir({"run", scene(), "--plugin", folder / "none.so"}), 5, {"none.so"});
+}
+
+TEST_F(Cli, ASceneWithoutNodesRuns) {
+  const ChildResult result = runWeir({"run", scene(R"({"weir": 1, "world": {"duration": 0.1}})")});
+  EXPECT_EQ(result.code, 0) << result.err;
+}
+
+TEST_F(Cli, AFluidThatStartsEmptyRuns) {
+  const ChildResult result = runWeir(
+      {"run",
+       scene(R"({"weir": 1, "world": {"duration": 0.1}, "nodes": {"w": {"type": "ParticleFluid"}}})")});
+  EXPECT_EQ(result.code, 0) << result.err;
+}
+
+TEST_F(Cli, ValidateChecksEveryScene) {
+  const std::string good = scene();
+  const std::string bad = folder.write("bad.json", "{\"weir\": 1, \"nodes\": []}");
+  const ChildResult result = runWeir({"validate", bad, good});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(result.out, good + ": valid\n");
+  EXPECT_CONTAINS(result.err, "bad.json:1");
+}
+
+TEST_F(Cli, TheScenesOfTheProjectAreValid) {
+  const std::string scenes = resourcesFolder() + "/scenes/";
+  const ChildResult result = runWeir({"validate", scenes + "dam_break.json", scenes + "jet_fills_goblet.json",
+                                      scenes + "benchmark_dam_break.json"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+}
+
+TEST_F(Cli, AMissingMeshIsFoundByValidateAndRun) {
+  const std::string text = resourcesFolder() + "/scenes/mesh_in_tank.json";
+  for (const char* command : {"validate", "run"})
+    expectFailure(runWeir({command, text, "--set", "mesh.file=" + (folder / "none.obj")}), 5,
+                  {"mesh", "none.obj"});
+}
+
+TEST_F(Cli, NodesSchemaInfoAndCompletion) {
+  const ChildResult nodes = runWeir({"nodes"});
+  EXPECT_EQ(nodes.code, 0);
+  for (const char* type :
+       {"ParticleFluid", "StaticBoundary", "SquareEmitter", "TurningModel", "MeshFile", "BoxSampler",
+        "SphereSampler", "MeshSampler", "ParticleFile", "SemiImplicitSolver"})
+    EXPECT_CONTAINS(nodes.out, type);
+  const ChildResult one = runWeir({"nodes", "ParticleFluid"});
+  EXPECT_CONTAINS(one.out, "support_ratio");
+  EXPECT_CONTAINS(one.out, "boundaries");
+  const Value json = parseJson(runWeir({"nodes", "--json"}).out, "nodes");
+  EXPECT_EQ(member(json, {"nodes", "ParticleFluid", "family"}).asString(), "FluidModule");
+  const Value schema = parseJson(runWeir({"schema"}).out, "schema");
+  EXPECT_NE(schema.find("$schema"), nullptr);
+  EXPECT_CONTAINS(runWeir({"info"}).out, "cpu");
+  EXPECT_CONTAINS(runWeir({"completion"}).out, "complete -o filenames -F _weir weir");
+}
+
+TEST_F(Cli, AnInterruptedRunEndsCleanly) {
+  const std::string stats = folder / "stats.json";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ChildOptions options;
+    bool sent = false;
+    options.onStderr = [&](int pid, const std::string& err) {
+      if (!sent && contains(err, "frame 1")) sent = kill(pid, signal) == 0;
+    };
+    const ChildResult result = runWeir({"run", scene(), "--duration", "1000", "--stats", stats}, options);
+    EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_FALSE(result.timedOut);
+    EXPECT_EQ(member(parseJson(readFile(stats), "stats"), {"end"}).asString(), "interrupted");
+  }
+}
+
+TEST_F(Cli, ADivergingRunFailsWithAHint) {
+  const ChildResult result = runWeir({"run", scene(), "--set", "world.gravity=[0, -1e30, 0]"});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "water");
+}
+
+TEST_F(Cli, ResultsDoNotDependOnTheNumberOfThreads) {
+  std::vector<std::string> states;
+  for (const char* threads : {"1", "2", "4"}) {
+    const std::string stats = folder / "stats.json";
+    ASSERT_EQ(runWeir({"run", scene(), "--stats", stats, "--device", "cpu", "--threads", threads}).code, 0);
+    states.push_back(writeJson(member(parseJson(readFile(stats), "stats"), {"nodes"})));
+  }
+  EXPECT_EQ(states[0], states[1]);
+  EXPECT_EQ(states[0], states[2]);
+}
+
+}  // namespace
+}  // namespace weir::test
