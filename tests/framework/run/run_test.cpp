@@ -1,0 +1,140 @@
+// The frame loop: what observers see and when, also when something fails or the run is interrupted.
+#include "framework/run/run.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "framework/run/statistics.h"
+#include "framework/scene/scene_file.h"
+#include "tests/support/expect_error.h"
+
+namespace weir {
+namespace {
+
+/// Fails at a step, if told to.
+class Bomb final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"Bomb", "Fails at a step."};
+  const NodeInfo& info() const override { return kInfo; }
+  Param<int> failsAt{*this, "fails_at", -1, {.doc = "The step that fails."}};
+  void reset(const SetupContext&) override { times.clear(); }
+  void step(const StepContext& context) override {
+    if (context.index == failsAt) throw simulationError("boom");
+    times.push_back(context.time);
+  }
+  std::vector<double> times;
+};
+
+class Recorder final : public Observer {
+ public:
+  explicit Recorder(std::string failsIn = "") : failsIn_(std::move(failsIn)) {}
+  void begin(Simulation&) override { record("begin"); }
+  void frame(Simulation& s) override { record("frame " + std::to_string(s.frame())); }
+  void end(Simulation&, RunEnd how) override { record("end " + std::string(nameOf(how))); }
+  std::vector<std::string> calls;
+
+ private:
+  void record(const std::string& call) {
+    if (call == failsIn_) throw ioError("observer failed in " + call);
+    calls.push_back(call);
+  }
+  std::string failsIn_;
+};
+
+class Run : public testing::Test {
+ protected:
+  Run() { registry_.addNode<Bomb>(); }
+
+  std::unique_ptr<Simulation> simulation(const std::string& parameters = "{}") {
+    const std::string text = R"({"weir": 1, "world": {"dt": 0.005, "frame_rate": 100, "duration": 0.03},
+                                 "nodes": {"bomb": {"type": "Bomb", "params": )" +
+                             parameters + "}}}";
+    std::vector<std::string> warnings;
+    auto scene = buildScene(parseJson(text, "s.json"), {"s.json", "", "/"}, registry_, {}, warnings);
+    return std::make_unique<Simulation>(std::move(scene), *device_, log_, registry_);
+  }
+
+  using Calls = std::vector<std::string>;
+  std::unique_ptr<Device> device_ = openDevice("cpu");
+  Log log_;
+  Registry registry_;
+};
+
+TEST_F(Run, ObserversSeeEveryFrame) {
+  const auto s = simulation();
+  Recorder recorder;
+  Observer* observers[] = {&recorder};
+  EXPECT_EQ(runSimulation(*s, observers), RunEnd::kFinished);
+  EXPECT_EQ(recorder.calls, (Calls{"begin", "frame 0", "frame 1", "frame 2", "frame 3", "end finished"}));
+  const auto& times = static_cast<Bomb&>(*s->scene().graph.find("bomb")).times;
+  ASSERT_EQ(times.size(), 6u);
+  for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(times[k], 0.005 * double(k), 1e-15);
+}
+
+TEST_F(Run, EndsAtTheLastFrameThatIsAskedFor) {
+  const auto s = simulation();
+  Recorder recorder;
+  Observer* observers[] = {&recorder};
+  RunOptions options;
+  options.lastFrame = 1;
+  EXPECT_EQ(runSimulation(*s, observers, options), RunEnd::kFinished);
+  EXPECT_EQ(recorder.calls, (Calls{"begin", "frame 0", "frame 1", "end finished"}));
+  EXPECT_EQ(s->stepsDone(), 2);
+}
+
+TEST_F(Run, AnInterruptedRunClosesItsObservers) {
+  const auto s = simulation();
+  Recorder recorder;
+  Observer* observers[] = {&recorder};
+  std::atomic<bool> stop = false;
+  RunOptions options;
+  options.stop = &stop;
+  options.onProgress = [&](const Simulation& now) { stop = now.stepsDone() == 3; };
+  EXPECT_EQ(runSimulation(*s, observers, options), RunEnd::kInterrupted);
+  EXPECT_EQ(recorder.calls, (Calls{"begin", "frame 0", "frame 1", "end interrupted"}));
+}
+
+TEST_F(Run, AFailingNodeIsNamedAndObserversAreClosed) {
+  const auto s = simulation(R"({"fails_at": 2})");
+  Recorder recorder;
+  Observer* observers[] = {&recorder};
+  const Error e = test::errorOf([&] { runSimulation(*s, observers); });
+  EXPECT_EQ(e.location().node, "bomb");
+  EXPECT_CONTAINS(e.what(), "boom");
+  EXPECT_EQ(recorder.calls, (Calls{"begin", "frame 0", "frame 1", "end failed"}));
+}
+
+TEST_F(Run, AFailingObserverDoesNotKeepOthersFromTheirEnd) {
+  for (const char* where : {"frame 1", "end finished"}) {
+    const auto s = simulation();
+    Recorder bad(where), good;
+    Observer* observers[] = {&bad, &good};
+    EXPECT_EQ(test::errorOf([&] { runSimulation(*s, observers); }).kind(), ErrorKind::kIo);
+    EXPECT_TRUE(good.calls.back().starts_with("end")) << where;
+  }
+}
+
+TEST_F(Run, AnObserverThatCannotBeginStopsTheRunBeforeItStarts) {
+  const auto s = simulation();
+  Recorder good, bad("begin"), never;
+  Observer* observers[] = {&good, &bad, &never};
+  test::errorOf([&] { runSimulation(*s, observers); });
+  EXPECT_EQ(good.calls, (Calls{"begin", "end failed"}));
+  EXPECT_TRUE(never.calls.empty());
+  EXPECT_EQ(s->stepsDone(), 0);
+}
+
+TEST(TimeSummary, PercentilesAreElements) {
+  const std::vector<double> times{4, 1, 3, 2};
+  const TimeSummary s = summarize(times);
+  EXPECT_EQ(s.median, 2);
+  EXPECT_EQ(s.p95, 4);
+  EXPECT_EQ(s.max, 4);
+  EXPECT_EQ(s.mean, 2.5);
+  EXPECT_EQ(summarize({}).p95, 0);
+}
+
+}  // namespace
+}  // namespace weir
