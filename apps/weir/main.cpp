@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <new>
 
 #include "apps/weir/completion.h"
@@ -10,6 +11,7 @@
 #include "apps/weir/run_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
+#include "framework/base/text.h"
 
 namespace weir::app {
 
@@ -27,6 +29,16 @@ std::vector<std::string> pluginArguments(int argc, char** argv) {
       files.emplace_back(argument.substr(kOption.size() + 1));
   }
   return files;
+}
+
+/// CLI11 would only say that some command is missing.
+void checkCommand(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) == names.end())
+    throw usageError("there is no command " + inQuotes(argv[1]), joinNames(names),
+                     didYouMean(argv[1], names));
 }
 
 int runProgram(Program& program, int argc, char** argv) {
@@ -62,6 +74,7 @@ int runProgram(Program& program, int argc, char** argv) {
         ->take_all()
         ->allow_extra_args(false);
 
+  checkCommand(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
