@@ -8,6 +8,7 @@
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/square_emitter/square_emitter.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "nodes/turning_model/turning_model.h"
 
 namespace weir {
 
@@ -15,6 +16,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<ParticleFluid>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();
+  registry.addNode<TurningModel>();
 
   registry.addModule<Predict>();
   registry.addModule<NeighborSearch>();
