@@ -32,10 +32,19 @@ struct MeshSdfView {
 
 class MeshSdf {
  public:
-  /// Builds on the host's cores, then copies to the device. `cellSize` in m; values are exact within `band` m
-  /// of the surface. Throws a scene Error if the mesh is empty or the grid would be too large; says in
-  /// `warnings` what was wrong with the mesh.
-  MeshSdf(Device& device, TriangleMesh mesh, float cellSize, float band, std::vector<std::string>& warnings);
+  /// The largest grid in bytes; the coarse grid may be an eighth of it.
+  static constexpr std::int64_t kMostBytes = std::int64_t{2} << 30;
+
+  /// Builds on the host's cores, then copies to the device. `cellSize` in m; all cells that are within `band`
+  /// m of the surface have exact distances at their corners, and the grid reaches further beyond the mesh
+  /// than that. Where a brick meets the coarse grid, which happens beyond the band only, the distance jumps
+  /// by no more than (kBrick + 1)/√2 cells, and by far less where the surface is flat.
+  ///
+  /// A mesh that is inside out is turned; small holes are closed over by the winding number. Throws a scene
+  /// Error if the mesh is empty, too far from the origin for its cell size, or the grid would be too large.
+  /// Says in `warnings` what was wrong with the mesh, and whether no point of the grid lies inside it.
+  MeshSdf(Device& device, const TriangleMesh& mesh, float cellSize, float band,
+          std::vector<std::string>& warnings);
 
   MeshSdfView view(bool inverted) const;
 
@@ -66,8 +75,9 @@ WEIR_HD inline Interpolated trilinear(const float* corner, int strideY, int stri
   return {y0 + t.z * (y1 - y0), {gx, gy, y1 - y0}};
 }
 
+/// Into [0, most]; what is no number becomes 0, so that it leads to some cell.
 WEIR_HD inline float clampTo(float x, float most) {
-  return x < 0 ? 0 : (x > most ? most : x);
+  return x > 0 ? (x < most ? x : most) : 0;
 }
 
 /// The cell of a coordinate in [0, count], and where in it.
