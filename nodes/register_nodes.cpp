@@ -6,6 +6,8 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/samplers/box_sampler.h"
+#include "nodes/samplers/sphere_sampler.h"
 #include "nodes/square_emitter/square_emitter.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/turning_model/turning_model.h"
@@ -13,7 +15,9 @@
 namespace weir {
 
 void registerNodes(Registry& registry) {
+  registry.addNode<BoxSampler>();
   registry.addNode<ParticleFluid>();
+  registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();
   registry.addNode<TurningModel>();

@@ -1,0 +1,25 @@
+#include "nodes/samplers/box_sampler.h"
+
+#include <fmt/format.h>
+
+namespace weir {
+
+void BoxSampler::validate() const {
+  const Vec3f lo = min, hi = max;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(lo[axis] < hi[axis]))
+      throw sceneError(
+          fmt::format("the box reaches from {} to {} m along {}", lo[axis], hi[axis], "xyz"[axis]),
+          "min below max along every axis")
+          .inParameter(min.name());
+}
+
+void BoxSampler::reset(const SetupContext& context) {
+  const float spacing = requestedSpacing();
+  fill(context, Lattice::inBox({min, max}, spacing));
+  const Vec3f lo = min, hi = max;
+  const double volume = (double(hi.x) - lo.x) * (double(hi.y) - lo.y) * (double(hi.z) - lo.z);
+  warnOfRounding(context, volume, spacing);
+}
+
+}  // namespace weir

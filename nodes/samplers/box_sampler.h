@@ -1,0 +1,23 @@
+// A box full of particles.
+#pragma once
+
+#include "nodes/samplers/sampler.h"
+
+namespace weir {
+
+class BoxSampler final : public Sampler {
+ public:
+  static constexpr NodeInfo kInfo{"BoxSampler", "Fills a box with particles."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<Vec3f> min{*this, "min", {}, {.unit = "m", .doc = "Lower corner."}};
+  Param<Vec3f> max{*this,
+                   "max",
+                   {0.5f, 0.5f, 0.5f},
+                   {.unit = "m", .doc = "Upper corner; the sides are rounded to whole particles."}};
+
+  void validate() const override;
+  void reset(const SetupContext& context) override;
+};
+
+}  // namespace weir

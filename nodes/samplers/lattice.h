@@ -1,0 +1,42 @@
+// Cubic lattices of particles that fill a region at rest.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "framework/base/vec.h"
+
+namespace weir {
+
+/// Nodes at first + spacing·(i, j, k).
+struct Lattice {
+  Vec3d first;
+  double spacing = 0;  ///< m
+  Vec3<std::int64_t> count;
+
+  /// Centred in the box, with size/spacing nodes along each axis, rounded, but at least one. In a box whose
+  /// sides are whole multiples of the spacing, the outer nodes are half a spacing from the faces; no node of
+  /// the lattice's endless continuation is in the box but these. Throws a scene Error for more than
+  /// kMostNodes nodes.
+  static Lattice inBox(const Aabb& box, float spacing);
+  /// With one node at `center`, and all others no farther than `reach` from it along each axis.
+  static Lattice around(const Vec3f& center, float reach, float spacing);
+
+  static constexpr double kMostNodes = 2e8;
+
+  std::int64_t size() const { return count.x * count.y * count.z; }
+  Vec3f node(std::int64_t x, std::int64_t y, std::int64_t z) const;
+};
+
+struct Jitter {
+  float share = 0;  ///< of the spacing: how far a node is moved at most along each axis
+  std::uint64_t seed = 0;
+};
+
+/// The nodes, each moved by its jitter, that `inside` accepts (all without it), x running fastest. `inside`
+/// is called from `threads` threads (0 is one for every core); the result is the same for any number.
+std::vector<Vec3f> sampleLattice(const Lattice& lattice, const Jitter& jitter, int threads,
+                                 const std::function<bool(const Vec3f&)>& inside = {});
+
+}  // namespace weir

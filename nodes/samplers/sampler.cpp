@@ -1,0 +1,61 @@
+#include "nodes/samplers/sampler.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace weir {
+
+namespace {
+
+/// FNV-1a, so that two samplers of a scene jitter differently.
+std::uint64_t hash(std::string_view text) {
+  std::uint64_t h = 0xCBF29CE484222325ull;
+  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3ull;
+  return h;
+}
+
+}  // namespace
+
+float Sampler::requestedSpacing() const {
+  const auto request = particles.requested();
+  if (!request)
+    throw sceneError("the sampler is not linked to a fluid, so its particle spacing is unknown",
+                     "a link from '" + particles.path() + "' to the initial particles of a ParticleFluid");
+  return request->spacing;
+}
+
+void Sampler::fill(const SetupContext& context, const Lattice& lattice,
+                   const std::function<bool(const Vec3f&)>& inside) {
+  const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
+  const Jitter noise{jitter, static_cast<std::uint64_t>(context.seed) ^ hash(name())};
+  const std::vector<Vec3f> positions = sampleLattice(lattice, noise, cpu ? cpu->threads() : 0, inside);
+  if (positions.empty())
+    throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
+                     "a region that is several spacings thick");
+  particles->assign(context.device, positions, std::vector<Vec3f>(positions.size(), velocity.get()));
+  sampled_ = particles->count;
+}
+
+void Sampler::warnOfRounding(const SetupContext& context, double volume, float spacing) const {
+  constexpr double kNoticeable = 0.1;
+  const double filled = static_cast<double>(particles->count) * spacing * spacing * spacing;
+  if (std::abs(filled / volume - 1) > kNoticeable)
+    context.log.warn(
+        fmt::format("node '{}': its {} particles of {:.6g} m fill {:.3g} m³, {:+.0f} % of the "
+                    "region's {:.3g} m³",
+                    name(), particles->count, spacing, filled, 100 * (filled / volume - 1), volume));
+}
+
+void Sampler::step(const StepContext& context) {
+  if (context.index == 0 || particles->count == 0) return;
+  particles->count = 0;
+  particles->positions = Array<Vec3f>(context.device);
+  particles->velocities = Array<Vec3f>(context.device);
+}
+
+void Sampler::report(NodeReport& report) {
+  report.statistics["particles_sampled"] = sampled_;
+}
+
+}  // namespace weir

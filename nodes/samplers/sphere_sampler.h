@@ -1,0 +1,24 @@
+// A sphere full of particles.
+#pragma once
+
+#include "nodes/samplers/sampler.h"
+
+namespace weir {
+
+class SphereSampler final : public Sampler {
+ public:
+  static constexpr NodeInfo kInfo{"SphereSampler", "Fills a sphere with particles."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<Vec3f> center{
+      *this, "center", {0, 0.5f, 0}, {.unit = "m", .doc = "Its centre, where a particle is."}};
+  Param<float> radius{
+      *this,
+      "radius",
+      0.25f,
+      {.unit = "m", .min = 0, .aboveMin = true, .doc = "No particle is farther from the centre."}};
+
+  void reset(const SetupContext& context) override;
+};
+
+}  // namespace weir

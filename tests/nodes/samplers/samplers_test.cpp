@@ -1,0 +1,199 @@
+// Counts, places and jitter of sampled particles.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "framework/graph/scene_graph.h"
+#include "nodes/samplers/box_sampler.h"
+#include "nodes/samplers/sphere_sampler.h"
+#include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/fluid_scene.h"
+
+namespace weir::test {
+namespace {
+
+/// Asks for a spacing, like a fluid.
+class Asker final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"Asker", "Asks for a spacing."};
+  const NodeInfo& info() const override { return kInfo; }
+  Inputs<ParticleBatch> in{*this, "in", "Particles."};
+  float spacing = 0.1f;
+  void configure(const SetupContext&) override { in.request({spacing}); }
+  void reset(const SetupContext&) override {}
+};
+
+template <class S>
+class Sampled {
+ public:
+  explicit Sampled(const Value& parameters, float spacing, const std::string& device = "cpu", int threads = 0)
+      : device_(openDevice(device, threads)) {
+    node_ = static_cast<S*>(&graph_.add(std::make_unique<S>(), "block"));
+    static_cast<Asker&>(graph_.add(std::make_unique<Asker>(), "asker")).spacing = spacing;
+    graph_.link(SceneGraph::parseLink("block.particles -> asker.in"));
+    node_->assignAll(parameters, {});
+  }
+  S& node() { return *node_; }
+  std::vector<Vec3f> positions(std::int64_t seed = 1) {
+    warnings.clear();
+    graph_.reset({*device_, log_, registry_, {}, 1e-3, seed});
+    EXPECT_EQ(node_->particles->positions.size(), node_->particles->count);
+    EXPECT_EQ(node_->particles->velocities.size(), node_->particles->count);
+    return node_->particles->positions.toHost();
+  }
+  std::vector<Vec3f> velocities() const { return node_->particles->velocities.toHost(); }
+  void step(std::int64_t index) { graph_.step({*device_, log_, {}, 1e-3 * double(index), 1e-3, index}); }
+
+  std::vector<std::string> warnings;
+
+ private:
+  std::unique_ptr<Device> device_;
+  Log log_{[this](LogLevel, std::string_view text) { warnings.emplace_back(text); }};
+  Registry registry_;
+  SceneGraph graph_;
+  S* node_;
+};
+
+double smallestDistance(const std::vector<Vec3f>& points) {
+  double smallest = 1e30;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) smallest = std::min(smallest, double(length(points[i] - points[j])));
+  return smallest;
+}
+
+TEST(BoxSampler, HoldsSizeOverSpacingParticlesHalfASpacingFromTheFaces) {
+  for (const std::string& device : availableDevices())
+    for (const auto& [nx, ny, nz, spacing] :
+         {std::tuple{5, 4, 3, 0.1}, {1, 1, 1, 0.1}, {81, 3, 7, 0.01}, {50, 2, 33, 0.015}}) {
+      const double x = -0.3, y = 2.1, z = 0.7;
+      Sampled<BoxSampler> block(
+          object({{"min", Value::Array{x, y, z}},
+                  {"max", Value::Array{x + nx * spacing, y + ny * spacing, z + nz * spacing}},
+                  {"velocity", Value::Array{1, -2, 3}}}),
+          float(spacing), device);
+      const std::vector<Vec3f> p = block.positions();
+      ASSERT_EQ(p.size(), std::size_t(nx * ny * nz));
+      EXPECT_TRUE(block.warnings.empty());
+      std::size_t i = 0;
+      for (int c = 0; c < nz; ++c)
+        for (int b = 0; b < ny; ++b)
+          for (int a = 0; a < nx; ++a, ++i) {
+            EXPECT_NEAR(p[i].x, x + (a + 0.5) * spacing, 1e-6);
+            EXPECT_NEAR(p[i].y, y + (b + 0.5) * spacing, 1e-6);
+            EXPECT_NEAR(p[i].z, z + (c + 0.5) * spacing, 1e-6);
+          }
+      for (const Vec3f& v : block.velocities()) EXPECT_EQ(v, (Vec3f{1, -2, 3}));
+    }
+}
+
+TEST(BoxSampler, RoundsToWholeParticlesAroundTheCentreAndSaysSo) {
+  Sampled<BoxSampler> block(object({{"min", Value::Array{0, 0, 0}}, {"max", Value::Array{0.34, 0.26, 0.01}}}),
+                            0.1f);
+  const std::vector<Vec3f> p = block.positions();
+  ASSERT_EQ(p.size(), 9u);
+  Vec3f mean{};
+  for (const Vec3f& q : p) mean += q / 9.0f;
+  EXPECT_LT(length(mean - Vec3f{0.17f, 0.13f, 0.005f}), 1e-6f);
+  EXPECT_NEAR(smallestDistance(p), 0.1, 1e-6);
+  ASSERT_EQ(block.warnings.size(), 1u);
+  EXPECT_CONTAINS(block.warnings[0], "block");
+}
+
+TEST(BoxSampler, JitterStaysInItsBoundsAndDependsOnTheSeedAlone) {
+  const Value parameters =
+      object({{"min", Value::Array{0, 0, 0}}, {"max", Value::Array{3, 3, 3}}, {"jitter", 0.25}});
+  Sampled<BoxSampler> block(parameters, 0.1f);
+  const std::vector<Vec3f> p = block.positions();
+  ASSERT_EQ(p.size(), 27000u);  // two chunks
+  double sum = 0, squares = 0, largest = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double exact[3] = {0.05 + 0.1 * double(i % 30), 0.05 + 0.1 * double(i / 30 % 30),
+                             0.05 + 0.1 * double(i / 900)};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double moved = (p[i][axis] - exact[axis]) / 0.1;
+      sum += moved, squares += moved * moved;
+      largest = std::max(largest, std::abs(moved));
+    }
+  }
+  // Uniform in ±0.25: mean 0, variance 0.25²/3; 81000 samples leave 4 standard errors of about 0.002.
+  EXPECT_NEAR(sum / 81000, 0, 0.003);
+  EXPECT_NEAR(squares / 81000 / (0.0625 / 3), 1, 0.02);
+  EXPECT_LE(largest, 0.25 + 1e-4);
+  EXPECT_GT(largest, 0.249);
+  EXPECT_EQ(p, block.positions(1));
+  EXPECT_NE(p, block.positions(2));
+  EXPECT_EQ(p, (Sampled<BoxSampler>(parameters, 0.1f, "cpu", 1).positions(1)));
+  EXPECT_EQ(p, (Sampled<BoxSampler>(parameters, 0.1f, "cpu", 3).positions(1)));
+}
+
+TEST(BoxSampler, TheParticlesAreThereInTheFirstStepOnly) {
+  Sampled<BoxSampler> block(Value::object(), 0.1f);
+  for (int run = 0; run < 2; ++run) {
+    EXPECT_EQ(block.positions().size(), 125u);
+    block.step(0);
+    EXPECT_EQ(block.node().particles->count, 125);
+    block.step(1);
+    EXPECT_EQ(block.node().particles->count, 0);
+    NodeReport report;
+    block.node().report(report);
+    EXPECT_EQ(report.statistics["particles_sampled"], Value(125));
+  }
+}
+
+TEST(SphereSampler, CountIsTheVolumeOverTheCubeOfTheSpacing) {
+  for (const double spacing : {0.05, 0.02, 0.01}) {
+    Sampled<SphereSampler> drop(object({{"center", Value::Array{1, 2, 3}}, {"radius", 0.4}}), float(spacing));
+    const std::vector<Vec3f> p = drop.positions();
+    const double expected = 4 * std::numbers::pi / 3 * std::pow(0.4 / spacing, 3);
+    // The error of a lattice count is far below one layer of particles.
+    EXPECT_NEAR(double(p.size()), expected, 0.2 * 4 * std::numbers::pi * std::pow(0.4 / spacing, 2))
+        << spacing;
+    for (const Vec3f& q : p) EXPECT_LE(length(q - Vec3f{1, 2, 3}), 0.4 + 1e-6);
+  }
+  Sampled<SphereSampler> coarse(object({{"radius", 0.4}}), 0.1f);
+  EXPECT_NEAR(smallestDistance(coarse.positions()), 0.1, 1e-6);
+}
+
+TEST(SphereSampler, TheSmallestHasOneParticleAndAJitteredOneStaysInside) {
+  Sampled<SphereSampler> point(object({{"radius", 0.01}, {"center", Value::Array{1, 2, 3}}}), 0.1f);
+  EXPECT_EQ(point.positions(), (std::vector<Vec3f>{{1, 2, 3}}));
+  EXPECT_EQ(point.warnings.size(), 1u);
+  Sampled<SphereSampler> drop(object({{"radius", 1}, {"center", Value::Array{0, 0, 0}}, {"jitter", 0.5}}),
+                              0.1f);
+  const std::vector<Vec3f> p = drop.positions();
+  EXPECT_NEAR(double(p.size()), 4188.8, 80);
+  for (const Vec3f& q : p) EXPECT_LE(length(q), 1);
+}
+
+TEST(Samplers, SayWhatIsWrong) {
+  const Error order = errorOf([] {
+    BoxSampler().assignAll(object({{"min", Value::Array{0, 0.5, 0}}, {"max", Value::Array{1, 0.5, 1}}}), {});
+  });
+  EXPECT_CONTAINS(order.what(), "from 0.5 to 0.5 m along y");
+  EXPECT_EQ(order.kind(), ErrorKind::kScene);
+
+  Sampled<BoxSampler> huge(object({{"max", Value::Array{1000, 1000, 1000}}}), 0.001f);
+  const Error many = errorOf([&] { huge.positions(); });
+  EXPECT_CONTAINS(many.what(), "1e+18");
+  EXPECT_CONTAINS(many.what(), "at most 200 million");
+  EXPECT_EQ(many.location().node, "block");
+  Sampled<BoxSampler> endless(
+      object({{"min", Value::Array{-3e38, -3e38, -3e38}}, {"max", Value::Array{3e38, 3e38, 3e38}}}), 1e-30f);
+  EXPECT_CONTAINS(errorOf([&] { endless.positions(); }).what(), "at most 200 million");
+
+  const auto device = openDevice("cpu");
+  Log log;
+  Registry registry;
+  SceneGraph graph;
+  graph.add(std::make_unique<SphereSampler>(), "drop");
+  const Error alone = errorOf([&] { graph.reset({*device, log, registry, {}, 1e-3, 1}); });
+  EXPECT_CONTAINS(alone.what(), "not linked to a fluid");
+  EXPECT_EQ(alone.location().node, "drop");
+}
+
+}  // namespace
+}  // namespace weir::test
