@@ -1,0 +1,39 @@
+#include "plugins/rendering/output/image_file.h"
+
+#include <png.h>
+
+#include <string>
+#include <vector>
+
+#include "framework/base/check.h"
+#include "plugins/rendering/output/part_file.h"
+
+namespace weir::rendering {
+
+namespace {
+
+/// The bytes of a PNG file.
+std::vector<std::uint8_t> encodePng(const std::filesystem::path& path, const Picture& picture) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture.width);
+  image.height = static_cast<png_uint_32>(picture.height);
+  image.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(image));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+    throw cannotWrite(path, "libpng says: " + std::string(image.message));
+  bytes.resize(size);
+  return bytes;
+}
+
+}  // namespace
+
+void writePng(const std::filesystem::path& path, const Picture& picture) {
+  WEIR_CHECK(picture.isWhole());
+  PartFile file(path);
+  file.write(encodePng(path, picture));
+  file.keep();
+}
+
+}  // namespace weir::rendering

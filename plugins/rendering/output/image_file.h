@@ -1,0 +1,14 @@
+// Single pictures as PNG files.
+#pragma once
+
+#include <filesystem>
+
+#include "plugins/rendering/output/picture.h"
+
+namespace weir::rendering {
+
+/// Writes beside the path first, then renames: a reader finds the old file or the whole new one. 8 bits per
+/// channel, sRGB, no loss. Throws an io Error that names the file; what stood at the path is then as before.
+void writePng(const std::filesystem::path& path, const Picture& picture);
+
+}  // namespace weir::rendering

@@ -1,0 +1,41 @@
+// A file under a name of its own beside its place, until it is complete: "run.part.mp4" for "run.mp4".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "framework/base/error.h"
+
+namespace weir::rendering {
+
+/// "the file cannot be written: <reason>", at this file.
+Error cannotWrite(const std::filesystem::path& file, const std::string& reason, const std::string& hint = {});
+
+/// The name keeps the extension, so that other programs know what is in it, and is one that no file has: what
+/// a killed run left behind, or another run is writing, is not touched ("run.part2.mp4").
+class PartFile {
+ public:
+  /// Makes an empty file beside `target`. Throws an io Error, which names the target, if the target is a
+  /// folder or no regular file, if the folder above is missing, or if no file can be made in it.
+  explicit PartFile(std::filesystem::path target);
+  /// Removes the file unless keep() has been called.
+  ~PartFile();
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& target() const { return target_; }
+
+  /// Replaces the content. Throws an io Error that names the target.
+  void write(std::span<const std::uint8_t> bytes);
+  /// Renames to the target; a file there is replaced. Throws an io Error.
+  void keep();
+
+ private:
+  std::filesystem::path target_, path_;
+  bool kept_ = false;
+};
+
+}  // namespace weir::rendering

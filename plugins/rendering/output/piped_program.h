@@ -1,0 +1,54 @@
+// Another program that is fed through its standard input, such as an encoder.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace weir::rendering {
+
+/// The program runs in a process group of its own, so that a Ctrl-C in the terminal does not end it: it ends
+/// when its input does. Its output is thrown away; what it writes to stderr is read while write() and
+/// finish() run, so that neither waits for the other forever. A broken pipe raises no SIGPIPE here. Use from
+/// one thread at a time, except for cancel().
+class PipedProgram {
+ public:
+  /// Looks for the program on the PATH. Throws std::system_error: no_such_file_or_directory if there is none.
+  PipedProgram(const std::string& program, const std::vector<std::string>& arguments);
+  /// Kills the program, and what it has started in its group, if it has not ended.
+  ~PipedProgram();
+  PipedProgram(const PipedProgram&) = delete;
+  PipedProgram& operator=(const PipedProgram&) = delete;
+
+  /// False if the program takes no more input or cancel() was called.
+  bool write(std::span<const std::uint8_t> bytes);
+  /// Ends the input and waits for the program's end; kills it after the limit or once cancel() was called.
+  /// True if it ended with exit code 0.
+  bool finish(std::chrono::milliseconds limit = std::chrono::hours(24 * 365));
+  /// Makes write() and finish() return soon; may be called from any thread.
+  void cancel() { cancelled_ = true; }
+
+  /// After finish(): "ended with exit code 1" or "was ended by signal 9".
+  const std::string& ending() const { return ending_; }
+  /// The last few kilobytes that it has written to stderr.
+  const std::string& messages() const { return messages_; }
+
+ private:
+  bool hasEnded() const;
+  void kill() const;
+  void reap();
+  void readMessages();
+
+  pid_t pid_ = -1;  // of a program that has not been reaped, else -1
+  int input_ = -1;  // our end of a socket pair
+  int messagePipe_ = -1;
+  std::atomic<bool> cancelled_ = false;
+  std::string messages_, ending_;
+};
+
+}  // namespace weir::rendering

@@ -1,0 +1,214 @@
+#include "plugins/rendering/output/video_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include "framework/base/check.h"
+#include "framework/base/text.h"
+#include "plugins/rendering/output/piped_program.h"
+
+namespace weir::rendering {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestQueue = 4;
+
+/// What the file's extension stands for.
+struct Container {
+  std::string extension;
+  std::vector<std::string> options;
+  std::vector<VideoEncoder> encoders;  ///< the best one first
+};
+
+const std::vector<Container>& containers() {
+  // Nearly without visible loss, and fast enough not to slow the simulation down. Some distributions build
+  // ffmpeg without x264; its own MPEG-4 encoder is always there.
+  static const std::vector<VideoEncoder> kMpeg{{"libx264", {"-preset", "veryfast", "-crf", "18"}},
+                                               {"mpeg4", {"-q:v", "2"}}};
+  static const std::vector<VideoEncoder> kVp9{
+      {"libvpx-vp9", {"-crf", "24", "-b:v", "0", "-deadline", "good", "-cpu-used", "5", "-row-mt", "1"}}};
+  static const std::vector<Container> kAll{
+      // The index at the front, so that browsers play the file while they load it.
+      {".mp4", {"-f", "mp4", "-movflags", "+faststart"}, kMpeg},
+      {".mkv", {"-f", "matroska"}, kMpeg},
+      {".webm", {"-f", "webm"}, kVp9}};
+  return kAll;
+}
+
+const Container& containerOf(const fs::path& file) {
+  for (const Container& container : containers())
+    if (file.extension() == container.extension) return container;
+  throw ioError("a video cannot be written to a file of this name",
+                fmt::format("names that end in {}", fmt::join(VideoWriter::extensions(), ", ")))
+      .at({.file = file.string()});
+}
+
+int roundedToEven(int size) {
+  return size + size % 2;
+}
+
+/// The picture's bytes with the last column and row repeated where the size is odd.
+std::vector<std::uint8_t> evenSized(const Picture& picture) {
+  constexpr std::size_t kPixel = 3;
+  const std::size_t row = kPixel * static_cast<std::size_t>(picture.width);
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(kPixel * static_cast<std::size_t>(roundedToEven(picture.width)) *
+                static_cast<std::size_t>(roundedToEven(picture.height)));
+  for (int y = 0; y < roundedToEven(picture.height); ++y) {
+    const auto begin =
+        picture.rgb.begin() + static_cast<std::ptrdiff_t>(row) * std::min(y, picture.height - 1);
+    const auto end = begin + static_cast<std::ptrdiff_t>(row);
+    bytes.insert(bytes.end(), begin, end);
+    if (picture.width % 2 != 0) bytes.insert(bytes.end(), end - kPixel, end);
+  }
+  return bytes;
+}
+
+std::vector<std::string> argumentsFor(const fs::path& file, const Container& container,
+                                      const VideoEncoder& encoder, int width, int height, double frameRate) {
+  // -xerror: without it ffmpeg ends with exit code 0 when the disk is full as it completes the file.
+  std::vector<std::string> arguments{"-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-xerror"};
+  const auto add = [&](const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+  };
+  add({"-f", "rawvideo", "-pixel_format", "rgb24"});
+  add({"-video_size", fmt::format("{}x{}", roundedToEven(width), roundedToEven(height))});
+  add({"-framerate", fmt::format("{}", frameRate), "-i", "pipe:0"});
+  // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
+  add({"-vf", "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=yuv420p"});
+  add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
+  add({"-c:v", encoder.name});
+  add(encoder.options);
+  add(container.options);
+  add({"file:" + file.string()});  // without file:, a colon in the name would mean a protocol
+  return arguments;
+}
+
+/// The last lines that a program has written, made safe to show.
+std::string lastLines(std::string_view text) {
+  constexpr std::size_t kMostLines = 4, kLongestLine = 200;
+  std::vector<std::string> lines;
+  while (!text.empty() && lines.size() < kMostLines) {
+    const std::size_t end = text.find_last_not_of("\r\n");
+    text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
+    const std::size_t begin = text.find_last_of("\r\n") + 1;  // npos + 1 is 0
+    if (!text.empty()) lines.insert(lines.begin(), printable(text.substr(begin), kLongestLine));
+    text = text.substr(0, begin);
+  }
+  return lines.empty() ? "it gave no reason" : fmt::format("{}", fmt::join(lines, "; "));
+}
+
+Error failureOf(const PipedProgram& ffmpeg, const fs::path& file) {
+  return cannotWrite(file, "ffmpeg " + ffmpeg.ending() + ": " + lastLines(ffmpeg.messages()));
+}
+
+std::unique_ptr<PipedProgram> startFfmpeg(const fs::path& file, const std::vector<std::string>& arguments) {
+  const std::string hint =
+      "install ffmpeg (Debian and Ubuntu: apt install ffmpeg; Fedora: dnf install ffmpeg-free; Arch: pacman "
+      "-S "
+      "ffmpeg), or write single pictures with --images, which works without it";
+  try {
+    return std::make_unique<PipedProgram>("ffmpeg", arguments);
+  } catch (const std::system_error& error) {
+    const bool missing = error.code() == std::errc::no_such_file_or_directory;
+    throw cannotWrite(
+        file,
+        missing ? "the program ffmpeg, which makes videos, is not on the PATH"
+                : "the program ffmpeg, which makes videos, cannot be started: " + error.code().message(),
+        hint);
+  }
+}
+
+/// The first encoder that gets one black frame into the file. Throws why the best one does not.
+VideoEncoder workingEncoder(const PartFile& part, const Container& container, int width, int height,
+                            double frameRate) {
+  const std::vector<std::uint8_t> black(std::size_t{3} * static_cast<std::size_t>(roundedToEven(width)) *
+                                        static_cast<std::size_t>(roundedToEven(height)));
+  std::optional<Error> first;
+  for (const VideoEncoder& encoder : container.encoders) {
+    const auto ffmpeg =
+        startFfmpeg(part.target(), argumentsFor(part.path(), container, encoder, width, height, frameRate));
+    const bool taken = ffmpeg->write(black);
+    if (ffmpeg->finish() && taken) return encoder;
+    if (!first) first = failureOf(*ffmpeg, part.target());
+  }
+  throw *first;
+}
+
+}  // namespace
+
+std::vector<std::string> VideoWriter::extensions() {
+  std::vector<std::string> all;
+  for (const Container& container : containers()) all.push_back(container.extension);
+  return all;
+}
+
+VideoWriter::VideoWriter(fs::path file, int width, int height, double frameRate)
+    : file_(std::move(file)),
+      width_(width),
+      height_(height),
+      queue_(1, kLongestQueue, [this](std::int64_t, const Picture& picture) { feed(picture); }) {
+  WEIR_CHECK(width > 0);
+  WEIR_CHECK(height > 0);
+  WEIR_CHECK(frameRate > 0);
+  WEIR_CHECK(std::isfinite(frameRate));
+  const Container& container = containerOf(file_);
+  part_.emplace(file_);
+  encoder_ = workingEncoder(*part_, container, width, height, frameRate);
+  ffmpeg_ = startFfmpeg(file_, argumentsFor(part_->path(), container, encoder_, width, height, frameRate));
+}
+
+VideoWriter::~VideoWriter() {
+  queue_.drop();
+  if (ffmpeg_) ffmpeg_->cancel();
+}
+
+void VideoWriter::write(Picture picture) {
+  WEIR_CHECK(!finished_);
+  WEIR_CHECK(picture.isWhole());
+  WEIR_CHECK(picture.width == width_);
+  WEIR_CHECK(picture.height == height_);
+  queue_.push(std::move(picture));
+  ++frameCount_;
+}
+
+void VideoWriter::feed(const Picture& picture) {
+  const bool even = picture.width % 2 == 0 && picture.height % 2 == 0;
+  if (even ? ffmpeg_->write(picture.rgb) : ffmpeg_->write(evenSized(picture))) return;
+  // It has ended, or is about to: time to say why, but not forever.
+  ffmpeg_->finish(std::chrono::seconds(10));
+  throw failureOf(*ffmpeg_, file_);
+}
+
+void VideoWriter::finish() {
+  finished_ = true;
+  queue_.finish();
+  if (failure_) throw *failure_;
+  if (!part_) return;
+  try {
+    complete();
+  } catch (const Error& error) {
+    failure_ = error;
+    throw;
+  }
+}
+
+void VideoWriter::complete() {
+  if (frameCount_ == 0) ffmpeg_->cancel();
+  const bool done = ffmpeg_->finish();
+  if (frameCount_ > 0) {
+    if (!done) throw failureOf(*ffmpeg_, file_);
+    part_->keep();
+  }
+  part_.reset();
+}
+
+}  // namespace weir::rendering

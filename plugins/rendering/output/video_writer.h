@@ -1,0 +1,69 @@
+// Makes a video of pictures. The program ffmpeg encodes them, so that Weir is bound to no version of its
+// libraries.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plugins/rendering/output/part_file.h"
+#include "plugins/rendering/output/picture.h"
+#include "plugins/rendering/output/picture_queue.h"
+
+namespace weir::rendering {
+
+class PipedProgram;
+
+/// How a kind of video file is made: ffmpeg's name of the encoder, and its options.
+struct VideoEncoder {
+  std::string name;
+  std::vector<std::string> options;
+};
+
+/// The video has another name, "run.part.mp4" for "run.mp4", until finish(). If the whole program is killed,
+/// ffmpeg completes that file with the frames it has got.
+class VideoWriter {
+ public:
+  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm".
+  static std::vector<std::string> extensions();
+
+  /// Frames are width times height pixels and follow each other by 1 / frameRate seconds; all positive
+  /// (WEIR_CHECK). Of a size that is odd, the last column or row is shown twice, as the formats hold even
+  /// sizes only. One black frame is encoded as a trial, so that what cannot work fails here. Throws an io
+  /// Error if the extension is none of extensions(), if there is no ffmpeg on the PATH, if it cannot make
+  /// such a video (with the reason that it gives), or if the file cannot be written.
+  VideoWriter(std::filesystem::path file, int width, int height, double frameRate);
+  /// Without finish(): stops ffmpeg and leaves nothing behind.
+  ~VideoWriter();
+
+  /// Hands the next frame to the thread that feeds ffmpeg; waits only while several frames are waiting
+  /// already. The picture must be whole and of the video's size (WEIR_CHECK). Throws the io Error of an
+  /// earlier frame that could not be written, with ffmpeg's reason; no frame is written from then on.
+  void write(Picture picture);
+  /// Completes the video and puts it in its place; a file that is there is replaced. Without a frame there is
+  /// no video, and what is in its place stays. Throws as write() does, and may be called again.
+  void finish();
+
+  std::int64_t frameCount() const { return frameCount_; }
+  /// ffmpeg's name of the encoder that is used: the best one that works in the ffmpeg that was found.
+  const std::string& encoder() const { return encoder_.name; }
+
+ private:
+  void feed(const Picture& picture);
+  void complete();
+
+  std::filesystem::path file_;
+  int width_, height_;
+  std::int64_t frameCount_ = 0;
+  bool finished_ = false;
+  std::optional<Error> failure_;  // of complete()
+  std::optional<PartFile> part_;  // until it is in its place
+  VideoEncoder encoder_;
+  std::unique_ptr<PipedProgram> ffmpeg_;  // the queue's thread has it until the queue is finished
+  PictureQueue queue_;
+};
+
+}  // namespace weir::rendering

@@ -1,0 +1,65 @@
+// Looking into videos with ffmpeg's own tools, and putting another program in ffmpeg's place.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plugins/rendering/output/picture.h"
+#include "tests/support/child_process.h"
+
+namespace weir::test {
+
+/// The file of this program on the PATH; "" if there is none.
+std::string findProgram(const std::string& name);
+
+struct VideoInfo {
+  int width = 0, height = 0;
+  int frames = 0;         ///< counted by decoding
+  std::string frameRate;  ///< as ffprobe writes it: "30/1"
+  std::string codec;
+  std::string pixelFormat;
+  std::string colorSpace;
+};
+
+/// Fails the test and gives back what it can if ffprobe finds a fault in the file.
+VideoInfo probeVideo(const std::string& file);
+
+/// All frames, decoded.
+std::vector<rendering::Picture> readVideo(const std::string& file);
+
+/// Sets PATH and sets it back at the end.
+class PathVariable {
+ public:
+  explicit PathVariable(const std::string& value);
+  ~PathVariable();
+  PathVariable(const PathVariable&) = delete;
+  PathVariable& operator=(const PathVariable&) = delete;
+
+ private:
+  std::string before_;
+};
+
+/// A program "ffmpeg" that is found instead of the real one. It takes all that it is given the first time it
+/// is called, which is the trial, and runs the shell commands `script` from then on.
+class FakeFfmpeg {
+ public:
+  explicit FakeFfmpeg(const std::string& script);
+  /// A file that the script can reach as $FOLDER/name.
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  TemporaryFolder folder_;
+  PathVariable path_;
+};
+
+/// A program "ffmpeg" that fails where its arguments contain `word`, and is the real one otherwise.
+class FfmpegWithout {
+ public:
+  explicit FfmpegWithout(const std::string& word);
+
+ private:
+  TemporaryFolder folder_;
+  PathVariable path_;
+};
+
+}  // namespace weir::test
