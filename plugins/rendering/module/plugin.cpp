@@ -1,0 +1,37 @@
+#include "framework/graph/plugin.h"
+#include "framework/run/info_source.h"
+#include "plugins/rendering/gl/context.h"
+#include "plugins/rendering/picture_output.h"
+#include "plugins/rendering/render_settings.h"
+
+namespace weir::rendering {
+
+namespace {
+
+class RenderingInfo final : public InfoSource {
+ public:
+  std::vector<InfoEntry> info() const override {
+    return {{"OSMesa", tryOut(Provider::kOsmesa)}, {"EGL", tryOut(Provider::kEgl)}};
+  }
+
+ private:
+  static std::string tryOut(Provider provider) {
+    try {
+      const auto context = makeContext(provider);
+      return "works: " + rendererName(*context);
+    } catch (const Error& e) {
+      return e.message();
+    }
+  }
+};
+
+}  // namespace
+
+}  // namespace weir::rendering
+
+WEIR_PLUGIN("rendering", "Videos and pictures of a run, drawn without a screen.", registry) {
+  using namespace weir::rendering;
+  registry.addSection<RenderSettings>("render", "What the pictures show, and from where.");
+  registry.addService<weir::OutputKind>("pictures", [] { return std::make_unique<PictureOutput>(); });
+  registry.addService<weir::InfoSource>("rendering", [] { return std::make_unique<RenderingInfo>(); });
+}

@@ -1,0 +1,16 @@
+// The options --video and --images of `weir run`: one observer draws each frame once for both.
+#pragma once
+
+#include <memory>
+
+#include "framework/run/output_kind.h"
+
+namespace weir::rendering {
+
+class PictureOutput final : public OutputKind {
+ public:
+  std::vector<OutputOption> options() const override;
+  std::unique_ptr<Observer> create(const OutputPaths& paths) const override;
+};
+
+}  // namespace weir::rendering

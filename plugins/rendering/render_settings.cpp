@@ -1,0 +1,28 @@
+#include "plugins/rendering/render_settings.h"
+
+#include "framework/base/error.h"
+
+namespace weir::rendering {
+
+void CameraSettings::validate() const {
+  if (length(up.get()) == 0) throw sceneError("up is [0, 0, 0]", "a direction").inParameter(up.name());
+  if (eye.get() && target.get() && *eye.get() == *target.get())
+    throw sceneError("eye and target are the same point", "two points").inParameter(eye.name());
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    if (keyframes[i].eye.get() == keyframes[i].target.get())
+      throw sceneError("eye and target of keyframe " + std::to_string(i) + " are the same point",
+                       "two points")
+          .inParameter(keyframes.name());
+    if (i > 0 && !(keyframes[i].time > keyframes[i - 1].time))
+      throw sceneError("keyframe " + std::to_string(i) + " is not after the one before", "times that grow")
+          .inParameter(keyframes.name());
+  }
+}
+
+void ColorSettings::validate() const {
+  const auto& ends = range.get();
+  if (ends && !(ends->x < ends->y))
+    throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
+}
+
+}  // namespace weir::rendering

@@ -1,0 +1,56 @@
+// Makes a view of a simulation: what there is to see, from where, in which colours.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "framework/run/simulation.h"
+#include "nodes/static_boundary/shapes.h"
+#include "plugins/rendering/view.h"
+
+namespace weir::rendering {
+
+/// What the colours of a view mean.
+struct ColorKey {
+  bool shown = false;  ///< false if the particles have one colour
+  std::string quantity, unit;
+  float low = 0, high = 1;  ///< values at the ends of the colour map
+};
+
+class SceneView {
+ public:
+  explicit SceneView(const RenderSettings& settings) : settings_(settings) {}
+
+  /// The view at the present frame. Waits for the device. Throws a scene Error if the settings name what the
+  /// scene does not have.
+  View at(Simulation& simulation);
+  /// Of the view that at() made last.
+  const ColorKey& colorKey() const { return key_; }
+
+ private:
+  void collectStatic(Simulation& simulation);
+  void addShape(const Shape& shape, const std::string& node);
+  void addSurface(std::shared_ptr<const TriangleMesh> mesh, const std::string& node);
+  void addFluids(Simulation& simulation, View& view);
+  void chooseRange(const std::vector<std::vector<float>>& values);
+  Camera cameraAt(double time) const;
+  Camera fittingCamera() const;
+  const SurfaceSettings* settingsOf(const std::string& node) const;
+  void checkNames(const Simulation& simulation) const;
+
+  const RenderSettings& settings_;
+  ColorKey key_;
+
+  // What does not change during a run.
+  bool collected_ = false;
+  std::vector<Surface> surfaces_;
+  std::vector<Line> lines_;
+  Aabb bounds_;
+  bool boundsAreStatic_ = false;  // else they grow with the particles
+  float floor_ = 0;
+  bool hasFloor_ = false;  // whether a plane is the ground
+  bool rangeFound_ = false;
+};
+
+}  // namespace weir::rendering
