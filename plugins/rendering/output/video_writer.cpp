@@ -79,7 +79,9 @@ std::vector<std::string> argumentsFor(const fs::path& file, const Container& con
   const auto add = [&](const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
   };
-  add({"-f", "rawvideo", "-pixel_format", "rgb24"});
+  // +discardcorrupt: where this program is killed within a frame, that frame is no reason to give up the
+  // others.
+  add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", "rgb24"});
   add({"-video_size", fmt::format("{}x{}", roundedToEven(width), roundedToEven(height))});
   add({"-framerate", fmt::format("{}", frameRate), "-i", "pipe:0"});
   // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.

@@ -1,9 +1,12 @@
 // Videos that cannot be made: no ffmpeg, an ffmpeg that fails, a full disk.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -114,6 +117,28 @@ TEST(VideoFailure, KeepsFfmpegOutOfTheTerminalsGroup) {
   const int pid = std::stoi(ids), group = std::stoi(ids.substr(ids.find(' ')));
   EXPECT_EQ(group, pid);
   EXPECT_NE(group, ::getpgrp());
+}
+
+/// In a child process: hands frames over and is killed while ffmpeg still takes them.
+[[noreturn]] void writeAndDie(const std::string& file, int frames) {
+  VideoWriter video(file, 1280, 720, 30);
+  for (int i = 0; i < frames; ++i) video.write(noisePicture(1280, 720, 1));
+  ::kill(::getpid(), SIGKILL);
+  std::abort();
+}
+
+TEST(VideoFailure, LeavesTheFramesSoFarWhereThisProgramIsKilled) {
+  if (findProgram("ffmpeg").empty() || findProgram("ffprobe").empty())
+    GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
+  constexpr int kFrames = 10, kMostWaiting = 5;
+  const TemporaryFolder folder;
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // to see ffmpeg's end, too
+  const pid_t child = ::fork();
+  if (child == 0) writeAndDie(folder / "a.mp4", kFrames);
+  while (::waitpid(-1, nullptr, 0) > 0) {
+  }
+  ::prctl(PR_SET_CHILD_SUBREAPER, 0);
+  EXPECT_GE(probeVideo(folder / "a.part.mp4").frames, kFrames - kMostWaiting);
 }
 
 class FullDiskTest : public testing::Test {
