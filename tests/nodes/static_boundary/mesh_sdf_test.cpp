@@ -133,12 +133,9 @@ TEST_P(MeshSdfs, IsExactNextToFlatFaces) {
 }
 
 TEST_P(MeshSdfs, SignsAreThoseOfTheSolidWhereSurfacesCross) {
-  TriangleMesh mesh = icosphere(3, 0.7f);
-  const TriangleMesh other = mesh;
-  for (Vec3f& v : mesh.vertices) v.x -= 0.4f;
-  for (Vec3i t : other.triangles)
-    mesh.triangles.push_back(t + Vec3i{1, 1, 1} * static_cast<int>(other.vertices.size()));
-  for (Vec3f v : other.vertices) mesh.vertices.push_back(v + Vec3f{0.4f, 0, 0});
+  TriangleMesh mesh;
+  append(mesh, icosphere(3, 0.7f), {-0.4f, 0, 0});
+  append(mesh, icosphere(3, 0.7f), {0.4f, 0, 0});
   const MeshSdf sdf = build(mesh);
   EXPECT_TRUE(warnings.empty());
   const auto points = randomPoints(3000, 1.3f);
@@ -179,6 +176,27 @@ TEST_P(MeshSdfs, HolesAreClosed) {
     if (std::abs(length(through[i]) - 1) > size) {
       EXPECT_EQ(along[i].distance < 0, length(through[i]) < 1) << length(through[i]);
     }
+}
+
+TEST_P(MeshSdfs, AnOpenBowlIsFilledAsItsWindingNumberSays) {
+  TriangleMesh bowl = icosphere(3);
+  std::erase_if(bowl.triangles, [&](const Vec3i& t) {
+    return bowl.vertices[t.x].y + bowl.vertices[t.y].y + bowl.vertices[t.z].y > 0;
+  });
+  const MeshSdf sdf = build(bowl, kCell, 1);  // no coarse part within one radius
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_CONTAINS(warnings[0], "open shell");
+  const auto points = randomPoints(5000, 1);
+  const auto found = query(sdf, points);
+  int filled = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double winding = slowWindingNumber(bowl, points[i]);
+    const bool unclear = std::abs(winding - 0.5) < 0.1 || slowDistance(bowl, points[i]) < 2 * kCell;
+    if (unclear) continue;
+    ASSERT_EQ(found[i].distance<0, winding> 0.5) << print(points[i]);
+    filled += winding > 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(filled, 500);
 }
 
 TEST_P(MeshSdfs, MeshesThatAreInsideOutAreTurned) {
@@ -259,15 +277,16 @@ TEST_P(MeshSdfs, DistancesGrowBeyondTheGrid) {
   }
 }
 
-TEST_P(MeshSdfs, DistancesGrowBeyondTheGridAboveAHollow) {
-  TriangleMesh bowl = icosphere(3);
-  std::erase_if(bowl.triangles, [&](const Vec3i& t) {
-    return bowl.vertices[t.x].y + bowl.vertices[t.y].y + bowl.vertices[t.z].y > 0;
-  });
-  const MeshSdf sdf = build(bowl);
-  for (const Vec3f& p : randomPoints(100, 1.2f)) {
+TEST_P(MeshSdfs, DistancesGrowBeyondTheGridAboveACave) {
+  // Below the wide gap between two slabs the distances are larger than in it: upwards they fall first.
+  const float top = 1.34f;
+  TriangleMesh cave = boxMesh({-1.4f, -top, -1}, {1.4f, 0.1f - top, 1});
+  append(cave, boxMesh({-1.4f, top - 0.1f, -1}, {-0.8f, top, 1}));
+  append(cave, boxMesh({0.8f, top - 0.1f, -1}, {1.4f, top, 1}));
+  const MeshSdf sdf = build(cave, kCell, 0);
+  for (const float x : {-0.5f, -0.2f, 0.0f, 0.02f, 0.3f}) {
     std::vector<Vec3f> points;
-    for (float y = 1; y < 100; y *= 1.05f) points.push_back({p.x, y, p.z});
+    for (float y = top + 0.07f; y < 4; y += 0.01f) points.push_back({x, y, 0});
     const auto found = query(sdf, points);
     for (std::size_t i = 1; i < points.size(); ++i)
       ASSERT_GT(found[i].distance, found[i - 1].distance) << print(points[i]);
