@@ -41,16 +41,48 @@ class HostThreads {
   CpuDevice* cpu_ = nullptr;
 };
 
-std::string inGibibytes(double bytes) {
-  return fmt::format("{:.3g} GiB", bytes / (std::int64_t{1} << 30));
+constexpr double kBytesPerBrick = sizeof(float) + sizeof(int);  // of the coarse grid
+constexpr double kMostCoarseBytes = MeshSdf::kMostBytes / 8.0;
+constexpr double kBytesPerFineBrick = kBrickNodes * sizeof(float);
+
+struct GridSize {
+  Vec3d bricks;              ///< whole numbers, which may be too large for an int
+  double bytes;              ///< of the coarse grid
+  double probableFineBytes;  ///< if the surface is smooth
+};
+
+/// Bricks reach `margin` beyond the mesh.
+GridSize sizeOfGrid(const TriangleMesh& mesh, float cellSize, float band, float margin) {
+  const Vec3f extent = mesh.bounds().size();
+  const double brick = kBrick * static_cast<double>(cellSize);
+  GridSize size{{}, kBytesPerBrick, 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    size.bricks[axis] = std::ceil((static_cast<double>(extent[axis]) + 2.0 * margin) / brick);
+    size.bytes *= size.bricks[axis] + 1;
+  }
+  const double thickness = 2 * band + std::sqrt(3.0) * brick;
+  size.probableFineBytes = kBytesPerFineBrick * mesh.area() * thickness / (brick * brick * brick);
+  return size;
 }
 
-Error tooLarge(const std::string& what, double bytes, double mostBytes, float cellSize, double power) {
-  const double cell = 1.1 * cellSize * std::pow(bytes / mostBytes, 1 / power);
-  return sceneError(fmt::format("cells of {} m make the signed distance grid of the mesh too large: {}, {}",
-                                cellSize, what, inGibibytes(bytes)),
-                    fmt::format("at most {}", inGibibytes(mostBytes)),
-                    fmt::format("a cell_size of {:.2g} m or more should fit", cell));
+/// With one brick of margin at least, distances at the edge of the grid grow outwards.
+float marginOf(float cellSize, float band) {
+  return std::max(band + cellSize, kBrick * cellSize);
+}
+
+Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::string& what, double bytes,
+               double most) {
+  const auto gibibytes = [](double n) { return fmt::format("{:.3g} GiB", n / (std::int64_t{1} << 30)); };
+  float larger = cellSize;
+  GridSize size;
+  do {
+    larger *= 1.1f;
+    size = sizeOfGrid(mesh, larger, band, marginOf(larger, band));
+  } while (size.bytes > kMostCoarseBytes || size.bytes + size.probableFineBytes > MeshSdf::kMostBytes);
+  return sceneError(
+      fmt::format("with cells of {} m the signed distance grid of the mesh is too large: {}, {}", cellSize,
+                  what, gibibytes(bytes)),
+      fmt::format("at most {}", gibibytes(most)), fmt::format("try a cell_size of {:.2g} m or more", larger));
 }
 
 /// Origin, size and number of bricks of a grid around the mesh.
@@ -67,26 +99,17 @@ MeshSdfView layOut(const TriangleMesh& mesh, float cellSize, float band) {
             furthest, cellSize),
         {}, "move the mesh closer to the origin, or set a larger cell_size");
 
-  const float brick = kBrick * cellSize;
-  // With one brick of margin at least, distances at the edge of the grid grow outwards.
-  const float margin = std::max(band + cellSize, brick);
+  const GridSize size = sizeOfGrid(mesh, cellSize, band, marginOf(cellSize, band));
+  if (size.bytes > kMostCoarseBytes)
+    throw tooLarge(mesh, cellSize, band,
+                   fmt::format("it is {:.0f} × {:.0f} × {:.0f} bricks of {}³ cells", size.bricks.x,
+                               size.bricks.y, size.bricks.z, kBrick),
+                   size.bytes, kMostCoarseBytes);
   MeshSdfView grid;
   grid.cellSize = cellSize;
-  double count = 1;
-  Vec3<double> bricks;
   for (int axis = 0; axis < 3; ++axis) {
-    bricks[axis] = std::ceil((static_cast<double>(box.size()[axis]) + 2.0 * margin) / brick);
-    count *= bricks[axis] + 1;
-  }
-  const double bytes = count * (sizeof(float) + sizeof(int));
-  const double mostBytes = MeshSdf::kMostBytes / 8.0;
-  if (bytes > mostBytes)
-    throw tooLarge(fmt::format("its coarse part has {} × {} × {} bricks", bricks.x, bricks.y, bricks.z),
-                   bytes, mostBytes, cellSize, 3);
-  for (int axis = 0; axis < 3; ++axis) {
-    grid.bricks[axis] = static_cast<int>(bricks[axis]);
-    grid.origin[axis] =
-        static_cast<float>(box.center()[axis] - 0.5 * static_cast<double>(brick) * bricks[axis]);
+    grid.bricks[axis] = static_cast<int>(size.bricks[axis]);
+    grid.origin[axis] = static_cast<float>(box.center()[axis] - 0.5 * kBrick * cellSize * size.bricks[axis]);
   }
   return grid;
 }
@@ -98,6 +121,7 @@ class Builder {
       : threads_(threads), query_(mesh), closed_(closed), grid_(grid), band_(band) {
     findCoarse();
     chooseBricks();
+    checkSize(mesh);
     nodes.resize(static_cast<std::size_t>(fineBricks_.size()) * kBrickNodes);
     threads_.forEach(static_cast<std::int64_t>(fineBricks_.size()), [this](std::int64_t i) { fillBrick(i); });
   }
@@ -137,6 +161,7 @@ class Builder {
 
   void findCoarse();
   void chooseBricks();
+  void checkSize(const TriangleMesh& mesh) const;
   void fillBrick(std::int64_t index);
 
   HostThreads& threads_;
@@ -182,11 +207,15 @@ void Builder::chooseBricks() {
     const int row = static_cast<int>(i / count.x);
     fineBricks_.push_back({static_cast<int>(i % count.x), row % count.y, row / count.y});
   }
-  const double bytes = static_cast<double>(fineBricks_.size()) * kBrickNodes * sizeof(float) +
-                       static_cast<double>(brickIndex.size()) * (sizeof(float) + sizeof(int));
+}
+
+void Builder::checkSize(const TriangleMesh& mesh) const {
+  const double bytes = static_cast<double>(fineBricks_.size()) * kBytesPerFineBrick +
+                       static_cast<double>(coarse.size()) * kBytesPerBrick;
   if (bytes > MeshSdf::kMostBytes)
-    throw tooLarge(fmt::format("{} bricks of {}³ cells are near its surface", fineBricks_.size(), kBrick),
-                   bytes, MeshSdf::kMostBytes, grid_.cellSize, 2);
+    throw tooLarge(mesh, grid_.cellSize, band_,
+                   fmt::format("{} bricks of {}³ cells are near its surface", fineBricks_.size(), kBrick),
+                   bytes, MeshSdf::kMostBytes);
 }
 
 void Builder::fillBrick(std::int64_t index) {
@@ -220,7 +249,9 @@ void warn(const TriangleMesh& original, const TriangleMesh& mesh, MeshDiagnosis 
     warnings.push_back("it is inside out; its triangles were turned round");
   diagnosis.insideOut = false;
   if (!diagnosis.good())
-    warnings.push_back(fmt::format("it has {}; holes count as closed", diagnosis.message()));
+    warnings.push_back(fmt::format(
+        "it has {}{}", diagnosis.message(),
+        diagnosis.openEdges > 0 ? "; holes count as closed, so what an open shell encloses is solid" : ""));
 }
 
 }  // namespace

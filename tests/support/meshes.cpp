@@ -128,6 +128,12 @@ TriangleMesh sheet(int cells) {
   return mesh;
 }
 
+void append(TriangleMesh& mesh, const TriangleMesh& added, const Vec3f& offset) {
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (const Vec3i& t : added.triangles) mesh.triangles.push_back(t + Vec3i{first, first, first});
+  for (const Vec3f& v : added.vertices) mesh.vertices.push_back(v + offset);
+}
+
 double slowDistance(const TriangleMesh& mesh, const Vec3f& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const Vec3i& t : mesh.triangles)

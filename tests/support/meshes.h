@@ -18,6 +18,9 @@ TriangleMesh boxMesh(const Vec3f& lo, const Vec3f& hi);
 /// A square of size 2 in the plane z = 0, of cells² pairs of triangles: open all round.
 TriangleMesh sheet(int cells);
 
+/// Both meshes in one, `added` moved by `offset`.
+void append(TriangleMesh& mesh, const TriangleMesh& added, const Vec3f& offset = {});
+
 /// The distance from p to the nearest point of the mesh, in double, by asking every triangle.
 double slowDistance(const TriangleMesh& mesh, const Vec3f& p);
 
