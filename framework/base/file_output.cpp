@@ -1,11 +1,11 @@
 #include "framework/base/file_output.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -39,8 +39,15 @@ class Temporary {
     // A device such as /dev/full or a pipe is no file that could be replaced.
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
       throw cannotWrite(path, "it is no regular file");
-    name_ = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
-    file_ = mkostemp(name_.data(), O_CLOEXEC);
+    // Opened with the usual permissions, which the process's umask narrows; mkstemp's would be the owner's
+    // alone.
+    constexpr int kMostTries = 1000;
+    constexpr mode_t kReadWriteForAll = 0666;
+    for (int k = 0; file_ < 0 && k < kMostTries; ++k) {
+      name_ = (folder / fmt::format(".{}.{}.{}", path.filename().string(), ::getpid(), k)).string();
+      file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadWriteForAll);
+      if (file_ < 0 && errno != EEXIST) break;
+    }
     if (file_ < 0) throw cannotWrite(path, errno);
   }
   ~Temporary() {
@@ -60,10 +67,6 @@ class Temporary {
   }
 
   void rename() {
-    const mode_t mask = ::umask(0);  // can only be read by setting it
-    ::umask(mask);
-    constexpr mode_t kReadWriteForAll = 0666;
-    ::fchmod(file_, kReadWriteForAll & ~mask);
     if (::fsync(file_) != 0 && errno != EINVAL) throw cannotWrite(path_, errno);
     if (close() != 0) throw cannotWrite(path_, errno);
     if (::rename(name_.c_str(), path_.c_str()) != 0) throw cannotWrite(path_, errno);

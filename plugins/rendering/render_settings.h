@@ -12,10 +12,11 @@ namespace weir {
 
 template <>
 struct EnumNames<rendering::ColorMapName> {
-  static constexpr std::array<EnumName, 4> kNames{
+  static constexpr std::array<EnumName, 5> kNames{
       EnumName{"viridis", "Dark blue to green to yellow."}, EnumName{"turbo", "Blue to green to red."},
       EnumName{"cividis", "Blue to yellow, for all kinds of colour vision."},
-      EnumName{"coolwarm", "Blue to grey to red, for values around a middle."}};
+      EnumName{"coolwarm", "Blue to grey to red, for values around a middle."},
+      EnumName{"water", "Deep blue to white, as of foam."}};
 };
 
 /// How a surface looks.

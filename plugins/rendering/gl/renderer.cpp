@@ -18,8 +18,8 @@ constexpr int kSamples = 2;  // along each side of a pixel
 constexpr int kShadowSize = 2048;
 constexpr float kMattKind = 1.0f, kMetalKind = 0.5f, kGroundKind = 0.25f;
 constexpr Vec3f kSunDirection{0.45f, 1.0f, 0.35f};
-constexpr Vec3f kGroundColor{0.66f, 0.67f, 0.69f};
-constexpr float kGlassOpacity = 0.05f;
+constexpr Vec3f kGroundColor{0.71f, 0.72f, 0.74f};
+constexpr float kGlassOpacity = 0.03f;
 
 bool isTransparent(const Surface& surface) {
   return surface.look == SurfaceLook::kGlass || surface.color.a < 1;
