@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "framework/base/check.h"
@@ -17,7 +18,6 @@ namespace {
 constexpr int kBrick = MeshSdfView::kBrick;
 constexpr int kNodes = MeshSdfView::kNodes;
 constexpr int kBrickNodes = kNodes * kNodes * kNodes;
-constexpr float kSlack = 1.0001f;  // more than the rounding of distances and positions
 
 /// The host's cores: those of the device, if it runs on them.
 class HostThreads {
@@ -51,8 +51,9 @@ struct GridSize {
   double probableFineBytes;  ///< if the surface is smooth
 };
 
-/// Bricks reach `margin` beyond the mesh.
-GridSize sizeOfGrid(const TriangleMesh& mesh, float cellSize, float band, float margin) {
+GridSize sizeOfGrid(const TriangleMesh& mesh, float cellSize, float band) {
+  // With one brick of margin at least, distances at the edge of the grid grow outwards.
+  const float margin = std::max(band + cellSize, kBrick * cellSize);
   const Vec3f extent = mesh.bounds().size();
   const double brick = kBrick * static_cast<double>(cellSize);
   GridSize size{{}, kBytesPerBrick, 0};
@@ -65,9 +66,9 @@ GridSize sizeOfGrid(const TriangleMesh& mesh, float cellSize, float band, float 
   return size;
 }
 
-/// With one brick of margin at least, distances at the edge of the grid grow outwards.
-float marginOf(float cellSize, float band) {
-  return std::max(band + cellSize, kBrick * cellSize);
+float largestCoordinate(const Aabb& box) {
+  return std::max({std::abs(box.lo.x), std::abs(box.lo.y), std::abs(box.lo.z), std::abs(box.hi.x),
+                   std::abs(box.hi.y), std::abs(box.hi.z)});
 }
 
 Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::string& what, double bytes,
@@ -77,7 +78,7 @@ Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::
   GridSize size;
   do {
     larger *= 1.1f;
-    size = sizeOfGrid(mesh, larger, band, marginOf(larger, band));
+    size = sizeOfGrid(mesh, larger, band);
   } while (size.bytes > kMostCoarseBytes || size.bytes + size.probableFineBytes > MeshSdf::kMostBytes);
   return sceneError(
       fmt::format("with cells of {} m the signed distance grid of the mesh is too large: {}, {}", cellSize,
@@ -88,8 +89,7 @@ Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::
 /// Origin, size and number of bricks of a grid around the mesh.
 MeshSdfView layOut(const TriangleMesh& mesh, float cellSize, float band) {
   const Aabb box = mesh.bounds();
-  const float furthest = std::max({std::abs(box.lo.x), std::abs(box.lo.y), std::abs(box.lo.z),
-                                   std::abs(box.hi.x), std::abs(box.hi.y), std::abs(box.hi.z)});
+  const float furthest = largestCoordinate(box);
   constexpr float kSteps = 16;  // floats within a cell
   if (furthest * std::numeric_limits<float>::epsilon() * kSteps > cellSize)
     throw sceneError(
@@ -99,7 +99,7 @@ MeshSdfView layOut(const TriangleMesh& mesh, float cellSize, float band) {
             furthest, cellSize),
         {}, "move the mesh closer to the origin, or set a larger cell_size");
 
-  const GridSize size = sizeOfGrid(mesh, cellSize, band, marginOf(cellSize, band));
+  const GridSize size = sizeOfGrid(mesh, cellSize, band);
   if (size.bytes > kMostCoarseBytes)
     throw tooLarge(mesh, cellSize, band,
                    fmt::format("it is {:.0f} × {:.0f} × {:.0f} bricks of {}³ cells", size.bricks.x,
@@ -119,6 +119,11 @@ class Builder {
  public:
   Builder(HostThreads& threads, const TriangleMesh& mesh, bool closed, const MeshSdfView& grid, float band)
       : threads_(threads), query_(mesh), closed_(closed), grid_(grid), band_(band) {
+    const float brick = kBrick * grid.cellSize;
+    const Vec3f bricks{static_cast<float>(grid.bricks.x), static_cast<float>(grid.bricks.y),
+                       static_cast<float>(grid.bricks.z)};
+    rounding_ = 2 * std::numeric_limits<float>::epsilon() *
+                largestCoordinate({grid.origin, grid.origin + brick * bricks});
     findCoarse();
     chooseBricks();
     checkSize(mesh);
@@ -142,6 +147,9 @@ class Builder {
     return grid_.origin + grid_.cellSize * c;
   }
 
+  /// A bit more than the distance, by more than the rounding of it and of two positions.
+  float withSlack(float distance) const { return 1.0001f * distance + rounding_; }
+
   bool isInside(const Vec3f& p) const { return query_.windingNumber(p) > 0.5; }
 
   /// The signed distance of p, from values that are known `step` away from it. No surface is between the two
@@ -152,8 +160,8 @@ class Builder {
     std::optional<bool> inside;
     for (const std::optional<float>& value : known) {
       if (!value) continue;
-      atMost = std::min(atMost, (std::abs(*value) + step) * kSlack);
-      if (closed_ && std::abs(*value) > step * kSlack) inside = *value < 0;
+      atMost = std::min(atMost, withSlack(std::abs(*value) + step));
+      if (closed_ && std::abs(*value) > withSlack(step)) inside = *value < 0;
     }
     const float distance = query_.closestDistance(p, atMost);
     return (inside ? *inside : isInside(p)) ? -distance : distance;
@@ -168,7 +176,7 @@ class Builder {
   MeshQuery query_;
   bool closed_;
   const MeshSdfView& grid_;
-  float band_;
+  float band_, rounding_;
   std::vector<Vec3i> fineBricks_;
 };
 
@@ -188,7 +196,7 @@ void Builder::findCoarse() {
 void Builder::chooseBricks() {
   const Vec3i count = grid_.bricks;
   const float halfDiagonal = 0.5f * std::sqrt(3.0f) * kBrick * grid_.cellSize;
-  const float reach = (band_ + halfDiagonal) * kSlack;
+  const float reach = withSlack(band_ + halfDiagonal);
   brickIndex.assign(static_cast<std::size_t>(count.x) * count.y * count.z, -1);
   constexpr int kFine = 0;
   threads_.forEach(static_cast<std::int64_t>(count.y) * count.z, [&](std::int64_t row) {
@@ -196,7 +204,7 @@ void Builder::chooseBricks() {
     const float* corners = coarse.data() + (static_cast<std::int64_t>(z) * (count.y + 1) + y) * (count.x + 1);
     for (int x = 0; x < count.x; ++x) {
       // One corner often says that the centre is too far away.
-      if (std::abs(corners[x]) > reach + halfDiagonal * kSlack) continue;
+      if (std::abs(corners[x]) > withSlack(reach + halfDiagonal)) continue;
       const Vec3f center = position(kBrick * Vec3i{x, y, z} + Vec3i{kBrick / 2, kBrick / 2, kBrick / 2});
       if (query_.closestDistance(center, reach) < reach) brickIndex[row * count.x + x] = kFine;
     }

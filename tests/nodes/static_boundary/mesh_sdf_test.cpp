@@ -347,6 +347,24 @@ TEST_P(MeshSdfs, RefusesGridsThatAreTooLarge) {
   EXPECT_EQ(errorOf([&] { build(mesh, 1e-30f, 1); }).kind(), ErrorKind::kScene);
 }
 
+TEST_P(MeshSdfs, IsRightAtTheLimitOfPrecision) {
+  TriangleMesh mesh;
+  const Vec3f far{12000, -12000, 12000};  // floats there are 1/1024 apart, so a cell has 51 of them
+  append(mesh, icosphere(3), far);
+  const MeshSdf sdf = build(mesh);
+  std::vector<Vec3f> points = randomPoints(3000, 1.4f);
+  for (Vec3f& p : points) p += far;
+  const auto found = query(sdf, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double distance = slowDistance(mesh, points[i]);
+    if (distance > kBand) continue;
+    ASSERT_NEAR(std::abs(found[i].distance), distance, 0.5 * std::sqrt(3.0) * kCell) << print(points[i]);
+    if (distance > kCell) {
+      ASSERT_EQ(found[i].distance < 0, length(points[i] - far) < 1) << print(points[i]);
+    }
+  }
+}
+
 TEST_P(MeshSdfs, RefusesMeshesTooFarAwayForTheirCells) {
   TriangleMesh mesh = icosphere(1);
   for (Vec3f& v : mesh.vertices) v.x += 1e6f;
