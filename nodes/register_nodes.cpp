@@ -1,5 +1,6 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
@@ -16,6 +17,7 @@ namespace weir {
 
 void registerNodes(Registry& registry) {
   registry.addNode<BoxSampler>();
+  registry.addNode<MeshFile>();
   registry.addNode<ParticleFluid>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
