@@ -17,6 +17,23 @@ namespace {
 /// Vertices are numbered by int, and a file may use one mesh in many places.
 constexpr std::size_t kMostVertices = 500'000'000;
 
+/// Assimp's readers do not check all that its own triangulation relies on.
+void checkFaces(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh* mesh = scene.mMeshes[m];
+    if (mesh == nullptr) throw ioError("mesh " + std::to_string(m) + " of the file is missing");
+    for (unsigned f = 0; f < mesh->mNumFaces; ++f) {
+      const aiFace& face = mesh->mFaces[f];
+      if (face.mNumIndices == 0)
+        throw ioError("face " + std::to_string(f) + " of mesh " + std::to_string(m) + " has no corners");
+      for (unsigned k = 0; k < face.mNumIndices; ++k)
+        if (face.mIndices[k] >= mesh->mNumVertices)
+          throw ioError("face " + std::to_string(f) + " of mesh " + std::to_string(m) + " names vertex " +
+                        std::to_string(face.mIndices[k]) + " of " + std::to_string(mesh->mNumVertices));
+    }
+  }
+}
+
 class SceneTriangles {
  public:
   explicit SceneTriangles(const aiScene& scene) : scene_(scene) {}
@@ -33,7 +50,8 @@ class SceneTriangles {
         if (node->mMeshes[i] >= scene_.mNumMeshes) throw ioError("a node names a mesh that is not there");
         add(*scene_.mMeshes[node->mMeshes[i]], transform);
       }
-      for (unsigned i = 0; i < node->mNumChildren; ++i) open.emplace_back(node->mChildren[i], transform);
+      for (unsigned i = 0; i < node->mNumChildren; ++i)
+        if (node->mChildren[i] != nullptr) open.emplace_back(node->mChildren[i], transform);
     }
     return std::move(result_);
   }
@@ -52,12 +70,7 @@ class SceneTriangles {
       const aiFace& face = mesh.mFaces[i];
       if (face.mNumIndices != 3) continue;  // a point or a line: larger faces have been triangulated
       Vec3i triangle;
-      for (int k = 0; k < 3; ++k) {
-        if (face.mIndices[k] >= mesh.mNumVertices)
-          throw ioError("a triangle names vertex " + std::to_string(face.mIndices[k]) + " of " +
-                        std::to_string(mesh.mNumVertices));
-        triangle[k] = static_cast<int>(first + face.mIndices[k]);
-      }
+      for (int k = 0; k < 3; ++k) triangle[k] = static_cast<int>(first + face.mIndices[k]);
       if (mirrored) std::swap(triangle.y, triangle.z);
       result_.triangles.push_back(triangle);
     }
@@ -84,7 +97,11 @@ std::vector<std::string> AssimpReader::extensions() const {
 TriangleMesh AssimpReader::read(const std::filesystem::path& file) const {
   try {
     Assimp::Importer importer;
-    const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
+    const aiScene* scene = importer.ReadFile(file.string(), 0);
+    if (scene != nullptr) {
+      checkFaces(*scene);
+      scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    }
     if (scene == nullptr)
       throw ioError("the mesh cannot be read: " + printable(importer.GetErrorString(), 300));
     return SceneTriangles(*scene).collect();
