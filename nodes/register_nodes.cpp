@@ -1,5 +1,6 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
@@ -7,6 +8,7 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/samplers/box_sampler.h"
+#include "nodes/samplers/mesh_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
 #include "nodes/square_emitter/square_emitter.h"
 #include "nodes/static_boundary/static_boundary.h"
@@ -16,6 +18,8 @@ namespace weir {
 
 void registerNodes(Registry& registry) {
   registry.addNode<BoxSampler>();
+  registry.addNode<MeshFile>();
+  registry.addNode<MeshSampler>();
   registry.addNode<ParticleFluid>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();

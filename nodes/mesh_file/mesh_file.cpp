@@ -1,0 +1,108 @@
+#include "nodes/mesh_file/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "framework/base/text.h"
+#include "framework/graph/registry.h"
+#include "nodes/mesh_file/mesh_reader.h"
+
+namespace weir {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+/// The rotation that takes an axis of the file to y.
+Quatf uprightRotation(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX:
+      return quaternionFromEulerDegrees({0, 0, 90});
+    case UpAxis::kZ:
+      return quaternionFromEulerDegrees({-90, 0, 0});
+    case UpAxis::kY:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+void MeshFile::validate() const {
+  if (file->empty()) throw sceneError("no file is given", "a path in \"file\"").inParameter(file.name());
+  if (fitSize.get() && unit.isSet())
+    throw sceneError("both unit and fit_size are given, and each sets the size", "one of them")
+        .inParameter(fitSize.name());
+}
+
+Error MeshFile::fileError(std::string message, std::string allowed, std::string hint) const {
+  return ioError(std::move(message), std::move(allowed), std::move(hint))
+      .at({.file = file->resolved.string()})
+      .inParameter(file.name());
+}
+
+TriangleMesh MeshFile::read(const Registry& registry) const {
+  const fs::path& path = file->resolved;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw fileError("there is no such file");
+  if (!fs::is_regular_file(status)) throw fileError("this is no file but a folder or device", "a mesh file");
+
+  const std::string ending = lower(path.extension().string());
+  std::set<std::string> readable;
+  for (const auto& [name, reader] : registry.createServices<MeshReader>())
+    for (const std::string& extension : reader->extensions()) {
+      if (extension == ending) return reader->read(path);
+      readable.insert(extension);
+    }
+  std::string list;
+  for (const std::string& extension : readable) list += (list.empty() ? "" : ", ") + extension;
+  throw fileError(ending.empty() ? "the file's name has no ending that says what it is"
+                                 : "no reader is known for files that end in " + inQuotes(ending),
+                  list.empty() ? "none: no plugin that reads meshes is loaded" : list,
+                  list.empty() ? "'weir info' lists the plugins; assimp reads meshes" : "");
+}
+
+void MeshFile::place(TriangleMesh& mesh) const {
+  mesh.transform(1, uprightRotation(up), {});
+  const Vec3f extent = mesh.bounds().size();
+  const float scale = fitSize.get() ? *fitSize.get() / std::max({extent.x, extent.y, extent.z}) : unit.get();
+  mesh.transform(scale, {}, {});
+  const Aabb box = mesh.bounds();
+  Vec3f pivot{};
+  if (anchor == MeshAnchor::kCenter) pivot = box.center();
+  if (anchor == MeshAnchor::kBase) pivot = {box.center().x, box.lo.y, box.center().z};
+  mesh.transform(1, {}, -pivot);
+  mesh.transform(1, rotation->toQuaternion(), position);
+  const Aabb placed = mesh.bounds();
+  if (!isFinite(placed.lo) || !isFinite(placed.hi))
+    throw sceneError(fmt::format("the mesh is too large: scaled by {}, it has no finite size", scale),
+                     "a smaller unit, or a fit_size");
+}
+
+void MeshFile::reset(const SetupContext& context) {
+  const TriangleMesh raw = read(context.registry);
+  *surface = cleaned(raw);
+  if (surface->empty())
+    throw fileError(raw.empty()
+                        ? "the file holds no triangles"
+                        : fmt::format("none of the file's {} triangles has an area", raw.triangles.size()),
+                    "a file with triangles or polygons");
+  if (flip) surface->flip();
+  place(*surface);
+  const MeshDiagnosis diagnosis = diagnose(*surface);
+  if (!diagnosis.good())
+    context.log.warn(fmt::format("node '{}': the mesh of {} triangles in {} has {}{}", name(),
+                                 surface->triangles.size(), inQuotes(file->text), diagnosis.message(),
+                                 diagnosis.insideOut ? "; \"flip\": true turns it round" : ""));
+}
+
+}  // namespace weir

@@ -1,0 +1,34 @@
+#include "nodes/samplers/mesh_sampler.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "nodes/geometry/mesh_query.h"
+
+namespace weir {
+
+void MeshSampler::reset(const SetupContext& context) {
+  const float spacing = requestedSpacing();
+  const TriangleMesh& mesh = *surface;
+  const Aabb box = mesh.bounds();
+  if (mesh.empty() || !isFinite(box.lo) || !isFinite(box.hi))
+    throw sceneError("the mesh from '" + surface.links().front()->path() + "' is empty or has no finite size",
+                     "a mesh with an inside");
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  if (!diagnosis.good())
+    context.log.warn(fmt::format("node '{}': the mesh from '{}' has {}, so what is inside it is a guess",
+                                 name(), surface.links().front()->path(), diagnosis.message()));
+  const MeshQuery query(mesh);
+  // A mesh that is inside out has winding numbers of -1 inside.
+  const double sign = diagnosis.insideOut ? -1 : 1;
+  const auto inside = [&](const Vec3f& p) {
+    constexpr double kHalf = 0.5;  // between outside, 0, and inside, 1
+    return sign * query.windingNumber(p) > kHalf &&
+           (margin == 0 || query.closestDistance(p, 2 * margin) >= margin);
+  };
+  fill(context, Lattice::inBox(box, spacing), inside);
+  if (diagnosis.closed() && margin == 0) warnOfRounding(context, std::abs(mesh.volume()), spacing);
+}
+
+}  // namespace weir

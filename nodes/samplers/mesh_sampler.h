@@ -1,0 +1,22 @@
+// The inside of a mesh full of particles.
+#pragma once
+
+#include "nodes/geometry/triangle_mesh.h"
+#include "nodes/samplers/sampler.h"
+
+namespace weir {
+
+class MeshSampler final : public Sampler {
+ public:
+  static constexpr NodeInfo kInfo{"MeshSampler", "Fills the inside of a mesh with particles."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<float> margin{
+      *this, "margin", 0, {.unit = "m", .min = 0, .doc = "No particle is closer to the surface than this."}};
+
+  Input<TriangleMesh> surface{*this, "surface", "The mesh to fill; small holes do no harm."};
+
+  void reset(const SetupContext& context) override;
+};
+
+}  // namespace weir

@@ -1,0 +1,7 @@
+#include "framework/graph/plugin.h"
+
+#include "plugins/assimp/assimp_reader.h"
+
+WEIR_PLUGIN("assimp", "Reads mesh files.", registry) {
+  registry.addService<weir::MeshReader>("assimp", [] { return std::make_unique<weir::AssimpReader>(); });
+}
