@@ -1,5 +1,6 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
@@ -12,6 +13,7 @@
 namespace weir {
 
 void registerNodes(Registry& registry) {
+  registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();
