@@ -62,7 +62,7 @@ struct GroundView {
   float height = 0;   ///< m along View::worldUp
   Vec3f center;       ///< its middle, before it is moved to the height
   float radius = 10;  ///< m
-  Color color{0.90f, 0.90f, 0.89f, 1};
+  Color color{0.91f, 0.915f, 0.92f, 1};
 };
 
 struct LightingView {

@@ -46,6 +46,7 @@ struct Functions {
   PFNGLDEPTHMASKPROC depthMask = find("glDepthMask");
   PFNGLCULLFACEPROC cullFace = find("glCullFace");
   PFNGLBLENDFUNCPROC blendFunc = find("glBlendFunc");
+  PFNGLPOLYGONOFFSETPROC polygonOffset = find("glPolygonOffset");
   PFNGLPIXELSTOREIPROC pixelStorei = find("glPixelStorei");
   PFNGLFINISHPROC finish = find("glFinish");
 

@@ -41,9 +41,9 @@ void main() {
   if (!gl_FrontFacing) normal = -normal;
   float cosine = max(dot(normal, towardsEye), 0.0);
   float mirror = fresnel(cosine, 0.04);
-  // The way through a thin wall is longer at a flat angle; 0.2 keeps rims from going black.
-  vec3 through = pow(uTint, vec3(0.35 / max(cosine, 0.2)));
-  vec3 mirrored = reflectedLight(reflect(-towardsEye, normal)) + 0.35 * kSunColor * highlight(normal, towardsEye, 300.0);
+  // The way through a thin wall is longer at a flat angle, where real glass bends in light from darker places too.
+  vec3 through = pow(uTint, vec3(0.25 / max(cosine, 0.15))) * (1.0 - 0.45 * pow(1.0 - cosine, 3.0));
+  vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 2.6) + 0.35 * kSunColor * highlight(normal, towardsEye, 300.0);
   float seen = gl_FrontFacing ? 1.0 : 0.45;  // inner sides mirror less: their light crosses the wall twice
   oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0);
   oThrough = vec4(through * (1.0 - mirror * seen), 1.0);
@@ -72,6 +72,9 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   gl_.enable(GL_BLEND);
   gl_.blendFunc(GL_ONE, GL_SRC1_COLOR);
   gl_.enable(GL_CULL_FACE);
+  // A little nearer, so that the foot of a glass is seen on the ground it stands on.
+  gl_.enable(GL_POLYGON_OFFSET_FILL);
+  gl_.polygonOffset(-1, -64);
   program_.use();
   setLightUniforms(program_, frame);
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
@@ -84,6 +87,7 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
       meshes.draw(surface->mesh);
     }
   }
+  gl_.disable(GL_POLYGON_OFFSET_FILL);
   gl_.disable(GL_CULL_FACE);
   gl_.disable(GL_BLEND);
   gl_.depthMask(GL_TRUE);

@@ -1,40 +1,58 @@
 #include "plugins/rendering/gl/lighting_pass.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
 namespace {
 
-// Each sample looks at four of sixteen places of the shadow map, another four in each of four neighbouring
-// samples, so a pixel of 2x2 samples sees all sixteen. The places are a sunflower's (H. Vogel 1979).
+/// A sunflower's seeds (H. Vogel 1979): evenly spread.
+Vec2f sunflower(int number, int count) {
+  constexpr float kGoldenAngle = 2.3999632f;
+  const float radius = std::sqrt((float(number) + 0.5f) / float(count));
+  return {radius * std::cos(float(number) * kGoldenAngle), radius * std::sin(float(number) * kGoldenAngle)};
+}
+
+// Each sample looks at four places of the shadow map, turned by another angle in each of four neighbouring
+// samples, so that a pixel of 2x2 samples sees sixteen.
 const std::string kShadowSnippet = R"(
 uniform sampler2DShadow uShadow;
 uniform sampler2D uThroughGlass;
 uniform mat4 uToSun;        // from camera space to the shadow map
 uniform float uSoftness;    // radius of the edges, in the shadow map's coordinates
 uniform float uShadowTexel; // m
-uniform int uShadowTaps;    // 0: no shadows
 
 vec3 sunlight(vec3 position, vec3 normal, float throughGlass) {
+#ifdef SHADOWS
   vec4 place = uToSun * vec4(position + normal * uShadowTexel * 2.0, 1.0);
   place.z = min(place.z, 1.0);
-  ivec2 sample2 = ivec2(gl_FragCoord.xy) & 1;
-  float which = float(sample2.x + 2 * sample2.y);
-  vec3 light = vec3(0.0);
-  for (int i = 0; i < uShadowTaps; ++i) {
-    float number = 4.0 * float(i) + which;
-    vec2 offset = uSoftness * sqrt((number + 0.5) / 16.0) * vec2(cos(number * 2.3999632), sin(number * 2.3999632));
-    float open = texture(uShadow, place.xyz + vec3(offset, 0.0));
-    light += open * mix(vec3(1.0), texture(uThroughGlass, place.xy + offset).rgb, throughGlass);
+  ivec2 odd = ivec2(gl_FragCoord.xy) & 1;
+  vec2 turn = uSoftness * kTurns[odd.x + 2 * odd.y];
+  float open = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    vec2 offset = vec2(kTaps[i].x * turn.x - kTaps[i].y * turn.y, kTaps[i].x * turn.y + kTaps[i].y * turn.x);
+    open += 0.25 * texture(uShadow, place.xyz + vec3(offset, 0.0));
   }
-  return uShadowTaps == 0 ? vec3(1.0) : light / float(uShadowTaps);
+#ifdef GLASS
+  return open * mix(vec3(1.0), texture(uThroughGlass, place.xy + 0.7 * turn).rgb, throughGlass);
+#endif
+  return vec3(open);
+#else
+  return vec3(1.0);
+#endif
 }
 )";
 
-const std::string kLightingShader =
-    kShaderVersion + kCameraSnippet + kMaterialSnippet + kLightSnippet + kShadowSnippet + R"(
+/// Cosine and sine of angles between which the taps' own places are evenly turned.
+Vec2f quarterStep(int number, int count) {
+  const float angle = 0.5f * std::numbers::pi_v<float> * float(number) / float(count);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+const std::string kLightingShader = kCameraSnippet + kMaterialSnippet + kLightSnippet + kShadowSnippet + R"(
 uniform sampler2D uAlbedo, uNormal, uDepth, uOcclusion;
 uniform vec3 uBackgroundTop, uBackgroundBottom;
 uniform vec3 uGroundMiddle;   // in camera space
@@ -53,8 +71,7 @@ void main() {
   vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
   vec3 position = rayAt(gl_FragCoord.xy) * distanceAt(depth);
   vec3 towardsEye = -normalize(position);
-  bool ground = isMaterial(surface.a, kGround), metal = isMaterial(surface.a, kMetal);
-  bool particle = isMaterial(surface.a, kParticle);
+  bool ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
 
   float open = texture(uOcclusion, window).r;
   float facing = dot(normal, uSun);
@@ -64,15 +81,17 @@ void main() {
   float rim = fresnel(dot(normal, towardsEye), 0.04);
   if (particle) color += 0.10 * kSunColor * sun * highlight(normal, towardsEye, 40.0) * step(0.0, facing) * 0.25 +
                          0.25 * rim * open * uSkyColor * surface.rgb;
-  if (metal) {
-    vec3 mirrored = reflectedLight(reflect(-towardsEye, normal));
+#ifdef METAL
+  if (isMaterial(surface.a, kMetal)) {
+    vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 1.0);
     vec3 tint = mix(surface.rgb, vec3(1.0), fresnel(dot(normal, towardsEye), 0.0));
     color = 0.25 * color + tint * (0.85 * mirrored * mix(0.4, 1.0, open) +
                                    0.12 * sun * highlight(normal, towardsEye, 120.0) * step(0.0, facing));
   }
+#endif
   if (uUnlit) color = surface.rgb;
   float away = length(position - uGroundMiddle) / uGroundRadius;
-  if (ground) color = mix(color, background, smoothstep(0.25, 0.95, away));
+  if (ground) color = mix(color, background, smoothstep(0.12, 0.9, away));
   oLight = vec4(depth >= 1.0 ? background : color, 1.0);
 }
 )";
@@ -85,7 +104,7 @@ out vec4 oColor;
 
 // Leaves light below the knee alone, and bends what is above it towards 1.
 vec3 shoulder(vec3 light) {
-  const float kKnee = 0.78;
+  const float kKnee = 0.8;
   vec3 over = max(light - kKnee, 0.0) / (1.0 - kKnee);
   return min(light, kKnee) + (1.0 - kKnee) * (1.0 - exp(-over));
 }
@@ -110,41 +129,56 @@ void main() {
 
 LightingPass::LightingPass(const Functions& gl)
     : gl_(gl),
-      lighting_(gl, "lighting", kFullScreenVertexShader, kLightingShader),
       resolve_(gl, "resolve", kFullScreenVertexShader, kResolveShader),
       array_(makeVertexArray(gl)) {}
 
-void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows) const {
+const Program& LightingPass::programFor(const Frame& frame) {
+  const auto has = [&](SurfaceLook look) {
+    return std::any_of(frame.view.surfaces.begin(), frame.view.surfaces.end(),
+                       [&](const SurfaceView& surface) { return surface.look == look; });
+  };
+  std::string defines;
+  if (frame.hasShadows) defines += "#define SHADOWS\n";
+  if (has(SurfaceLook::kGlass)) defines += "#define GLASS\n";
+  if (has(SurfaceLook::kMetal)) defines += "#define METAL\n";
+  const auto known = lighting_.find(defines);
+  if (known != lighting_.end()) return known->second;
+  const std::string source = kShaderVersion + defines + placesInCircle("kTaps", 4, sunflower) +
+                             placesInCircle("kTurns", 4, quarterStep) + kLightingShader;
+  return lighting_.emplace(defines, Program(gl_, "lighting", kFullScreenVertexShader, source)).first->second;
+}
+
+void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows) {
+  const Program& lighting = programFor(frame);
   const View& view = frame.view;
   gl_.disable(GL_DEPTH_TEST);
   gl_.viewport(0, 0, frame.width, frame.height);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lighting.name());
   gl_.bindVertexArray(array_.name());
-  lighting_.use();
-  setCameraUniforms(lighting_, frame.camera, frame.width, frame.height);
-  setLightUniforms(lighting_, frame);
-  lighting_.setTexture("uAlbedo", 0, targets.albedo);
-  lighting_.setTexture("uNormal", 1, targets.normal);
-  lighting_.setTexture("uDepth", 2, targets.depth);
-  lighting_.setTexture("uOcclusion", 3, targets.occlusion[0]);
-  lighting_.setTexture("uShadow", 4, shadows.depth());
-  lighting_.setTexture("uThroughGlass", 5, shadows.throughGlass());
-  lighting_.set("uShadowTaps", frame.hasShadows ? 4 : 0);
+  lighting.use();
+  setCameraUniforms(lighting, frame.camera, frame.width, frame.height);
+  setLightUniforms(lighting, frame);
+  lighting.setTexture("uAlbedo", 0, targets.albedo);
+  lighting.setTexture("uNormal", 1, targets.normal);
+  lighting.setTexture("uDepth", 2, targets.depth);
+  lighting.setTexture("uOcclusion", 3, targets.occlusion[0]);
+  lighting.setTexture("uShadow", 4, shadows.depth());
+  lighting.setTexture("uThroughGlass", 5, shadows.throughGlass());
   if (frame.hasShadows) {
     const Eigen::Matrix4f toSun = frame.sun.toTexture() * frame.camera.view.inverse();
-    lighting_.setMatrix4("uToSun", toSun.data());
-    lighting_.set("uShadowTexel", 2 * frame.sun.halfSize / float(ShadowPass::kResolution));
-    constexpr float kSoftTexels = 3.5f;
-    lighting_.set("uSoftness", kSoftTexels / float(ShadowPass::kResolution));
+    lighting.setMatrix4("uToSun", toSun.data());
+    lighting.set("uShadowTexel", 2 * frame.sun.halfSize / float(ShadowPass::kResolution));
+    constexpr float kSoftTexels = 5;
+    lighting.set("uSoftness", kSoftTexels / float(ShadowPass::kResolution));
   }
-  lighting_.set("uBackgroundTop", linear(view.backgroundTop));
-  lighting_.set("uBackgroundBottom", linear(view.backgroundBottom));
+  lighting.set("uBackgroundTop", linear(view.backgroundTop));
+  lighting.set("uBackgroundBottom", linear(view.backgroundBottom));
   const Vec3f up = normalized(view.worldUp);
   const GroundView& ground = view.ground;
-  lighting_.set("uGroundMiddle",
-                frame.camera.point(ground.center + up * (ground.height - dot(ground.center, up))));
-  lighting_.set("uGroundRadius", ground.radius);
-  lighting_.set("uUnlit", int(view.lighting.unlit));
+  lighting.set("uGroundMiddle",
+               frame.camera.point(ground.center + up * (ground.height - dot(ground.center, up))));
+  lighting.set("uGroundRadius", ground.radius);
+  lighting.set("uUnlit", int(view.lighting.unlit));
   gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -1,22 +1,31 @@
 #include "plugins/rendering/gl/occlusion_pass.h"
 
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kEstimateShader = kShaderVersion + kCameraSnippet + R"(
+constexpr int kTaps = 11;
+
+Vec2f spiral(int number, int count) {
+  constexpr float kTurns = 7;  // no common factor with the taps
+  const float part = (float(number) + 0.5f) / float(count);
+  const float angle = 2 * std::numbers::pi_v<float> * kTurns * part;
+  return {part * std::cos(angle), part * std::sin(angle)};
+}
+
+const std::string kEstimateShader =
+    kShaderVersion + kCameraSnippet + placesInCircle("kPlaces", kTaps, spiral) + R"(
 uniform sampler2D uDepth, uNormal;
 uniform int uSamples;        // per pixel and axis
 uniform float uRadius;       // m
 uniform float uRadiusInView; // of 1 m at a distance of 1 m, in window coordinates of samples
 uniform float uLargest;      // in the same
 out float oOpen;
-
-const int kTaps = 11;
-const float kTurns = 7.0;  // of the spiral: no common factor with the taps
 
 vec3 positionAt(ivec2 place) {
   return rayAt(vec2(place) + 0.5) * distanceAt(texelFetch(uDepth, place, 0).r);
@@ -29,19 +38,19 @@ void main() {
   vec3 position = rayAt(vec2(place) + 0.5) * distanceAt(depth);
   vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
   float reach = min(uRadius * uRadiusInView / -position.z, uLargest);
-  float turn = float((pixel.x & 3) * 4 + (pixel.y & 3) * 7 & 15) * (6.2831853 / 16.0);
+  float angle = float((pixel.x & 3) * 4 + (pixel.y & 3) * 7 & 15) * (6.2831853 / 16.0);
   ivec2 last = textureSize(uDepth, 0) - 1;
+  vec2 turn = reach * vec2(cos(angle), sin(angle));
   float sum = 0.0;
-  for (int i = 0; i < kTaps; ++i) {
-    float part = (float(i) + 0.5) / float(kTaps);
-    float angle = part * kTurns * 6.2831853 + turn;
-    ivec2 tap = place + ivec2(round(reach * part * vec2(cos(angle), sin(angle))));
+  for (int i = 0; i < kPlaces.length(); ++i) {
+    vec2 at = vec2(kPlaces[i].x * turn.x - kPlaces[i].y * turn.y, kPlaces[i].x * turn.y + kPlaces[i].y * turn.x);
+    ivec2 tap = place + ivec2(round(at));
     vec3 towards = positionAt(clamp(tap, ivec2(0), last)) - position;
-    float near = max(uRadius * uRadius - dot(towards, towards), 0.0);
+    float within = max(uRadius * uRadius - dot(towards, towards), 0.0);
     float above = max(dot(towards, normal) - 0.02 * uRadius, 0.0);
-    sum += near * near * near * above / (dot(towards, towards) + 1e-3 * uRadius * uRadius);
+    sum += within * within * within * above / (dot(towards, towards) + 1e-3 * uRadius * uRadius);
   }
-  float hemmedIn = sum * 5.0 / (pow(uRadius, 5.0) * float(kTaps));
+  float hemmedIn = sum * 5.0 / (pow(uRadius, 5.0) * float(kPlaces.length()));
   oOpen = depth >= 1.0 ? 1.0 : max(0.0, 1.0 - hemmedIn);
 }
 )";

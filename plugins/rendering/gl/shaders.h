@@ -3,9 +3,15 @@
 
 #include <string>
 
+#include "framework/base/vec.h"
+
 namespace weir::rendering::gl {
 
 inline const std::string kShaderVersion = "#version 330 core\n";
+
+/// "const vec2 NAME[N] = vec2[](…);": `count` places in the unit circle, which `placeOf` gives by number.
+/// Constant places cost no sines in the shader.
+std::string placesInCircle(const std::string& name, int count, Vec2f (*placeOf)(int number, int count));
 
 /// Covers the whole picture with one triangle; to be drawn with drawArrays(GL_TRIANGLES, 0, 3).
 inline const std::string kFullScreenVertexShader = kShaderVersion + R"(
@@ -40,8 +46,8 @@ uniform vec3 uUp;
 uniform vec3 uSkyColor;
 uniform vec3 uGroundColor;
 
-const vec3 kSunColor = vec3(0.66, 0.63, 0.58);
-const float kSkyStrength = 0.52;
+const vec3 kSunColor = vec3(0.74, 0.71, 0.66);
+const float kSkyStrength = 0.56;
 
 vec3 skyLight(vec3 normal) {
   float above = 0.5 + 0.5 * dot(normal, uUp);
@@ -57,12 +63,12 @@ float lamp(vec3 direction, vec3 towards, vec3 across, vec2 size) {
   return inside.x * inside.y;
 }
 
-vec3 reflectedLight(vec3 direction) {
+vec3 reflectedLight(vec3 direction, float lampStrength) {
   float above = dot(direction, uUp);
-  vec3 light = mix(0.55 * uGroundColor, 0.9 * uSkyColor, smoothstep(-0.25, 0.35, above));
-  float lamps = 2.6 * lamp(direction, normalize(vec3(-0.75, 0.45, 0.5)), normalize(vec3(0.5, 0.0, 0.75)), vec2(0.28, 0.75));
-  lamps += 1.5 * lamp(direction, normalize(vec3(0.9, 0.15, 0.35)), normalize(vec3(-0.35, 0.0, 0.9)), vec2(0.16, 0.9));
-  return light + lamps;
+  vec3 light = mix(0.42 * uGroundColor, 0.75 * uSkyColor, smoothstep(-0.35, 0.35, above));
+  float lamps = 3.4 * lamp(direction, normalize(vec3(-0.75, 0.45, 0.5)), normalize(vec3(0.5, 0.0, 0.75)), vec2(0.28, 0.75));
+  lamps += 2.0 * lamp(direction, normalize(vec3(0.9, 0.15, 0.35)), normalize(vec3(-0.35, 0.0, 0.9)), vec2(0.16, 0.9));
+  return light + lampStrength * lamps;
 }
 
 // The normalised Blinn-Phong highlight (J. Blinn 1977), with F. Giesen's factor (n + 8) / 8.
