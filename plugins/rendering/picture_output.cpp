@@ -1,12 +1,15 @@
 #include "plugins/rendering/picture_output.h"
 
+#include <dlfcn.h>
+
 #include <optional>
 
 #include "framework/base/text.h"
+#include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
-#include "plugins/rendering/overlay.h"
+#include "plugins/rendering/overlay/overlay.h"
 #include "plugins/rendering/scene_view.h"
 
 namespace weir::rendering {
@@ -16,16 +19,22 @@ namespace {
 constexpr const char* kVideo = "video";
 constexpr const char* kImages = "images";
 
+/// share/weir/fonts of the build or installation that this library is in: <prefix>/lib/weir/plugins.
+std::filesystem::path fontFolder() {
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&fontFolder), &self) == 0) return {};
+  return std::filesystem::absolute(self.dli_fname).parent_path() / "../../../share/weir/fonts";
+}
+
 class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
 
   void begin(Simulation& simulation) override {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
-    renderer_ = std::make_unique<Renderer>(makeContext(providerFromEnvironment()));
-    view_ = std::make_unique<SceneView>(settings);
-    if (settings.overlay || settings.color->bar) overlay_ = std::make_unique<Overlay>(fontFile());
-    showText_ = settings.overlay;
+    renderer_ = std::make_unique<gl::Renderer>(gl::makeContext());
+    view_ = std::make_unique<SceneView>(settings, *renderer_);
+    overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
       video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate);
     if (const auto path = paths_.find(kImages); path != paths_.end()) images_.emplace(path->second);
@@ -33,7 +42,7 @@ class Pictures final : public Observer {
 
   void frame(Simulation& simulation) override {
     Picture picture = renderer_->draw(view_->at(simulation));
-    if (overlay_) drawOverlay(simulation, picture);
+    overlay_->draw(overlayText(simulation), picture);
     if (images_) images_->write(picture);
     if (video_) video_->write(std::move(picture));
   }
@@ -48,21 +57,25 @@ class Pictures final : public Observer {
   }
 
  private:
-  void drawOverlay(const Simulation& simulation, Picture& picture) {
-    if (showText_)
-      overlay_->drawCaption(picture, simulation.scene().title, simulation.time(), simulation.particleCount());
-    const ColorKey& key = view_->colorKey();
-    if (key.shown) {
-      const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
-      overlay_->drawColorBar(picture, {key.quantity, key.unit, key.low, key.high, settings.color->map});
+  OverlayText overlayText(const Simulation& simulation) const {
+    const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+    OverlayText text;
+    text.lightText = wantsLightText(settings.backgroundTop, settings.backgroundBottom);
+    if (settings.overlay) {
+      text.title = simulation.scene().title;
+      text.seconds = simulation.time();
+      text.particles = simulation.particleCount();
     }
+    const ColorKey& key = view_->colorKey();
+    const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
+    if (key.shown) text.bar = ColorBar{settings.color->map, key.low, key.high, caption};
+    return text;
   }
 
   OutputPaths paths_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
-  bool showText_ = false;
   std::optional<VideoWriter> video_;
   std::optional<ImageSequence> images_;
 };

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "framework/graph/configurable.h"
-#include "plugins/rendering/color_map.h"
+#include "plugins/rendering/view.h"
 
 namespace weir {
 
@@ -19,10 +19,8 @@ struct EnumNames<rendering::ColorMapName> {
       EnumName{"water", "Deep blue to white, as of foam."}};
 };
 
-/// How a surface looks.
-enum class SurfaceLook { kMatt, kGlass, kMetal };
 template <>
-struct EnumNames<SurfaceLook> {
+struct EnumNames<rendering::SurfaceLook> {
   static constexpr std::array<EnumName, 3> kNames{EnumName{"matt", "Opaque, without highlights."},
                                                   EnumName{"glass", "Transparent, with bright rims."},
                                                   EnumName{"metal", "Opaque and shiny."}};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "framework/base/text.h"
 #include "nodes/particle_fluid/particle_fluid.h"
@@ -77,14 +76,17 @@ View SceneView::at(Simulation& simulation) {
   View view;
   view.width = settings_.width;
   view.height = settings_.height;
-  view.surfaces = surfaces_;
-  view.lines = lines_;
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
   addFluids(simulation, view);
-  view.bounds = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
-  view.ground = settings_.ground;
-  view.groundHeight = hasFloor_ ? floor_ : view.bounds.lo.y;
+  view.surfaces = surfaces_;
+  if (!lines_.empty()) view.lines.push_back({.points = lines_});
+  const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
+  constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
+  view.ground.visible = settings_.ground;
+  view.ground.height = hasFloor_ ? floor_ : box.lo.y;
+  view.ground.center = box.center();
+  view.ground.radius = kGroundShare * length(box.size());
   view.camera = cameraAt(simulation.time());
   return view;
 }
@@ -92,8 +94,7 @@ View SceneView::at(Simulation& simulation) {
 void SceneView::collectStatic(Simulation& simulation) {
   collected_ = true;
   checkNames(simulation);
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation))
-    addSurface(std::make_shared<TriangleMesh>(**output), node);
+  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation)) addSurface(**output, node);
   for (const auto& node : simulation.scene().graph.nodes()) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
@@ -123,13 +124,13 @@ const SurfaceSettings* SceneView::settingsOf(const std::string& node) const {
   return nullptr;
 }
 
-void SceneView::addSurface(std::shared_ptr<const TriangleMesh> mesh, const std::string& node) {
+void SceneView::addSurface(const TriangleMesh& mesh, const std::string& node) {
   const SurfaceSettings* own = settingsOf(node);
-  if (mesh->empty() || (own != nullptr && !own->visible)) return;
-  bounds_.extend(mesh->bounds());
+  if (mesh.empty() || (own != nullptr && !own->visible)) return;
+  bounds_.extend(mesh.bounds());
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
-  surfaces_.push_back({std::move(mesh), look.look, look.color});
+  surfaces_.push_back({.mesh = renderer_.addMesh(mesh), .look = look.look, .color = look.color});
 }
 
 void SceneView::addShape(const Shape& shape, const std::string& node) {
@@ -143,48 +144,46 @@ void SceneView::addShape(const Shape& shape, const std::string& node) {
     return;
   }
   if (!shape.inverted) {
-    addSurface(std::make_shared<TriangleMesh>(meshOfShape(shape)), node);
+    addSurface(meshOfShape(shape), node);
     return;
   }
   const std::vector<Line> outline = outlineOfShape(shape);
-  for (const Line& line : outline) bounds_.extend(line.from);
-  if (settings_.outlines) lines_.insert(lines_.end(), outline.begin(), outline.end());
+  for (const Line& line : outline) {
+    bounds_.extend(line.from);
+    if (settings_.outlines) lines_.insert(lines_.end(), {line.from, line.to});
+  }
 }
 
 void SceneView::addFluids(Simulation& simulation, View& view) {
   const std::string& by = settings_.color->by;
-  key_.shown = settings_.color->bar && by != "none";
+  const bool colored = by != "none";
+  key_.shown = settings_.color->bar && colored;
   key_.quantity = by;
-  std::vector<std::vector<float>> values;
+  positions_.clear();
+  values_.clear();
   for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
-    Spheres spheres;
-    spheres.radius = 0.5f * settings_.particleSize * fluid.constants->spacing;
-    spheres.positions = fluid.particles->positions().toHost(count);
-    values.push_back(by == "none" ? std::vector<float>(spheres.positions.size())
-                                  : quantityOf(*fluid.particles, by, count, key_));
-    if (!boundsAreStatic_)
-      for (const Vec3f& p : spheres.positions) bounds_.extend(p);
-    view.spheres.push_back(std::move(spheres));
+    const std::vector<Vec3f> positions = fluid.particles->positions().toHost(count);
+    positions_.insert(positions_.end(), positions.begin(), positions.end());
+    if (colored) {
+      const std::vector<float> values = quantityOf(*fluid.particles, by, count, key_);
+      values_.insert(values_.end(), values.begin(), values.end());
+    }
+    view.particles.radius = 0.5f * settings_.particleSize * fluid.constants->spacing;
   }
-  if (by == "none") {
-    const Color& c = settings_.color->fixed;
-    for (const float part : {c.r, c.g, c.b})
-      view.colors.push_back(static_cast<std::uint8_t>(std::lround(255 * part)));
-  } else {
-    chooseRange(values);
-    const auto table = colorTable(settings_.color->map);
-    view.colors.assign(table.begin(), table.end());
-  }
-  const float scale = 1 / (key_.high - key_.low);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    for (float& v : values[k]) v = std::clamp((v - key_.low) * scale, 0.0f, 1.0f);
-    view.spheres[k].shade = std::move(values[k]);
-  }
+  if (!boundsAreStatic_)
+    for (const Vec3f& p : positions_) bounds_.extend(p);
+  if (colored) chooseRange();
+  view.particles.positions = positions_;
+  view.particles.values = values_;
+  view.particles.map = settings_.color->map;
+  view.particles.lowest = key_.low;
+  view.particles.highest = key_.high;
+  view.particles.fixed = settings_.color->fixed;
 }
 
-void SceneView::chooseRange(const std::vector<std::vector<float>>& values) {
+void SceneView::chooseRange() {
   if (const auto& fixed = settings_.color->range.get()) {
     key_.low = fixed->x, key_.high = fixed->y;
     return;
@@ -192,12 +191,12 @@ void SceneView::chooseRange(const std::vector<std::vector<float>>& values) {
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
   float low = rangeFound_ ? key_.low : 0, high = rangeFound_ ? key_.high : 0;
   bool any = rangeFound_;
-  for (const auto& list : values)
-    for (const float v : list) {
-      low = any ? std::min(low, v) : v;
-      high = any ? std::max(high, v) : v;
-      any = true;
-    }
+  for (const float v : values_) {
+    if (!std::isfinite(v)) continue;
+    low = any ? std::min(low, v) : v;
+    high = any ? std::max(high, v) : v;
+    any = true;
+  }
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
   if (!any || !grew) return;
   rangeFound_ = high > low;
@@ -208,24 +207,20 @@ void SceneView::chooseRange(const std::vector<std::vector<float>>& values) {
   if (!(key_.high > key_.low)) key_.high = key_.low + step;
 }
 
-Camera SceneView::fittingCamera() const {
-  Camera camera;
+CameraPose SceneView::restingCamera() const {
   const CameraSettings& settings = *settings_.camera;
-  camera.up = settings.up;
-  camera.fov = settings.fov;
-  const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
-  camera.target = settings.target.get().value_or(box.center());
-  // The sphere around the scene fills the shorter side of the picture.
-  const float aspect = std::min(1.0f, float(settings_.width) / float(settings_.height));
-  const float half = std::atan(aspect * std::tan(camera.fov * std::numbers::pi_v<float> / 360));
-  const float distance = 0.5f * length(box.size()) / std::sin(half);
-  const Vec3f direction = normalized(Vec3f{0.55f, 0.42f, 0.72f});
-  camera.eye = settings.eye.get().value_or(camera.target + std::max(distance, 1e-3f) * direction);
+  const float aspect = float(settings_.width) / float(settings_.height);
+  CameraPose camera = poseSeeing(bounds_, {0.55f, 0.42f, 0.72f}, settings.up, settings.fov, aspect);
+  if (settings.target.get()) {
+    camera.eye = camera.eye + (*settings.target.get() - camera.target);
+    camera.target = *settings.target.get();
+  }
+  if (settings.eye.get()) camera.eye = *settings.eye.get();
   return camera;
 }
 
-Camera SceneView::cameraAt(double time) const {
-  Camera camera = fittingCamera();
+CameraPose SceneView::cameraAt(double time) const {
+  CameraPose camera = restingCamera();
   const auto& keys = settings_.camera->keyframes;
   if (keys.empty()) return camera;
   std::size_t next = 0;
@@ -234,10 +229,10 @@ Camera SceneView::cameraAt(double time) const {
   const CameraKey& b = keys[next == keys.size() ? next - 1 : next];
   const double span = b.time - a.time;
   const float t = span > 0 ? static_cast<float>((time - a.time) / span) : 0;
-  const float fovA = a.fov.get().value_or(camera.fov), fovB = b.fov.get().value_or(camera.fov);
+  const float fovA = a.fov.get().value_or(camera.fovDegrees), fovB = b.fov.get().value_or(camera.fovDegrees);
   camera.eye = (1 - t) * a.eye.get() + t * b.eye.get();
   camera.target = (1 - t) * a.target.get() + t * b.target.get();
-  camera.fov = (1 - t) * fovA + t * fovB;
+  camera.fovDegrees = (1 - t) * fovA + t * fovB;
   return camera;
 }
 

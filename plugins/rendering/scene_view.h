@@ -1,12 +1,13 @@
 // Makes a view of a simulation: what there is to see, from where, in which colours.
 #pragma once
 
-#include <map>
-#include <memory>
 #include <string>
+#include <vector>
 
 #include "framework/run/simulation.h"
 #include "nodes/static_boundary/shapes.h"
+#include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -20,9 +21,12 @@ struct ColorKey {
 
 class SceneView {
  public:
-  explicit SceneView(const RenderSettings& settings) : settings_(settings) {}
+  /// Gives its surfaces to the renderer, which must outlive it.
+  SceneView(const RenderSettings& settings, gl::Renderer& renderer)
+      : settings_(settings), renderer_(renderer) {}
 
-  /// The view at the present frame. Waits for the device. Throws a scene Error if the settings name what the
+  /// The view at the present frame; it points to what this object holds until the next call. Waits for the
+  /// device. Throws a scene Error if the settings name what the
   /// scene does not have.
   View at(Simulation& simulation);
   /// Of the view that at() made last.
@@ -31,21 +35,24 @@ class SceneView {
  private:
   void collectStatic(Simulation& simulation);
   void addShape(const Shape& shape, const std::string& node);
-  void addSurface(std::shared_ptr<const TriangleMesh> mesh, const std::string& node);
+  void addSurface(const TriangleMesh& mesh, const std::string& node);
   void addFluids(Simulation& simulation, View& view);
-  void chooseRange(const std::vector<std::vector<float>>& values);
-  Camera cameraAt(double time) const;
-  Camera fittingCamera() const;
+  void chooseRange();
+  CameraPose cameraAt(double time) const;
+  CameraPose restingCamera() const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
 
   const RenderSettings& settings_;
+  gl::Renderer& renderer_;
   ColorKey key_;
+  std::vector<Vec3f> positions_;  // of all fluids
+  std::vector<float> values_;
 
   // What does not change during a run.
   bool collected_ = false;
-  std::vector<Surface> surfaces_;
-  std::vector<Line> lines_;
+  std::vector<SurfaceView> surfaces_;
+  std::vector<Vec3f> lines_;  // two points a line
   Aabb bounds_;
   bool boundsAreStatic_ = false;  // else they grow with the particles
   float floor_ = 0;

@@ -5,9 +5,13 @@
 
 #include "nodes/geometry/triangle_mesh.h"
 #include "nodes/static_boundary/shapes.h"
-#include "plugins/rendering/view.h"
 
 namespace weir::rendering {
+
+/// A line segment, in metres.
+struct Line {
+  Vec3f from, to;
+};
 
 /// The surface of a solid; empty for a plane.
 TriangleMesh meshOfShape(const Shape& shape);

@@ -11,14 +11,13 @@ namespace {
 class RenderingInfo final : public InfoSource {
  public:
   std::vector<InfoEntry> info() const override {
-    return {{"OSMesa", tryOut(Provider::kOsmesa)}, {"EGL", tryOut(Provider::kEgl)}};
+    return {{"OSMesa", tryOut(gl::Provider::kOsMesa)}, {"EGL", tryOut(gl::Provider::kEgl)}};
   }
 
  private:
-  static std::string tryOut(Provider provider) {
+  static std::string tryOut(gl::Provider provider) {
     try {
-      const auto context = makeContext(provider);
-      return "works: " + rendererName(*context);
+      return "works: " + gl::makeContext(provider)->description();
     } catch (const Error& e) {
       return e.message();
     }

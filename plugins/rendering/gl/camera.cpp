@@ -1,0 +1,158 @@
+#include "plugins/rendering/gl/camera.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "framework/base/error.h"
+
+namespace weir::rendering {
+namespace {
+
+std::array<Vec3f, 8> cornersOf(const Aabb& box) {
+  std::array<Vec3f, 8> corners;
+  for (int i = 0; i < 8; ++i)
+    corners[i] = {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
+  return corners;
+}
+
+struct Axes {
+  Vec3f right, up, back;
+};
+
+/// Axes that look against `back`, with `up` as far up as it can be.
+Axes axesOf(const Vec3f& back, const Vec3f& up) {
+  const Vec3f z = normalized(back);
+  Vec3f x = cross(normalized(up), z);
+  constexpr float kParallel = 1e-4f;
+  if (!(length(x) > kParallel)) x = cross(std::abs(z.x) < 0.9f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}, z);
+  x = normalized(x);
+  return {x, cross(z, x), z};
+}
+
+float tangentOfHalf(float fovDegrees) {
+  if (!(fovDegrees > 0 && fovDegrees < 180))
+    throw sceneError("the camera's field of view is " + std::to_string(fovDegrees) + " degrees",
+                     "more than 0 and less than 180");
+  return std::tan(fovDegrees * std::numbers::pi_v<float> / 360.0f);
+}
+
+}  // namespace
+
+CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, float fovDegrees,
+                      float aspectRatio) {
+  const Aabb shown = box.empty() ? Aabb{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}} : box;
+  const Axes axes = axesOf(direction, up);
+  const float vertical = tangentOfHalf(fovDegrees), horizontal = vertical * aspectRatio;
+  // A corner q (from the middle) is seen from the distance d if |q·right| ≤ horizontal·(d - q·back), and so
+  // on.
+  constexpr float kMargin = 1.06f;
+  float distance = 1e-3f * (1 + length(shown.size()));
+  for (const Vec3f& corner : cornersOf(shown)) {
+    const Vec3f q = corner - shown.center();
+    const float behind = dot(q, axes.back);
+    distance = std::max(distance, behind + kMargin * std::abs(dot(q, axes.right)) / horizontal);
+    distance = std::max(distance, behind + kMargin * std::abs(dot(q, axes.up)) / vertical);
+  }
+  return {shown.center() + axes.back * distance, shown.center(), up, fovDegrees};
+}
+
+namespace gl {
+namespace {
+
+Eigen::Matrix4f lookAlong(const Axes& axes, const Vec3f& origin) {
+  Eigen::Matrix4f view = Eigen::Matrix4f::Identity();
+  int row = 0;
+  for (const Vec3f& axis : {axes.right, axes.up, axes.back}) {
+    view.row(row) << axis.x, axis.y, axis.z, -dot(axis, origin);
+    ++row;
+  }
+  return view;
+}
+
+/// The nearest and farthest a box is from a point.
+std::pair<float, float> distances(const Aabb& box, const Vec3f& point) {
+  const Vec3f nearest = max(box.lo, min(box.hi, point));
+  float farthest = 0;
+  for (const Vec3f& corner : cornersOf(box)) farthest = std::max(farthest, length(corner - point));
+  return {length(nearest - point), farthest};
+}
+
+}  // namespace
+
+Eigen::Matrix4f Camera::projection() const {
+  const Vec4f terms = projectionTerms();
+  Eigen::Matrix4f matrix = Eigen::Matrix4f::Zero();
+  matrix(0, 0) = terms.x;
+  matrix(1, 1) = terms.y;
+  matrix(2, 2) = terms.z;
+  matrix(2, 3) = terms.w;
+  matrix(3, 2) = -1;
+  return matrix;
+}
+
+Vec4f Camera::projectionTerms() const {
+  return {1 / tangent.x, 1 / tangent.y, (far + near) / (near - far), 2 * far * near / (near - far)};
+}
+
+Vec3f Camera::point(const Vec3f& world) const {
+  const Eigen::Vector4f p = view * Eigen::Vector4f(world.x, world.y, world.z, 1);
+  return {p.x(), p.y(), p.z()};
+}
+
+Camera makeCamera(const CameraPose& pose, float aspectRatio, const Aabb& content) {
+  const Vec3f back = pose.eye - pose.target;
+  if (!isFinite(pose.eye) || !isFinite(pose.target) || !(length(back) > 0))
+    throw sceneError("the camera's eye and its target are one point, or are not finite",
+                     "two different points");
+  Camera camera;
+  camera.view = lookAlong(axesOf(back, pose.up), pose.eye);
+  const float vertical = tangentOfHalf(pose.fovDegrees);
+  camera.tangent = {vertical * aspectRatio, vertical};
+  const auto [nearest, farthest] =
+      content.empty() ? std::pair{0.0f, length(back)} : distances(content, pose.eye);
+  camera.far = 1.01f * farthest + 1e-6f;
+  // Depth is stored as 32-bit numbers that are densest near 0, so a ratio of 1 to 5000 leaves enough of them.
+  camera.near = std::max(0.5f * nearest / std::max(1.0f, std::hypot(camera.tangent.x, camera.tangent.y)),
+                         camera.far * 2e-4f);
+  return camera;
+}
+
+Eigen::Matrix4f SunView::toClip() const {
+  const float depth = zNearest - zFarthest;
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
+  clip(0, 0) = clip(1, 1) = 1 / halfSize;
+  clip(2, 2) = -2 / depth;
+  clip(2, 3) = (zNearest + zFarthest) / depth;
+  return clip * view;
+}
+
+Eigen::Matrix4f SunView::toTexture() const {
+  Eigen::Matrix4f half = Eigen::Matrix4f::Identity() * 0.5f;
+  half.col(3) << 0.5f, 0.5f, 0.5f, 1;
+  return half * toClip();
+}
+
+SunView makeSunView(const Vec3f& towardsSun, const Aabb& casters, int resolution) {
+  const Axes axes = axesOf(towardsSun, {0, 1, 0});
+  Aabb seen;
+  for (const Vec3f& corner : cornersOf(casters))
+    seen.extend(Vec3f{dot(corner, axes.right), dot(corner, axes.up), dot(corner, axes.back)});
+  SunView sun;
+  // Room for soft edges, and steps of a quarter of an octave.
+  constexpr float kMargin = 1.08f;
+  const float wanted = kMargin * 0.5f * std::max({seen.size().x, seen.size().y, 1e-6f});
+  sun.halfSize = std::exp2(std::ceil(4 * std::log2(wanted)) / 4);
+  const float texel = 2 * sun.halfSize / float(resolution);
+  const Vec3f middle{std::round(seen.center().x / texel) * texel, std::round(seen.center().y / texel) * texel,
+                     0};
+  sun.view = lookAlong(axes, axes.right * middle.x + axes.up * middle.y);
+  const float slack = 0.01f * std::max(seen.size().z, 1e-6f);
+  sun.zNearest = seen.hi.z + slack;
+  sun.zFarthest = seen.lo.z - slack;
+  return sun;
+}
+
+}  // namespace gl
+}  // namespace weir::rendering

@@ -1,0 +1,48 @@
+#include "plugins/rendering/gl/frame.h"
+
+#include <cmath>
+
+namespace weir::rendering::gl {
+
+Vec3f linear(const Color& color) {
+  const auto component = [](float s) {
+    return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+  };
+  return {component(color.r), component(color.g), component(color.b)};
+}
+
+void setCameraUniforms(const Program& program, const Camera& camera, int width, int height) {
+  program.set("uProjection", camera.projectionTerms());
+  program.set("uTangent", camera.tangent);
+  program.set("uPixel", Vec2f{2.0f / float(width), 2.0f / float(height)});
+}
+
+void setLightUniforms(const Program& program, const Frame& frame) {
+  const View& view = frame.view;
+  program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));
+  program.set("uUp", frame.camera.direction(normalized(view.worldUp)));
+  // The sky lights in a paler colour than it has, or everything would look blue.
+  constexpr Vec3f kWhite{1, 1, 1};
+  program.set("uSkyColor", 0.5f * (kWhite + linear(view.backgroundTop)));
+  program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
+}
+
+Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)
+    : pictureWidth(width), pictureHeight(height), samples(samplesPerAxis) {
+  const int fineWidth = width * samples, fineHeight = height * samples;
+  albedo = makeTexture(gl, fineWidth, fineHeight, kSrgb8, GL_NEAREST);
+  normal = makeTexture(gl, fineWidth, fineHeight, kColor10, GL_NEAREST);
+  depth = makeTexture(gl, fineWidth, fineHeight, kDepth32F, GL_NEAREST);
+  geometry = makeFramebuffer(gl, {&albedo, &normal}, &depth);
+  for (int i = 0; i < 2; ++i) {
+    occlusion[i] = makeTexture(gl, width, height, kGrey8, GL_LINEAR);
+    occlusionTargets[i] = makeFramebuffer(gl, {&occlusion[i]}, nullptr);
+  }
+  light = makeTexture(gl, fineWidth, fineHeight, kColor16F, GL_NEAREST);
+  lighting = makeFramebuffer(gl, {&light}, nullptr);
+  lightWithDepth = makeFramebuffer(gl, {&light}, &depth);
+  picture = makeTexture(gl, width, height, kColor8, GL_NEAREST);
+  pictureTarget = makeFramebuffer(gl, {&picture}, nullptr);
+}
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,42 @@
+// What the passes of one picture share.
+#pragma once
+
+#include "plugins/rendering/gl/camera.h"
+#include "plugins/rendering/gl/resources.h"
+#include "plugins/rendering/view.h"
+
+namespace weir::rendering::gl {
+
+/// sRGB components, as colours are given, in linear light.
+Vec3f linear(const Color& color);
+
+struct Frame {
+  const View& view;
+  int samples = 1;            ///< per axis and pixel
+  int width = 0, height = 0;  ///< in samples
+  Camera camera;
+  bool hasShadows = false;
+  SunView sun;  ///< only with shadows
+};
+
+/// The uniforms of kCameraSnippet, for a picture of this many pixels.
+void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
+/// The uniforms of kLightSnippet.
+void setLightUniforms(const Program& program, const Frame& frame);
+
+/// The textures that a picture of one size needs.
+struct Targets {
+  Targets(const Functions& gl, int width, int height, int samplesPerAxis);
+
+  int pictureWidth, pictureHeight, samples;
+  Texture albedo, normal, depth;  ///< of the nearest surface; albedo is sRGB, its alpha the material
+  Framebuffer geometry;
+  Texture occlusion[2];  ///< one value per pixel; 1 is open
+  Framebuffer occlusionTargets[2];
+  Texture light;  ///< linear light
+  Framebuffer lighting, lightWithDepth;
+  Texture picture;  ///< the end result, upper row first
+  Framebuffer pictureTarget;
+};
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,96 @@
+#include "plugins/rendering/gl/glass_pass.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "plugins/rendering/gl/shaders.h"
+#include "plugins/rendering/gl/surface_pass.h"
+
+namespace weir::rendering::gl {
+namespace {
+
+const std::string kVertexShader = kShaderVersion + R"(
+layout(location = 0) in vec3 iPosition;
+layout(location = 1) in vec3 iNormal;
+uniform mat4 uToView;
+uniform mat3 uNormalToView;
+uniform mat4 uToClip;
+out vec3 vNormal;
+out vec3 vPosition;
+
+void main() {
+  vec4 position = uToView * vec4(iPosition, 1.0);
+  vPosition = position.xyz;
+  vNormal = uNormalToView * iNormal;
+  gl_Position = uToClip * position;
+}
+)";
+
+// Two outputs for one target: the light that is added, and the part of the light behind that comes through.
+const std::string kFragmentShader = kShaderVersion + kLightSnippet + R"(
+uniform vec3 uTint;
+uniform bool uUnlit;
+in vec3 vNormal;
+in vec3 vPosition;
+layout(location = 0, index = 0) out vec4 oAdded;
+layout(location = 0, index = 1) out vec4 oThrough;
+
+void main() {
+  vec3 towardsEye = -normalize(vPosition);
+  vec3 normal = normalize(vNormal);
+  if (!gl_FrontFacing) normal = -normal;
+  float cosine = max(dot(normal, towardsEye), 0.0);
+  float mirror = fresnel(cosine, 0.04);
+  // The way through a thin wall is longer at a flat angle, where real glass bends in light from darker places too.
+  vec3 through = pow(uTint, vec3(0.25 / max(cosine, 0.15))) * (1.0 - 0.45 * pow(1.0 - cosine, 3.0));
+  vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 2.6) + 0.35 * kSunColor * highlight(normal, towardsEye, 300.0);
+  float seen = gl_FrontFacing ? 1.0 : 0.45;  // inner sides mirror less: their light crosses the wall twice
+  oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0);
+  oThrough = vec4(through * (1.0 - mirror * seen), 1.0);
+}
+)";
+
+}  // namespace
+
+GlassPass::GlassPass(const Functions& gl) : gl_(gl), program_(gl, "glass", kVertexShader, kFragmentShader) {}
+
+void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const {
+  std::vector<const SurfaceView*> glass;
+  for (const SurfaceView& surface : frame.view.surfaces)
+    if (surface.look == SurfaceLook::kGlass) glass.push_back(&surface);
+  if (glass.empty()) return;
+  const auto distance = [&](const SurfaceView* surface) {
+    return length(placedBounds(meshes.bounds(surface->mesh), *surface).center() - frame.view.camera.eye);
+  };
+  std::stable_sort(glass.begin(), glass.end(),
+                   [&](const auto* a, const auto* b) { return distance(a) > distance(b); });
+
+  gl_.viewport(0, 0, frame.width, frame.height);
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lightWithDepth.name());
+  gl_.enable(GL_DEPTH_TEST);
+  gl_.depthMask(GL_FALSE);
+  gl_.enable(GL_BLEND);
+  gl_.blendFunc(GL_ONE, GL_SRC1_COLOR);
+  gl_.enable(GL_CULL_FACE);
+  // A little nearer, so that the foot of a glass is seen on the ground it stands on.
+  gl_.enable(GL_POLYGON_OFFSET_FILL);
+  gl_.polygonOffset(-1, -64);
+  program_.use();
+  setLightUniforms(program_, frame);
+  program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  program_.set("uUnlit", int(frame.view.lighting.unlit));
+  for (const SurfaceView* surface : glass) {
+    setPlacement(program_, frame.camera, *surface);
+    program_.set("uTint", linear(surface->color));
+    for (const GLenum hidden : {GL_FRONT, GL_BACK}) {
+      gl_.cullFace(hidden);
+      meshes.draw(surface->mesh);
+    }
+  }
+  gl_.disable(GL_POLYGON_OFFSET_FILL);
+  gl_.disable(GL_CULL_FACE);
+  gl_.disable(GL_BLEND);
+  gl_.depthMask(GL_TRUE);
+}
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,22 @@
+// Glass over the lit scene: it tints what is behind it, and mirrors the surroundings, most at its rims.
+#pragma once
+
+#include "plugins/rendering/gl/frame.h"
+#include "plugins/rendering/gl/mesh_store.h"
+
+namespace weir::rendering::gl {
+
+class GlassPass {
+ public:
+  explicit GlassPass(const Functions& gl);
+
+  /// Into Targets::lightWithDepth. Light goes straight through, without refraction, so that what is inside is
+  /// seen where it is. Surfaces come in the order of their distances, the inner sides before the outer ones.
+  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const;
+
+ private:
+  const Functions& gl_;
+  Program program_;
+};
+
+}  // namespace weir::rendering::gl

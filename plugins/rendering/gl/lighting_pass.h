@@ -1,0 +1,34 @@
+// Lights the nearest surfaces, and turns the finished light into a picture.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "plugins/rendering/gl/frame.h"
+#include "plugins/rendering/gl/shadow_pass.h"
+
+namespace weir::rendering::gl {
+
+class LightingPass {
+ public:
+  explicit LightingPass(const Functions& gl);
+
+  /// From targets.geometry, occlusion[0] and the shadow map into targets.lighting.
+  void draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows);
+
+  /// From targets.light into targets.picture: the mean of each pixel's samples, with a soft shoulder instead
+  /// of overexposed highlights.
+  void resolve(const Frame& frame, const Targets& targets) const;
+
+ private:
+  const Program& programFor(const Frame& frame);
+
+  const Functions& gl_;
+  Program resolve_;
+  /// By what is in the picture: software drivers run both sides of a branch, so what is not there is left
+  /// out.
+  std::map<std::string, Program> lighting_;
+  VertexArray array_;
+};
+
+}  // namespace weir::rendering::gl

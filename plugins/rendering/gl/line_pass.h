@@ -1,0 +1,26 @@
+// Lines of a width in pixels, hidden by what is in front of them.
+#pragma once
+
+#include "plugins/rendering/gl/frame.h"
+
+namespace weir::rendering::gl {
+
+class LinePass {
+ public:
+  explicit LinePass(const Functions& gl);
+
+  /// Into Targets::lightWithDepth.
+  void draw(const Frame& frame, const Targets& targets) const;
+
+ private:
+  const Functions& gl_;
+  Program program_;
+  VertexArray array_;
+  Buffer buffer_;
+};
+
+/// The two triangles (six corners in clip space) of each line that is not behind the camera. `halfWidth` is
+/// in the units of clip space after division by w, along x and y.
+std::vector<Vec4f> lineCorners(const Camera& camera, std::span<const Vec3f> points, const Vec2f& halfWidth);
+
+}  // namespace weir::rendering::gl

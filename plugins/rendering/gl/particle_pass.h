@@ -1,0 +1,41 @@
+// Particles as spheres with exact outlines: a rectangle around each sphere's picture, and a ray per sample.
+#pragma once
+
+#include <vector>
+
+#include "plugins/rendering/gl/frame.h"
+
+namespace weir::rendering::gl {
+
+class ParticlePass {
+ public:
+  explicit ParticlePass(const Functions& gl);
+
+  /// Sends the particles to the GPU and returns the box around their spheres.
+  Aabb load(const ParticleView& particles);
+
+  /// Into Targets::geometry.
+  void drawGeometry(const Frame& frame) const;
+  /// Into the shadow map.
+  void drawShadow(const SunView& sun, float radius) const;
+
+ private:
+  struct Batch {
+    Buffer centers;
+    GLsizei particles;
+  };
+
+  template <class SetUniforms>
+  void draw(const Program& program, SetUniforms setUniforms) const;
+
+  const Functions& gl_;
+  Program geometry_, shadow_;
+  VertexArray array_;
+  Buffer indices_;
+  Texture centers_, colors_;
+  int largestBatch_ = 0;
+  std::vector<Batch> batches_;
+  std::vector<Vec4f> packed_;  // position, and place in the colour map
+};
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,195 @@
+#include "plugins/rendering/gl/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "framework/base/check.h"
+#include "framework/base/error.h"
+#include "plugins/rendering/gl/context.h"
+#include "plugins/rendering/gl/glass_pass.h"
+#include "plugins/rendering/gl/lighting_pass.h"
+#include "plugins/rendering/gl/line_pass.h"
+#include "plugins/rendering/gl/mesh_store.h"
+#include "plugins/rendering/gl/occlusion_pass.h"
+#include "plugins/rendering/gl/particle_pass.h"
+#include "plugins/rendering/gl/shadow_pass.h"
+#include "plugins/rendering/gl/surface_pass.h"
+
+namespace weir::rendering::gl {
+namespace {
+
+constexpr int kMostSamples = 4;
+
+float occlusionRadius(const View& view, const Aabb& casters) {
+  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
+  if (!view.particles.positions.empty()) return 6 * view.particles.radius;
+  constexpr float kPartOfScene = 0.04f;
+  return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
+}
+
+}  // namespace
+
+class Renderer::Passes {
+ public:
+  explicit Passes(const Functions& functions)
+      : gl(functions),
+        meshes(gl),
+        particles_(gl),
+        surfaces_(gl),
+        shadows_(gl),
+        occlusion_(gl),
+        lighting_(gl),
+        lines_(gl),
+        glass_(gl) {
+    gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
+  }
+
+  Picture draw(const View& view);
+
+  const Functions& gl;
+  MeshStore meshes;
+
+ private:
+  int samplesFor(const View& view) const;
+  Aabb load(const View& view, Aabb& casters);
+  void drawGeometry(const Frame& frame);
+  Picture read() const;
+
+  ParticlePass particles_;
+  SurfacePass surfaces_;
+  ShadowPass shadows_;
+  OcclusionPass occlusion_;
+  LightingPass lighting_;
+  LinePass lines_;
+  GlassPass glass_;
+  std::optional<Targets> targets_;
+  GLint largest_ = 0;
+};
+
+int Renderer::Passes::samplesFor(const View& view) const {
+  const int larger = std::max(view.width, view.height);
+  if (larger > largest_)
+    throw ioError("a picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                      " pixels is larger than the OpenGL driver can draw",
+                  "at most " + std::to_string(largest_) + " pixels wide and high");
+  return std::min({view.samplesPerAxis, kMostSamples, largest_ / larger});
+}
+
+/// Sends what has changed to the GPU; returns the box around all that is seen.
+Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
+  casters = particles_.load(view.particles);
+  for (const SurfaceView& surface : view.surfaces)
+    casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
+  Aabb seen = casters;
+  for (const LineView& lines : view.lines)
+    for (const Vec3f& point : lines.points)
+      if (isFinite(point)) seen.extend(point);
+  if (view.ground.visible) {
+    const Vec3f up = normalized(view.worldUp);
+    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
+    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
+    seen.extend(Aabb{middle - around, middle + around});
+  }
+  return seen;
+}
+
+void Renderer::Passes::drawGeometry(const Frame& frame) {
+  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 1, 1};
+  constexpr float kFarthest = 1;
+  gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->geometry.name());
+  gl.viewport(0, 0, frame.width, frame.height);
+  gl.enable(GL_DEPTH_TEST);
+  gl.depthFunc(GL_LEQUAL);
+  gl.depthMask(GL_TRUE);
+  gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
+  gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
+  gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  surfaces_.draw(frame, meshes);
+  particles_.drawGeometry(frame);
+}
+
+Picture Renderer::Passes::read() const {
+  Picture picture{targets_->pictureWidth, targets_->pictureHeight, {}};
+  picture.rgb.resize(3 * std::size_t(picture.width) * std::size_t(picture.height));
+  gl.pixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->pictureTarget.name());
+  gl.readPixels(0, 0, picture.width, picture.height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+  return picture;
+}
+
+Picture Renderer::Passes::draw(const View& view) {
+  WEIR_CHECK(view.width > 0);
+  WEIR_CHECK(view.height > 0);
+  WEIR_CHECK(view.samplesPerAxis > 0);
+  const int samples = samplesFor(view);
+  Aabb casters;
+  const Aabb seen = load(view, casters);
+  const float aspect = float(view.width) / float(view.height);
+  Frame frame{.view = view,
+              .samples = samples,
+              .width = view.width * samples,
+              .height = view.height * samples,
+              .camera = makeCamera(view.camera, aspect, seen)};
+  frame.hasShadows = view.lighting.shadows && !view.lighting.unlit && !casters.empty();
+  if (!targets_ || targets_->pictureWidth != view.width || targets_->pictureHeight != view.height ||
+      targets_->samples != samples) {
+    targets_.reset();  // the old ones go before the new ones come: pictures can be large
+    targets_.emplace(gl, view.width, view.height, samples);
+  }
+  if (frame.hasShadows) {
+    frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
+    shadows_.draw(frame, meshes, particles_);
+  }
+  drawGeometry(frame);
+  if (view.lighting.occlusion && !view.lighting.unlit) {
+    occlusion_.draw(frame, *targets_, occlusionRadius(view, casters));
+  } else {
+    occlusion_.clear(*targets_);
+  }
+  lighting_.draw(frame, *targets_, shadows_);
+  lines_.draw(frame, *targets_);
+  glass_.draw(frame, *targets_, meshes);
+  lighting_.resolve(frame, *targets_);
+  Picture picture = read();
+  if (const GLenum error = gl.getError(); error != GL_NO_ERROR)
+    throw ioError(error == GL_OUT_OF_MEMORY ? "the OpenGL driver has too little memory for this picture"
+                                            : "OpenGL error " + std::to_string(error) + " in a picture");
+  return picture;
+}
+
+Renderer::Renderer(std::unique_ptr<Context> context) : context_(std::move(context)) {
+  const CurrentContext current(*context_);
+  passes_ = std::make_unique<Passes>(context_->functions());
+}
+
+Renderer::~Renderer() {
+  const CurrentContext current(*context_);
+  passes_.reset();
+}
+
+MeshId Renderer::addMesh(const TriangleMesh& mesh) {
+  const CurrentContext current(*context_);
+  return passes_->meshes.add(mesh);
+}
+
+void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
+  const CurrentContext current(*context_);
+  passes_->meshes.replace(id, mesh);
+}
+
+void Renderer::removeMesh(MeshId id) {
+  const CurrentContext current(*context_);
+  passes_->meshes.remove(id);
+}
+
+Picture Renderer::draw(const View& view) {
+  const CurrentContext current(*context_);
+  return passes_->draw(view);
+}
+
+const std::string& Renderer::description() const {
+  return context_->description();
+}
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,44 @@
+// Draws pictures of particles, surfaces, lines and a ground.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "nodes/geometry/triangle_mesh.h"
+#include "plugins/rendering/view.h"
+
+namespace weir::rendering::gl {
+
+class Context;
+
+/// How a picture is made: the nearest surface at each sample (colour, normal, depth) is found first, then lit
+/// in linear light by a sun with a soft shadow and by the sky with ambient occlusion; lines and glass come on
+/// top; the samples of each pixel are averaged. It may be used from any thread, but from one at a time.
+class Renderer {
+ public:
+  /// Throws an io Error if the driver cannot do it.
+  explicit Renderer(std::unique_ptr<Context> context);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
+  MeshId addMesh(const TriangleMesh& mesh);
+  void replaceMesh(MeshId id, const TriangleMesh& mesh);
+  void removeMesh(MeshId id);
+
+  /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that
+  /// looks nowhere. Where `samplesPerAxis` would need textures larger than the driver allows, it is lowered.
+  Picture draw(const View& view);
+
+  /// The renderer and version of the driver.
+  const std::string& description() const;
+
+ private:
+  class Passes;
+
+  std::unique_ptr<Context> context_;
+  std::unique_ptr<Passes> passes_;
+};
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,112 @@
+// Owners of OpenGL objects. A context that shares them must be current when they are made, used and
+// destroyed.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/base/vec.h"
+#include "plugins/rendering/gl/functions.h"
+
+namespace weir::rendering::gl {
+
+/// The name of one GL object, deleted with it.
+template <class Deleter>
+class Object {
+ public:
+  Object() = default;
+  Object(const Functions& gl, GLuint name) : gl_(&gl), name_(name) {}
+  Object(Object&& other) noexcept
+      : gl_(std::exchange(other.gl_, nullptr)), name_(std::exchange(other.name_, 0)) {}
+  Object& operator=(Object&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~Object() {
+    if (name_) Deleter{}(*gl_, name_);
+  }
+  GLuint name() const { return name_; }
+  const Functions& gl() const { return *gl_; }
+
+ private:
+  const Functions* gl_ = nullptr;
+  GLuint name_ = 0;
+};
+
+struct DeleteBuffer {
+  void operator()(const Functions& gl, GLuint name) const { gl.deleteBuffers(1, &name); }
+};
+struct DeleteTexture {
+  void operator()(const Functions& gl, GLuint name) const { gl.deleteTextures(1, &name); }
+};
+struct DeleteFramebuffer {
+  void operator()(const Functions& gl, GLuint name) const { gl.deleteFramebuffers(1, &name); }
+};
+struct DeleteVertexArray {
+  void operator()(const Functions& gl, GLuint name) const { gl.deleteVertexArrays(1, &name); }
+};
+struct DeleteProgram {
+  void operator()(const Functions& gl, GLuint name) const { gl.deleteProgram(name); }
+};
+
+using Buffer = Object<DeleteBuffer>;
+using Texture = Object<DeleteTexture>;
+using Framebuffer = Object<DeleteFramebuffer>;
+using VertexArray = Object<DeleteVertexArray>;
+
+Buffer makeBuffer(const Functions& gl);
+VertexArray makeVertexArray(const Functions& gl);
+
+/// Replaces a buffer's content.
+void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage);
+
+struct TextureFormat {
+  GLenum internalFormat, format, type;
+};
+inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kColor10{GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
+inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
+inline constexpr TextureFormat kGrey8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
+
+/// A 2D texture, clamped to its edge. `filter` is GL_NEAREST or GL_LINEAR.
+Texture makeTexture(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter,
+                    const void* pixels = nullptr);
+
+/// Draws into these textures; `depth` may be null. Throws an io Error if the driver cannot.
+Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture*>& colors,
+                            const Texture* depth);
+
+/// A vertex and a fragment shader. Mistakes in their source throw an InternalError with the driver's text.
+class Program {
+ public:
+  Program(const Functions& gl, const std::string& name, const std::string& vertexSource,
+          const std::string& fragmentSource);
+
+  void use() const { program_.gl().useProgram(program_.name()); }
+
+  // Uniforms of the program in use. One that the driver has optimised away is passed over.
+  void set(const char* uniform, int value) const;
+  void set(const char* uniform, float value) const;
+  void set(const char* uniform, const Vec2f& value) const;
+  void set(const char* uniform, const Vec3f& value) const;
+  void set(const char* uniform, const Vec4f& value) const;
+  void setMatrix3(const char* uniform, const float* columns) const;
+  void setMatrix4(const char* uniform, const float* columns) const;
+  /// Binds a texture to a unit and the uniform to that unit.
+  void setTexture(const char* uniform, int unit, const Texture& texture, GLenum target = GL_TEXTURE_2D) const;
+
+ private:
+  GLint location(const char* uniform) const;
+
+  Object<DeleteProgram> program_;
+  mutable std::map<std::string, GLint, std::less<>> locations_;
+};
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,86 @@
+// Pieces of shader source that several passes share.
+#pragma once
+
+#include <string>
+
+#include "framework/base/vec.h"
+
+namespace weir::rendering::gl {
+
+inline const std::string kShaderVersion = "#version 330 core\n";
+
+/// "const vec2 NAME[N] = vec2[](…);": `count` places in the unit circle, which `placeOf` gives by number.
+/// Constant places cost no sines in the shader.
+std::string placesInCircle(const std::string& name, int count, Vec2f (*placeOf)(int number, int count));
+
+/// Covers the whole picture with one triangle; to be drawn with drawArrays(GL_TRIANGLES, 0, 3).
+inline const std::string kFullScreenVertexShader = kShaderVersion + R"(
+void main() {
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
+)";
+
+/// Between depth-buffer values and distances along the camera's axis. See setCameraUniforms.
+inline const std::string kCameraSnippet = R"(
+uniform vec4 uProjection;  // P00, P11, P22, P23
+uniform vec2 uTangent;     // of half the field of view
+uniform vec2 uPixel;       // 2 / size of the picture
+
+float depthAt(float distance) { return 0.5 + 0.5 * (uProjection.w / distance - uProjection.z); }
+float distanceAt(float depth) { return uProjection.w / (2.0 * depth - 1.0 + uProjection.z); }
+// The ray through a place in window coordinates, of length 1 along the camera's axis.
+vec3 rayAt(vec2 window) { return vec3((window * uPixel - 1.0) * uTangent, -1.0); }
+)";
+
+/// What surfaces are made of, in the alpha channel of their colour.
+inline const std::string kMaterialSnippet = R"(
+const float kMatt = 0.25, kParticle = 0.5, kMetal = 0.75, kGround = 1.0;
+bool isMaterial(float alpha, float material) { return abs(alpha - material) < 0.1; }
+)";
+
+/// The light: a sun, a sky that is bright above and takes the ground's colour below, and soft lamps beside
+/// the camera that only show in reflections. All directions are in camera space. See setLightUniforms.
+inline const std::string kLightSnippet = R"(
+uniform vec3 uSun;         // towards it
+uniform vec3 uUp;
+uniform vec3 uSkyColor;
+uniform vec3 uGroundColor;
+
+const vec3 kSunColor = vec3(0.74, 0.71, 0.66);
+const float kSkyStrength = 0.56;
+
+vec3 skyLight(vec3 normal) {
+  float above = 0.5 + 0.5 * dot(normal, uUp);
+  return kSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
+}
+
+float lamp(vec3 direction, vec3 towards, vec3 across, vec2 size) {
+  vec3 up = cross(towards, across);
+  float facing = dot(direction, towards);
+  if (facing <= 0.0) return 0.0;
+  vec2 place = abs(vec2(dot(direction, across), dot(direction, up))) / facing;
+  vec2 inside = 1.0 - smoothstep(size * 0.8, size * 1.2, place);
+  return inside.x * inside.y;
+}
+
+vec3 reflectedLight(vec3 direction, float lampStrength) {
+  float above = dot(direction, uUp);
+  vec3 light = mix(0.42 * uGroundColor, 0.75 * uSkyColor, smoothstep(-0.35, 0.35, above));
+  float lamps = 3.4 * lamp(direction, normalize(vec3(-0.75, 0.45, 0.5)), normalize(vec3(0.5, 0.0, 0.75)), vec2(0.28, 0.75));
+  lamps += 2.0 * lamp(direction, normalize(vec3(0.9, 0.15, 0.35)), normalize(vec3(-0.35, 0.0, 0.9)), vec2(0.16, 0.9));
+  return light + lampStrength * lamps;
+}
+
+// The normalised Blinn-Phong highlight (J. Blinn 1977), with F. Giesen's factor (n + 8) / 8.
+float highlight(vec3 normal, vec3 towardsEye, float exponent) {
+  float cosine = max(dot(normal, normalize(towardsEye + uSun)), 0.0);
+  return (exponent + 8.0) / 8.0 * pow(cosine, exponent);
+}
+
+// C. Schlick's approximation (1994) of the reflected part.
+float fresnel(float cosine, float straight) {
+  return straight + (1.0 - straight) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
+}
+)";
+
+}  // namespace weir::rendering::gl

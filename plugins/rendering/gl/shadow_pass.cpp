@@ -1,0 +1,87 @@
+#include "plugins/rendering/gl/shadow_pass.h"
+
+#include <array>
+
+#include "plugins/rendering/gl/shaders.h"
+#include "plugins/rendering/gl/surface_pass.h"
+
+namespace weir::rendering::gl {
+namespace {
+
+const std::string kVertexShader = kShaderVersion + R"(
+layout(location = 0) in vec3 iPosition;
+layout(location = 1) in vec3 iNormal;
+uniform mat4 uToClip;
+uniform mat3 uNormalToSun;
+out vec3 vNormal;
+
+void main() {
+  vNormal = uNormalToSun * iNormal;
+  gl_Position = uToClip * vec4(iPosition, 1.0);
+}
+)";
+
+const std::string kOpaqueFragmentShader = kShaderVersion + "void main() {}\n";
+
+// Light that meets the glass at a flat angle is reflected and refracted away: rims cast darker shadows.
+const std::string kGlassFragmentShader = kShaderVersion + R"(
+uniform vec3 uTint;
+in vec3 vNormal;
+layout(location = 0) out vec4 oThrough;
+
+void main() {
+  float facing = abs(normalize(vNormal).z);
+  oThrough = vec4(uTint * mix(0.72, 0.96, facing * facing), 1.0);
+}
+)";
+
+}  // namespace
+
+ShadowPass::ShadowPass(const Functions& gl)
+    : gl_(gl),
+      opaque_(gl, "shadows of surfaces", kVertexShader, kOpaqueFragmentShader),
+      glass_(gl, "shadows of glass", kVertexShader, kGlassFragmentShader),
+      depth_(makeTexture(gl, kResolution, kResolution, kDepth32F, GL_LINEAR)),
+      throughGlass_(makeTexture(gl, kResolution, kResolution, kColor8, GL_LINEAR)),
+      depthTarget_(makeFramebuffer(gl, {}, &depth_)),
+      glassTarget_(makeFramebuffer(gl, {&throughGlass_}, &depth_)) {
+  gl.bindTexture(GL_TEXTURE_2D, depth_.name());
+  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+}
+
+void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, const ParticlePass& particles) {
+  const Eigen::Matrix4f toClip = frame.sun.toClip();
+  const auto drawSurfaces = [&](const Program& program, bool glass) {
+    program.use();
+    for (const SurfaceView& surface : frame.view.surfaces) {
+      if ((surface.look == SurfaceLook::kGlass) != glass) continue;
+      const Eigen::Matrix4f placement = placementOf(surface);
+      const Eigen::Matrix3f normalToSun = (frame.sun.view * placement).topLeftCorner<3, 3>();
+      program.setMatrix4("uToClip", (toClip * placement).eval().data());
+      program.setMatrix3("uNormalToSun", normalToSun.data());
+      program.set("uTint", linear(surface.color));
+      meshes.draw(surface.mesh);
+    }
+  };
+  constexpr float kFarthest = 1;
+  constexpr std::array<float, 4> kAllLight{1, 1, 1, 1};
+  gl_.viewport(0, 0, kResolution, kResolution);
+  gl_.enable(GL_DEPTH_TEST);
+  gl_.depthMask(GL_TRUE);
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, depthTarget_.name());
+  gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  particles.drawShadow(frame.sun, frame.view.particles.radius);
+  drawSurfaces(opaque_, false);
+
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, glassTarget_.name());
+  gl_.clearBufferfv(GL_COLOR, 0, kAllLight.data());
+  gl_.depthMask(GL_FALSE);
+  gl_.enable(GL_BLEND);
+  gl_.blendFunc(GL_DST_COLOR, GL_ZERO);
+  drawSurfaces(glass_, true);
+  gl_.disable(GL_BLEND);
+  gl_.depthMask(GL_TRUE);
+}
+
+}  // namespace weir::rendering::gl

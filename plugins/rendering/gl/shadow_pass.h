@@ -1,0 +1,28 @@
+// What the sun sees: the depth of the nearest opaque thing, and how much light comes through glass.
+#pragma once
+
+#include "plugins/rendering/gl/frame.h"
+#include "plugins/rendering/gl/mesh_store.h"
+#include "plugins/rendering/gl/particle_pass.h"
+
+namespace weir::rendering::gl {
+
+class ShadowPass {
+ public:
+  static constexpr int kResolution = 1536;  ///< texels along a side
+
+  explicit ShadowPass(const Functions& gl);
+
+  void draw(const Frame& frame, const MeshStore& meshes, const ParticlePass& particles);
+
+  const Texture& depth() const { return depth_; }                ///< compares: GL_COMPARE_REF_TO_TEXTURE
+  const Texture& throughGlass() const { return throughGlass_; }  ///< colour of the light that comes through
+
+ private:
+  const Functions& gl_;
+  Program opaque_, glass_;
+  Texture depth_, throughGlass_;
+  Framebuffer depthTarget_, glassTarget_;
+};
+
+}  // namespace weir::rendering::gl

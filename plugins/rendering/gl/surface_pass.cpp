@@ -1,0 +1,132 @@
+#include "plugins/rendering/gl/surface_pass.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "plugins/rendering/gl/shaders.h"
+
+namespace weir::rendering::gl {
+namespace {
+
+const std::string kVertexShader = kShaderVersion + R"(
+layout(location = 0) in vec3 iPosition;
+layout(location = 1) in vec3 iNormal;
+uniform mat4 uToView;
+uniform mat3 uNormalToView;
+uniform mat4 uToClip;
+out vec3 vNormal;
+out vec3 vPosition;
+
+void main() {
+  vec4 position = uToView * vec4(iPosition, 1.0);
+  vPosition = position.xyz;
+  vNormal = uNormalToView * iNormal;
+  gl_Position = uToClip * position;
+}
+)";
+
+const std::string kFragmentShader = kShaderVersion + R"(
+uniform vec3 uColor;
+uniform float uMaterial;
+in vec3 vNormal;
+in vec3 vPosition;
+layout(location = 0) out vec4 oAlbedo;
+layout(location = 1) out vec4 oNormal;
+
+void main() {
+  vec3 normal = normalize(vNormal);
+  if (!gl_FrontFacing) normal = -normal;
+  oAlbedo = vec4(uColor, uMaterial);
+  oNormal = vec4(0.5 + 0.5 * normal, 1.0);
+}
+)";
+
+// The values of kMaterialSnippet.
+constexpr float kMatt = 0.25f, kMetal = 0.75f, kGround = 1.0f;
+
+Vec3f rgb(const Color& color) {
+  return {color.r, color.g, color.b};
+}
+
+/// A disc of radius 1 in the plane y = 0, seen from above.
+TriangleMesh unitDisc() {
+  constexpr int kSides = 128;
+  TriangleMesh disc;
+  disc.vertices.push_back({});
+  for (int i = 0; i < kSides; ++i) {
+    const float angle = 2 * std::numbers::pi_v<float> * float(i) / kSides;
+    disc.vertices.push_back({std::cos(angle), 0, std::sin(angle)});
+    disc.triangles.push_back({0, 1 + (i + 1) % kSides, 1 + i});
+  }
+  return disc;
+}
+
+}  // namespace
+
+Eigen::Matrix4f placementOf(const SurfaceView& surface) {
+  const Quatf& q = surface.rotation;
+  Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
+  matrix.topLeftCorner<3, 3>() = Eigen::Quaternionf(q.w, q.x, q.y, q.z).toRotationMatrix();
+  matrix.topRightCorner<3, 1>() = toEigen(surface.position);
+  return matrix;
+}
+
+Aabb placedBounds(const Aabb& bounds, const SurfaceView& surface) {
+  Aabb placed;
+  if (bounds.empty()) return placed;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3f corner{i & 1 ? bounds.hi.x : bounds.lo.x, i & 2 ? bounds.hi.y : bounds.lo.y,
+                       i & 4 ? bounds.hi.z : bounds.lo.z};
+    placed.extend(rotate(surface.rotation, corner) + surface.position);
+  }
+  return placed;
+}
+
+void setPlacement(const Program& program, const Camera& camera, const SurfaceView& surface) {
+  const Eigen::Matrix4f toView = camera.view * placementOf(surface);
+  const Eigen::Matrix3f normalToView = toView.topLeftCorner<3, 3>();
+  program.setMatrix4("uToView", toView.data());
+  program.setMatrix3("uNormalToView", normalToView.data());
+}
+
+SurfacePass::SurfacePass(const Functions& gl)
+    : gl_(gl),
+      program_(gl, "surfaces", kVertexShader, kFragmentShader),
+      groundMesh_(gl),
+      disc_(groundMesh_.add(unitDisc())) {}
+
+void SurfacePass::draw(const Frame& frame, const MeshStore& meshes) {
+  program_.use();
+  program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  for (const SurfaceView& surface : frame.view.surfaces) {
+    if (surface.look == SurfaceLook::kGlass) continue;
+    setPlacement(program_, frame.camera, surface);
+    program_.set("uColor", rgb(surface.color));
+    program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);
+    meshes.draw(surface.mesh);
+  }
+  if (frame.view.ground.visible) drawGround(frame);
+}
+
+void SurfacePass::drawGround(const Frame& frame) {
+  const GroundView& ground = frame.view.ground;
+  const Vec3f up = normalized(frame.view.worldUp);
+  const Vec3f middle = ground.center + up * (ground.height - dot(ground.center, up));
+  const Eigen::Matrix3f turn =
+      Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitY(), toEigen(up)).toRotationMatrix();
+  Eigen::Matrix4f toWorld = Eigen::Matrix4f::Identity();
+  toWorld.topLeftCorner<3, 3>() = turn * ground.radius;
+  toWorld.topRightCorner<3, 1>() = toEigen(middle);
+  const Eigen::Matrix3f normalToView = frame.camera.rotation() * turn;
+  program_.setMatrix4("uToView", (frame.camera.view * toWorld).eval().data());
+  program_.setMatrix3("uNormalToView", normalToView.data());
+  program_.set("uColor", rgb(ground.color));
+  program_.set("uMaterial", kGround);
+  gl_.enable(GL_CULL_FACE);
+  gl_.cullFace(GL_BACK);
+  groundMesh_.draw(disc_);
+  gl_.disable(GL_CULL_FACE);
+}
+
+}  // namespace weir::rendering::gl

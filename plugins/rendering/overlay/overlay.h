@@ -1,0 +1,44 @@
+// Writing on a finished picture: title, time, number of particles, and what the colours mean.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "plugins/rendering/overlay/font.h"
+#include "plugins/rendering/view.h"
+
+namespace weir::rendering {
+
+/// What the colours of the particles mean.
+struct ColorBar {
+  ColorMapName map = ColorMapName::kViridis;
+  float lowest = 0, highest = 1;
+  std::string caption;  ///< "speed in m/s"
+};
+
+struct OverlayText {
+  std::string title;  ///< left out if empty
+  std::optional<double> seconds;
+  std::optional<std::int64_t> particles;
+  std::optional<ColorBar> bar;
+  bool lightText = false;  ///< for dark backgrounds
+};
+
+/// Whether text on this background should be light.
+bool wantsLightText(const Color& backgroundTop, const Color& backgroundBottom);
+
+class Overlay {
+ public:
+  /// The folder holds DejaVuSans.ttf and DejaVuSans-Bold.ttf. Throws an io Error if one of them is no font.
+  explicit Overlay(const std::filesystem::path& fontFolder);
+
+  /// All sizes follow the picture's height. What does not fit is cut off at the picture's edges.
+  void draw(const OverlayText& text, Picture& picture);
+
+ private:
+  Font regular_, bold_;
+};
+
+}  // namespace weir::rendering

@@ -1,0 +1,91 @@
+// What one picture shows: plain data on the host that a renderer draws.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "framework/base/vec.h"
+#include "framework/graph/param_types.h"
+#include "plugins/rendering/color_map.h"
+#include "plugins/rendering/output/picture.h"
+
+namespace weir::rendering {
+
+/// How a surface looks.
+enum class SurfaceLook { kMatt, kGlass, kMetal };
+
+/// Where the camera is, what it looks at, and which direction is up in the picture. Metres.
+struct CameraPose {
+  Vec3f eye{2, 1.5f, 2};
+  Vec3f target{};
+  Vec3f up{0, 1, 0};
+  float fovDegrees = 40;  ///< vertical field of view, in (0, 180)
+};
+
+/// A camera with this field of view that sees all of the box from `direction` (from the box to the camera),
+/// with a small margin. An empty box counts as one of 1 m around the origin.
+CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, float fovDegrees,
+                      float aspectRatio);
+
+/// Spheres of one radius. Particles at places that are not finite are left out.
+struct ParticleView {
+  std::span<const Vec3f> positions;
+  std::span<const float> values;  ///< one per particle; empty: all have the fixed colour
+  float radius = 0.01f;           ///< m
+  ColorMapName map = ColorMapName::kViridis;
+  float lowest = 0, highest = 1;  ///< values at the ends of the colour map
+  Color fixed{0.16f, 0.45f, 0.85f, 1};
+};
+
+/// A mesh that was given to the renderer (see Renderer::addMesh).
+using MeshId = std::uint32_t;
+
+/// One appearance of a mesh: turned by `rotation`, then moved by `position`.
+struct SurfaceView {
+  MeshId mesh = 0;
+  SurfaceLook look = SurfaceLook::kMatt;
+  Color color{0.75f, 0.77f, 0.8f, 1};  ///< of glass: the colour that light has behind it
+  Quatf rotation;
+  Vec3f position;
+};
+
+/// Separate line segments, such as the edges of a tank.
+struct LineView {
+  std::span<const Vec3f> points;  ///< two per segment
+  Color color{0.25f, 0.28f, 0.32f, 0.8f};
+  float width = 1.5f;  ///< in pixels of a picture that is 720 pixels high
+};
+
+/// A level floor, seen from above only. It fades into the background towards its rim.
+struct GroundView {
+  bool visible = true;
+  float height = 0;   ///< m along View::worldUp
+  Vec3f center;       ///< its middle, before it is moved to the height
+  float radius = 10;  ///< m
+  Color color{0.91f, 0.915f, 0.92f, 1};
+};
+
+struct LightingView {
+  Vec3f towardsSun{0.45f, 1.0f, 0.35f};  ///< any length but zero
+  bool shadows = true;
+  bool occlusion = true;      ///< darkens what is hemmed in (screen-space ambient occlusion)
+  float occlusionRadius = 0;  ///< m; 0: six particle radii, or a part of the scene's size without particles
+  bool unlit = false;         ///< every surface has its plain colour, so that colours can be read exactly
+};
+
+struct View {
+  int width = 1280, height = 720;  ///< pixels
+  int samplesPerAxis = 2;          ///< 1 (jagged) to 4: each pixel averages the square of this number
+  CameraPose camera;
+  Vec3f worldUp{0, 1, 0};  ///< against gravity
+  ParticleView particles;
+  std::vector<SurfaceView> surfaces;
+  std::vector<LineView> lines;
+  GroundView ground;
+  LightingView lighting;
+  Color backgroundTop{0.78f, 0.84f, 0.9f, 1};
+  Color backgroundBottom{0.95f, 0.96f, 0.97f, 1};
+};
+
+}  // namespace weir::rendering
