@@ -45,6 +45,13 @@ bool isName(std::string_view text) {
          std::all_of(text.begin(), text.end(), isInner);
 }
 
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
 std::string printable(std::string_view text, std::size_t longest) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {

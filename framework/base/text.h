@@ -16,6 +16,9 @@ bool isUtf8(std::string_view text);
 /// 100.
 bool isName(std::string_view text);
 
+/// With 'A' to 'Z' as 'a' to 'z' and all else as it is, whatever the locale.
+std::string lowerCase(std::string_view text);
+
 /// Text as a message may show it: control characters and bytes that are no UTF-8 are escaped, and it is cut
 /// after `longest` bytes. So no scene file can confuse a terminal or flood it.
 std::string printable(std::string_view text, std::size_t longest = 100);

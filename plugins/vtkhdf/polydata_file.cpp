@@ -73,7 +73,7 @@ fs::path target(const fs::path& file) {
   const auto refuse = [&](const std::string& what, const std::string& allowed) {
     return ioError(what, allowed).at({.file = name});
   };
-  if (file.extension() != ".vtkhdf")
+  if (lowerCase(file.extension().string()) != ".vtkhdf")
     throw refuse("the export would be a file of type " + inQuotes(file.extension().string()),
                  "a name that ends in .vtkhdf");
   std::error_code error;

@@ -66,19 +66,12 @@ VtkHdfArray readArray(const Dataset& set, const std::string& name, std::int64_t 
   return array;
 }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
-}
-
 }  // namespace
 
 const VtkHdfArray* VtkHdfStep::find(std::string_view name) const {
-  const std::string wanted = lower(name);
+  const std::string wanted = lowerCase(name);
   for (const VtkHdfArray& array : arrays)
-    if (lower(array.name) == wanted) return &array;
+    if (lowerCase(array.name) == wanted) return &array;
   return nullptr;
 }
 

@@ -33,6 +33,11 @@ TEST(Printable, CutsBetweenCharacters) {
   EXPECT_EQ(printable("ab数", 5), "ab数");
 }
 
+TEST(LowerCase, ChangesAsciiLettersOnly) {
+  EXPECT_EQ(lowerCase(".VtkHDF 1_Z[@"), ".vtkhdf 1_z[@");
+  EXPECT_EQ(lowerCase("Ä"), "Ä");
+}
+
 TEST(Name, LettersDigitsUnderscoreHyphen) {
   for (const char* good : {"a", "Tank_2", "x-y"}) EXPECT_TRUE(isName(good)) << good;
   for (const char* bad : {"", "2x", "_a", "-a", "a b", "a.b", "a/b", "tür"}) EXPECT_FALSE(isName(bad)) << bad;

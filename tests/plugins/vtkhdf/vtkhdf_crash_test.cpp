@@ -15,8 +15,8 @@ namespace {
 
 using VtkHdfCrashTest = InFolder;
 
-const int kKills = getenv("KILLS") ? atoi(getenv("KILLS")) : 8;
-const rlim_t kLimitStep = getenv("LSTEP") ? atoi(getenv("LSTEP")) : 700000;
+constexpr int kKills = 8;
+constexpr rlim_t kLimitStep = 700'000;
 
 /// Grows, shrinks and has empty frames.
 int countOf(int step) {
@@ -128,8 +128,7 @@ TEST_F(VtkHdfCrashTest, KeepsTheFramesWrittenBeforeAFileGetsTooLarge) {
       ::signal(SIGXFSZ, SIG_IGN);
       const rlimit most{limit, limit};
       ::setrlimit(RLIMIT_FSIZE, &most);
-      const int result = writeUntilFull(file, pipe);
-      return result;
+      return writeUntilFull(file, pipe);
     });
     const std::int64_t written = child.next();
     ASSERT_EQ(child.wait(), 0);

@@ -1,0 +1,31 @@
+// What the plugin adds to the registry.
+#include "framework/graph/plugin.h"
+#include "framework/run/info_source.h"
+#include "plugins/vtkhdf/hdf5.h"
+#include "plugins/vtkhdf/particle_export.h"
+#include "plugins/vtkhdf/vtkhdf_particle_reader.h"
+
+namespace weir {
+namespace {
+
+class Hdf5Info final : public InfoSource {
+ public:
+  std::vector<InfoEntry> info() const override {
+    const hdf5::Session session;
+    unsigned major = 0, minor = 0, release = 0;
+    if (H5get_libversion(&major, &minor, &release) < 0) return {{"HDF5", "the library does not start"}};
+    return {{"HDF5", std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release) +
+                         "; writes VTKHDF 2.0"}};
+  }
+};
+
+}  // namespace
+}  // namespace weir
+
+WEIR_PLUGIN("vtkhdf", "Exports particles to VTKHDF files, for ParaView and VTK, and reads them back.",
+            registry) {
+  using namespace weir;
+  registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
+  registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
+  registry.addService<InfoSource>("vtkhdf", [] { return std::make_unique<Hdf5Info>(); });
+}

@@ -1,0 +1,83 @@
+// --export FILE.vtkhdf: writes the particles of all fluids of a scene, frame by frame, to one file.
+//
+// Its PointData holds every attribute of the particles: velocity, density, id, and what modules and plugins
+// add. If the scene has several fluids, it holds those that all of them have, and a number that says which
+// fluid a particle belongs to. Ids count within one fluid. The group /simulation, which readers of VTKHDF
+// ignore, keeps the version of Weir, the scene's text, the names of the fluids, and how the run went.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/run/output_kind.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "plugins/vtkhdf/vtkhdf_writer.h"
+
+namespace weir {
+
+/// The attribute that tells fluids apart: 0 for the first name in /simulation/fluids, and so on.
+inline constexpr const char* kFluidIndexName = "fluid_index";
+
+/// Frames are copied from the device and written in the background. The file is made at frame 0, when all
+/// modules have added their attributes; until then a file that stands there is left as it is.
+class ParticleExport final : public Observer {
+ public:
+  explicit ParticleExport(std::filesystem::path file);
+  ~ParticleExport() override;
+
+  /// Throws an io Error if the scene has no fluid or the file cannot be written.
+  void begin(Simulation& simulation) override;
+  /// Throws an io Error if this frame, or one before it, could not be written. The frames before that one
+  /// stay readable.
+  void frame(Simulation& simulation) override;
+  void end(Simulation& simulation, RunEnd how) override;
+
+ private:
+  struct Source {
+    std::string name;  ///< the node's
+    const Output<Fluid>* fluid;
+    ParticleSet& particles() const { return *(*fluid)->particles; }
+  };
+  /// The host's copy of one attribute of all particles; its memory is used again for the next frame.
+  struct Column {
+    AttributeInfo info;
+    std::vector<float> floats;  ///< of kFloat and kVec3
+    std::vector<int> ints;      ///< of kInt
+  };
+
+  bool several() const { return sources_.size() > 1; }
+  const Column* findColumn(std::string_view name) const;
+
+  void findFluids(Simulation& simulation);
+  // At frame 0.
+  void chooseSources();
+  void chooseColumns(const Simulation& simulation);
+  void makeFile(const Simulation& simulation);
+  // At every frame.
+  void warnOfNewAttributes(const Simulation& simulation) const;
+  void warnOfMissing(const Simulation& simulation, const std::string& attribute,
+                     const std::string& fluid) const;
+  void resize(std::size_t particles);
+  /// Copies the particles of one fluid to rows `first` … `first + count` − 1.
+  void fetch(const ParticleSet& particles, std::size_t first, std::size_t count);
+  void write(double time);
+
+  std::filesystem::path file_;
+  std::vector<Source> sources_;
+  std::vector<Vec3f> positions_;
+  std::vector<Column> columns_;
+  std::vector<int> fluidIndices_;  // only if there are several fluids
+  std::unique_ptr<VtkHdfWriter> writer_;
+};
+
+class ParticleExportKind final : public OutputKind {
+ public:
+  std::vector<OutputOption> options() const override;
+  std::unique_ptr<Observer> create(const OutputPaths& paths) const override;
+};
+
+}  // namespace weir

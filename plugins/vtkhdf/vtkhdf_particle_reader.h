@@ -1,0 +1,15 @@
+// Gives the node ParticleFile the particles of VTKHDF files.
+#pragma once
+
+#include "nodes/particle_file/particle_reader.h"
+
+namespace weir {
+
+/// Reads the last step, so that a run can go on where an export ended.
+class VtkHdfParticleReader final : public ParticleReader {
+ public:
+  std::vector<std::string> extensions() const override { return {".vtkhdf"}; }
+  ParticleData read(const std::filesystem::path& file) const override;
+};
+
+}  // namespace weir
