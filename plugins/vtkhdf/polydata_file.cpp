@@ -77,7 +77,8 @@ fs::path target(const fs::path& file) {
     throw refuse("the export would be a file of type " + inQuotes(file.extension().string()),
                  "a name that ends in .vtkhdf");
   std::error_code error;
-  const fs::path real = fs::weakly_canonical(file, error);
+  // Absolute first: of a bare name that does not exist, weakly_canonical would leave out the folder.
+  const fs::path real = fs::weakly_canonical(fs::absolute(file, error), error);
   if (error) throw refuse("cannot create the file: " + error.message(), "");
   const fs::file_status status = fs::status(real, error);
   if (fs::is_directory(status)) throw refuse("the export would replace a folder", "the name of a file");

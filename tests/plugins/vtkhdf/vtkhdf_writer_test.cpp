@@ -215,6 +215,14 @@ std::string refusal(const std::filesystem::path& file) {
   return "(no error)";
 }
 
+TEST_F(VtkHdfWriterTest, TakesARelativeNameAndAnEndingInCapitals) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder);
+  writeSample("run.VTKHDF", {3});
+  std::filesystem::current_path(before);
+  expectStep(VtkHdfReader(folder / "run.VTKHDF").readLast(), 0, 3);
+}
+
 TEST_F(VtkHdfWriterTest, RefusesPathsThatCannotBeAFile) {
   using testing::internal::GetCapturedStderr;
   testing::internal::CaptureStderr();
