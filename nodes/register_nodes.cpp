@@ -1,6 +1,7 @@
 #include "nodes/register_nodes.h"
 
 #include "nodes/mesh_file/mesh_file.h"
+#include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
@@ -20,6 +21,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<BoxSampler>();
   registry.addNode<MeshFile>();
   registry.addNode<MeshSampler>();
+  registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();

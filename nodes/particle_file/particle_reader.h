@@ -1,4 +1,4 @@
-// Readers of particle files. The node ParticleFile asks the reader of a file's ending; plugins add readers:
+// Readers of particle files. The node ParticleFile asks the reader for a file's ending; plugins add readers:
 //
 //   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkhdfParticleReader>(); });
 #pragma once
@@ -16,6 +16,8 @@ namespace weir {
 struct ParticleData {
   std::vector<Vec3f> positions;   ///< m
   std::vector<Vec3f> velocities;  ///< m/s, as many as positions; all 0 where the file has none
+  /// What else the file says of each particle, by the names there; ParticleFile tells the user of it.
+  std::vector<std::string> unused;
 };
 
 class ParticleReader {

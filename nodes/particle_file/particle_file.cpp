@@ -1,0 +1,78 @@
+#include "nodes/particle_file/particle_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "framework/base/text.h"
+#include "framework/graph/registry.h"
+#include "nodes/particle_file/csv_reader.h"
+#include "nodes/particle_file/ply_reader.h"
+
+namespace weir {
+
+namespace {
+
+/// The built-in readers, then those of plugins by name.
+std::vector<std::unique_ptr<ParticleReader>> allReaders(const Registry& registry) {
+  std::vector<std::unique_ptr<ParticleReader>> readers;
+  readers.push_back(std::make_unique<CsvReader>());
+  readers.push_back(std::make_unique<PlyReader>());
+  for (auto& [name, reader] : registry.createServices<ParticleReader>()) readers.push_back(std::move(reader));
+  return readers;
+}
+
+void moveTo(const Vec3f& position, const Quatf& rotation, float scale, ParticleData& data) {
+  for (Vec3f& p : data.positions) p = position + rotate(rotation, scale * p);
+  for (Vec3f& v : data.velocities) v = rotate(rotation, scale * v);
+}
+
+/// The first row that scaling and moving made too large for single precision.
+std::optional<std::size_t> firstNotFinite(const ParticleData& data) {
+  for (std::size_t i = 0; i < data.positions.size(); ++i)
+    if (!isFinite(data.positions[i]) || !isFinite(data.velocities[i])) return i;
+  return std::nullopt;
+}
+
+}  // namespace
+
+ParticleData ParticleFile::read(const Registry& registry) const {
+  if (file->empty())
+    throw sceneError("no file is given", "the path of a file with particles").inParameter(file.name());
+  const std::string ending = lowerCase(file->resolved.extension().string());
+  std::vector<std::string> known;
+  for (const auto& reader : allReaders(registry))
+    for (const std::string& extension : reader->extensions()) {
+      if (extension == ending) return reader->read(file->resolved);
+      known.push_back(extension);
+    }
+  throw sceneError(inQuotes(file->text) + (ending.empty() ? " has no ending" : " is of no known kind"),
+                   "a file that ends in " + joinNames(known), "plugins can bring more kinds of files")
+      .inParameter(file.name());
+}
+
+void ParticleFile::reset(const SetupContext& context) {
+  ParticleData data = read(context.registry);
+  WEIR_CHECK(data.positions.size() == data.velocities.size());
+  moveTo(position, rotation->toQuaternion(), scale, data);
+  if (const auto row = firstNotFinite(data))
+    throw sceneError(fmt::format("scaled and moved, row {} of the file is not finite", *row),
+                     "numbers that fit into single precision");
+  context.log.info(fmt::format(
+      "node '{}': {} particles from {}{}{}", name(), data.positions.size(), printable(file->text, 200),
+      data.unused.empty() ? "" : "; not used: ", printable(joinNames(data.unused, ", "), 200)));
+  particles->assign(context.device, data.positions, data.velocities);
+  count_ = particles->count;
+}
+
+void ParticleFile::step(const StepContext& context) {
+  // Whoever takes particles in every step must get these once only.
+  if (context.index > 0) *particles = {};
+}
+
+void ParticleFile::report(NodeReport& report) {
+  report.statistics["particles_read"] = count_;
+}
+
+}  // namespace weir

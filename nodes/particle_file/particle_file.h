@@ -1,0 +1,45 @@
+// Particles from a file, such as another program's samples or the last frame of an earlier export.
+//
+// Which reader a file gets is decided by its ending: .csv and .ply are built in, plugins bring more (see
+// particle_reader.h). A particle at p with velocity v in the file gets position + R·(scale·p) and
+// R·(scale·v), where R is the rotation: `scale` is the length of the file's unit in metres. In a fluid that
+// has no other source, a particle's id is its row in the file, from 0.
+#pragma once
+
+#include "framework/graph/node.h"
+#include "nodes/particle_file/particle_reader.h"
+#include "nodes/particles/particle_batch.h"
+
+namespace weir {
+
+class ParticleFile final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"ParticleFile", "Particles from a file: .csv, .ply, .vtkhdf and others."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<FilePath> file{*this, "file", {}, {.doc = "The file; its ending says what it is."}};
+  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Where the file's origin comes to be."}};
+  Param<float> scale{*this,
+                     "scale",
+                     1,
+                     {.min = 0,
+                      .aboveMin = true,
+                      .doc = "Multiplies positions and velocities; 0.001 for a file in millimetres."}};
+  Param<Rotation> rotation{
+      *this, "rotation", {}, {.unit = "degrees", .doc = "Turns the particles about the file's origin."}};
+
+  Output<ParticleBatch> particles{*this, "particles",
+                                  "The particles. A fluid takes them as initial ones, or as emitted ones in "
+                                  "its first step."};
+
+  void reset(const SetupContext& context) override;
+  void step(const StepContext& context) override;
+  void report(NodeReport& report) override;
+
+ private:
+  ParticleData read(const Registry& registry) const;
+
+  std::int64_t count_ = 0;
+};
+
+}  // namespace weir
