@@ -88,6 +88,10 @@ Session::~Session() {
   H5Eset_auto2(H5E_DEFAULT, print_, printData_);
 }
 
+void Session::renewLock() {
+  std::construct_at(&libraryMutex());
+}
+
 std::string lastMessage() {
   std::string message;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, takeFirst, &message);

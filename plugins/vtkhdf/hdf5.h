@@ -28,6 +28,10 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// For a process that was just forked by a thread with a session: nobody has the lock there any more, as it
+  /// would belong to a thread of the parent.
+  static void renewLock();
+
  private:
   std::unique_lock<std::recursive_mutex> lock_;
   H5E_auto2_t print_ = nullptr;

@@ -5,7 +5,8 @@
 
 namespace weir {
 
-/// Reads the last step, so that a run can go on where an export ended.
+/// Reads the last step, so that a run can go on where an export ended. Does it in a process of its own, as
+/// files come from anywhere; see isolated.h.
 class VtkHdfParticleReader final : public ParticleReader {
  public:
   std::vector<std::string> extensions() const override { return {".vtkhdf"}; }
