@@ -5,9 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <system_error>
 
 #include "plugins/vtkhdf/hdf5.h"
@@ -50,11 +50,19 @@ std::string outcomeOf(const std::function<std::string()>& work) {
   }
 }
 
+/// The soft limit ends the process by SIGXCPU, which tells the end from other ends.
+void limitCpu(int seconds) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_CPU, &limit);
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(seconds));
+  ::setrlimit(RLIMIT_CPU, &limit);
+}
+
 [[noreturn]] void runChild(const std::function<std::string()>& work, int cpuSeconds, int pipe) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) ::signal(signal, SIG_DFL);
-  const rlimit noCore{0, 0}, cpu{static_cast<rlim_t>(cpuSeconds), static_cast<rlim_t>(cpuSeconds)};
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU}) ::signal(signal, SIG_DFL);
+  const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);
-  ::setrlimit(RLIMIT_CPU, &cpu);
+  limitCpu(cpuSeconds);
   // The C library prints there when it finds its heap destroyed.
   const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nothing >= 0) ::dup2(nothing, STDERR_FILENO);

@@ -12,7 +12,9 @@ namespace {
 
 using VtkHdfDamageTest = InFolder;
 
-constexpr std::uint64_t kMutations = 2000;
+constexpr std::uint64_t kMutations = 1000;
+/// Where most of what HDF5 says of the file stands; the rest is numbers, and room for more of them.
+constexpr std::size_t kHeadSize = 20'000;
 
 std::string smallFile(const std::filesystem::path& file) {
   VtkHdfWriter writer(file, {.attributes = {{"velocity", 3}, {"id", 1, VtkHdfType::kInt32}}, .fields = {}});
@@ -29,7 +31,7 @@ std::string smallFile(const std::filesystem::path& file) {
 
 TEST_F(VtkHdfDamageTest, IsReadOrRefused) {
   const auto file = folder / "run.vtkhdf";
-  const std::string whole = smallFile(file);
+  const std::string whole = smallFile(file), head = whole.substr(0, kHeadSize);
   std::uint64_t refused = 0;
   for (std::uint64_t seed = 0; seed < kMutations; ++seed) {
     SCOPED_TRACE(seed);
