@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -80,8 +81,9 @@ class InFolder : public testing::Test {
  protected:
   InFolder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder = std::filesystem::temp_directory_path() / ("weir_" + std::string(test->test_suite_name()) + "_" +
-                                                       test->name() + "_" + std::to_string(::getpid()));
+    std::string name = "weir_" + std::string(test->test_suite_name()) + "_" + test->name();
+    std::replace(name.begin(), name.end(), '/', '_');  // of a test with a parameter
+    folder = std::filesystem::temp_directory_path() / (name + "_" + std::to_string(::getpid()));
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
   }
