@@ -37,9 +37,12 @@ std::optional<std::size_t> firstNotFinite(const ParticleData& data) {
 
 }  // namespace
 
-ParticleData ParticleFile::read(const Registry& registry) const {
+void ParticleFile::validate() const {
   if (file->empty())
     throw sceneError("no file is given", "the path of a file with particles").inParameter(file.name());
+}
+
+ParticleData ParticleFile::read(const Registry& registry) const {
   const std::string ending = lowerCase(file->resolved.extension().string());
   std::vector<std::string> known;
   for (const auto& reader : allReaders(registry))

@@ -32,6 +32,7 @@ class ParticleFile final : public Node {
                                   "The particles. A fluid takes them as initial ones, or as emitted ones in "
                                   "its first step."};
 
+  void validate() const override;
   void reset(const SetupContext& context) override;
   void step(const StepContext& context) override;
   void report(NodeReport& report) override;

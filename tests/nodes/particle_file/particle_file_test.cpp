@@ -116,9 +116,10 @@ TEST_P(ParticleFileTest, SaysWhatItCanRead) {
   }
 }
 
-TEST_P(ParticleFileTest, SaysThatAFileIsMissing) {
-  build("", Value::object());
-  EXPECT_EQ(errorOf([&] { reset(); }).message(), "no file is given");
+TEST(ParticleFile, SaysThatNoFileIsGiven) {
+  const Error error = errorOf([] { ParticleFile().assignAll(Value::object(), {"test", "", ""}); });
+  EXPECT_EQ(error.message(), "no file is given");
+  EXPECT_EQ(error.location().parameter, "file");
 }
 
 TEST_P(ParticleFileTest, RefusesWhatBecomesTooLarge) {
