@@ -11,11 +11,6 @@
 namespace weir::rendering::gl {
 namespace {
 
-struct Way {
-  const char* name;
-  std::unique_ptr<Context> (*make)();
-};
-
 Provider providerFromEnvironment() {
   const char* text = std::getenv("WEIR_GL");
   const std::string_view name = text ? text : "";
@@ -70,19 +65,22 @@ FunctionFinder::Found DriverLibrary::function(const char* name) const {
   return {address};
 }
 
-std::unique_ptr<Context> makeContext(Provider wanted) {
-  const Provider provider = wanted == Provider::kAuto ? providerFromEnvironment() : wanted;
+std::unique_ptr<Context> firstThatWorks(const std::vector<Way>& ways) {
   std::string reasons;
-  for (const Way& way : waysFor(provider)) {
+  for (const Way& way : ways) {
     try {
       return way.make();
     } catch (const Error& error) {
-      reasons += (reasons.empty() ? "" : ". ") + std::string(way.name) + ": " + error.message();
+      reasons += (reasons.empty() ? "" : ". ") + way.name + ": " + error.message();
     }
   }
   throw ioError("pictures cannot be drawn, because there is no OpenGL 3.3 context. " + reasons, {},
                 "install libegl1 and libgl1-mesa-dri (Debian, Ubuntu), or mesa-libEGL and mesa-dri-drivers "
                 "(Fedora); on a machine with a GPU, its driver's EGL library");
+}
+
+std::unique_ptr<Context> makeContext(Provider wanted) {
+  return firstThatWorks(waysFor(wanted == Provider::kAuto ? providerFromEnvironment() : wanted));
 }
 
 }  // namespace weir::rendering::gl

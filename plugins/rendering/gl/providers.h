@@ -1,6 +1,7 @@
 // The ways to get a context. Each function throws an io Error that says why it cannot.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,15 @@ namespace weir::rendering::gl {
 std::unique_ptr<Context> makeEglDeviceContext();       ///< on a GPU
 std::unique_ptr<Context> makeEglSurfacelessContext();  ///< Mesa without a window system, CPU or GPU
 std::unique_ptr<Context> makeOsMesaContext();
+
+/// One way to get a context, and what it is called in messages.
+struct Way {
+  std::string name;
+  std::function<std::unique_ptr<Context>()> make;
+};
+
+/// The context of the first way that gives one; else the io Error of makeContext.
+std::unique_ptr<Context> firstThatWorks(const std::vector<Way>& ways);
 
 /// A library opened at run time. It is never closed: drivers leave thread-local data behind, and crash when
 /// their code goes away before the thread does.

@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "tests/plugins/rendering/gl/pictures.h"
+
+namespace weir::rendering {
+namespace {
+
+constexpr Color kRed{1, 0, 0, 1};
+
+/// How many pixels of a picture of one red sphere on white are wrong: red where the ray through the pixel's
+/// middle misses the sphere, or white where it hits. Rays that all but touch it are not counted.
+int wrongPixels(const View& view, const Vec3f& center, const Picture& picture, int* red = nullptr) {
+  const double tangent = std::tan(view.camera.fovDegrees * std::numbers::pi / 360);
+  const double r = view.particles.radius;
+  const Vec3d c{center.x - view.camera.eye.x, center.y - view.camera.eye.y, center.z - view.camera.eye.z};
+  int wrong = 0;
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      const Vec3d ray =
+          normalized(Vec3d{(2 * (x + 0.5) / view.width - 1) * tangent * view.width / view.height,
+                           (1 - 2 * (y + 0.5) / view.height) * tangent, -1});
+      const double missedBy = length(c - ray * dot(ray, c)) - r;
+      const bool isRed = pixelAt(picture, x, y).g < 128;
+      if (red) *red += isRed;
+      if (std::abs(missedBy) > 1e-5 * r && isRed != (missedBy < 0)) ++wrong;
+    }
+  }
+  return wrong;
+}
+
+class Particles : public testing::Test {
+ protected:
+  gl::Renderer renderer{gl::makeContext()};
+};
+
+TEST_F(Particles, SilhouetteIsTheExactEllipse) {
+  // In the middle, near a corner where it is far from round, cut by the frame with its middle outside, small
+  // and far away, and so near that it fills the picture's height.
+  const std::array<std::pair<Vec3f, float>, 5> cases{{{{0, 0, 0}, 1.0f},
+                                                      {{4.5f, 3.2f, 0.0f}, 0.8f},
+                                                      {{-6.4f, 0.3f, 0.0f}, 0.9f},
+                                                      {{40, -30, -95}, 0.4f},
+                                                      {{0.5f, 0.2f, 3.0f}, 1.7f}}};
+  for (const auto& [center, radius] : cases) {
+    View view = plainView(320, 240);
+    view.camera.target = {0, 0, -100};
+    view.camera.fovDegrees = 90;
+    view.samplesPerAxis = 1;
+    const std::array<Vec3f, 1> positions{center};
+    view.particles = {.positions = positions, .radius = radius, .fixed = kRed};
+    int red = 0;
+    EXPECT_EQ(wrongPixels(view, center, renderer.draw(view), &red), 0) << center.x;
+    EXPECT_GT(red, 2) << center.x;
+  }
+}
+
+TEST_F(Particles, EdgesAreSmooth) {
+  const std::array<Vec3f, 1> positions{Vec3f{0, 0, 0}};
+  View view = plainView();
+  view.particles = {.positions = positions, .radius = 1, .fixed = kRed};
+  const Picture picture = renderer.draw(view);
+  int between = 0;
+  for (int x = 0; x < view.width; ++x)
+    for (int y = 0; y < view.height; ++y) {
+      const int green = pixelAt(picture, x, y).g;
+      between += green > 10 && green < 245;
+    }
+  EXPECT_GT(between, 30);
+}
+
+TEST_F(Particles, HaveTheColorsOfTheirValues) {
+  // A row of spheres, so that the pixel in each one's middle shows one value.
+  const std::array<float, 6> values{-3, 2, 3.1f, 4.7f, 6, std::numeric_limits<float>::quiet_NaN()};
+  std::array<Vec3f, 6> positions;
+  for (int i = 0; i < 6; ++i) positions[i] = {-2.5f + float(i), 0.02f, 0};
+  for (const ColorMapName map :
+       {ColorMapName::kViridis, ColorMapName::kTurbo, ColorMapName::kCividis, ColorMapName::kCoolwarm}) {
+    View view = plainView(320, 240);
+    view.particles = {
+        .positions = positions, .values = values, .radius = 0.3f, .map = map, .lowest = 2, .highest = 6};
+    const Picture picture = renderer.draw(view);
+    for (int i = 0; i < 6; ++i) {
+      const auto [x, y] = pixelOf(view, {positions[i].x, positions[i].y, 0}).value();
+      const Pixel expected = toPixel(colorAt(map, (values[i] - 2) / 4));
+      EXPECT_LE(largestDifference(pixelAt(picture, x, y), expected), 2) << i;
+    }
+  }
+}
+
+TEST_F(Particles, NearerOnesHideFartherOnesInAnyOrder) {
+  const std::array<float, 2> values{0, 1};
+  for (const bool swapped : {false, true}) {
+    std::array<Vec3f, 2> positions{Vec3f{0, 0, 1}, Vec3f{0, 0, -1}};
+    if (swapped) std::swap(positions[0], positions[1]);
+    View view = plainView();
+    view.particles = {.positions = positions, .values = values, .radius = 0.5f};
+    const Pixel seen = pixelAt(renderer.draw(view), view.width / 2, view.height / 2);
+    EXPECT_LE(largestDifference(seen, toPixel(colorAt(ColorMapName::kViridis, swapped ? 1 : 0))), 2);
+  }
+}
+
+TEST_F(Particles, MeetWhereTheirSurfacesMeet) {
+  // Two spheres through each other: left of their common plane the left one is in front, right of it the
+  // other.
+  const std::array<float, 2> values{0, 1};
+  const std::array<Vec3f, 2> positions{Vec3f{-0.3f, 0, 0}, Vec3f{0.3f, 0, 0}};
+  View view = plainView();
+  view.particles = {.positions = positions, .values = values, .radius = 0.5f};
+  const Picture picture = renderer.draw(view);
+  for (const int step : {-8, -3, 3, 8}) {
+    const Pixel seen = pixelAt(picture, view.width / 2 + step, view.height / 2);
+    EXPECT_LE(largestDifference(seen, toPixel(colorAt(ColorMapName::kViridis, step > 0 ? 1 : 0))), 2) << step;
+  }
+}
+
+TEST_F(Particles, PlacesThatAreNotFiniteAreLeftOut) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinite = std::numeric_limits<float>::infinity();
+  const std::array<Vec3f, 3> positions{Vec3f{nan, 0, 0}, Vec3f{0, 0, 0}, Vec3f{0, infinite, 0}};
+  View view = plainView();
+  view.particles = {.positions = positions, .radius = 0.5f, .fixed = kRed};
+  const Picture picture = renderer.draw(view);
+  view.particles.positions = std::span(positions).subspan(1, 1);
+  EXPECT_EQ(picture.rgb, renderer.draw(view).rgb);
+}
+
+TEST_F(Particles, MoreThanOneBatchAreAllDrawn) {
+  // More than are drawn in one go; the last one alone stands in the picture's left half.
+  std::vector<Vec3f> positions(300000, Vec3f{1, 0, 0});
+  positions.back() = {-1, 0, 0};
+  View view = plainView();
+  view.particles = {.positions = positions, .radius = 0.02f, .fixed = kRed};
+  view.lighting.unlit = true;
+  const Picture picture = renderer.draw(view);
+  for (const double x : {-1.0, 1.0}) {
+    const auto [px, py] = pixelOf(view, {x, 0, 0}).value();
+    int least = 255;
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) least = std::min(least, pixelAt(picture, px + dx, py + dy).g);
+    EXPECT_LT(least, 200) << x;
+  }
+}
+
+}  // namespace
+}  // namespace weir::rendering
