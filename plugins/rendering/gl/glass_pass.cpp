@@ -90,6 +90,8 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   gl_.disable(GL_POLYGON_OFFSET_FILL);
   gl_.disable(GL_CULL_FACE);
   gl_.disable(GL_BLEND);
+  // Mesa 22 refuses to draw into two targets while two sources are set, even if they are not in use.
+  gl_.blendFunc(GL_ONE, GL_ZERO);
   gl_.depthMask(GL_TRUE);
 }
 

@@ -42,7 +42,7 @@ TEST_F(Particles, SilhouetteIsTheExactEllipse) {
   const std::array<std::pair<Vec3f, float>, 5> cases{{{{0, 0, 0}, 1.0f},
                                                       {{4.5f, 3.2f, 0.0f}, 0.8f},
                                                       {{-6.4f, 0.3f, 0.0f}, 0.9f},
-                                                      {{40, -30, -95}, 0.4f},
+                                                      {{40, -30, -95}, 2.0f},
                                                       {{0.5f, 0.2f, 3.0f}, 1.7f}}};
   for (const auto& [center, radius] : cases) {
     View view = plainView(320, 240);
@@ -132,15 +132,11 @@ TEST_F(Particles, MoreThanOneBatchAreAllDrawn) {
   std::vector<Vec3f> positions(300000, Vec3f{1, 0, 0});
   positions.back() = {-1, 0, 0};
   View view = plainView();
-  view.particles = {.positions = positions, .radius = 0.02f, .fixed = kRed};
-  view.lighting.unlit = true;
+  view.particles = {.positions = positions, .radius = 0.1f, .fixed = kRed};
   const Picture picture = renderer.draw(view);
   for (const double x : {-1.0, 1.0}) {
     const auto [px, py] = pixelOf(view, {x, 0, 0}).value();
-    int least = 255;
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) least = std::min(least, pixelAt(picture, px + dx, py + dy).g);
-    EXPECT_LT(least, 200) << x;
+    EXPECT_LT(pixelAt(picture, px, py).g, 5) << x;
   }
 }
 

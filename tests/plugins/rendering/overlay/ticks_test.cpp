@@ -21,7 +21,7 @@ TEST(Ticks, AreWrittenAsAPersonWould) {
   EXPECT_EQ(labels(0, 1), (Texts{"0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
   EXPECT_EQ(labels(-1.1, 1.1), (Texts{"-1.0", "-0.5", "0.0", "0.5", "1.0"}));
   EXPECT_EQ(labels(993, 1012), (Texts{"995", "1000", "1005", "1010"}));
-  EXPECT_EQ(labels(0, 0.034), (Texts{"0.00", "0.01", "0.02", "0.03"}));
+  EXPECT_EQ(labels(0, 0.043), (Texts{"0.00", "0.01", "0.02", "0.03", "0.04"}));
   EXPECT_EQ(labels(0, 4e7), (Texts{"0", "1e+07", "2e+07", "3e+07", "4e+07"}));
 }
 
