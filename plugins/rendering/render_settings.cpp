@@ -25,4 +25,16 @@ void ColorSettings::validate() const {
     throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
 }
 
+Color SurfaceSettings::shownColor() const {
+  constexpr Color kGrey{0.75f, 0.77f, 0.8f, 1}, kClear{0.94f, 0.97f, 0.97f, 1};
+  return color.get().value_or(look == SurfaceLook::kGlass ? kClear : kGrey);
+}
+
+void SurfaceSettings::validate() const {
+  if (color.get() && color.get()->a != 1)
+    throw sceneError("the colour of a surface has an opacity", "[red, green, blue]",
+                     "\"look\": \"glass\" makes a surface transparent")
+        .inParameter(color.name());
+}
+
 }  // namespace weir::rendering

@@ -87,9 +87,16 @@ class SurfaceSettings final : public Configurable {
  public:
   Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
   Param<SurfaceLook> look{*this, "look", SurfaceLook::kMatt, {.doc = "Kind of material."}};
-  Param<Color> color{
-      *this, "color", {0.75f, 0.77f, 0.8f, 1}, {.doc = "Colour; its opacity makes a surface transparent."}};
+  Param<std::optional<Color>> color{
+      *this,
+      "color",
+      std::nullopt,
+      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
+
+  /// The colour that is given, or else that of the look.
+  Color shownColor() const;
+  void validate() const override;
 };
 
 class RenderSettings final : public Configurable {

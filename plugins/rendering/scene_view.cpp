@@ -130,7 +130,7 @@ void SceneView::addSurface(const TriangleMesh& mesh, const std::string& node) {
   bounds_.extend(mesh.bounds());
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
-  surfaces_.push_back({.mesh = renderer_.addMesh(mesh), .look = look.look, .color = look.color});
+  surfaces_.push_back({.mesh = renderer_.addMesh(mesh), .look = look.look, .color = look.shownColor()});
 }
 
 void SceneView::addShape(const Shape& shape, const std::string& node) {
