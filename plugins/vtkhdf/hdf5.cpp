@@ -1,6 +1,7 @@
 #include "plugins/vtkhdf/hdf5.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -80,6 +81,10 @@ void cutAtNull(std::string& text) {
 }  // namespace
 
 Session::Session() : lock_(libraryMutex()) {
+  // Every file is closed by its File. HDF5's own clean-up at the program's exit would only come across files
+  // that could not be closed, and crash there.
+  static const herr_t once = H5dont_atexit();
+  static_cast<void>(once);
   H5Eget_auto2(H5E_DEFAULT, &print_, &printData_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -439,7 +444,9 @@ void File::abandon() {
   // HDF5 cannot close a file without writing what it holds, so that goes to a place where it does no harm.
   void* driver = nullptr;
   if (H5Fget_vfd_handle(handle_.get(), H5P_DEFAULT, &driver) < 0 || !driver) return;
-  const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  // Memory and no device, because HDF5 sets the file's size, too. Only the index and the last frame are
+  // written.
+  const int nowhere = ::memfd_create("abandoned export", MFD_CLOEXEC);
   if (nowhere < 0) return;
   ::dup2(nowhere, *static_cast<int*>(driver));
   ::close(nowhere);

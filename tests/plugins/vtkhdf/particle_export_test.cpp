@@ -312,5 +312,25 @@ TEST(VtkHdfPlugin, ExportsFromTheCommandLine) {
   EXPECT_EQ(runWeir({"run", scene, "--export", "run.vtk"}).code, 2);
 }
 
+TEST(VtkHdfPlugin, AFullDiskEndsTheProgramWithAMessage) {
+  const TemporaryFolder folder;
+  folder.write("p.csv", table(jitteredCube(24, 0.1f, 0.1f, 1), {}));
+  const std::string scene = folder.write("scene.json", R"({
+      "weir": 1, "world": {"duration": 0.2, "frame_rate": 100},
+      "nodes": {"file": {"type": "ParticleFile", "params": {"file": "p.csv"}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
+      "links": ["file.particles -> water.initial"]})");
+  const std::string file = folder / "run.vtkhdf";
+  // Files cannot grow beyond 3000 blocks of 512 bytes.
+  const ChildResult result =
+      runChild("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 3000; exec \"$0\" run \"$1\" --export \"$2\"",
+                           weirProgram(), scene, file});
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_EQ(result.signal, 0);
+  EXPECT_CONTAINS(result.err, file);
+  EXPECT_CONTAINS(result.err, "File too large");
+  EXPECT_GE(VtkHdfReader(file).times().size(), 1u);
+}
+
 }  // namespace
 }  // namespace weir::test
