@@ -45,7 +45,7 @@ using MeshId = std::uint32_t;
 struct SurfaceView {
   MeshId mesh = 0;
   SurfaceLook look = SurfaceLook::kMatt;
-  Color color{0.75f, 0.77f, 0.8f, 1};  ///< of glass: the colour that light has behind it
+  Color color{0.75f, 0.77f, 0.8f, 1};  ///< of glass: a tenth power of it tints each wall seen straight on
   Quatf rotation;
   Vec3f position;
 };

@@ -42,7 +42,7 @@ void main() {
   float cosine = max(dot(normal, towardsEye), 0.0);
   float mirror = fresnel(cosine, 0.04);
   // The way through a thin wall is longer at a flat angle, where real glass bends in light from darker places too.
-  vec3 through = pow(uTint, vec3(0.25 / max(cosine, 0.15))) * (1.0 - 0.45 * pow(1.0 - cosine, 3.0));
+  vec3 through = pow(uTint, vec3(0.1 / max(cosine, 0.15))) * (1.0 - 0.45 * pow(1.0 - cosine, 3.0));
   vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 2.6) + 0.35 * kSunColor * highlight(normal, towardsEye, 300.0);
   float seen = gl_FrontFacing ? 1.0 : 0.45;  // inner sides mirror less: their light crosses the wall twice
   oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0);

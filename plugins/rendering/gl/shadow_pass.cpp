@@ -31,7 +31,7 @@ layout(location = 0) out vec4 oThrough;
 
 void main() {
   float facing = abs(normalize(vNormal).z);
-  oThrough = vec4(uTint * mix(0.72, 0.96, facing * facing), 1.0);
+  oThrough = vec4(pow(uTint, vec3(0.1)) * mix(0.72, 0.96, facing * facing), 1.0);
 }
 )";
 

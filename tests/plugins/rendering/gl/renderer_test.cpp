@@ -119,7 +119,7 @@ TEST_F(RendererTest, GlassLetsThroughWhatIsBehindAndTintsIt) {
   const MeshId plate = addPlate(1);
   view.surfaces = {{.mesh = plate, .look = SurfaceLook::kGlass, .color = {1, 1, 1, 1}}};
   EXPECT_LE(largestDifference(middle(renderer.draw(view)), bare), 16);
-  view.surfaces[0].color = {1, 0.3f, 0.3f, 1};
+  view.surfaces[0].color = {1, 0.05f, 0.05f, 1};
   const Pixel tinted = middle(renderer.draw(view));
   EXPECT_GT(tinted.r, tinted.g + 30);
   EXPECT_NEAR(tinted.r, bare.r, 16);
