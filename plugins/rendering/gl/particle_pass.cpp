@@ -22,8 +22,9 @@ const std::string kGeometryVertexShader = kShaderVersion + kCornerSnippet + R"(
 uniform mat4 uView;
 uniform vec2 uTangent;
 uniform float uRadius, uNear;
+uniform sampler2D uColors;
 flat out vec3 vCenter;
-flat out float vValue;
+flat out vec3 vColor;
 
 vec2 touchingLines(float across, float along) {
   float touch = sqrt(across * across + along * along - uRadius * uRadius);
@@ -34,7 +35,7 @@ vec2 touchingLines(float across, float along) {
 void main() {
   vec4 data = particle();
   vCenter = (uView * vec4(data.xyz, 1.0)).xyz;
-  vValue = data.w;
+  vColor = textureLod(uColors, vec2(data.w, 0.5), 0.0).rgb;
   float along = -vCenter.z;
   if (along + uRadius < uNear) {  // behind the camera
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
@@ -52,10 +53,9 @@ void main() {
 )";
 
 const std::string kGeometryFragmentShader = kShaderVersion + kCameraSnippet + kMaterialSnippet + R"(
-uniform sampler2D uColors;
 uniform float uRadius, uNear;
 flat in vec3 vCenter;
-flat in float vValue;
+flat in vec3 vColor;
 layout(location = 0) out vec4 oAlbedo;
 layout(location = 1) out vec4 oNormal;
 
@@ -70,7 +70,7 @@ void main() {
   if (rest < 0.0 || distance < uNear) discard;
   vec3 normal = (ray * distance - vCenter) / uRadius;
   gl_FragDepth = depthAt(distance);
-  oAlbedo = vec4(texture(uColors, vec2(vValue, 0.5)).rgb, kParticle);
+  oAlbedo = vec4(vColor, kParticle);
   oNormal = vec4(0.5 + 0.5 * normal, 1.0);
 }
 )";

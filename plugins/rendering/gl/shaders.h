@@ -79,7 +79,9 @@ float highlight(vec3 normal, vec3 towardsEye, float exponent) {
 
 // C. Schlick's approximation (1994) of the reflected part.
 float fresnel(float cosine, float straight) {
-  return straight + (1.0 - straight) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
+  float slant = 1.0 - clamp(cosine, 0.0, 1.0);
+  float square = slant * slant;
+  return straight + (1.0 - straight) * square * square * slant;
 }
 )";
 
