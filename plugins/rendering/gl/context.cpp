@@ -74,8 +74,9 @@ std::unique_ptr<Context> firstThatWorks(const std::vector<Way>& ways) {
       reasons += (reasons.empty() ? "" : ". ") + way.name + ": " + error.message();
     }
   }
-  throw ioError("pictures cannot be drawn, because there is no OpenGL 3.3 context. " + reasons, {},
-                "install libegl1 and libgl1-mesa-dri (Debian, Ubuntu), or mesa-libEGL and mesa-dri-drivers "
+  throw ioError("pictures cannot be drawn: no OpenGL context (3.3 or later) can be had. " + reasons, {},
+                "install libegl1 and libgl1-mesa-dri, or libosmesa6 (Debian, Ubuntu), or mesa-libEGL and "
+                "mesa-dri-drivers "
                 "(Fedora); on a machine with a GPU, its driver's EGL library");
 }
 
