@@ -1,10 +1,7 @@
 // --export within a simulation: what the fluids hold at each frame is what the file holds.
 #include "plugins/vtkhdf/particle_export.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <csignal>
 #include <fstream>
 #include <functional>
 
@@ -253,44 +250,6 @@ TEST_P(ParticleExportTest, KeepsItsFramesWhenTheRunFails) {
   EXPECT_EQ(VtkHdfReader(file_).times().size(), 3u);
 }
 
-/// Files of this process cannot grow beyond some bytes, as on a full disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
-
-TEST_P(ParticleExportTest, NamesTheFileWhenTheDiskIsFull) {
-  writeFileText("water.csv", table(jitteredCube(24, 0.1f, 0.1f, 1), {}));
-  const auto sim = simulation(oneFluid());
-  ParticleExport exporter(file_);
-  Observer* observers[] = {&exporter};
-  Error error = ioError("");
-  {
-    const FileSizeLimit limit(1'400'000);
-    error = errorOf([&] { runSimulation(*sim, observers); });
-  }
-  EXPECT_EQ(error.kind(), ErrorKind::kIo);
-  EXPECT_EQ(error.location().file, file_.string());
-  EXPECT_CONTAINS(error.message(), "File too large");
-  const VtkHdfReader reader(file_);
-  ASSERT_GE(reader.times().size(), 1u);
-  EXPECT_LT(reader.times().size(), 4u);
-  EXPECT_EQ(reader.readLast().positions.size(), 24u * 24 * 24);
-}
-
 INSTANTIATE_TEST_SUITE_P(Devices, ParticleExportTest, testing::ValuesIn(availableDevices()),
                          [](const auto& tested) { return tested.param; });
 
@@ -321,15 +280,21 @@ TEST(VtkHdfPlugin, AFullDiskEndsTheProgramWithAMessage) {
                 "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
       "links": ["file.particles -> water.initial"]})");
   const std::string file = folder / "run.vtkhdf";
+  ChildOptions options;
+  // The limit keeps HDF5 from closing the file even after it was given up, so some of its memory is never
+  // freed.
+  options.environment["ASAN_OPTIONS"] = "detect_leaks=0";
   // Files cannot grow beyond 3000 blocks of 512 bytes.
-  const ChildResult result =
-      runChild("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 3000; exec \"$0\" run \"$1\" --export \"$2\"",
-                           weirProgram(), scene, file});
+  const std::string limited = "trap '' XFSZ; ulimit -f 3000; exec \"$0\" run \"$1\" --export \"$2\"";
+  const ChildResult result = runChild("/bin/sh", {"-c", limited, weirProgram(), scene, file}, options);
   EXPECT_EQ(result.code, 5) << result.err;
   EXPECT_EQ(result.signal, 0);
   EXPECT_CONTAINS(result.err, file);
   EXPECT_CONTAINS(result.err, "File too large");
-  EXPECT_GE(VtkHdfReader(file).times().size(), 1u);
+  const VtkHdfReader reader(file);
+  ASSERT_GE(reader.times().size(), 1u);
+  EXPECT_LT(reader.times().size(), 21u);
+  EXPECT_EQ(reader.readLast().positions.size(), 24u * 24 * 24);
 }
 
 }  // namespace
