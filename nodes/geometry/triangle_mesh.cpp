@@ -12,9 +12,13 @@ namespace weir {
 
 namespace {
 
-Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
+Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
 
-bool repeatsVertex(const Vec3i& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
+bool repeatsVertex(const Vec3i& t) {
+  return t.x == t.y || t.y == t.z || t.z == t.x;
+}
 
 /// The same for all triangles with the same three vertices.
 std::array<int, 3> sortedKey(const Vec3i& t) {
@@ -67,7 +71,8 @@ MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   std::map<std::pair<int, int>, Edge> edges;
   std::set<std::array<int, 3>> seen;
   for (const Vec3i& t : mesh.triangles) {
-    const Vec3f normal = cross(mesh.vertices[t.y] - mesh.vertices[t.x], mesh.vertices[t.z] - mesh.vertices[t.x]);
+    const Vec3f normal =
+        cross(mesh.vertices[t.y] - mesh.vertices[t.x], mesh.vertices[t.z] - mesh.vertices[t.x]);
     if (repeatsVertex(t) || length(normal) == 0) ++d.degenerateTriangles;
     if (!seen.insert(sortedKey(t)).second) ++d.duplicateTriangles;
     for (const auto& [a, b] : {std::pair(t.x, t.y), std::pair(t.y, t.z), std::pair(t.z, t.x)}) {
@@ -129,7 +134,8 @@ class VertexWelder {
     return static_cast<std::int64_t>(std::clamp(std::floor(x / std::max(tolerance_, 1e-30)), -kMost, kMost));
   }
   static std::uint64_t hash(const Vec3<std::int64_t>& c) {
-    return static_cast<std::uint64_t>(c.x) * 0x9E3779B97F4A7C15ull ^ static_cast<std::uint64_t>(c.y) * 0xC2B2AE3D27D4EB4Full ^
+    return static_cast<std::uint64_t>(c.x) * 0x9E3779B97F4A7C15ull ^
+           static_cast<std::uint64_t>(c.y) * 0xC2B2AE3D27D4EB4Full ^
            static_cast<std::uint64_t>(c.z) * 0x165667B19E3779F9ull;
   }
 

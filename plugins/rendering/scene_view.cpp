@@ -164,23 +164,21 @@ void SceneView::addFluids(Simulation& simulation, View& view) {
   for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
-    const std::vector<Vec3f> positions = fluid.particles->positions().toHost(count);
-    positions_.insert(positions_.end(), positions.begin(), positions.end());
-    if (colored) {
-      const std::vector<float> values = quantityOf(*fluid.particles, by, count, key_);
-      values_.insert(values_.end(), values.begin(), values.end());
-    }
-    view.particles.radius = 0.5f * settings_.particleSize * fluid.constants->spacing;
+    positions_.push_back(fluid.particles->positions().toHost(count));
+    values_.push_back(colored ? quantityOf(*fluid.particles, by, count, key_) : std::vector<float>{});
+    view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.constants->spacing,
+                              .map = settings_.color->map,
+                              .fixed = settings_.color->fixed});
+    if (boundsAreStatic_) continue;
+    for (const Vec3f& p : positions_.back()) bounds_.extend(p);
   }
-  if (!boundsAreStatic_)
-    for (const Vec3f& p : positions_) bounds_.extend(p);
   if (colored) chooseRange();
-  view.particles.positions = positions_;
-  view.particles.values = values_;
-  view.particles.map = settings_.color->map;
-  view.particles.lowest = key_.low;
-  view.particles.highest = key_.high;
-  view.particles.fixed = settings_.color->fixed;
+  for (std::size_t i = 0; i < view.particles.size(); ++i) {
+    view.particles[i].positions = positions_[i];
+    view.particles[i].values = values_[i];
+    view.particles[i].lowest = key_.low;
+    view.particles[i].highest = key_.high;
+  }
 }
 
 void SceneView::chooseRange() {
@@ -191,12 +189,13 @@ void SceneView::chooseRange() {
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
   float low = rangeFound_ ? key_.low : 0, high = rangeFound_ ? key_.high : 0;
   bool any = rangeFound_;
-  for (const float v : values_) {
-    if (!std::isfinite(v)) continue;
-    low = any ? std::min(low, v) : v;
-    high = any ? std::max(high, v) : v;
-    any = true;
-  }
+  for (const std::vector<float>& values : values_)
+    for (const float v : values) {
+      if (!std::isfinite(v)) continue;
+      low = any ? std::min(low, v) : v;
+      high = any ? std::max(high, v) : v;
+      any = true;
+    }
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
   if (!any || !grew) return;
   rangeFound_ = high > low;

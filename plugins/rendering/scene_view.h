@@ -37,7 +37,7 @@ class SceneView {
   void addShape(const Shape& shape, const std::string& node);
   void addSurface(const TriangleMesh& mesh, const std::string& node);
   void addFluids(Simulation& simulation, View& view);
-  void chooseRange();
+  void chooseRange();  // of values_
   CameraPose cameraAt(double time) const;
   CameraPose restingCamera() const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
@@ -46,8 +46,8 @@ class SceneView {
   const RenderSettings& settings_;
   gl::Renderer& renderer_;
   ColorKey key_;
-  std::vector<Vec3f> positions_;  // of all fluids
-  std::vector<float> values_;
+  std::vector<std::vector<Vec3f>> positions_;  // of each fluid
+  std::vector<std::vector<float>> values_;     // empty for one colour
 
   // What does not change during a run.
   bool collected_ = false;

@@ -69,9 +69,10 @@ struct GroundView {
 struct LightingView {
   Vec3f towardsSun{0.45f, 1.0f, 0.35f};  ///< any length but zero
   bool shadows = true;
-  bool occlusion = true;      ///< darkens what is hemmed in (screen-space ambient occlusion)
-  float occlusionRadius = 0;  ///< m; 0: six particle radii, or a part of the scene's size without particles
-  bool unlit = false;         ///< every surface has its plain colour, so that colours can be read exactly
+  bool occlusion = true;  ///< darkens what is hemmed in (screen-space ambient occlusion)
+  float occlusionRadius =
+      0;  ///< m; 0: six of the largest particle's radii, or a part of the scene's size without particles
+  bool unlit = false;  ///< every surface has its plain colour, so that colours can be read exactly
 };
 
 struct View {
@@ -79,7 +80,7 @@ struct View {
   int samplesPerAxis = 2;          ///< 1 (jagged) to 4: each pixel averages the square of this number
   CameraPose camera;
   Vec3f worldUp{0, 1, 0};  ///< against gravity
-  ParticleView particles;
+  std::vector<ParticleView> particles;
   std::vector<SurfaceView> surfaces;
   std::vector<LineView> lines;
   GroundView ground;

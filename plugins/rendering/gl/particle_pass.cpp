@@ -163,7 +163,15 @@ ParticlePass::ParticlePass(const Functions& gl)
   centers_ = Texture(gl, name);
 }
 
-Aabb ParticlePass::load(const ParticleView& particles) {
+Aabb ParticlePass::load(std::span<const ParticleView> views) {
+  batches_.clear();
+  colors_.clear();
+  Aabb box;
+  for (const ParticleView& view : views) box.extend(loadOne(view));
+  return box;
+}
+
+Aabb ParticlePass::loadOne(const ParticleView& particles) {
   const bool colored = !particles.values.empty();
   if (colored) WEIR_CHECK(particles.values.size() == particles.positions.size());
   packed_.clear();
@@ -176,16 +184,15 @@ Aabb ParticlePass::load(const ParticleView& particles) {
     packed_.push_back(
         {p.x, p.y, p.z, colored ? placeOfValue(particles.values[i], particles) : placeOf(kFixedEntry)});
   }
-  batches_.clear();
   if (packed_.empty()) return box;
+  const std::vector<std::uint8_t> texels = colorTexels(particles);
+  colors_.push_back(makeTexture(gl_, kColors, 1, kColor8, GL_LINEAR, texels.data()));
   for (std::size_t first = 0; first < packed_.size(); first += std::size_t(largestBatch_)) {
     const auto part =
         std::span(packed_).subspan(first).first(std::min(packed_.size() - first, std::size_t(largestBatch_)));
-    batches_.push_back({makeBuffer(gl_), GLsizei(part.size())});
+    batches_.push_back({makeBuffer(gl_), GLsizei(part.size()), particles.radius, colors_.size() - 1});
     upload(batches_.back().centers, GL_TEXTURE_BUFFER, std::as_bytes(part), GL_STREAM_DRAW);
   }
-  const std::vector<std::uint8_t> texels = colorTexels(particles);
-  colors_ = makeTexture(gl_, kColors, 1, kColor8, GL_LINEAR, texels.data());
   const Vec3f around{particles.radius, particles.radius, particles.radius};
   return {box.lo - around, box.hi + around};
 }
@@ -194,10 +201,10 @@ template <class SetUniforms>
 void ParticlePass::draw(const Program& program, SetUniforms setUniforms) const {
   if (batches_.empty()) return;
   program.use();
-  setUniforms();
   gl_.bindVertexArray(array_.name());
   program.setTexture("uCenters", 0, centers_, GL_TEXTURE_BUFFER);
   for (const Batch& batch : batches_) {
+    setUniforms(batch);
     gl_.activeTexture(GL_TEXTURE0);
     gl_.texBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, batch.centers.name());
     gl_.drawElements(GL_TRIANGLES, 6 * batch.particles, GL_UNSIGNED_INT, nullptr);
@@ -205,21 +212,21 @@ void ParticlePass::draw(const Program& program, SetUniforms setUniforms) const {
 }
 
 void ParticlePass::drawGeometry(const Frame& frame) const {
-  draw(geometry_, [&] {
+  draw(geometry_, [&](const Batch& batch) {
     setCameraUniforms(geometry_, frame.camera, frame.width, frame.height);
     geometry_.setMatrix4("uView", frame.camera.view.data());
     geometry_.set("uNear", frame.camera.near);
-    geometry_.set("uRadius", frame.view.particles.radius);
-    geometry_.setTexture("uColors", 1, colors_);
+    geometry_.set("uRadius", batch.radius);
+    geometry_.setTexture("uColors", 1, colors_[batch.colors]);
   });
 }
 
-void ParticlePass::drawShadow(const SunView& sun, float radius) const {
-  draw(shadow_, [&] {
+void ParticlePass::drawShadow(const SunView& sun) const {
+  draw(shadow_, [&](const Batch& batch) {
     shadow_.setMatrix4("uToClip", sun.toClip().eval().data());
     shadow_.set("uHalfSize", sun.halfSize);
-    shadow_.set("uRadius", radius);
-    shadow_.set("uRadiusInDepth", 2 * radius / (sun.zNearest - sun.zFarthest));
+    shadow_.set("uRadius", batch.radius);
+    shadow_.set("uRadiusInDepth", 2 * batch.radius / (sun.zNearest - sun.zFarthest));
   });
 }
 

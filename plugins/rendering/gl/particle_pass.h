@@ -12,19 +12,23 @@ class ParticlePass {
   explicit ParticlePass(const Functions& gl);
 
   /// Sends the particles to the GPU and returns the box around their spheres.
-  Aabb load(const ParticleView& particles);
+  Aabb load(std::span<const ParticleView> views);
 
   /// Into Targets::geometry.
   void drawGeometry(const Frame& frame) const;
   /// Into the shadow map.
-  void drawShadow(const SunView& sun, float radius) const;
+  void drawShadow(const SunView& sun) const;
 
  private:
   struct Batch {
     Buffer centers;
     GLsizei particles;
+    float radius;
+    std::size_t colors;  // index into colors_
   };
 
+  Aabb loadOne(const ParticleView& particles);
+  /// Calls setUniforms(batch) before each batch.
   template <class SetUniforms>
   void draw(const Program& program, SetUniforms setUniforms) const;
 
@@ -32,7 +36,8 @@ class ParticlePass {
   Program geometry_, shadow_;
   VertexArray array_;
   Buffer indices_;
-  Texture centers_, colors_;
+  Texture centers_;
+  std::vector<Texture> colors_;  // the colour map of each view
   int largestBatch_ = 0;
   std::vector<Batch> batches_;
   std::vector<Vec4f> packed_;  // position, and place in the colour map

@@ -23,7 +23,10 @@ constexpr int kMostSamples = 4;
 
 float occlusionRadius(const View& view, const Aabb& casters) {
   if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
-  if (!view.particles.positions.empty()) return 6 * view.particles.radius;
+  float largest = 0;
+  for (const ParticleView& particles : view.particles)
+    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
+  if (largest > 0) return 6 * largest;
   constexpr float kPartOfScene = 0.04f;
   return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
 }

@@ -71,7 +71,7 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, const Particl
   gl_.depthMask(GL_TRUE);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, depthTarget_.name());
   gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  particles.drawShadow(frame.sun, frame.view.particles.radius);
+  particles.drawShadow(frame.sun);
   drawSurfaces(opaque_, false);
 
   gl_.bindFramebuffer(GL_FRAMEBUFFER, glassTarget_.name());

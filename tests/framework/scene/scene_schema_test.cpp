@@ -56,7 +56,8 @@ TEST_F(SceneSchema, DescribesSectionsAndWorld) {
   EXPECT_EQ(at({"properties", "stage", "description"}), Value("How the scene is shown."));
   EXPECT_EQ(at({"properties", "stage", "properties", "width", "maximum"}), Value(8192));
   EXPECT_EQ(at({"properties", "world", "properties", "dt", "exclusiveMinimum"}), Value(0));
-  EXPECT_EQ(at({"properties", "world", "properties", "gravity", "description"}), Value("Acceleration of gravity. [m/s^2]"));
+  EXPECT_EQ(at({"properties", "world", "properties", "gravity", "description"}),
+            Value("Acceleration of gravity. [m/s^2]"));
 }
 
 TEST_F(SceneSchema, DescribesModulesByFamily) {
@@ -71,7 +72,8 @@ TEST_F(SceneSchema, ReferencesLeadSomewhere) {
   const std::string text = writeJson(schema);
   const std::string prefix = "\"$ref\": \"#/$defs/";
   std::size_t references = 0;
-  for (std::size_t i = text.find(prefix); i != std::string::npos; i = text.find(prefix, i + 1), ++references) {
+  for (std::size_t i = text.find(prefix); i != std::string::npos;
+       i = text.find(prefix, i + 1), ++references) {
     const std::size_t start = i + prefix.size();
     EXPECT_NE(schema.find("$defs")->find(text.substr(start, text.find('"', start) - start)), nullptr);
   }

@@ -29,7 +29,7 @@ Picture drawExample(Renderer& renderer, int width = 320, int height = 240) {
   view.width = width;
   view.height = height;
   view.camera.target = {0, 0.4f, 0};
-  view.particles = {.positions = positions, .values = values, .radius = 0.05f};
+  view.particles = {{.positions = positions, .values = values, .radius = 0.05f}};
   view.surfaces = {{.mesh = mesh, .look = SurfaceLook::kGlass},
                    {.mesh = mesh, .look = SurfaceLook::kMetal, .position = {1, 0, 0}},
                    {.mesh = mesh, .look = SurfaceLook::kMatt, .position = {-1, 0, 0}}};

@@ -14,7 +14,7 @@ constexpr Color kRed{1, 0, 0, 1};
 /// middle misses the sphere, or white where it hits. Rays that all but touch it are not counted.
 int wrongPixels(const View& view, const Vec3f& center, const Picture& picture, int* red = nullptr) {
   const double tangent = std::tan(view.camera.fovDegrees * std::numbers::pi / 360);
-  const double r = view.particles.radius;
+  const double r = view.particles[0].radius;
   const Vec3d c{center.x - view.camera.eye.x, center.y - view.camera.eye.y, center.z - view.camera.eye.z};
   int wrong = 0;
   for (int y = 0; y < view.height; ++y) {
@@ -50,7 +50,7 @@ TEST_F(Particles, SilhouetteIsTheExactEllipse) {
     view.camera.fovDegrees = 90;
     view.samplesPerAxis = 1;
     const std::array<Vec3f, 1> positions{center};
-    view.particles = {.positions = positions, .radius = radius, .fixed = kRed};
+    view.particles = {{.positions = positions, .radius = radius, .fixed = kRed}};
     int red = 0;
     EXPECT_EQ(wrongPixels(view, center, renderer.draw(view), &red), 0) << center.x;
     EXPECT_GT(red, 2) << center.x;
@@ -60,7 +60,7 @@ TEST_F(Particles, SilhouetteIsTheExactEllipse) {
 TEST_F(Particles, EdgesAreSmooth) {
   const std::array<Vec3f, 1> positions{Vec3f{0, 0, 0}};
   View view = plainView();
-  view.particles = {.positions = positions, .radius = 1, .fixed = kRed};
+  view.particles = {{.positions = positions, .radius = 1, .fixed = kRed}};
   const Picture picture = renderer.draw(view);
   int between = 0;
   for (int x = 0; x < view.width; ++x)
@@ -80,7 +80,7 @@ TEST_F(Particles, HaveTheColorsOfTheirValues) {
        {ColorMapName::kViridis, ColorMapName::kTurbo, ColorMapName::kCividis, ColorMapName::kCoolwarm}) {
     View view = plainView(320, 240);
     view.particles = {
-        .positions = positions, .values = values, .radius = 0.3f, .map = map, .lowest = 2, .highest = 6};
+        {.positions = positions, .values = values, .radius = 0.3f, .map = map, .lowest = 2, .highest = 6}};
     const Picture picture = renderer.draw(view);
     for (int i = 0; i < 6; ++i) {
       const auto [x, y] = pixelOf(view, {positions[i].x, positions[i].y, 0}).value();
@@ -96,7 +96,7 @@ TEST_F(Particles, NearerOnesHideFartherOnesInAnyOrder) {
     std::array<Vec3f, 2> positions{Vec3f{0, 0, 1}, Vec3f{0, 0, -1}};
     if (swapped) std::swap(positions[0], positions[1]);
     View view = plainView();
-    view.particles = {.positions = positions, .values = values, .radius = 0.5f};
+    view.particles = {{.positions = positions, .values = values, .radius = 0.5f}};
     const Pixel seen = pixelAt(renderer.draw(view), view.width / 2, view.height / 2);
     EXPECT_LE(largestDifference(seen, toPixel(colorAt(ColorMapName::kViridis, swapped ? 1 : 0))), 2);
   }
@@ -108,7 +108,7 @@ TEST_F(Particles, MeetWhereTheirSurfacesMeet) {
   const std::array<float, 2> values{0, 1};
   const std::array<Vec3f, 2> positions{Vec3f{-0.3f, 0, 0}, Vec3f{0.3f, 0, 0}};
   View view = plainView();
-  view.particles = {.positions = positions, .values = values, .radius = 0.5f};
+  view.particles = {{.positions = positions, .values = values, .radius = 0.5f}};
   const Picture picture = renderer.draw(view);
   for (const int step : {-8, -3, 3, 8}) {
     const Pixel seen = pixelAt(picture, view.width / 2 + step, view.height / 2);
@@ -121,10 +121,27 @@ TEST_F(Particles, PlacesThatAreNotFiniteAreLeftOut) {
               infinite = std::numeric_limits<float>::infinity();
   const std::array<Vec3f, 3> positions{Vec3f{nan, 0, 0}, Vec3f{0, 0, 0}, Vec3f{0, infinite, 0}};
   View view = plainView();
-  view.particles = {.positions = positions, .radius = 0.5f, .fixed = kRed};
+  view.particles = {{.positions = positions, .radius = 0.5f, .fixed = kRed}};
   const Picture picture = renderer.draw(view);
-  view.particles.positions = std::span(positions).subspan(1, 1);
+  view.particles[0].positions = std::span(positions).subspan(1, 1);
   EXPECT_EQ(picture.rgb, renderer.draw(view).rgb);
+}
+
+TEST_F(Particles, EachFluidHasItsRadiusAndColours) {
+  const std::array<Vec3f, 1> left{Vec3f{-1, 0, 0}}, right{Vec3f{1, 0, 0}};
+  const std::array<float, 1> value{0};
+  View view = plainView();
+  view.particles = {{.positions = left, .radius = 0.2f, .fixed = kRed},
+                    {.positions = right, .values = value, .radius = 0.6f, .lowest = 0, .highest = 1}};
+  const Picture picture = renderer.draw(view);
+  const auto at = [&](double x) {
+    const auto [px, py] = pixelOf(view, {x, 0, 0}).value();
+    return pixelAt(picture, px, py);
+  };
+  EXPECT_LE(largestDifference(at(-1), toPixel({1, 0, 0})), 2);
+  EXPECT_LE(largestDifference(at(1), toPixel(colorAt(ColorMapName::kViridis, 0))), 2);
+  EXPECT_LE(largestDifference(at(1.5), at(1)), 2) << "within the larger sphere";
+  EXPECT_GT(largestDifference(at(-1.5), at(-1)), 100) << "outside of the smaller one";
 }
 
 TEST_F(Particles, MoreThanOneBatchAreAllDrawn) {
@@ -132,7 +149,7 @@ TEST_F(Particles, MoreThanOneBatchAreAllDrawn) {
   std::vector<Vec3f> positions(300000, Vec3f{1, 0, 0});
   positions.back() = {-1, 0, 0};
   View view = plainView();
-  view.particles = {.positions = positions, .radius = 0.1f, .fixed = kRed};
+  view.particles = {{.positions = positions, .radius = 0.1f, .fixed = kRed}};
   const Picture picture = renderer.draw(view);
   for (const double x : {-1.0, 1.0}) {
     const auto [px, py] = pixelOf(view, {x, 0, 0}).value();

@@ -41,7 +41,7 @@ struct ShadowScene {
     view.width = 320;
     view.height = 240;
     view.camera = {.eye = {0, 4, 5}, .target = {0, 0.4f, 0}, .fovDegrees = 50};
-    view.particles = {.positions = positions, .radius = 0.4f};
+    view.particles = {{.positions = positions, .radius = 0.4f}};
     view.ground.radius = 30;
     view.lighting.towardsSun = {-1, 1.25f, 0};
   }
@@ -68,7 +68,7 @@ TEST_F(RendererTest, ShadowFallsOnParticles) {
   View view = plainView();
   view.lighting.unlit = false;
   view.lighting.towardsSun = {0, 1, 0.2f};
-  view.particles = {.positions = positions, .radius = 0.5f};
+  view.particles = {{.positions = positions, .radius = 0.5f}};
   const MeshId roof = renderer.addMesh(quad({-1, 1.5f, -1}, {-1, 1.5f, 1}, {1, 1.5f, 1}, {1, 1.5f, -1}));
   const auto [x, y] = pixelOf(view, {0, 0.35, 0.35}).value();
   const int lit = pixelAt(renderer.draw(view), x, y).sum();
@@ -114,7 +114,7 @@ TEST_F(RendererTest, GroundFadesIntoTheBackground) {
 TEST_F(RendererTest, GlassLetsThroughWhatIsBehindAndTintsIt) {
   const std::array<Vec3f, 1> positions{Vec3f{0, 0, 0}};
   View view = plainView();
-  view.particles = {.positions = positions, .radius = 0.8f, .fixed = {0.8f, 0.8f, 0.8f, 1}};
+  view.particles = {{.positions = positions, .radius = 0.8f, .fixed = {0.8f, 0.8f, 0.8f, 1}}};
   const Pixel bare = middle(renderer.draw(view));
   const MeshId plate = addPlate(1);
   view.surfaces = {{.mesh = plate, .look = SurfaceLook::kGlass, .color = {1, 1, 1, 1}}};
@@ -132,7 +132,7 @@ TEST_F(RendererTest, GlassBehindIsHidden) {
   View view = plainView();
   view.lighting.unlit = false;
   view.lighting.shadows = view.lighting.occlusion = false;
-  view.particles = {.positions = positions, .radius = 0.8f, .fixed = kRed};
+  view.particles = {{.positions = positions, .radius = 0.8f, .fixed = kRed}};
   const Pixel bare = middle(renderer.draw(view));
   view.surfaces = {{.mesh = addPlate(-1), .look = SurfaceLook::kGlass, .color = {0, 0, 1, 1}}};
   EXPECT_LE(largestDifference(middle(renderer.draw(view)), bare), 1);

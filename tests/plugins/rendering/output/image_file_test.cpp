@@ -7,8 +7,8 @@
 #include "framework/base/check.h"
 #include "tests/plugins/rendering/output/read_png.h"
 #include "tests/plugins/rendering/output/sample_pictures.h"
-#include "tests/plugins/rendering/output/small_disk.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
 
 namespace weir::test {
 namespace {

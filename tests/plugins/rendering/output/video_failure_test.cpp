@@ -13,9 +13,9 @@
 
 #include "plugins/rendering/output/video_writer.h"
 #include "tests/plugins/rendering/output/sample_pictures.h"
-#include "tests/plugins/rendering/output/small_disk.h"
 #include "tests/plugins/rendering/output/video_tools.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
 
 namespace weir::test {
 namespace {
