@@ -17,6 +17,7 @@ void checkFiles(const Configurable& owner, const std::string& node) {
     std::error_code error;
     if (std::filesystem::exists(path->get().resolved, error)) continue;
     throw ioError("there is no file " + inQuotes(path->get().resolved.string()))
+        .at(property->origin())
         .inNode(node)
         .inParameter(property->name());
   }

@@ -43,9 +43,15 @@ void Configurable::assignAll(const Value& object, const Place& place) {
     }
     validate();
   } catch (Error& e) {
+    locate(e);
     for (auto restore = undo.rbegin(); restore != undo.rend(); ++restore) (*restore)();
     throw e.at(place.of(object));
   }
+}
+
+Error& Configurable::locate(Error& error) const {
+  const Property* property = findProperty(error.location().parameter);
+  return property != nullptr ? error.at(property->origin()) : error;
 }
 
 Value Configurable::changedValues() const {

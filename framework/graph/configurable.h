@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -46,10 +47,12 @@ class Property {
   virtual const Configurable* group() const { return nullptr; }
 
   /// Whether a scene, an option or a program has set it.
-  bool isSet() const { return set_; }
+  bool isSet() const { return origin_.has_value(); }
+  /// Where it was set; all empty if it was not, or not by a file.
+  Location origin() const { return origin_.value_or(Location{}); }
 
  protected:
-  bool set_ = false;
+  std::optional<Location> origin_;
 
  private:
   std::string name_;
@@ -72,6 +75,8 @@ class Configurable {
   /// The parameters that differ from their defaults, as assignAll reads them.
   Value changedValues() const;
   Value schema() const;
+  /// Adds to an error that names one of the parameters where that parameter stands.
+  Error& locate(Error& error) const;
 
   /// Checks that concern several parameters; throws a scene Error. Runs at the end of every assignAll.
   virtual void validate() const {}
@@ -105,10 +110,10 @@ class Param final : public Property {
     } catch (Error& e) {
       throw e.inParameter(name());
     }
-    set_ = true;
+    origin_ = place.of(v);
   }
   std::function<void()> undo() override {
-    return [this, value = value_, set = set_] { value_ = value, set_ = set; };
+    return [this, value = value_, origin = origin_] { value_ = value, origin_ = origin; };
   }
   std::vector<EnumName> choices() const override {
     if constexpr (NamedEnum<T>)
@@ -140,14 +145,14 @@ class Group final : public Property {
   Value schema() const override { return group_.schema(); }
   void assign(const Value& v, const Place& place) override {
     group_.assignAll(v, place);
-    set_ = true;
+    origin_ = place.of(v);
   }
   std::function<void()> undo() override {
     std::vector<std::function<void()>> members;
     for (Property* property : group_.properties()) members.push_back(property->undo());
-    return [this, members = std::move(members), set = set_] {
+    return [this, members = std::move(members), origin = origin_] {
       for (const auto& restore : members) restore();
-      set_ = set;
+      origin_ = origin;
     };
   }
   const Configurable* group() const override { return &group_; }
@@ -188,10 +193,10 @@ class GroupList final : public Property {
       items.back()->assignAll(v.asArray()[i], place / i);
     }
     items_ = std::move(items);
-    set_ = true;
+    origin_ = place.of(v);
   }
   std::function<void()> undo() override {
-    return [this, items = items_, set = set_] { items_ = items, set_ = set; };
+    return [this, items = items_, origin = origin_] { items_ = items, origin_ = origin; };
   }
   const Configurable* group() const override { return &prototype_; }
 

@@ -19,7 +19,7 @@ void inNode(Node& node, F&& f) {
   try {
     f();
   } catch (Error& e) {
-    throw e.inNode(node.name());
+    throw node.locate(e).inNode(node.name());
   }
 }
 

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 
 #include "framework/scene/scene_file.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
 
 namespace weir::test {
 namespace {
@@ -174,7 +177,7 @@ TEST_F(Cli, AMissingMeshIsFoundByValidateAndRun) {
   const std::string text = resourcesFolder() + "/scenes/mesh_in_tank.json";
   for (const char* command : {"validate", "run"})
     expectFailure(runWeir({command, text, "--set", "mesh.file=" + (folder / "none.obj")}), 5,
-                  {"mesh", "none.obj"});
+                  {"/nodes/mesh/params/file", "none.obj"});
 }
 
 TEST_F(Cli, NodesSchemaInfoAndCompletion) {
@@ -208,6 +211,18 @@ TEST_F(Cli, AnInterruptedRunEndsCleanly) {
     EXPECT_FALSE(result.timedOut);
     EXPECT_EQ(member(parseJson(readFile(stats), "stats"), {"end"}).asString(), "interrupted");
   }
+}
+
+TEST_F(Cli, AnOutputThatCannotBeWrittenIsAnError) {
+  expectFailure(runWeir({"run", scene(), "--stats", folder / "missing/stats.json"}), 5,
+                {"--stats", "there is no folder", "missing"});
+  expectFailure(runWeir({"run", scene(), "--stats", "/proc/stats.json"}), 5, {"/proc/stats.json"});
+  const SmallDisk disk("4k");  // one block
+  if (!disk.isThere()) GTEST_SKIP() << "this user may not mount a file system";
+  std::ofstream(disk / "fills_it") << std::string(4096, 'x');
+  expectFailure(runWeir({"run", scene(), "--stats", disk / "stats.json"}), 5,
+                {"stats.json", "No space left on device"});
+  EXPECT_FALSE(std::filesystem::exists(disk / "stats.json")) << "half a file is none";
 }
 
 TEST_F(Cli, ADivergingRunFailsWithAHint) {

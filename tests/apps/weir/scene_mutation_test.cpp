@@ -1,0 +1,111 @@
+// Damaged scene files through the program itself, with all nodes and plugins it has: each is valid, or is
+// refused with a message that names the place; nothing crashes or hangs.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include "tests/support/child_process.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/scene_mutator.h"
+
+namespace weir::test {
+namespace {
+
+constexpr int kMutants = 10000, kPerCall = 500;
+
+/// All nodes in one scene, small enough to run in no time.
+constexpr const char* kEveryNode = R"({
+  "weir": 1,
+  "world": { "gravity": [0, -9.8, 0], "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
+  "nodes": {
+    "nozzle": { "type": "SquareEmitter", "params": { "position": [0, 0.9, 0], "width": 0.2, "height": 0.2 } },
+    "cup": { "type": "TurningModel",
+             "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
+    "glass": { "type": "StaticBoundary", "params": { "friction": 0.1 } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [-0.5, 0, -0.5], "max": [0.5, 1, 0.5], "inverted": true } },
+    "block": { "type": "BoxSampler", "params": { "min": [-0.4, 0.4, -0.4], "max": [-0.1, 0.7, 0.4] } },
+    "ball": { "type": "SphereSampler", "params": { "center": [0.2, 0.6, 0], "radius": 0.15 } },
+    "inside": { "type": "MeshSampler" },
+    "water": {
+      "type": "ParticleFluid",
+      "params": { "spacing": 0.05, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
+      "modules": { "solver": { "params": { "iterations": 3 } }, "viscosity": { "params": { "strength": 0.1 } } }
+    }
+  },
+  "links": [
+    "nozzle.particles -> water.emitters", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
+    "inside.particles -> water.initial", "block.particles -> water.initial", "ball.particles -> water.initial",
+    "glass.boundary -> water.boundaries", "tank.boundary -> water.boundaries"
+  ],
+  "render": { "width": 64, "height": 36, "color": { "by": "speed", "range": [0, 3] } }
+})";
+
+std::vector<std::string> scenesOfTheProject() {
+  std::vector<std::string> texts{kEveryNode};
+  for (const auto& entry : std::filesystem::directory_iterator(resourcesFolder() + "/scenes"))
+    if (entry.path().extension() == ".json") texts.push_back(readFile(entry.path()));
+  std::sort(texts.begin() + 1, texts.end());  // folders have no order
+  return texts;
+}
+
+/// The file that a line of the program's output is about: what stands before the first colon.
+std::string fileOf(const std::string& text) {
+  return text.substr(0, text.find(':'));
+}
+
+TEST(SceneFileMutation, EveryMutantIsValidOrRefusedWithItsPlace) {
+  const SceneMutator mutator(scenesOfTheProject());
+  std::map<std::string, int> outcomes;
+  for (int first = 0; first < kMutants && !HasFailure(); first += kPerCall) {
+    const TemporaryFolder folder;
+    std::vector<std::string> arguments{"validate"};
+    for (int seed = first; seed < first + kPerCall; ++seed)
+      arguments.push_back(folder.write("m" + std::to_string(seed) + ".json",
+                                       mutator.mutate(static_cast<std::uint64_t>(seed))));
+    const ChildResult result = runWeir(arguments);
+    ASSERT_TRUE(result.code == 3 || result.code == 5) << result.code << " " << result.signal << result.err;
+    std::map<std::string, int> answers;
+    std::istringstream valid(result.out), refused(result.err);
+    for (std::string line; std::getline(valid, line);) {
+      EXPECT_CONTAINS(line, ": valid");
+      ++answers[fileOf(line)];
+      ++outcomes["valid"];
+    }
+    for (std::string line; std::getline(refused, line);) {
+      if (!line.starts_with("error: ")) continue;  // a hint, or a warning
+      line.erase(0, 7);
+      ++answers[fileOf(line)];
+      const std::string place = line.substr(fileOf(line).size());
+      EXPECT_TRUE(place.size() > 1 && std::isdigit(static_cast<unsigned char>(place[1]))) << line;
+      ++outcomes["refused"];
+    }
+    for (std::size_t i = 1; i < arguments.size(); ++i) EXPECT_EQ(answers[arguments[i]], 1) << arguments[i];
+  }
+  EXPECT_GT(outcomes["valid"], 500);
+  EXPECT_GT(outcomes["refused"], 5000);
+}
+
+TEST(SceneFileMutation, MutantsRunOrSayWhyNot) {
+  const SceneMutator mutator({kEveryNode});
+  const TemporaryFolder folder;
+  std::map<int, int> codes;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const std::string scene = folder.write("mutant.json", mutator.mutate(seed));
+    const ChildResult result = runWeir({"run", scene, "--frames", "1", "--device", "cpu"});
+    EXPECT_EQ(result.signal, 0) << result.err;
+    EXPECT_FALSE(result.timedOut);
+    ++codes[result.code];
+    EXPECT_TRUE(result.code == 0 || contains(result.err, "error: ")) << result.err;
+  }
+  for (const auto& [code, count] : codes)
+    EXPECT_TRUE(code == 0 || (code >= 3 && code <= 5)) << code << ", " << count << " times";
+  EXPECT_GT(codes[0], 20);
+  EXPECT_GT(codes[3], 150);
+}
+
+}  // namespace
+}  // namespace weir::test

@@ -1,0 +1,103 @@
+// Videos and pictures through the program, and what it says where they cannot be made.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
+
+namespace weir::test {
+namespace {
+
+constexpr const char* kFallingCube = R"({
+  "weir": 1,
+  "world": { "dt": 0.002, "duration": 0.1, "frame_rate": 50 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [0, 0.3, 0], "max": [0.2, 0.5, 0.2] } },
+    "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 } }
+  },
+  "links": [ "block.particles -> water.initial", "floor.boundary -> water.boundaries" ],
+  "render": { "width": 320, "height": 180 }
+})";
+
+class PicturesOfRuns : public testing::Test {
+ protected:
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", kFallingCube);
+};
+
+TEST_F(PicturesOfRuns, VideoAndImagesShowEveryFrame) {
+  const std::string video = folder / "run.mp4", images = folder / "images";
+  const ChildResult result = runWeir({"run", scene, "--video", video, "--images", images});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_CONTAINS(result.out, video + "\n");
+  const VideoInfo info = probeVideo(video);
+  EXPECT_EQ(info.width, 320);
+  EXPECT_EQ(info.height, 180);
+  EXPECT_EQ(info.frames, 6);  // that of time 0, and 5 in 0.1 s
+  EXPECT_EQ(info.frameRate, "50/1");
+  for (int frame = 0; frame < info.frames; ++frame)
+    EXPECT_TRUE(std::filesystem::exists(images + "/frame_0000" + std::to_string(frame) + ".png")) << frame;
+}
+
+TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ChildOptions options;
+    bool sent = false;
+    // To the whole group of processes, as Ctrl-C in a terminal reaches them: ffmpeg must outlive it, too.
+    options.onStderr = [&](int pid, const std::string& err) {
+      if (!sent && contains(err, "frame ")) sent = kill(-pid, signal) == 0;
+    };
+    const std::string video = folder / ("run" + std::to_string(signal) + ".mp4");
+    const ChildResult result = runWeir({"run", scene, "--duration", "1000", "--video", video}, options);
+    EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_FALSE(result.timedOut);
+    EXPECT_GE(probeVideo(video).frames, 1);
+  }
+}
+
+TEST_F(PicturesOfRuns, WithoutFfmpegTheRunSaysWhatToInstall) {
+  const std::string video = folder / "run.mp4";
+  ChildOptions options;
+  options.environment["PATH"] = folder.path();
+  const ChildResult result = runWeir({"run", scene, "--video", video}, options);
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_CONTAINS(result.err, "ffmpeg, which makes videos, is not on the PATH");
+  EXPECT_CONTAINS(result.err, "install ffmpeg");
+  EXPECT_FALSE(std::filesystem::exists(video));
+  EXPECT_EQ(runWeir({"run", scene, "--images", folder / "images"}, options).code, 0) << "pictures need none";
+}
+
+TEST_F(PicturesOfRuns, WithoutOpenGlTheRunSaysWhatToInstall) {
+  // Files that are found before the libraries, and are none.
+  const std::string drivers = folder / "drivers";
+  std::filesystem::create_directory(drivers);
+  for (const char* library : {"libOSMesa.so.8", "libOSMesa.so.6", "libEGL.so.1", "libEGL.so"})
+    folder.write(std::string("drivers/") + library, "no library");
+  ChildOptions options;
+  options.environment["LD_LIBRARY_PATH"] = drivers;
+  const ChildResult result = runWeir({"run", scene, "--images", folder / "images"}, options);
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_CONTAINS(result.err, "no OpenGL context");
+  EXPECT_CONTAINS(result.err, "OSMesa: " + drivers + "/libOSMesa.so.8");
+  EXPECT_CONTAINS(result.err, "hint: install libegl1");
+  EXPECT_EQ(runWeir({"run", scene, "--quiet"}, options).code, 0) << "a run without pictures needs none";
+}
+
+TEST_F(PicturesOfRuns, AFullDiskEndsTheRunWithAMessage) {
+  const SmallDisk disk("16k");
+  if (!disk.isThere()) GTEST_SKIP() << "this user may not mount a file system";
+  for (const auto& [option, path] : {std::pair{"--images", disk / "images"}, {"--video", disk / "run.mp4"}}) {
+    const ChildResult result = runWeir({"run", scene, option, path, "--duration", "2"});
+    EXPECT_EQ(result.code, 5) << option << ": " << result.err;
+    EXPECT_CONTAINS(result.err, path);
+    EXPECT_CONTAINS(result.err, "No space left on device");
+    std::filesystem::remove_all(path);
+  }
+}
+
+}  // namespace
+}  // namespace weir::test
