@@ -1,39 +1,37 @@
 #include "framework/compute/cpu_threads.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
-#include <optional>
+#include <atomic>
 
 namespace weir {
+namespace {
 
-struct CpuThreads::Impl {
-  explicit Impl(int count) : arena(count) {
-    // Only ever raises the limit of the process, so devices with other numbers of threads are not affected.
-    if (count > tbb::info::default_concurrency()) {
-      moreThanCores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
-    }
+/// One call of run(). oneTBB orders what stands before the call, in it and behind it. The two atomics say so
+/// once more, where the thread sanitizer can see it.
+struct Call {
+  void (*task)(void* context, std::int64_t k);
+  void* context;
+  std::atomic<bool> started{false};
+  std::atomic<int> finished{0};
+
+  static void runOne(void* self, std::int64_t k) {
+    Call& call = *static_cast<Call*>(self);
+    static_cast<void>(call.started.load(std::memory_order_acquire));
+    struct Finish {
+      std::atomic<int>& finished;
+      ~Finish() { finished.fetch_add(1, std::memory_order_release); }
+    } const finish{call.finished};  // also when the task throws
+    call.task(call.context, k);
   }
 
-  std::optional<tbb::global_control> moreThanCores;
-  tbb::task_arena arena;
+  ~Call() { static_cast<void>(finished.load(std::memory_order_acquire)); }
 };
 
-CpuThreads::CpuThreads(int count)
-    : count_(count > 0 ? count : tbb::info::default_concurrency()), impl_(std::make_unique<Impl>(count_)) {}
-
-CpuThreads::~CpuThreads() = default;
+}  // namespace
 
 void CpuThreads::run(std::int64_t n, void (*task)(void* context, std::int64_t k), void* context) {
-  using Range = tbb::blocked_range<std::int64_t>;
-  impl_->arena.execute([=] {
-    tbb::parallel_for(Range(0, n), [=](const Range& range) {
-      for (std::int64_t k = range.begin(); k < range.end(); ++k) task(context, k);
-    });
-  });
+  Call call{.task = task, .context = context};
+  call.started.store(true, std::memory_order_release);
+  runUnordered(n, Call::runOne, &call);
 }
 
 }  // namespace weir

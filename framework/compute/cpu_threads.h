@@ -1,4 +1,4 @@
-// The threads of the CPU back end. oneTBB is known here and nowhere else.
+// The threads of the CPU back end. Their implementation alone knows oneTBB.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,8 @@ class CpuThreads {
 
  private:
   struct Impl;
+  void runUnordered(std::int64_t n, void (*task)(void* context, std::int64_t k), void* context);
+
   int count_;
   std::unique_ptr<Impl> impl_;
 };

@@ -23,6 +23,27 @@ std::recursive_mutex& libraryMutex() {
   return mutex;
 }
 
+/// Ends the HDF5 library with this plugin or program, unless something could not be closed: the end would come
+/// across it, and crash there. HDF5's own clean-up at the program's exit does not make that difference.
+class Library {
+ public:
+  Library() { H5dont_atexit(); }
+  ~Library() {
+    if (clean_) H5close();
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  static Library& theOne() {
+    static Library library;
+    return library;
+  }
+  void somethingStaysOpen() { clean_ = false; }
+
+ private:
+  bool clean_ = true;
+};
+
 hid_t memoryType(NumberType type) {
   switch (type) {
     case NumberType::kFloat32:
@@ -81,10 +102,7 @@ void cutAtNull(std::string& text) {
 }  // namespace
 
 Session::Session() : lock_(libraryMutex()) {
-  // Every file is closed by its File. HDF5's own clean-up at the program's exit would only come across files
-  // that could not be closed, and crash there.
-  static const herr_t once = H5dont_atexit();
-  static_cast<void>(once);
+  Library::theOne();
   H5Eget_auto2(H5E_DEFAULT, &print_, &printData_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -127,7 +145,9 @@ Handle& Handle::operator=(Handle&& other) noexcept {
 
 bool Handle::reset() {
   const hid_t id = std::exchange(id_, H5I_INVALID_HID);
-  return id < 0 || close_(id) >= 0;
+  if (id < 0 || close_(id) >= 0) return true;
+  Library::theOne().somethingStaysOpen();
+  return false;
 }
 
 // ---- Object

@@ -96,13 +96,12 @@ TEST(SceneFileMutation, MutantsRunOrSayWhyNot) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const std::string scene = folder.write("mutant.json", mutator.mutate(seed));
     const ChildResult result = runWeir({"run", scene, "--frames", "1", "--device", "cpu"});
-    EXPECT_EQ(result.signal, 0) << result.err;
     EXPECT_FALSE(result.timedOut);
-    ++codes[result.code];
+    EXPECT_TRUE(result.code == 0 || (result.code >= 3 && result.code <= 5))
+        << result.code << ", signal " << result.signal << ": " << result.err;
     EXPECT_TRUE(result.code == 0 || contains(result.err, "error: ")) << result.err;
+    ++codes[result.code];
   }
-  for (const auto& [code, count] : codes)
-    EXPECT_TRUE(code == 0 || (code >= 3 && code <= 5)) << code << ", " << count << " times";
   EXPECT_GT(codes[0], 20);
   EXPECT_GT(codes[3], 150);
 }
