@@ -23,8 +23,8 @@ std::recursive_mutex& libraryMutex() {
   return mutex;
 }
 
-/// Ends the HDF5 library with this plugin or program, unless something could not be closed: the end would come
-/// across it, and crash there. HDF5's own clean-up at the program's exit does not make that difference.
+/// Ends the HDF5 library with this plugin or program, unless something could not be closed: the end would
+/// come across it, and crash there. HDF5's own clean-up at the program's exit does not make that difference.
 class Library {
  public:
   Library() { H5dont_atexit(); }

@@ -91,8 +91,12 @@ ChildResult runChild(const std::string& program, const std::vector<std::string>&
   return result;
 }
 
+std::string buildFolder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
+}
+
 std::string weirProgram() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "weir";
+  return buildFolder() + "/bin/weir";
 }
 
 ChildResult runWeir(const std::vector<std::string>& arguments, const ChildOptions& options) {

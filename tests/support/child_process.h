@@ -27,7 +27,9 @@ struct ChildOptions {
 ChildResult runChild(const std::string& program, const std::vector<std::string>& arguments,
                      const ChildOptions& options = {});
 
-/// The program `weir` of this build, which stands beside the test program.
+/// The folder of this build, with bin/, lib/ and share/; the test program stands in its bin/.
+std::string buildFolder();
+/// The program `weir` of this build.
 std::string weirProgram();
 ChildResult runWeir(const std::vector<std::string>& arguments, const ChildOptions& options = {});
 

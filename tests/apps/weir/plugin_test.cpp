@@ -14,8 +14,7 @@ namespace weir::test {
 namespace {
 
 std::string testPlugin(const std::string& name) {
-  return std::filesystem::path(weirProgram()).parent_path().parent_path() / "lib/weir/test_plugins" /
-         (name + ".so");
+  return buildFolder() + "/lib/weir/test_plugins/" + name + ".so";
 }
 
 constexpr const char* kLifted = R"({

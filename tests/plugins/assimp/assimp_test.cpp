@@ -9,6 +9,7 @@
 
 #include "framework/graph/plugin.h"
 #include "nodes/mesh_file/mesh_reader.h"
+#include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
 
 namespace weir::test {
@@ -23,7 +24,7 @@ class Assimp : public testing::Test {
                                           testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder);
     registry = std::make_unique<Registry>();
-    plugin = std::make_unique<Plugin>(WEIR_ASSIMP_PLUGIN, *registry);
+    plugin = std::make_unique<Plugin>(buildFolder() + "/lib/weir/plugins/weir_assimp.so", *registry);
     auto services = registry->createServices<MeshReader>();
     ASSERT_EQ(services.size(), 1u);
     EXPECT_EQ(services[0].first, "assimp");

@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "framework/base/error.h"
+#include "tests/support/child_process.h"
 
 namespace weir::rendering {
 namespace {
+
+std::filesystem::path fonts() {
+  return test::buildFolder() + "/share/weir/fonts";
+}
 
 Picture greyPicture(int width, int height) {
   return {width, height, std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height), 200)};
@@ -30,7 +36,7 @@ Ink inkOf(const Picture& picture, bool light) {
 }
 
 TEST(Overlay, TitleStandsInTheUpperLeftAndGrowsWithThePicture) {
-  Overlay overlay(WEIR_FONTS);
+  Overlay overlay(fonts());
   Picture small = greyPicture(1280, 720), large = greyPicture(2560, 1440);
   overlay.draw({.title = "Water"}, small);
   overlay.draw({.title = "Water"}, large);
@@ -43,7 +49,7 @@ TEST(Overlay, TitleStandsInTheUpperLeftAndGrowsWithThePicture) {
 }
 
 TEST(Overlay, LinesStandBelowEachOther) {
-  Overlay overlay(WEIR_FONTS);
+  Overlay overlay(fonts());
   int bottom = 0;
   OverlayText text;
   for (int lines = 1; lines <= 3; ++lines) {
@@ -59,7 +65,7 @@ TEST(Overlay, LinesStandBelowEachOther) {
 }
 
 TEST(Overlay, BarShowsTheColorsOfTheMap) {
-  Overlay overlay(WEIR_FONTS);
+  Overlay overlay(fonts());
   Picture picture = greyPicture(1280, 720);
   overlay.draw({.bar = ColorBar{ColorMapName::kTurbo, 0, 4, "speed in m/s"}}, picture);
   // Down the bar's middle, the colours go from the map's end to its beginning.
@@ -85,14 +91,14 @@ TEST(Overlay, BarShowsTheColorsOfTheMap) {
 TEST(Overlay, LightTextOnDark) {
   EXPECT_FALSE(wantsLightText({0.78f, 0.84f, 0.9f, 1}, {0.95f, 0.96f, 0.97f, 1}));
   EXPECT_TRUE(wantsLightText({0.05f, 0.05f, 0.1f, 1}, {0.2f, 0.2f, 0.25f, 1}));
-  Overlay overlay(WEIR_FONTS);
+  Overlay overlay(fonts());
   Picture picture = greyPicture(640, 360);
   overlay.draw({.title = "Water", .lightText = true}, picture);
   EXPECT_GT(inkOf(picture, true).right, 20);
 }
 
 TEST(Overlay, TinyAndFlatPicturesCutTheTextOff) {
-  Overlay overlay(WEIR_FONTS);
+  Overlay overlay(fonts());
   for (const auto& [width, height] :
        {std::pair{16, 16}, std::pair{1, 1}, std::pair{16, 2000}, std::pair{2000, 16}}) {
     Picture picture = greyPicture(width, height);
@@ -107,7 +113,7 @@ TEST(Overlay, TinyAndFlatPicturesCutTheTextOff) {
 }
 
 TEST(Font, MasksAreAsWideAsTheirLetters) {
-  Font font(std::filesystem::path(WEIR_FONTS) / "DejaVuSans.ttf");
+  Font font(fonts() / "DejaVuSans.ttf");
   EXPECT_GT(font.write("MMMM", 20).width, 2 * font.write("iiii", 20).width);
   EXPECT_EQ(font.write("Mg", 20).height, font.write(".", 20).height);
   EXPECT_EQ(font.write("", 20).width, 3);  // the room at both ends
