@@ -14,15 +14,6 @@ namespace {
 // What a node may not be called, because options like --set world.dt=… would be ambiguous.
 constexpr std::string_view kReservedNames[] = {"world", "render", "title"};
 
-template <class F>
-void inNode(Node& node, F&& f) {
-  try {
-    f();
-  } catch (Error& e) {
-    throw node.locate(e).inNode(node.name());
-  }
-}
-
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
@@ -154,28 +145,44 @@ std::vector<Node*> SceneGraph::order() const {
   return order;
 }
 
+template <class F>
+void SceneGraph::call(Node& node, Device& device, F&& f) {
+  const std::size_t before = device.memoryUse().inUse;
+  try {
+    f();
+  } catch (Error& e) {
+    throw node.locate(e).inNode(node.name());
+  }
+  deviceMemory_[&node] += static_cast<std::int64_t>(device.memoryUse().inUse - before);
+}
+
+std::int64_t SceneGraph::deviceMemoryOf(const Node& node) const {
+  const auto entry = deviceMemory_.find(&node);
+  return entry != deviceMemory_.end() ? entry->second : 0;
+}
+
 void SceneGraph::reset(const SetupContext& context) {
   validate();
   order_ = order();
   for (const auto& node : nodes_)
     for (OutputPort* output : node->outputs()) output->forgetRequests();
   for (auto node = order_.rbegin(); node != order_.rend(); ++node)
-    inNode(**node, [&] { (*node)->configure(context); });
+    call(**node, context.device, [&] { (*node)->configure(context); });
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
-    inNode(*node, [&] { node->reset(context); });
+    call(*node, context.device, [&] { node->reset(context); });
   }
 }
 
 void SceneGraph::step(const StepContext& context) {
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
-    inNode(*node, [&] { node->step(context); });
+    call(*node, context.device, [&] { node->step(context); });
   }
 }
 
 void SceneGraph::frame(const StepContext& context) {
-  for (Node* node : order_) inNode(*node, [&] { node->frame(context); });
+  for (Node* node : order_) call(*node, context.device, [&] { node->frame(context); });
 }
 
 }  // namespace weir

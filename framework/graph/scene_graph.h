@@ -1,6 +1,8 @@
 // The nodes of a scene and the links between them.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -47,10 +49,18 @@ class SceneGraph {
   void step(const StepContext& context);
   void frame(const StepContext& context);
 
+  /// What a node and its modules hold on the device, in bytes: what was allocated and not released again
+  /// while they were reset and stepped.
+  std::int64_t deviceMemoryOf(const Node& node) const;
+
  private:
+  template <class F>
+  void call(Node& node, Device& device, F&& f);
+
   std::vector<std::unique_ptr<Node>> nodes_;
   std::vector<Link> links_;
   std::vector<Node*> order_;  // as of the last reset
+  std::map<const Node*, std::int64_t> deviceMemory_;
 };
 
 }  // namespace weir

@@ -65,13 +65,16 @@ Value moduleTimes(Profiler& profiler, std::int64_t steps) {
   return v;
 }
 
-Value memoryValue(const Device& device) {
-  const MemoryUse use = device.memoryUse();
+Value memoryValue(const Simulation& simulation) {
+  const MemoryUse use = simulation.device().memoryUse();
   Value v = Value::object();
   v["host_peak_bytes"] = integer(peakHostMemory());
   v["device_peak_bytes"] = integer(use.peak);
   v["device_reserved_bytes"] = integer(use.reserved);
   v["device_allocations"] = integer(use.allocations);
+  Value& nodes = v["device_bytes_of_nodes"] = Value::object();
+  const SceneGraph& graph = simulation.scene().graph;
+  for (const auto& node : graph.nodes()) nodes[node->name()] = graph.deviceMemoryOf(*node);
   return v;
 }
 
@@ -126,7 +129,7 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["stepping_seconds"] = simulation.stepSeconds();
   v["step_ms"] = stepTimes(device.profiler());
   v["modules_ms"] = moduleTimes(device.profiler(), simulation.stepsDone());
-  v["memory"] = memoryValue(device);
+  v["memory"] = memoryValue(simulation);
   v["blocking_readbacks"] = integer(device.blockingReadbacks());
   addReports(simulation, v);
   return v;

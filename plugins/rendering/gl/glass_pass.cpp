@@ -9,23 +9,6 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kVertexShader = kShaderVersion + R"(
-layout(location = 0) in vec3 iPosition;
-layout(location = 1) in vec3 iNormal;
-uniform mat4 uToView;
-uniform mat3 uNormalToView;
-uniform mat4 uToClip;
-out vec3 vNormal;
-out vec3 vPosition;
-
-void main() {
-  vec4 position = uToView * vec4(iPosition, 1.0);
-  vPosition = position.xyz;
-  vNormal = uNormalToView * iNormal;
-  gl_Position = uToClip * position;
-}
-)";
-
 // Two outputs for one target: the light that is added, and the part of the light behind that comes through.
 const std::string kFragmentShader = kShaderVersion + kLightSnippet + R"(
 uniform vec3 uTint;
@@ -52,7 +35,8 @@ void main() {
 
 }  // namespace
 
-GlassPass::GlassPass(const Functions& gl) : gl_(gl), program_(gl, "glass", kVertexShader, kFragmentShader) {}
+GlassPass::GlassPass(const Functions& gl)
+    : gl_(gl), program_(gl, "glass", kSurfaceVertexShader, kFragmentShader) {}
 
 void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const {
   std::vector<const SurfaceView*> glass;

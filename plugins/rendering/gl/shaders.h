@@ -20,6 +20,24 @@ void main() {
 }
 )";
 
+/// Triangles with normals, opaque or of glass.
+inline const std::string kSurfaceVertexShader = kShaderVersion + R"(
+layout(location = 0) in vec3 iPosition;
+layout(location = 1) in vec3 iNormal;
+uniform mat4 uToView;
+uniform mat3 uNormalToView;
+uniform mat4 uToClip;
+out vec3 vNormal;
+out vec3 vPosition;
+
+void main() {
+  vec4 position = uToView * vec4(iPosition, 1.0);
+  vPosition = position.xyz;
+  vNormal = uNormalToView * iNormal;
+  gl_Position = uToClip * position;
+}
+)";
+
 /// Between depth-buffer values and distances along the camera's axis. See setCameraUniforms.
 inline const std::string kCameraSnippet = R"(
 uniform vec4 uProjection;  // P00, P11, P22, P23

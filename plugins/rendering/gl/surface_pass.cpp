@@ -9,23 +9,6 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kVertexShader = kShaderVersion + R"(
-layout(location = 0) in vec3 iPosition;
-layout(location = 1) in vec3 iNormal;
-uniform mat4 uToView;
-uniform mat3 uNormalToView;
-uniform mat4 uToClip;
-out vec3 vNormal;
-out vec3 vPosition;
-
-void main() {
-  vec4 position = uToView * vec4(iPosition, 1.0);
-  vPosition = position.xyz;
-  vNormal = uNormalToView * iNormal;
-  gl_Position = uToClip * position;
-}
-)";
-
 const std::string kFragmentShader = kShaderVersion + R"(
 uniform vec3 uColor;
 uniform float uMaterial;
@@ -92,7 +75,7 @@ void setPlacement(const Program& program, const Camera& camera, const SurfaceVie
 
 SurfacePass::SurfacePass(const Functions& gl)
     : gl_(gl),
-      program_(gl, "surfaces", kVertexShader, kFragmentShader),
+      program_(gl, "surfaces", kSurfaceVertexShader, kFragmentShader),
       groundMesh_(gl),
       disc_(groundMesh_.add(unitDisc())) {}
 

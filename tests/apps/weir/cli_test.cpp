@@ -71,6 +71,10 @@ TEST_F(Cli, RunsASceneAndWritesStatistics) {
   EXPECT_GT(member(v, {"step_ms", "median"}).asDouble(), 0);
   EXPECT_GT(member(v, {"modules_ms", "water/solver", "per_step"}).asDouble(), 0);
   EXPECT_GT(member(v, {"memory", "host_peak_bytes"}).asInt(), 0);
+  // Position, velocity and density of 1000 particles at the least, and no more than all together.
+  const std::int64_t ofWater = member(v, {"memory", "device_bytes_of_nodes", "water"}).asInt();
+  EXPECT_GT(ofWater, 1000 * 28);
+  EXPECT_LE(ofWater, member(v, {"memory", "device_peak_bytes"}).asInt());
   const Value& water = member(v, {"nodes", "water"});
   for (const char* key : {"neighbors", "compression", "solver_iterations", "linear_momentum",
                           "kinetic_energy", "potential_energy", "fluid_volume"})
