@@ -61,8 +61,9 @@ struct SolidIntegrals {
   T d{};              ///< D, 1/m²; 15·s/H² deep within a solid
 };
 
-/// Collects the triangles near one particle. All triangles with a point within H of p must be added, others
-/// may be.
+/// Collects the triangles of a solid near one particle. All triangles with a point within H of p must be
+/// added, others may be. The surface must be closed within the support, and must not cross itself: solids
+/// that may overlap each take an integrator of their own, and their integrals are added.
 template <class T>
 class SolidIntegrator {
  public:
@@ -121,11 +122,11 @@ class SolidIntegrator {
     T turns = std::floor(phi_);
     if (std::abs(phi_ - near) < kSideTolerance) turns = insideWhenFar ? near - 1 : near;
     const T phi = phi_ - turns, d = d_ - turns * 15;
-    return {calibration * (phi < 0   ? T(0)
-                           : phi > 1 ? T(1)
-                                     : phi),
-            gradient_ * (calibration * inverseRadius_),
-            calibration * (d < 0 ? T(0) : d) * (inverseRadius_ * inverseRadius_)};
+    // Rounding may leave the bounds by a little.
+    const T boundedPhi = phi < 0 ? T(0) : (phi > 1 ? T(1) : phi),
+            boundedD = d < 0 ? T(0) : (d > 15 ? T(15) : d);
+    return {calibration * boundedPhi, gradient_ * (calibration * inverseRadius_),
+            calibration * boundedD * (inverseRadius_ * inverseRadius_)};
   }
 
   /// Well above the rounding of a sum over some hundred triangles.
@@ -183,6 +184,7 @@ class SolidIntegrator {
     const Vec3<T> fromU = u - along * edge.x0, fromV = v - along * edge.x1;
     const T uu = dot(u, u), vv = dot(v, v);
     Vec3<T> foot = uu < vv ? fromU : vv < uu ? fromV : (fromU + fromV) * T(0.5);
+    foot -= along * dot(foot, along);  // what rounding left along the edge may be all of a small vector
     if (dot(foot, foot) < kLineGap * kLineGap)
       foot = normalized(aside() - along * dot(aside(), along)) * kLineGap;
     edge.delta = -dot(foot, normal);

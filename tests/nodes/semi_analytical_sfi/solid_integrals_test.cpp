@@ -12,6 +12,7 @@
 #include "framework/base/vec.h"
 #include "tests/nodes/semi_analytical_sfi/solid_integrals_kernel.h"
 #include "tests/support/devices.h"
+#include "tests/support/meshes.h"
 
 namespace weir::test {
 namespace {
@@ -27,8 +28,8 @@ struct Corners {
 };
 using Soup = std::vector<Corners>;
 
-template <class T>
-Vec3<T> to(const Vec3d& v) {
+template <class T, class From>
+Vec3<T> to(const Vec3<From>& v) {
   return {T(v.x), T(v.y), T(v.z)};
 }
 
@@ -296,6 +297,45 @@ TEST(SolidIntegrals, AreContinuousAcrossFacesEdgesAndCorners) {
 
 TEST(SolidIntegrals, AreContinuousInFloat) {
   expectContinuous<float>(2e-3);
+}
+
+/// Compares particles on corners and edges of the mesh with particles beside them.
+void expectOnEdgesAsBeside(const TriangleMesh& mesh, const Vec3f& center) {
+  Soup soup;
+  for (const Vec3i& t : mesh.triangles) {
+    const auto corner = [&](int k) { return to<double>(center + mesh.vertices[t[k]]); };
+    soup.push_back({corner(0), corner(1), corner(2)});
+  }
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> fraction(0, 1);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    const Corners& t = soup[i % soup.size()];
+    const Vec3d onEdge = to<double>(to<float>(i < 300 ? t.a : t.a + (t.b - t.a) * fraction(random)));
+    const Integrals beside = integrate(soup, onEdge + Vec3d{0.5, -0.6, 0.3} * (1e-4 * kH));
+    for (const Integrals& found : {integrate(soup, onEdge), integrate<float>(soup, onEdge)}) {
+      ASSERT_NEAR(found.phi, beside.phi, 5e-4) << i;
+      ASSERT_NEAR(found.d / kFullD, beside.d / kFullD, 5e-4) << i;
+      ASSERT_LT(length(found.gradPhi - beside.gradPhi) * kH, 1e-3) << i;
+    }
+  }
+}
+
+TEST(SolidIntegrals, OnTheEdgesOfAnIcosphereAreThoseBesideThem) {
+  for (const Vec3f& center : {Vec3f{}, Vec3f{0.3f, -0.2f, 0.1f}})
+    expectOnEdgesAsBeside(icosphere(1, static_cast<float>(2 * kH)), center);
+}
+
+/// Along its edges two coordinates change alike, so that particles lie on them to the last digit.
+TEST(SolidIntegrals, OnTheEdgesOfAnOctahedronAreThoseBesideThem) {
+  TriangleMesh mesh;
+  const float r = static_cast<float>(1.5 * kH);
+  mesh.vertices = {{r, 0, 0}, {-r, 0, 0}, {0, r, 0}, {0, -r, 0}, {0, 0, r}, {0, 0, -r}};
+  for (int x = 0; x < 2; ++x)
+    for (int y = 2; y < 4; ++y)
+      for (int z = 4; z < 6; ++z)
+        mesh.triangles.push_back((x + y + z) % 2 == 0 ? Vec3i{x, y, z} : Vec3i{x, z, y});
+  ASSERT_GT(mesh.volume(), 0);
+  for (const Vec3f& center : {Vec3f{}, Vec3f{0.25f, -0.5f, 0.125f}}) expectOnEdgesAsBeside(mesh, center);
 }
 
 TEST(SolidIntegrals, InFloatAreThoseInDouble) {
