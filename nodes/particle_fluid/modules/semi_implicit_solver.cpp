@@ -61,13 +61,11 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fit(state_, fluid.device, size);
   fit(weighted_, fluid.device, size);
   fit(displacement_, fluid.device, size);
-  if (controlled() || searches()) fit(excess_, fluid.device, size);
-  if (controlled()) fit(compression_, fluid.device, 1);
   if (accelerated()) fit(earlier_, fluid.device, size);
-  if (searches()) {
-    fit(proposal_, fluid.device, size);
-    fit(searchSums_, fluid.device, 1);
-  }
+  if (searches()) fit(proposal_, fluid.device, size);
+  if (!controlled() && !searches()) return;
+  fit(excess_, fluid.device, size);
+  fit(sums_, fluid.device, 1);
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {

@@ -98,7 +98,7 @@ struct Substitute {
 // ---- What tolerance, acceleration and step-length search add
 
 using Control = SemiImplicitSolver::Control;
-using SearchSums = SemiImplicitSolver::SearchSums;
+using Sums = SemiImplicitSolver::Sums;
 
 struct BeginStep {
   Control* control;
@@ -107,27 +107,37 @@ struct BeginStep {
     control->done = 0;
     control->iterations = 0;
     control->sinceRestart = 0;
-    control->lastMean = 0;
+    control->objective = 0;
     ++control->steps;
   }
 };
 
-struct CompressionOf {
+/// E_i, and |g_i·Δx_i| where a step is proposed.
+struct Measure {
+  BulkEnergy energy;
+  float stiffness;  // (c·dt)²
+  ArrayView<const Vec3f> displacement;
   ArrayView<const float> excess;
-  WEIR_HD double operator()(std::int64_t i) const { return excess[i] > 0 ? double(excess[i]) : 0.0; }
+  ArrayView<const Vec4f> proposal;  // may be empty
+
+  WEIR_HD Sums operator()(std::int64_t i) const {
+    const Vec3f u = displacement[i];
+    const float e = excess[i];
+    return {e > 0 ? double(e) : 0.0, 0.5 * double(dot(u, u)) + double(stiffness) * double(energy.value(e)),
+            proposal.size > 0 ? double(proposal[i].w) : 0.0};
+  }
 };
 
-struct Sum {
-  WEIR_HD double operator()(double a, double b) const { return a + b; }
-  WEIR_HD SearchSums operator()(const SearchSums& a, const SearchSums& b) const {
-    return {a.objective + b.objective, a.slope + b.slope};
+struct Add {
+  WEIR_HD Sums operator()(const Sums& a, const Sums& b) const {
+    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope};
   }
 };
 
 /// Whether to go on, and with which weight: ω₁ = 1, ω₂ = 2/(2 − p²), ω_k+1 = 4/(4 − p²·ω_k).
 struct Judge {
   Control* control;
-  const double* compression;
+  const Sums* sums;
   Count count;
   double tolerance;      // below 0: never done
   float spectralRadius;  // p
@@ -135,18 +145,19 @@ struct Judge {
   WEIR_HD void operator()(std::int64_t) const {
     if (control->done) return;
     const std::int64_t particles = count.get();
-    const double mean = particles > 0 ? *compression / double(particles) : 0.0;
-    if (mean <= tolerance) {
+    const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
+    // An acceleration that overshoots starts anew with a plain iteration, which always descends. Overshooting
+    // can also tear the fluid apart, so little compression alone does not mean that it is done.
+    const bool rose = control->sinceRestart > 0 && sums->objective > control->objective;
+    if (mean <= tolerance && !rose) {
       control->done = 1;
       return;
     }
-    // An acceleration that makes it worse starts anew with a plain iteration.
-    constexpr double kMostRise = 1.02;
-    if (control->sinceRestart > 1 && mean > kMostRise * control->lastMean) control->sinceRestart = 0;
+    if (rose) control->sinceRestart = 0;
     const float p2 = spectralRadius * spectralRadius;
     const int k = control->sinceRestart++;
     control->omega = k == 0 ? 1.0f : k == 1 ? 2 / (2 - p2) : 4 / (4 - p2 * control->omega);
-    control->lastMean = mean;
+    control->objective = sums->objective;
     ++control->iterations;
     ++control->total;
     if (control->iterations > control->most) control->most = control->iterations;
@@ -167,22 +178,7 @@ struct Propose {
   }
 };
 
-/// E_i and |g_i·Δx_i|.
-struct Objective {
-  BulkEnergy energy;
-  float stiffness;  // (c·dt)²
-  ArrayView<const Vec3f> displacement;
-  ArrayView<const float> excess;
-  ArrayView<const Vec4f> proposal;
-
-  WEIR_HD SearchSums operator()(std::int64_t i) const {
-    const Vec3f u = displacement[i];
-    return {0.5 * double(dot(u, u)) + double(stiffness) * double(energy.value(excess[i])),
-            double(proposal[i].w)};
-  }
-};
-
-WEIR_HD float stepLengthOf(const SearchSums& sums) {
+WEIR_HD float stepLengthOf(const Sums& sums) {
   return sums.objective < sums.slope ? float(sums.objective / sums.slope) : 1.0f;
 }
 
@@ -191,8 +187,8 @@ WEIR_HD float stepLengthOf(const SearchSums& sums) {
 struct Update {
   PushOf pushOf;
   StepLength stepLength;
-  Objective objective;
-  const SearchSums* sums;
+  Measure measure;
+  const Sums* sums;
   const Control* control;  // null without tolerance and acceleration
   ArrayView<Vec3f> earlier;
   ArrayView<const Vec3f> predicted;
@@ -217,8 +213,8 @@ struct Update {
       const Push at = pushOf(i);
       return (at.push - u) / at.divisor;
     }
-    const float alpha = stepLengthOf(stepLength == StepLength::kGlobal ? *sums : objective(i));
-    return alpha * xyz(objective.proposal[i]);
+    const float alpha = stepLengthOf(stepLength == StepLength::kGlobal ? *sums : measure(i));
+    return alpha * xyz(measure.proposal[i]);
   }
 };
 
@@ -264,31 +260,31 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
       parallelFor(device, "substitute", count, substitute);
     }
   } else {
-    const Objective objective{bulkEnergy_, stiffness, displacement_.view(), excess_.view(), proposal_.view()};
+    const Measure measure{bulkEnergy_, stiffness, displacement_.view(), excess_.view(),
+                          searches() ? proposal_.view() : ArrayView<Vec4f>{}};
     const Update update{pushOf,
                         stepLength,
-                        objective,
-                        searchSums_.data(),
+                        measure,
+                        sums_.data(),
                         controlled() ? control_.data() : nullptr,
                         accelerated() ? earlier_.view() : ArrayView<Vec3f>{},
                         predicted,
                         displacement_.view(),
                         state_.view()};
-    const Judge judge{control_.data(), compression_.data(), count, double(tolerance.get().value_or(-1.0f)),
+    const Judge judge{control_.data(), sums_.data(), count, double(tolerance.get().value_or(-1.0f)),
                       accelerated() ? spectralRadius.get() : 0.0f};
     if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
     ++steps_;
     for (int k = 0; k < iterations && !toleranceWasMet(); ++k) {
       parallelFor(device, "density", count, derivative);
+      if (searches())
+        parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
+      if (controlled() || stepLength == StepLength::kGlobal)
+        reduce(device, "measure", count, Sums{}, measure, Add{}, sums_.data());
       if (controlled()) {
-        reduce(device, "compression", count, 0.0, CompressionOf{excess_.view()}, Sum{}, compression_.data());
         parallelFor(device, "judge", 1, judge);
         controlSeen_->request(control_.data());
       }
-      if (searches())
-        parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
-      if (stepLength == StepLength::kGlobal)
-        reduce(device, "step length", count, SearchSums{}, objective, Sum{}, searchSums_.data());
       parallelFor(device, "update", count, update);
     }
   }

@@ -36,7 +36,7 @@ template <>
 struct EnumNames<Acceleration> {
   static constexpr std::array<EnumName, 2> kNames{
       EnumName{"none", "As in the paper."},
-      EnumName{"chebyshev", "Chebyshev's semi-iterative method; it starts anew where compression rises."}};
+      EnumName{"chebyshev", "Chebyshev's semi-iterative method; it starts anew where the objective rises."}};
 };
 
 class SemiImplicitSolver final : public FluidModule {
@@ -85,13 +85,13 @@ class SemiImplicitSolver final : public FluidModule {
       *this, "step_length", StepLength::kFull, {.doc = "How far along its direction an update goes."}};
   Param<Acceleration> acceleration{
       *this, "acceleration", Acceleration::kNone, {.doc = "How iterations build on earlier ones."}};
-  Param<float> spectralRadius{
-      *this,
-      "spectral_radius",
-      0.9f,
-      {.min = 0,
-       .max = 0.999,
-       .doc = "How slowly plain iterations converge: the factor that remains of the error after each."}};
+  Param<float> spectralRadius{*this,
+                              "spectral_radius",
+                              0.9f,
+                              {.min = 0,
+                               .max = 0.95,
+                               .doc = "For chebyshev: the part of the error that a plain iteration leaves. "
+                                      "Too high a value overshoots."}};
 
   void validate() const override;
   void reset(FluidStep& fluid) override;
@@ -100,8 +100,9 @@ class SemiImplicitSolver final : public FluidModule {
   }
   void report(NodeReport& report) override;
 
-  struct SearchSums {
-    double objective = 0, slope = 0;
+  /// Over all particles: of max(λ − 1, 0), of E, of |g·Δx|.
+  struct Sums {
+    double compression = 0, objective = 0, slope = 0;
   };
 
   /// What decides on the device how the iterations go on, so that nobody waits for it.
@@ -110,7 +111,7 @@ class SemiImplicitSolver final : public FluidModule {
     int iterations = 0;    // of this step
     int sinceRestart = 0;  // of the acceleration
     float omega = 1;       // its weight
-    double lastMean = 0;   // compression before the last iteration
+    double objective = 0;  // before the last iteration
     // Of all steps.
     std::int64_t steps = 0, total = 0;
     int most = 0;
@@ -130,13 +131,11 @@ class SemiImplicitSolver final : public FluidModule {
   // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;
-  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement one iteration earlier; sums over
-  // particles of the compression, and of the objective and |g·Δx|.
+  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement one iteration earlier.
   Array<float> excess_;
   Array<Vec4f> proposal_;
   Array<Vec3f> earlier_;
-  Array<double> compression_;
-  Array<SearchSums> searchSums_;
+  Array<Sums> sums_;
   Array<Control> control_;
   std::optional<Readback<Control>> controlSeen_;
   std::int64_t steps_ = 0;  // begun, as Control::steps
