@@ -3,22 +3,81 @@
 namespace weir {
 
 namespace {
+
 template <class T>
 void fit(Array<T>& array, Device& device, std::int64_t size) {
   if (array.data() == nullptr) array = Array<T>(device);
   array.resize(size);
 }
+
+std::vector<float> coefficientsOf(EnergyName name, const std::vector<float>& polynomial) {
+  switch (name) {
+    case EnergyName::kB0:
+      return {1};
+    case EnergyName::kB1:
+      return {0, 1};
+    case EnergyName::kB2:
+      return {0, 0, 1};
+    case EnergyName::kPolynomial:
+      break;
+  }
+  return polynomial;
+}
+
 }  // namespace
+
+void SemiImplicitSolver::validate() const {
+  if (energy != EnergyName::kPolynomial) {
+    if (!polynomial->empty())
+      throw sceneError("coefficients are given, but the energy is not \"polynomial\"",
+                       "no coefficients, or \"energy\": \"polynomial\"")
+          .inParameter(polynomial.name());
+    return;
+  }
+  float sum = 0;
+  for (const float c : polynomial.get()) sum += c;
+  if (!(sum > 0) || polynomial->size() > std::size_t{BulkEnergy::kMostTerms})
+    throw sceneError("found " + polynomial.value().brief() + " for the polynomial",
+                     "1 to " + std::to_string(BulkEnergy::kMostTerms) + " coefficients, one of them above 0")
+        .inParameter(polynomial.name());
+}
+
+void SemiImplicitSolver::reset(FluidStep& fluid) {
+  bulkEnergy_ = BulkEnergy(coefficientsOf(energy, polynomial));
+  control_ = Array<Control>(fluid.device);
+  control_.assign(std::vector<Control>{Control{}});
+  controlSeen_.emplace(fluid.device);
+  steps_ = 0;
+}
+
+bool SemiImplicitSolver::toleranceWasMet() {
+  if (!tolerance.get()) return false;
+  const std::optional<Control> seen = controlSeen_->poll();
+  return seen && seen->done != 0 && seen->steps == steps_;
+}
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
   const std::int64_t size = fluid.particles.positions().size();
   fit(state_, fluid.device, size);
   fit(weighted_, fluid.device, size);
   fit(displacement_, fluid.device, size);
+  if (accelerated()) fit(earlier_, fluid.device, size);
+  if (searches()) fit(proposal_, fluid.device, size);
+  if (!controlled() && !searches()) return;
+  fit(excess_, fluid.device, size);
+  fit(sums_, fluid.device, 1);
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {
-  report.statistics["solver_iterations"] = iterations.get();
+  Value& used = report.statistics["solver_iterations"];
+  used = iterations.get();
+  if (!tolerance.get() || control_.size() == 0) return;
+  const Control control = control_.toHost().front();
+  used = Value::object();
+  used["mean"] =
+      control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
+  used["max"] = control.most;
+  used["last"] = control.iterations;
 }
 
 }  // namespace weir

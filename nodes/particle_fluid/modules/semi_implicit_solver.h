@@ -1,18 +1,43 @@
-// Semi-implicit successive substitution for incompressibility: the paper's Eq. 14 (or 12), bulk energy B0.
+// Semi-implicit successive substitution for incompressibility: the paper's Eq. 14 (or 12).
 //
-// With λ = ρ/ρ0, Ḃ = max(λ, 1) − 1 (or λ − 1 with tension), a_ij = (c·dt)²·V0·|W'(r_ij)|/r_ij and predicted
+// With λ = ρ/ρ0, e = max(λ, 1) − 1 (or λ − 1 with tension), a_ij = (c·dt)²·V0·|W'(r_ij)|/r_ij and predicted
 // positions x*, each iteration moves every particle by
 //
-//   Δx_i = [ (x*_i − x_i) − Σ_j (Ḃ_i + Ḃ_j)·a_ij·(x_j − x_i) ] / [ 1 + 2·Σ_j a_ij ]
+//   Δx_i = α·[ (x*_i − x_i) − Σ_j (Ḃ_i + Ḃ_j)·a_ij·(x_j − x_i) ] / [ 1 + 2·|Ḃ⁻|·Σ_j a_ij ]
 //
 // which is Eq. 14 in displacement form with the sign of Eq. 8 corrected. The non-conservative form (Eq. 12)
-// has Ḃ_i alone in place of the sum and a divisor of 1 + Σ_j a_ij. Both directed contributions of a pair are
-// known to each of its particles, so the update only gathers. Velocities gain (x^N − x*)/dt.
+// has Ḃ_i alone in place of the sum and a divisor of 1 + |Ḃ⁻|·Σ_j a_ij. Both directed contributions of a pair
+// are known to each of its particles, so the update only gathers. Velocities gain (x^N − x*)/dt.
+//
+// The step length α is 1, or searched: the linear model may not take an objective E ≥ 0 below zero, so
+// α = min(1, E/|g·Δx|) with E_i = |x_i − x*_i|²/2 + (c·dt)²·B(λ_i) and its gradient g_i, of each particle or
+// of all together.
 #pragma once
 
+#include <optional>
+
+#include "framework/compute/readback.h"
+#include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
+
+enum class StepLength { kFull, kParticle, kGlobal };
+template <>
+struct EnumNames<StepLength> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"full", "No search; enough for b0."},
+      EnumName{"particle", "Each particle's own, against overshooting."},
+      EnumName{"global", "One for all particles, which keeps displacements of pairs opposite."}};
+};
+
+enum class Acceleration { kNone, kChebyshev };
+template <>
+struct EnumNames<Acceleration> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"none", "As in the paper."},
+      EnumName{"chebyshev", "Chebyshev's semi-iterative method; it starts anew where the objective rises."}};
+};
 
 class SemiImplicitSolver final : public FluidModule {
  public:
@@ -27,7 +52,16 @@ class SemiImplicitSolver final : public FluidModule {
                         {.min = 1,
                          .max = 10000,
                          .live = true,
-                         .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
+                         .doc = "Iterations a step; neighbours are kept, densities are recomputed in each. "
+                                "The most of them where a tolerance is given."}};
+  Param<std::optional<float>> tolerance{
+      *this,
+      "tolerance",
+      {},
+      {.min = 1e-6,
+       .max = 1,
+       .live = true,
+       .doc = "Iterate until the mean compression, that of max(λ - 1, 0), is not above this."}};
   Param<bool> conservative{
       *this,
       "conservative",
@@ -39,20 +73,72 @@ class SemiImplicitSolver final : public FluidModule {
       "tension",
       false,
       {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
+  Param<EnergyName> energy{
+      *this, "energy", EnergyName::kB0, {.doc = "Bulk energy B of the relative density λ."}};
+  Param<std::vector<float>> polynomial{
+      *this,
+      "polynomial",
+      {},
+      {.min = 0,
+       .doc = "c1, c2, … of the derivative of B, the sum of c_k (λ^k - 1); for energy: polynomial."}};
+  Param<StepLength> stepLength{
+      *this, "step_length", StepLength::kFull, {.doc = "How far along its direction an update goes."}};
+  Param<Acceleration> acceleration{
+      *this, "acceleration", Acceleration::kNone, {.doc = "How iterations build on earlier ones."}};
+  Param<float> spectralRadius{*this,
+                              "spectral_radius",
+                              0.9f,
+                              {.min = 0,
+                               .max = 0.95,
+                               .doc = "For chebyshev: the part of the error that a plain iteration leaves. "
+                                      "Too high a value overshoots."}};
 
+  void validate() const override;
+  void reset(FluidStep& fluid) override;
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
   void report(NodeReport& report) override;
 
+  /// Over all particles: of max(λ − 1, 0), of E, of |g·Δx|.
+  struct Sums {
+    double compression = 0, objective = 0, slope = 0;
+  };
+
+  /// What decides on the device how the iterations go on, so that nobody waits for it.
+  struct Control {
+    int done = 0;          // of this step: whether the tolerance is met
+    int iterations = 0;    // of this step
+    int sinceRestart = 0;  // of the acceleration
+    float omega = 1;       // its weight
+    double objective = 0;  // before the last iteration
+    // Of all steps.
+    std::int64_t steps = 0, total = 0;
+    int most = 0;
+  };
+
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
   void reserve(FluidStep& fluid);
+  /// As far as the host has heard of it, without waiting.
+  bool toleranceWasMet();
+  bool controlled() const { return tolerance.get().has_value() || accelerated(); }
+  bool accelerated() const { return acceleration == Acceleration::kChebyshev; }
+  bool searches() const { return stepLength != StepLength::kFull; }
 
+  BulkEnergy bulkEnergy_;
   // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;
+  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement one iteration earlier.
+  Array<float> excess_;
+  Array<Vec4f> proposal_;
+  Array<Vec3f> earlier_;
+  Array<Sums> sums_;
+  Array<Control> control_;
+  std::optional<Readback<Control>> controlSeen_;
+  std::int64_t steps_ = 0;  // begun, as Control::steps
 };
 
 }  // namespace weir

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace weir::test {
 
@@ -49,29 +50,68 @@ std::vector<double> ReferenceFluid::relativeDensities() const {
   return lambda;
 }
 
+double ReferenceFluid::bulkEnergyDerivative(double lambda) const {
+  double sum = 0;
+  for (std::size_t k = 1; k <= energy.size(); ++k)
+    sum += energy[k - 1] * (std::pow(std::max(lambda, 1.0), double(k)) - 1);
+  return sum;
+}
+
+double ReferenceFluid::bulkEnergy(double lambda) const {
+  const double l = std::max(lambda, 1.0);
+  double sum = 0;
+  for (std::size_t k = 1; k <= energy.size(); ++k)
+    sum += energy[k - 1] * ((std::pow(l, double(k + 1)) - 1) / double(k + 1) - l + 1);
+  return sum;
+}
+
+double ReferenceFluid::objective(const std::vector<Vec3d>& predicted) const {
+  const std::vector<double> lambda = relativeDensities();
+  double sum = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3d u = positions[i] - predicted[i];
+    sum += 0.5 * dot(u, u) + stiffness() * bulkEnergy(lambda[i]);
+  }
+  return sum;
+}
+
 void ReferenceFluid::solve(const std::vector<std::vector<int>>& lists) {
   const std::vector<Vec3d> predicted = positions;
   const double volume = std::pow(spacing, 3);
+  double negativePart = 0;
+  for (const double c : energy) negativePart += c;
   for (int k = 0; k < iterations; ++k) {
-    std::vector<double> derivative;
+    std::vector<double> lambda;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       double sum = kernel(0);
       for (const int j : lists[i]) sum += kernel(length(positions[j] - positions[i]));
-      derivative.push_back(std::max(volume * sum, 1.0) - 1);
+      lambda.push_back(volume * sum);
     }
-    std::vector<Vec3d> next = positions;
+    std::vector<Vec3d> steps;
+    std::vector<double> objectives, slopes;
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      Vec3d numerator = predicted[i] - positions[i];
+      Vec3d descent = predicted[i] - positions[i];
       double divisor = 1;
       for (const int j : lists[i]) {
         const Vec3d d = positions[j] - positions[i];
         const double a = dt * dt / restDensity * mu * slope(length(d)) / length(d);
-        numerator -= (derivative[i] + (conservative ? derivative[j] : 0)) * a * d;
-        divisor += (conservative ? 2 : 1) * a;
+        descent -=
+            (bulkEnergyDerivative(lambda[i]) + (conservative ? bulkEnergyDerivative(lambda[j]) : 0)) * a * d;
+        divisor += (conservative ? 2 : 1) * negativePart * a;
       }
-      next[i] = positions[i] + numerator / divisor;
+      const Vec3d u = positions[i] - predicted[i];
+      steps.push_back(descent / divisor);
+      objectives.push_back(0.5 * dot(u, u) + stiffness() * bulkEnergy(lambda[i]));
+      slopes.push_back(dot(descent, descent) / divisor);
     }
-    positions = next;
+    const double allObjectives = std::accumulate(objectives.begin(), objectives.end(), 0.0);
+    const double allSlopes = std::accumulate(slopes.begin(), slopes.end(), 0.0);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      double alpha = 1;
+      if (stepLength == StepLength::kParticle && objectives[i] < slopes[i]) alpha = objectives[i] / slopes[i];
+      if (stepLength == StepLength::kGlobal && allObjectives < allSlopes) alpha = allObjectives / allSlopes;
+      positions[i] += alpha * steps[i];
+    }
   }
   for (std::size_t i = 0; i < positions.size(); ++i) velocities[i] += (positions[i] - predicted[i]) / dt;
 }

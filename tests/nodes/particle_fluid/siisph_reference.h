@@ -2,6 +2,7 @@
 // written from the equations alone. The oracle of the fast one.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "framework/base/vec.h"
@@ -13,6 +14,8 @@ struct ReferenceFluid {
   double dt = 1e-3;
   int iterations = 3;
   bool conservative = true;
+  std::vector<double> energy{1};  ///< c_k of Ḃ(λ) = Σ c_k·(λ^k − 1), from c_1
+  enum class StepLength { kFull, kParticle, kGlobal } stepLength = StepLength::kFull;
   double xsph = 0;
   Vec3d gravity{0, -9.8, 0};
 
@@ -21,8 +24,13 @@ struct ReferenceFluid {
   void step();
   /// λ of every particle at the current positions.
   std::vector<double> relativeDensities() const;
+  /// The function that a step minimises, Eq. 7 times dt²/m, with λ clamped below at 1.
+  double objective(const std::vector<Vec3d>& predicted) const;
 
  private:
+  double bulkEnergy(double lambda) const;
+  double bulkEnergyDerivative(double lambda) const;
+  double stiffness() const { return dt * dt / restDensity * mu / std::pow(spacing, 3); }  ///< (c·dt)²
   double radius() const { return supportRatio * spacing; }
   double calibration() const;
   double kernel(double r) const;
