@@ -4,6 +4,7 @@
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
+#include "nodes/particle_fluid/modules/pbf.h"
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/xsph.h"
@@ -31,6 +32,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<Predict>();
   registry.addModule<NeighborSearch>();
   registry.addModule<SemiImplicitSolver>();
+  registry.addModule<Pbf>();
   registry.addModule<Xsph>();
   registry.addModule<BoundaryCollision>();
 }

@@ -22,12 +22,16 @@ struct ReferenceFluid {
   /// λ of every particle at the current positions.
   std::vector<double> relativeDensities() const;
 
- private:
+  // The parts of a step, for the references of other modules.
   double radius() const { return supportRatio * spacing; }
-  double calibration() const;
+  double volume() const { return spacing * spacing * spacing; }
   double kernel(double r) const;
   double slope(double r) const;  ///< |W'|
+  void predict();
   std::vector<std::vector<int>> neighbors() const;
+
+ private:
+  double calibration() const;
   void solve(const std::vector<std::vector<int>>& neighbors);
   void smooth(const std::vector<std::vector<int>>& neighbors);
 };

@@ -1,0 +1,79 @@
+#include "tests/nodes/particle_fluid/module_references.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace weir::test {
+
+namespace {
+
+/// ∇_i W(x_i − x_j), 1/m⁴.
+Vec3d kernelGradient(const ReferenceFluid& fluid, std::size_t i, int j) {
+  const Vec3d d = fluid.positions[i] - fluid.positions[static_cast<std::size_t>(j)];
+  return -fluid.slope(length(d)) * normalized(d);
+}
+
+double textbookMultiplier(double lambda, const std::vector<Vec3d>& gradients, double volume, double epsilon) {
+  double sum = epsilon;
+  Vec3d own{};
+  for (const Vec3d& gradient : gradients) {
+    sum += dot(volume * gradient, volume * gradient);
+    own += volume * gradient;
+  }
+  return -std::max(lambda - 1, 0.0) / (sum + dot(own, own));
+}
+
+double unnormalizedMultiplier(double density, double restDensity, const std::vector<Vec3d>& gradients) {
+  double sum = 0.1;
+  Vec3d own{};
+  for (const Vec3d& gradient : gradients) {
+    sum += dot(gradient, gradient);
+    own += gradient;
+  }
+  return -std::max(density - restDensity, 0.0) / (sum + dot(own, own));
+}
+
+void iteratePbf(ReferenceFluid& fluid, const PbfReference& settings, const Neighbors& lists) {
+  const double area = fluid.spacing * fluid.spacing, volume = fluid.volume();
+  std::vector<std::vector<Vec3d>> gradients(lists.size());
+  std::vector<double> multipliers;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    double sum = fluid.kernel(0);
+    for (const int j : lists[i]) {
+      gradients[i].push_back(kernelGradient(fluid, i, j));
+      sum += fluid.kernel(length(fluid.positions[i] - fluid.positions[static_cast<std::size_t>(j)]));
+    }
+    multipliers.push_back(
+        settings.textbook
+            ? textbookMultiplier(volume * sum, gradients[i], volume, settings.epsilon / area)
+            : unnormalizedMultiplier(fluid.restDensity * volume * sum, fluid.restDensity, gradients[i]));
+  }
+  std::vector<Vec3d> next = fluid.positions;
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    for (std::size_t k = 0; k < lists[i].size(); ++k) {
+      const auto j = static_cast<std::size_t>(lists[i][k]);
+      const double both = multipliers[i] + multipliers[j];
+      if (!settings.textbook) {
+        next[i] += 10 * both * gradients[i][k];
+        continue;
+      }
+      const double ratio =
+          fluid.kernel(length(fluid.positions[i] - fluid.positions[j])) / fluid.kernel(0.2 * fluid.radius());
+      const double repulsion = -settings.artificialPressure * area * std::pow(ratio, 4);
+      next[i] += (both + repulsion) * volume * gradients[i][k];
+    }
+  fluid.positions = next;
+}
+
+}  // namespace
+
+void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings) {
+  fluid.predict();
+  const std::vector<Vec3d> predicted = fluid.positions;
+  const Neighbors lists = fluid.neighbors();
+  for (int k = 0; k < settings.iterations; ++k) iteratePbf(fluid, settings, lists);
+  for (std::size_t i = 0; i < predicted.size(); ++i)
+    fluid.velocities[i] += (fluid.positions[i] - predicted[i]) / fluid.dt;
+}
+
+}  // namespace weir::test

@@ -1,0 +1,21 @@
+// Fluid modules in double precision, written from their equations alone; they work on a ReferenceFluid at its
+// present positions.
+#pragma once
+
+#include "tests/nodes/particle_fluid/siisph_reference.h"
+
+namespace weir::test {
+
+using Neighbors = std::vector<std::vector<int>>;
+
+struct PbfReference {
+  bool textbook = true;
+  int iterations = 3;
+  double epsilon = 0.01;          ///< in 1/spacing²
+  double artificialPressure = 0;  ///< in spacing²
+};
+
+/// Predicts, solves by position based fluids, and corrects the velocities.
+void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings);
+
+}  // namespace weir::test
