@@ -7,6 +7,7 @@
 #include "nodes/particle_fluid/modules/pbf.h"
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/surface_tension.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/samplers/box_sampler.h"
@@ -34,6 +35,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<SemiImplicitSolver>();
   registry.addModule<Pbf>();
   registry.addModule<Xsph>();
+  registry.addModule<SurfaceTension>();
   registry.addModule<BoundaryCollision>();
 }
 

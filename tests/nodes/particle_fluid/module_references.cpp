@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace weir::test {
 
@@ -65,6 +66,15 @@ void iteratePbf(ReferenceFluid& fluid, const PbfReference& settings, const Neigh
   fluid.positions = next;
 }
 
+double poly6(double r, double H) {
+  return r < H ? 315 / (64 * std::numbers::pi * std::pow(H, 9)) * std::pow(H * H - r * r, 3) : 0;
+}
+
+/// dW/dr
+double poly6Derivative(double r, double H) {
+  return r < H ? -6 * r * 315 / (64 * std::numbers::pi * std::pow(H, 9)) * std::pow(H * H - r * r, 2) : 0;
+}
+
 }  // namespace
 
 void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings) {
@@ -74,6 +84,32 @@ void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings) {
   for (int k = 0; k < settings.iterations; ++k) iteratePbf(fluid, settings, lists);
   for (std::size_t i = 0; i < predicted.size(); ++i)
     fluid.velocities[i] += (fluid.positions[i] - predicted[i]) / fluid.dt;
+}
+
+std::vector<Vec3d> surfaceTension(const ReferenceFluid& fluid, double coefficient, double airPressure) {
+  const double H = fluid.radius(), volume = fluid.volume();
+  const std::vector<Vec3d>& x = fluid.positions;
+  const auto gradient = [&](std::size_t i, std::size_t j) {
+    return poly6Derivative(length(x[i] - x[j]), H) * normalized(x[i] - x[j]);
+  };
+  std::vector<double> color, gradientSquared;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < x.size(); ++j) sum += volume * poly6(length(x[i] - x[j]), H);
+    color.push_back(sum);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Vec3d sum{};
+    for (std::size_t j = 0; j < x.size(); ++j) sum += volume * color[j] / color[i] * gradient(i, j);
+    gradientSquared.push_back(dot(sum, sum));
+  }
+  std::vector<Vec3d> accelerations(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      const double stress = coefficient / 4 * (gradientSquared[i] + gradientSquared[j]) + airPressure;
+      accelerations[i] += volume / fluid.restDensity * stress * gradient(i, j);
+    }
+  return accelerations;
 }
 
 }  // namespace weir::test

@@ -18,4 +18,7 @@ struct PbfReference {
 /// Predicts, solves by position based fluids, and corrects the velocities.
 void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings);
 
+/// Accelerations by surface tension κ [N] and air pressure [Pa].
+std::vector<Vec3d> surfaceTension(const ReferenceFluid& fluid, double coefficient, double airPressure);
+
 }  // namespace weir::test
