@@ -112,4 +112,26 @@ std::vector<Vec3d> surfaceTension(const ReferenceFluid& fluid, double coefficien
   return accelerations;
 }
 
+std::vector<Vec3d> implicitXsph(const ReferenceFluid& fluid, double viscosity) {
+  const double b = fluid.dt * viscosity / fluid.radius();
+  const Neighbors lists = fluid.neighbors();
+  std::vector<Vec3d> velocities = fluid.velocities;
+  for (int sweep = 0; sweep < 3; ++sweep) {
+    std::vector<Vec3d> next = fluid.velocities;
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+      Vec3d sum{};
+      double weights = 0;
+      for (const int j : lists[i]) {
+        const auto other = static_cast<std::size_t>(j);
+        const double w = fluid.kernel(length(fluid.positions[i] - fluid.positions[other]));
+        sum += w * velocities[other];
+        weights += w;
+      }
+      if (weights > 0) next[i] = (fluid.velocities[i] + b * (sum / weights)) / (1 + b);
+    }
+    velocities = next;
+  }
+  return velocities;
+}
+
 }  // namespace weir::test

@@ -21,4 +21,7 @@ void stepWithPbf(ReferenceFluid& fluid, const PbfReference& settings);
 /// Accelerations by surface tension κ [N] and air pressure [Pa].
 std::vector<Vec3d> surfaceTension(const ReferenceFluid& fluid, double coefficient, double airPressure);
 
+/// Velocities after three Jacobi sweeps of the implicit form of XSPH, ν in m/s.
+std::vector<Vec3d> implicitXsph(const ReferenceFluid& fluid, double viscosity);
+
 }  // namespace weir::test
