@@ -134,4 +134,47 @@ std::vector<Vec3d> implicitXsph(const ReferenceFluid& fluid, double viscosity) {
   return velocities;
 }
 
+namespace {
+
+/// N of particle i; its derivatives of fields are divided by it.
+double derivativeNorm(const ReferenceFluid& fluid, std::size_t i, const std::vector<int>& neighbors) {
+  double sum = 0;
+  for (const int j : neighbors) {
+    const double r = length(fluid.positions[static_cast<std::size_t>(j)] - fluid.positions[i]);
+    sum += fluid.slope(r) * r / 3;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Vec3d> vorticity(const ReferenceFluid& fluid) {
+  const Neighbors lists = fluid.neighbors();
+  std::vector<Vec3d> all(lists.size());
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    for (const int j : lists[i]) {
+      const auto other = static_cast<std::size_t>(j);
+      // v_ij × ∇_j W with v_ij = v_j − v_i, as published, but for N.
+      const Vec3d relative = fluid.velocities[other] - fluid.velocities[i];
+      all[i] += cross(relative, kernelGradient(fluid, other, static_cast<int>(i))) /
+                derivativeNorm(fluid, i, lists[i]);
+    }
+  return all;
+}
+
+std::vector<Vec3d> confineVorticity(const ReferenceFluid& fluid, double strength) {
+  const Neighbors lists = fluid.neighbors();
+  const std::vector<Vec3d> omega = vorticity(fluid);
+  std::vector<Vec3d> velocities = fluid.velocities;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    Vec3d eta{};
+    for (const int j : lists[i])
+      eta += (length(omega[static_cast<std::size_t>(j)]) - length(omega[i])) * kernelGradient(fluid, i, j) /
+             derivativeNorm(fluid, i, lists[i]);
+    const double least = 0.01 * length(omega[i]) / fluid.spacing;
+    velocities[i] += fluid.dt * strength * fluid.spacing * cross(eta / (length(eta) + least), omega[i]);
+  }
+  return velocities;
+}
+
 }  // namespace weir::test

@@ -24,4 +24,8 @@ std::vector<Vec3d> surfaceTension(const ReferenceFluid& fluid, double coefficien
 /// Velocities after three Jacobi sweeps of the implicit form of XSPH, ν in m/s.
 std::vector<Vec3d> implicitXsph(const ReferenceFluid& fluid, double viscosity);
 
+/// ω of every particle, 1/s, and v after confinement of `strength` [1/s] over one step.
+std::vector<Vec3d> vorticity(const ReferenceFluid& fluid);
+std::vector<Vec3d> confineVorticity(const ReferenceFluid& fluid, double strength);
+
 }  // namespace weir::test
