@@ -45,6 +45,8 @@ class SurfaceTension final : public FluidModule {
        .live = true,
        .doc = "Pressure of the air on free surfaces; it closes cavities that tension alone may open."}};
 
+  /// Warns of a support too small for it.
+  void reset(FluidStep& fluid) override;
   void step(FluidStep& fluid) override {
     if (coefficient > 0 || airPressure > 0)
       dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });

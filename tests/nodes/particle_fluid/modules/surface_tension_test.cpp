@@ -1,10 +1,13 @@
 // Surface tension against a double-precision version, its conservation law, and the shape of a drop.
+#include "nodes/particle_fluid/modules/surface_tension.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
+#include "tests/support/expect_error.h"
 
 namespace weir::test {
 namespace {
@@ -45,6 +48,28 @@ TEST(SurfaceTension, AgreesWithDoublePrecision) {
       EXPECT_LT(length(sumOf(scene.velocities())), 1e-6 * most * double(positions.size())) << name;
     }
   }
+}
+
+TEST(SurfaceTension, WarnsOfASmallSupport) {
+  CpuDevice device(1);
+  std::vector<std::string> warnings;
+  Log log([&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarning) warnings.emplace_back(text);
+  });
+  for (const float ratio : {1.5f, 2.0f}) {
+    ParticleSet particles(device);
+    NeighborList neighbors(device);
+    const std::vector<const Boundary*> boundaries;
+    const FluidConstants constants = makeFluidConstants(kSpacing, ratio, 1000, 1e6f, Calibration::kPacking);
+    const StepContext time{device, log, {}, 0, 1e-3, 0};
+    FluidStep fluid{time, device, constants, particles, neighbors, boundaries, {}};
+    SurfaceTension module;
+    module.setName("tension");
+    module.reset(fluid);
+  }
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_CONTAINS(warnings[0], "support_ratio");
+  EXPECT_CONTAINS(warnings[0], "1.5");
 }
 
 // The moments of a body about its centre that tell a ball from a cube.
