@@ -3,9 +3,13 @@
 #include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
+#include "nodes/particle_fluid/modules/drag.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
+#include "nodes/particle_fluid/modules/pbf.h"
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/surface_tension.h"
+#include "nodes/particle_fluid/modules/vorticity_confinement.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/samplers/box_sampler.h"
@@ -31,7 +35,11 @@ void registerNodes(Registry& registry) {
   registry.addModule<Predict>();
   registry.addModule<NeighborSearch>();
   registry.addModule<SemiImplicitSolver>();
+  registry.addModule<Pbf>();
   registry.addModule<Xsph>();
+  registry.addModule<SurfaceTension>();
+  registry.addModule<VorticityConfinement>();
+  registry.addModule<Drag>();
   registry.addModule<BoundaryCollision>();
 }
 

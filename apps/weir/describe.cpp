@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -79,6 +80,22 @@ void describeParameters(const Configurable& owner, std::size_t indent, std::stri
   }
 }
 
+/// The modules of a pipeline, and the registered ones of its family that it does without.
+void describePipeline(const Registry& registry, const PipelineBase& pipeline, std::string& text) {
+  text += fmt::format("\nModules (of the family {})\n", pipeline.family());
+  std::set<std::string_view> present;
+  for (const auto& module : pipeline.modules()) {
+    present.insert(module->info().type);
+    text += fmt::format("  {}: {}{}\n      {}\n", module->name(), module->info().type,
+                        module->enabled() ? "" : " (disabled)", wrapped(module->info().doc, 6));
+  }
+  std::string others;
+  for (const auto& [name, type] : registry.modules())
+    if (type.info.family == pipeline.family() && !present.contains(type.info.type))
+      others += fmt::format("  {}\n      {}\n", name, wrapped(type.info.doc, 6));
+  if (!others.empty()) text += "\nModules that may replace these or be inserted\n" + others;
+}
+
 void describeNode(const Registry& registry, const Registry::NodeType& type, std::string& text) {
   const std::unique_ptr<Node> node = registry.createNode(type.info.type);
   text += fmt::format("{} (node, from {})\n  {}\n", type.info.type, type.source, wrapped(type.info.doc, 2));
@@ -93,12 +110,7 @@ void describeNode(const Registry& registry, const Registry::NodeType& type, std:
         fmt::format("  {}: {}\n      {}\n", output->name(), output->typeName(), wrapped(output->doc(), 6));
   if (!node->properties().empty()) text += "\nParameters\n";
   describeParameters(*node, 2, text);
-  const PipelineBase* pipeline = node->pipeline();
-  if (pipeline == nullptr) return;
-  text += fmt::format("\nModules (of the family {})\n", pipeline->family());
-  for (const auto& module : pipeline->modules())
-    text += fmt::format("  {}: {}{}\n      {}\n", module->name(), module->info().type,
-                        module->enabled() ? "" : " (disabled)", wrapped(module->info().doc, 6));
+  if (const PipelineBase* pipeline = node->pipeline()) describePipeline(registry, *pipeline, text);
 }
 
 void describeModule(const Registry& registry, const Registry::ModuleType& type, std::string& text) {

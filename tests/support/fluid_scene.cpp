@@ -2,11 +2,14 @@
 
 #include <random>
 
+#include "nodes/register_nodes.h"
+
 namespace weir::test {
 
 FluidScene::FluidScene(Device& device, std::vector<Vec3f> positions, std::vector<Vec3f> velocities,
                        const Value& parameters, const Value& modules)
     : device_(device) {
+  registerNodes(registry_);
   auto given = std::make_unique<GivenParticles>();
   given->positions = std::move(positions);
   given->velocities = std::move(velocities);

@@ -1,14 +1,10 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
+#include "nodes/particle_fluid/scratch.h"
+
 namespace weir {
 
 namespace {
-
-template <class T>
-void fit(Array<T>& array, Device& device, std::int64_t size) {
-  if (array.data() == nullptr) array = Array<T>(device);
-  array.resize(size);
-}
 
 std::vector<float> coefficientsOf(EnergyName name, const std::vector<float>& polynomial) {
   switch (name) {
@@ -46,6 +42,8 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   bulkEnergy_ = BulkEnergy(coefficientsOf(energy, polynomial));
   control_ = Array<Control>(fluid.device);
   control_.assign(std::vector<Control>{Control{}});
+  sums_ = Array<Sums>(fluid.device);
+  sums_.resize(1);
   controlSeen_.emplace(fluid.device);
   steps_ = 0;
 }
@@ -57,15 +55,10 @@ bool SemiImplicitSolver::toleranceWasMet() {
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
-  const std::int64_t size = fluid.particles.positions().size();
-  fit(state_, fluid.device, size);
-  fit(weighted_, fluid.device, size);
-  fit(displacement_, fluid.device, size);
-  if (accelerated()) fit(earlier_, fluid.device, size);
-  if (searches()) fit(proposal_, fluid.device, size);
-  if (!controlled() && !searches()) return;
-  fit(excess_, fluid.device, size);
-  fit(sums_, fluid.device, 1);
+  fitScratch(fluid, state_, weighted_, displacement_);
+  if (accelerated()) fitScratch(fluid, earlier_);
+  if (searches()) fitScratch(fluid, proposal_);
+  if (controlled() || searches()) fitScratch(fluid, excess_);
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {

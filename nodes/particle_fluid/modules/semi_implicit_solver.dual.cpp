@@ -1,26 +1,11 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
 #include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/displacement.h"
 
 namespace weir {
 
 namespace {
-
-WEIR_HD Vec3f xyz(const Vec4f& v) {
-  return {v.x, v.y, v.z};
-}
-
-struct Start {
-  ArrayView<const Vec3f> predicted;
-  ArrayView<Vec4f> state;
-  ArrayView<Vec3f> displacement;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = predicted[i];
-    state[i] = {p.x, p.y, p.z, 0};
-    displacement[i] = {};
-  }
-};
 
 /// Adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
 struct EnergyDerivative {
@@ -218,17 +203,6 @@ struct Update {
   }
 };
 
-struct Finish {
-  float inverseDt;
-  ArrayView<const Vec3f> displacement;
-  ArrayView<Vec3f> positions, velocities;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    positions[i] += displacement[i];
-    velocities[i] += inverseDt * displacement[i];
-  }
-};
-
 }  // namespace
 
 template <class Backend>
@@ -252,7 +226,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                       bulkEnergy_.negativePart(),
                       weighted_.view()};
 
-  parallelFor(device, "start", count, Start{predicted, state_.view(), displacement_.view()});
+  parallelFor(device, "start", count, StartDisplacement{predicted, state_.view(), displacement_.view()});
   if (!controlled() && !searches()) {
     const Substitute substitute{pushOf, predicted, displacement_.view(), state_.view()};
     for (int k = 0; k < iterations; ++k) {
@@ -288,8 +262,9 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
       parallelFor(device, "update", count, update);
     }
   }
-  parallelFor(device, "finish", count,
-              Finish{1 / dt, displacement_.view(), predicted, fluid.particles.velocities().view()});
+  parallelFor(
+      device, "finish", count,
+      FinishDisplacement{1 / dt, displacement_.view(), predicted, fluid.particles.velocities().view()});
 }
 
 template void SemiImplicitSolver::stepOn(ThisBackend&, FluidStep&);

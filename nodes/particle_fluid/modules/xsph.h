@@ -1,14 +1,36 @@
-// XSPH artificial viscosity in the form of Schechter and Bridson (2012):
+// XSPH artificial viscosity, in two forms.
+//
+// explicit, of Schechter and Bridson (2012), with c = strength, which has no unit:
 //
 //   v_i ← v_i + c·Σ_j V0·(v_j − v_i)·W(r_ij)
 //
-// Equal volumes make the exchange symmetric, so momentum is conserved. c has no unit; one sweep with c ≤ 1 is
-// stable, because V0·ΣW ≤ λ.
+// Equal volumes make the exchange symmetric, so momentum is conserved. One sweep with c ≤ 1 is stable,
+// because V0·ΣW ≤ λ. How viscous the fluid is depends on the number of steps a second.
+//
+// implicit, with ν = viscosity in m/s:
+//
+//   v_i = (v_i⁰ + b·v̄_i)/(1 + b),   b = dt·ν/H,   v̄_i = Σ_j W(r_ij)·v_j / Σ_j W(r_ij)
+//
+// by three Jacobi sweeps. ν/H is the rate at which differences to the neighbours decay, so the effect over
+// time does not depend on dt while b is small. It is that of a kinematic viscosity of ν·⟨r²⟩/(6·H), with the
+// mean over neighbours weighted by W: ν·H/13 (in m²/s) on a lattice with H = 1.5d, ν·H/28 in the limit of
+// many neighbours. Each sweep takes means with weights that add up to 1, so no b, however large, is unstable.
+// Momentum is conserved only as far as ΣW is the same for all particles.
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
+
+enum class XsphForm { kExplicit, kImplicit };
+template <>
+struct EnumNames<XsphForm> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"explicit",
+               "Removes the share `strength` of the differences in each step; conserves momentum."},
+      EnumName{"implicit",
+               "Differences decay at the rate viscosity / support radius; stable for any viscosity."}};
+};
 
 class Xsph final : public FluidModule {
  public:
@@ -16,24 +38,38 @@ class Xsph final : public FluidModule {
                                     "Smooths velocities between neighbours (artificial viscosity)."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  Param<float> strength{
+  Param<XsphForm> form{
+      *this, "form", XsphForm::kExplicit, {.live = true, .doc = "How velocities are smoothed."}};
+  Param<float> strength{*this,
+                        "strength",
+                        0.3f,
+                        {.min = 0,
+                         .max = 1,
+                         .live = true,
+                         .doc = "Share of the difference to the neighbours' velocities that is removed in a "
+                                "step (explicit form)."}};
+  Param<float> viscosity{
       *this,
-      "strength",
-      0.3f,
-      {.min = 0,
-       .max = 1,
+      "viscosity",
+      1,
+      {.unit = "m/s",
+       .min = 0,
+       .softMax = 100,
        .live = true,
-       .doc = "Share of the difference to the neighbours' velocities that is removed in a step."}};
+       .doc =
+           "Rate at which differences to the neighbours decay, times the support radius (implicit form)."}};
 
-  void step(FluidStep& fluid) override {
-    if (strength > 0) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
-  }
+  /// A scene Error for a parameter that the form does not have.
+  void validate() const override;
+  void step(FluidStep& fluid) override;
 
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
+  template <class Backend>
+  void implicitOn(Backend& device, FluidStep& fluid);
 
-  Array<Vec3f> smoothed_;
+  Array<Vec3f> smoothed_, next_;
 };
 
 }  // namespace weir

@@ -125,11 +125,15 @@ void ReferenceFluid::smooth(const std::vector<std::vector<int>>& lists) {
   velocities = next;
 }
 
-void ReferenceFluid::step() {
+void ReferenceFluid::predict() {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     velocities[i] += dt * gravity;
     positions[i] += dt * velocities[i];
   }
+}
+
+void ReferenceFluid::step() {
+  predict();
   const auto lists = neighbors();
   solve(lists);
   if (xsph > 0) smooth(lists);

@@ -27,15 +27,19 @@ struct ReferenceFluid {
   /// The function that a step minimises, Eq. 7 times dt²/m, with λ clamped below at 1.
   double objective(const std::vector<Vec3d>& predicted) const;
 
- private:
-  double bulkEnergy(double lambda) const;
-  double bulkEnergyDerivative(double lambda) const;
-  double stiffness() const { return dt * dt / restDensity * mu / std::pow(spacing, 3); }  ///< (c·dt)²
+  // The parts of a step, for the references of other modules.
   double radius() const { return supportRatio * spacing; }
-  double calibration() const;
+  double volume() const { return spacing * spacing * spacing; }
   double kernel(double r) const;
   double slope(double r) const;  ///< |W'|
+  void predict();
   std::vector<std::vector<int>> neighbors() const;
+
+ private:
+  double calibration() const;
+  double bulkEnergy(double lambda) const;
+  double bulkEnergyDerivative(double lambda) const;
+  double stiffness() const { return dt * dt / restDensity * mu / volume(); }  ///< (c·dt)²
   void solve(const std::vector<std::vector<int>>& neighbors);
   void smooth(const std::vector<std::vector<int>>& neighbors);
 };

@@ -3,40 +3,17 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
-#include "tests/nodes/particle_fluid/siisph_reference.h"
-#include "tests/support/devices.h"
-#include "tests/support/fluid_scene.h"
+#include "tests/nodes/particle_fluid/modules/module_test_support.h"
 
 namespace weir::test {
 namespace {
-
-Vec3d toDouble(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
-std::vector<Vec3f> randomVelocities(std::size_t count, float most, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> component(-most, most);
-  std::vector<Vec3f> velocities;
-  for (std::size_t i = 0; i < count; ++i)
-    velocities.push_back({component(random), component(random), component(random)});
-  return velocities;
-}
 
 struct OneStepCase {
   float spacing, supportRatio;
   double dt;
   bool conservative;
 };
-
-double largestDifference(const std::vector<Vec3f>& found, const std::vector<Vec3d>& expected) {
-  double largest = 0;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    largest = std::max(largest, length(toDouble(found[i]) - expected[i]));
-  return largest;
-}
 
 class OneStep : public testing::TestWithParam<OneStepCase> {};
 

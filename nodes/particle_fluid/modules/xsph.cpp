@@ -1,0 +1,22 @@
+#include "nodes/particle_fluid/modules/xsph.h"
+
+namespace weir {
+
+void Xsph::validate() const {
+  const bool isExplicit = form == XsphForm::kExplicit;
+  const Property& other = isExplicit ? static_cast<const Property&>(viscosity) : strength;
+  if (!other.isSet()) return;
+  throw sceneError(other.name() + " is given for the form " + (isExplicit ? "\"explicit\"" : "\"implicit\""),
+                   std::string("only with \"form\": ") + (isExplicit ? "\"implicit\"" : "\"explicit\""))
+      .inParameter(other.name());
+}
+
+void Xsph::step(FluidStep& fluid) {
+  if (form == XsphForm::kExplicit) {
+    if (strength > 0) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+  } else if (viscosity > 0) {
+    dispatch(fluid.device, [&](auto& device) { implicitOn(device, fluid); });
+  }
+}
+
+}  // namespace weir
