@@ -21,6 +21,8 @@ constexpr const char* kEveryNode = R"({
   "world": { "gravity": [0, -9.8, 0], "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
   "nodes": {
     "nozzle": { "type": "SquareEmitter", "params": { "position": [0, 0.9, 0], "width": 0.2, "height": 0.2 } },
+    "pipe": { "type": "CircleEmitter", "params": { "position": [0.3, 0.9, 0], "radius": 0.06, "jitter": 0.1 } },
+    "spring": { "type": "MeshEmitter", "params": { "speed": 0.5, "max_particles": 50 } },
     "cup": { "type": "TurningModel",
              "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
     "glass": { "type": "StaticBoundary", "params": { "friction": 0.1 } },
@@ -36,7 +38,8 @@ constexpr const char* kEveryNode = R"({
     }
   },
   "links": [
-    "nozzle.particles -> water.emitters", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
+    "nozzle.particles -> water.emitters", "pipe.particles -> water.emitters", "spring.particles -> water.emitters",
+    "cup.surface -> spring.surface", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
     "inside.particles -> water.initial", "block.particles -> water.initial", "ball.particles -> water.initial",
     "glass.boundary -> water.boundaries", "tank.boundary -> water.boundaries"
   ],
