@@ -14,6 +14,7 @@
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/samplers/mesh_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
+#include "nodes/sink/sink.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/turning_model/turning_model.h"
 
@@ -27,6 +28,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<MeshSampler>();
   registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
+  registry.addNode<Sink>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();

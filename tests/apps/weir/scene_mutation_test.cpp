@@ -31,6 +31,7 @@ constexpr const char* kEveryNode = R"({
     "block": { "type": "BoxSampler", "params": { "min": [-0.4, 0.4, -0.4], "max": [-0.1, 0.7, 0.4] } },
     "ball": { "type": "SphereSampler", "params": { "center": [0.2, 0.6, 0], "radius": 0.15 } },
     "inside": { "type": "MeshSampler" },
+    "drain": { "type": "Sink", "params": { "min": [0.3, 0, -0.5], "max": [0.5, 0.1, 0.5] } },
     "water": {
       "type": "ParticleFluid",
       "params": { "spacing": 0.05, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
@@ -41,6 +42,7 @@ constexpr const char* kEveryNode = R"({
     "nozzle.particles -> water.emitters", "pipe.particles -> water.emitters", "spring.particles -> water.emitters",
     "cup.surface -> spring.surface", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
     "inside.particles -> water.initial", "block.particles -> water.initial", "ball.particles -> water.initial",
+    "cup.surface -> drain.meshes", "drain.sink -> water.sinks",
     "glass.boundary -> water.boundaries", "tank.boundary -> water.boundaries"
   ],
   "render": { "width": 64, "height": 36, "color": { "by": "speed", "range": [0, 3] } }
