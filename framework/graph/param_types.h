@@ -32,6 +32,7 @@ struct ParamSpec {
   double softMax = std::numeric_limits<double>::quiet_NaN();
   int minItems = 0;   ///< least number of elements of a list or curve
   bool live = false;  ///< may change while the simulation runs; otherwise a change asks for a reset
+  bool animated = false;  ///< may be given as keyframes over time, if the type is Animatable (keyframes.h)
   std::string_view doc = {};
 };
 

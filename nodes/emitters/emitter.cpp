@@ -51,9 +51,11 @@ void Emitter::step(const StepContext& context) {
   particles->count = 0;
   const double begin = std::max(context.time, start.get());
   const double end = std::min(context.time + context.dt, stop.get().value_or(context.time + context.dt));
-  if (end <= begin || speed == 0) return;
+  if (end <= begin) return;
+  const double flowSpeed = speed.mean(begin, end);
+  if (flowSpeed == 0) return;
   // Layer k leaves when the flow has travelled k spacings.
-  const double travelled = travel_ + speed * (end - begin);
+  const double travelled = travel_ + flowSpeed * (end - begin);
   const double layersAfter = std::ceil(travelled / spacing_);
   double wanted = (layersAfter - layers_) * static_cast<double>(points_.size());
   if (maxParticles.get()) wanted = std::min(wanted, static_cast<double>(*maxParticles.get() - emitted_));
@@ -62,11 +64,12 @@ void Emitter::step(const StepContext& context) {
                           "fewer than 2,147,483,648 particles", "use a smaller speed or a smaller world.dt");
   if (const auto count = static_cast<std::int64_t>(wanted); count > 0) {
     // Where the first layer is at the beginning of the step: this far behind the surface.
-    const double firstOffset = layers_ * spacing_ - travel_ + speed * (begin - context.time);
+    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed * (begin - context.time);
     particles->positions.resize(count);
     particles->velocities.resize(count);
     particles->count = count;
-    dispatch(context.device, [&](auto& device) { emitOn(device, count, firstOffset, speed); });
+    dispatch(context.device,
+             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed)); });
     emitted_ += count;
   }
   layers_ = layersAfter;

@@ -7,7 +7,8 @@
 //
 //   area·speed/spacing³
 //
-// up to the rounding of a layer to whole particles, which is reported where it is noticeable.
+// up to the rounding of a layer to whole particles, which is reported where it is noticeable. Where keyframes
+// give the speed, the travel is their exact integral, and the particles of a step leave with its mean speed.
 #pragma once
 
 #include <optional>
@@ -20,7 +21,10 @@ namespace weir {
 
 class Emitter : public Node {
  public:
-  Param<float> speed{*this, "speed", 1.0f, {.unit = "m/s", .min = 0, .doc = "Speed of the flow."}};
+  Param<float> speed{*this,
+                     "speed",
+                     1.0f,
+                     {.unit = "m/s", .min = 0, .live = true, .animated = true, .doc = "Speed of the flow."}};
   Param<double> start{*this, "start", 0.0, {.unit = "s", .min = 0, .doc = "When the flow starts."}};
   Param<std::optional<double>> stop{
       *this,

@@ -1,7 +1,8 @@
 // A flat nozzle: an emitter whose layers lie in a plane that can be placed and turned.
 //
 // The nozzle spans the node's local x and z axes around its position; the jet leaves along local -y. Turning
-// it moves its points rigidly, so their distances stay the fluid's spacing.
+// it moves its points rigidly, so their distances stay the fluid's spacing. Where keyframes move it,
+// particles leave with the speed of the jet alone: that of the nozzle is not added.
 #pragma once
 
 #include "nodes/emitters/emitter.h"
@@ -10,12 +11,15 @@ namespace weir {
 
 class NozzleEmitter : public Emitter {
  public:
-  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Centre of the nozzle."}};
-  Param<Rotation> rotation{
-      *this,
-      "rotation",
-      {},
-      {.unit = "degrees", .doc = "Turns the nozzle; without it the jet points down (-y)."}};
+  Param<Vec3f> position{
+      *this, "position", {}, {.unit = "m", .live = true, .animated = true, .doc = "Centre of the nozzle."}};
+  Param<Rotation> rotation{*this,
+                           "rotation",
+                           {},
+                           {.unit = "degrees",
+                            .live = true,
+                            .animated = true,
+                            .doc = "Turns the nozzle; without it the jet points down (-y)."}};
 
  protected:
   Frame frame() const final {

@@ -23,6 +23,7 @@ class Xsph final : public FluidModule {
       {.min = 0,
        .max = 1,
        .live = true,
+       .animated = true,
        .doc = "Share of the difference to the neighbours' velocities that is removed in a step."}};
 
   void step(FluidStep& fluid) override {

@@ -18,10 +18,12 @@ constexpr int kMutants = 10000, kPerCall = 500;
 /// All nodes in one scene, small enough to run in no time.
 constexpr const char* kEveryNode = R"({
   "weir": 1,
-  "world": { "gravity": [0, -9.8, 0], "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
+  "world": { "gravity": { "keyframes": [[0, [0, -9.8, 0]], [0.01, [0, -5, 0]]] },
+             "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
   "nodes": {
     "nozzle": { "type": "SquareEmitter", "params": { "position": [0, 0.9, 0], "width": 0.2, "height": 0.2 } },
-    "pipe": { "type": "CircleEmitter", "params": { "position": [0.3, 0.9, 0], "radius": 0.06, "jitter": 0.1 } },
+    "pipe": { "type": "CircleEmitter", "params": { "position": [0.3, 0.9, 0], "radius": 0.06, "jitter": 0.1,
+                                                  "speed": { "keyframes": [[0, 0.5], [0.01, 2]] } } },
     "spring": { "type": "MeshEmitter", "params": { "speed": 0.5, "max_particles": 50 } },
     "cup": { "type": "TurningModel",
              "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
@@ -35,7 +37,8 @@ constexpr const char* kEveryNode = R"({
     "water": {
       "type": "ParticleFluid",
       "params": { "spacing": 0.05, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
-      "modules": { "solver": { "params": { "iterations": 3 } }, "viscosity": { "params": { "strength": 0.1 } } }
+      "modules": { "solver": { "params": { "iterations": 3 } },
+                   "viscosity": { "params": { "strength": { "keyframes": [[0, 0.1], [1, 0.2]] } } } }
     }
   },
   "links": [
