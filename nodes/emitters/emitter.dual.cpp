@@ -41,7 +41,7 @@ struct PlaceLayers {
 
 template <class Backend>
 void Emitter::emitOn(Backend& device, std::int64_t count, double firstOffset, float flowSpeed) {
-  const Frame f = frame();
+  const Frame f = axes();
   parallelFor(device, "emit", count,
               PlaceLayers{f.origin, f.xAxis, f.yAxis, f.zAxis, points_.view(), directions_.view(), spacing_,
                           flowSpeed, static_cast<float>(firstOffset), jitter * spacing_, seed_, emitted_,

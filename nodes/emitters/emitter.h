@@ -49,7 +49,7 @@ class Emitter : public Node {
   void report(NodeReport& report) final;
 
  protected:
-  /// The points of a layer and the directions in which they leave, of length 1, in the frame below.
+  /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes().
   struct Layer {
     std::vector<Vec3f> points, directions;
   };
@@ -63,7 +63,7 @@ class Emitter : public Node {
   virtual double layerSize(float spacing) const = 0;
   virtual Layer makeLayer(const SetupContext& context, float spacing) const = 0;
   /// Asked in each step.
-  virtual Frame frame() const { return {}; }
+  virtual Frame axes() const { return {}; }
   virtual double mostInLayer() const { return 1e7; }
 
  private:

@@ -22,7 +22,7 @@ class NozzleEmitter : public Emitter {
                             .doc = "Turns the nozzle; without it the jet points down (-y)."}};
 
  protected:
-  Frame frame() const final {
+  Frame axes() const final {
     const Quatf q = rotation->toQuaternion();
     return {position, rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
   }

@@ -58,12 +58,21 @@ Candidates drawCandidates(const TriangleMesh& mesh, std::size_t count, std::uint
   return drawn;
 }
 
-/// Which points are closer than `radius` to each point, by a hash of cells of that size.
+/// Which points are closer than `radius` to each point, by a hash table of cells of that size.
 class CloseTo {
  public:
   CloseTo(const std::vector<Vec3d>& points, double radius) : points_(points), radius_(radius) {
-    for (std::size_t i = 0; i < points.size(); ++i) cells_.emplace_back(hashOfCell(points[i], {}), i);
-    std::sort(cells_.begin(), cells_.end());
+    std::size_t buckets = 1;
+    while (buckets < points.size()) buckets *= 2;
+    starts_.assign(buckets + 1, 0);
+    for (const Vec3d& p : points) ++starts_[bucketOf(hashOfCell(p, {})) + 1];
+    for (std::size_t b = 0; b < buckets; ++b) starts_[b + 1] += starts_[b];
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    entries_.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::uint64_t cell = hashOfCell(points[i], {});
+      entries_[next[bucketOf(cell)]++] = {cell, i, points[i]};
+    }
   }
 
   /// Calls f(j, distance) for every j but i.
@@ -75,7 +84,11 @@ class CloseTo {
   }
 
  private:
-  using Cell = std::pair<std::uint64_t, std::size_t>;
+  struct Entry {
+    std::uint64_t cell;
+    std::size_t index;
+    Vec3d position;
+  };
 
   std::uint64_t hashOfCell(const Vec3d& p, const Vec3i& offset) const {
     const auto along = [this](double at, int by) {
@@ -83,28 +96,36 @@ class CloseTo {
     };
     std::uint64_t h = along(p.x, offset.x) * 0x9E3779B97F4A7C15ull;
     h = (h ^ (h >> 29) ^ along(p.y, offset.y)) * 0xBF58476D1CE4E5B9ull;
-    return (h ^ (h >> 32) ^ along(p.z, offset.z)) * 0x94D049BB133111EBull;
+    h = (h ^ (h >> 32) ^ along(p.z, offset.z)) * 0x94D049BB133111EBull;
+    return h ^ (h >> 31);
   }
+  std::size_t bucketOf(std::uint64_t cell) const { return cell & (starts_.size() - 2); }
 
   template <class F>
   void scan(std::size_t i, std::uint64_t cell, F&& f) const {
-    for (auto at = std::lower_bound(cells_.begin(), cells_.end(), Cell{cell, 0});
-         at != cells_.end() && at->first == cell; ++at) {
-      const double distance = length(points_[at->second] - points_[i]);
-      if (at->second != i && distance < radius_) f(at->second, distance);
+    const std::size_t bucket = bucketOf(cell);
+    for (std::size_t k = starts_[bucket]; k < starts_[bucket + 1]; ++k) {
+      const Entry& entry = entries_[k];
+      if (entry.cell != cell || entry.index == i) continue;
+      const double distance = length(entry.position - points_[i]);
+      if (distance < radius_) f(entry.index, distance);
     }
   }
 
   const std::vector<Vec3d>& points_;
   double radius_;
-  std::vector<Cell> cells_;
+  std::vector<std::size_t> starts_;  // of the entries of each bucket; their number is a power of two
+  std::vector<Entry> entries_;
 };
 
 /// Marks all but `count` points as gone, the most crowded first. `reach` is twice the radius of the discs
 /// that a hexagonal lattice of `count` points would have.
 std::vector<bool> eliminate(const std::vector<Vec3d>& points, std::size_t count, double reach) {
   const CloseTo close(points, reach);
-  const auto crowding = [reach](double distance) { return std::pow(1 - distance / reach, 8); };
+  const auto crowding = [reach](double distance) {
+    const double near = 1 - distance / reach, squared = near * near, fourth = squared * squared;
+    return fourth * fourth;
+  };
   std::vector<double> weight(points.size(), 0.0);
   std::priority_queue<std::pair<double, std::size_t>> queue;
   for (std::size_t i = 0; i < points.size(); ++i) {
