@@ -1,5 +1,8 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/emitters/circle_emitter.h"
+#include "nodes/emitters/mesh_emitter.h"
+#include "nodes/emitters/square_emitter.h"
 #include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
@@ -15,7 +18,7 @@
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/samplers/mesh_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
-#include "nodes/square_emitter/square_emitter.h"
+#include "nodes/sink/sink.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/turning_model/turning_model.h"
 
@@ -23,10 +26,13 @@ namespace weir {
 
 void registerNodes(Registry& registry) {
   registry.addNode<BoxSampler>();
+  registry.addNode<CircleEmitter>();
+  registry.addNode<MeshEmitter>();
   registry.addNode<MeshFile>();
   registry.addNode<MeshSampler>();
   registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
+  registry.addNode<Sink>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();

@@ -72,6 +72,7 @@ void describeParameters(const Configurable& owner, std::size_t indent, std::stri
     if (const std::string range = rangeOf(spec); !range.empty()) facts += ", " + range;
     if (property->group() == nullptr) facts += ", default " + oneLine(property->defaultValue());
     if (spec.live) facts += ", may change during a run";
+    if (spec.animated) facts += ", may be keyframes";
     text += fmt::format("{}{}: {}\n{}    {}\n", margin, property->name(), facts, margin,
                         wrapped(spec.doc, indent + 4));
     for (const EnumName& choice : property->choices())
@@ -144,6 +145,7 @@ Value parametersAsValue(const Configurable& owner) {
     if (!std::isnan(spec.softMin)) v["soft_min"] = spec.softMin;
     if (!std::isnan(spec.softMax)) v["soft_max"] = spec.softMax;
     v["live"] = spec.live;
+    v["animated"] = spec.animated;
     for (const EnumName& choice : property->choices()) {
       Value& choices = v["choices"];
       choices[choice.first] = choice.second;

@@ -49,6 +49,10 @@ void Configurable::assignAll(const Value& object, const Place& place) {
   }
 }
 
+void Configurable::animate(double time) {
+  for (Property* property : properties_) property->animate(time);
+}
+
 Error& Configurable::locate(Error& error) const {
   const Property* property = findProperty(error.location().parameter);
   return property != nullptr ? error.at(property->origin()) : error;

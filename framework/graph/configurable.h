@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/check.h"
+#include "framework/graph/keyframes.h"
 #include "framework/graph/param_types.h"
 
 namespace weir {
@@ -41,6 +43,8 @@ class Property {
   virtual void assign(const Value& v, const Place& place) = 0;
   /// What puts back the present value, without any check.
   virtual std::function<void()> undo() = 0;
+  /// Takes the value of a simulated time in s where it is given by keyframes.
+  virtual void animate(double /*time*/) {}
   /// The names of an enum with their docs; empty for other kinds.
   virtual std::vector<EnumName> choices() const { return {}; }
   /// The nested parameters of a group; null for other kinds.
@@ -75,6 +79,9 @@ class Configurable {
   /// The parameters that differ from their defaults, as assignAll reads them.
   Value changedValues() const;
   Value schema() const;
+  /// Gives all parameters that are given by keyframes their values at a simulated time in s. Keyframes are
+  /// checked when they are assigned, and so are the values between them; validate() does not run here.
+  void animate(double time);
   /// Adds to an error that names one of the parameters where that parameter stands.
   Error& locate(Error& error) const;
 
@@ -90,30 +97,57 @@ template <class T>
 class Param final : public Property {
  public:
   Param(Configurable& owner, std::string_view name, T initial, const ParamSpec& spec = {})
-      : Property(owner, name, spec), value_(initial), default_(std::move(initial)) {}
+      : Property(owner, name, spec), value_(initial), default_(std::move(initial)) {
+    WEIR_CHECK((Animatable<T> || !spec.animated));
+  }
 
+  /// At the time of the last animate(), if it is given by keyframes.
   const T& get() const { return value_; }
   operator const T&() const { return value_; }
   const T* operator->() const { return &value_; }
   const T& operator*() const { return value_; }
 
+  /// The mean over a time from `from` to `to`, from < to, in s: exact where keyframes give the value.
+  double mean(double from, double to) const requires std::floating_point<T> {
+    return keyframes_.empty() ? double(value_) : keyframes_.mean(from, to);
+  }
+
   /// Checked like a value from a scene.
   void set(const T& value) { assign(ParamTraits<T>::toValue(value), {}); }
 
   std::string_view kind() const override { return ParamTraits<T>::kKind; }
-  Value value() const override { return ParamTraits<T>::toValue(value_); }
+  /// As a scene has it: keyframes where there are any.
+  Value value() const override {
+    if constexpr (Animatable<T>)
+      if (!keyframes_.empty()) return keyframes_.toValue();
+    return ParamTraits<T>::toValue(value_);
+  }
   Value defaultValue() const override { return ParamTraits<T>::toValue(default_); }
-  Value schema() const override { return ParamTraits<T>::schema(spec()); }
+  Value schema() const override {
+    Value plain = ParamTraits<T>::schema(spec());
+    return spec().animated ? detail::keyframesSchema(std::move(plain)) : plain;
+  }
   void assign(const Value& v, const Place& place) override {
     try {
-      value_ = ParamTraits<T>::fromValue(v, spec(), place);
+      if (isKeyframes(v)) {
+        assignKeyframes(v, place);
+      } else {
+        value_ = ParamTraits<T>::fromValue(v, spec(), place);
+        keyframes_ = {};
+      }
     } catch (Error& e) {
       throw e.inParameter(name());
     }
     origin_ = place.of(v);
   }
   std::function<void()> undo() override {
-    return [this, value = value_, origin = origin_] { value_ = value, origin_ = origin; };
+    return [this, value = value_, keyframes = keyframes_, origin = origin_] {
+      value_ = value, keyframes_ = keyframes, origin_ = origin;
+    };
+  }
+  void animate(double time) override {
+    if constexpr (Animatable<T>)
+      if (!keyframes_.empty()) value_ = keyframes_.at(time);
   }
   std::vector<EnumName> choices() const override {
     if constexpr (NamedEnum<T>)
@@ -123,8 +157,21 @@ class Param final : public Property {
   }
 
  private:
+  void assignKeyframes(const Value& v, const Place& place) {
+    if constexpr (Animatable<T>) {
+      if (spec().animated) {
+        keyframes_ = Keyframes<T>(v, spec(), place);
+        value_ = keyframes_.at(0);
+        return;
+      }
+    }
+    throw place.error(v, "found keyframes, but this parameter cannot change over time",
+                      "a plain value: " + std::string(ParamTraits<T>::kKind));
+  }
+
   T value_;
   T default_;
+  typename detail::KeyframesOf<T>::type keyframes_;
 };
 
 /// A nested object of parameters.
@@ -155,6 +202,7 @@ class Group final : public Property {
       origin_ = origin;
     };
   }
+  void animate(double time) override { group_.animate(time); }
   const Configurable* group() const override { return &group_; }
 
  private:
@@ -198,13 +246,16 @@ class GroupList final : public Property {
   std::function<void()> undo() override {
     return [this, items = items_, origin = origin_] { items_ = items, origin_ = origin; };
   }
+  void animate(double time) override {
+    for (const auto& item : items_) item->animate(time);
+  }
   const Configurable* group() const override { return &prototype_; }
 
  private:
   static constexpr std::size_t kMostItems = 10000;  // each costs some kilobytes
 
   T prototype_;
-  std::vector<std::shared_ptr<T>> items_;  // never changed once here, so undo() may share them
+  std::vector<std::shared_ptr<T>> items_;  // only animated once here, so undo() may share them
 };
 
 }  // namespace weir

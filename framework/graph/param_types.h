@@ -30,8 +30,9 @@ struct ParamSpec {
   bool aboveMin = false;                                      ///< the minimum itself is refused too
   double softMin = std::numeric_limits<double>::quiet_NaN();  ///< only a hint to property editors
   double softMax = std::numeric_limits<double>::quiet_NaN();
-  int minItems = 0;   ///< least number of elements of a list or curve
-  bool live = false;  ///< may change while the simulation runs; otherwise a change asks for a reset
+  int minItems = 0;       ///< least number of elements of a list or curve
+  bool live = false;      ///< may change while the simulation runs; otherwise a change asks for a reset
+  bool animated = false;  ///< may be given as keyframes over time, if the type is Animatable (keyframes.h)
   std::string_view doc = {};
 };
 

@@ -161,8 +161,17 @@ std::int64_t SceneGraph::deviceMemoryOf(const Node& node) const {
   return entry != deviceMemory_.end() ? entry->second : 0;
 }
 
+void SceneGraph::animate(double time) {
+  for (const auto& node : nodes_) {
+    node->animate(time);
+    if (node->pipeline() == nullptr) continue;
+    for (const auto& module : node->pipeline()->modules()) module->animate(time);
+  }
+}
+
 void SceneGraph::reset(const SetupContext& context) {
   validate();
+  animate(0);
   order_ = order();
   for (const auto& node : nodes_)
     for (OutputPort* output : node->outputs()) output->forgetRequests();
@@ -175,6 +184,7 @@ void SceneGraph::reset(const SetupContext& context) {
 }
 
 void SceneGraph::step(const StepContext& context) {
+  animate(context.time);
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
     call(*node, context.device, [&] { node->step(context); });
@@ -182,6 +192,7 @@ void SceneGraph::step(const StepContext& context) {
 }
 
 void SceneGraph::frame(const StepContext& context) {
+  animate(context.time);
   for (Node* node : order_) call(*node, context.device, [&] { node->frame(context); });
 }
 

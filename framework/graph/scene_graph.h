@@ -44,7 +44,8 @@ class SceneGraph {
   /// Every node behind the nodes it reads from; by name where order is free.
   std::vector<Node*> order() const;
 
-  // The life of a simulation. An Error that leaves these names the node.
+  // The life of a simulation. Parameters that keyframes give take their values of the time first. An Error
+  // that leaves these names the node.
   void reset(const SetupContext& context);  ///< configure from last to first, then reset from first to last
   void step(const StepContext& context);
   void frame(const StepContext& context);
@@ -54,6 +55,7 @@ class SceneGraph {
   std::int64_t deviceMemoryOf(const Node& node) const;
 
  private:
+  void animate(double time);
   template <class F>
   void call(Node& node, Device& device, F&& f);
 

@@ -23,7 +23,8 @@ Clock clockOf(const Scene& scene) {
 Simulation::Simulation(std::unique_ptr<Scene> scene, Device& device, Log& log, const Registry& registry)
     : scene_(std::move(scene)), device_(device), log_(log), registry_(registry), clock_(clockOf(*scene_)) {}
 
-StepContext Simulation::stepContext() const {
+StepContext Simulation::stepContext() {
+  scene_->animate(time());
   return {.device = device_,
           .log = log_,
           .gravity = scene_->world.gravity,
@@ -35,6 +36,7 @@ StepContext Simulation::stepContext() const {
 void Simulation::reset() {
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
+  scene_->animate(0);
   scene_->graph.reset({.device = device_,
                        .log = log_,
                        .registry = registry_,

@@ -54,7 +54,8 @@ class Simulation {
  private:
   using WallClock = std::chrono::steady_clock;
 
-  StepContext stepContext() const;
+  /// The context of what comes next, with the world as it is then.
+  StepContext stepContext();
   bool finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep);
 
   std::unique_ptr<Scene> scene_;

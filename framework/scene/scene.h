@@ -14,7 +14,10 @@ namespace weir {
 /// The "world" section: what all nodes share.
 class World final : public Configurable {
  public:
-  Param<Vec3f> gravity{*this, "gravity", {0, -9.8f, 0}, {.unit = "m/s^2", .doc = "Acceleration of gravity."}};
+  Param<Vec3f> gravity{*this,
+                       "gravity",
+                       {0, -9.8f, 0},
+                       {.unit = "m/s^2", .live = true, .animated = true, .doc = "Acceleration of gravity."}};
   Param<double> dt{
       *this,
       "dt",
@@ -35,6 +38,12 @@ class World final : public Configurable {
 };
 
 struct Scene {
+  /// Gives the world and the sections their values at a simulated time in s; the graph sees to its nodes.
+  void animate(double time) {
+    world.animate(time);
+    for (const auto& [name, section] : sections) section->animate(time);
+  }
+
   std::string title;
   std::string schema;             ///< the key "$schema", an address for editors; "" if there is none
   std::vector<FilePath> plugins;  ///< libraries that must be loaded before the scene can be built

@@ -30,7 +30,8 @@ struct FluidStep {
   ParticleSet& particles;
   NeighborList& neighbors;
   const std::vector<const Boundary*>& boundaries;
-  Aabb domain;  ///< particles outside are removed
+  Aabb domain;                       ///< particles outside are removed
+  ArrayView<const SinkPiece> sinks;  ///< particles inside are removed; on the device
 };
 
 class FluidModule : public Module {

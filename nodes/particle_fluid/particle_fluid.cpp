@@ -40,6 +40,7 @@ void ParticleFluid::configure(const SetupContext&) {
   initial.request({spacing});
   emitters.request({spacing});
   boundaries.request({spacing});
+  sinks.request({spacing});
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
@@ -50,6 +51,10 @@ void ParticleFluid::reset(const SetupContext& context) {
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
+  std::vector<SinkPiece> sinkPieces;
+  for (std::size_t i = 0; i < sinks.size(); ++i)
+    sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
+  state.sinks.assign(sinkPieces);
   *fluid = {&state.particles, &constants_};
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
@@ -61,7 +66,8 @@ void ParticleFluid::reset(const SetupContext& context) {
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
-  return {time, time.device, constants_, state.particles, state.neighbors, state.boundaries, domain()};
+  return {time,     time.device,       constants_, state.particles, state.neighbors, state.boundaries,
+          domain(), state.sinks.view()};
 }
 
 void ParticleFluid::step(const StepContext& context) {
@@ -80,7 +86,7 @@ void ParticleFluid::frame(const StepContext& context) {
   if (state.particles.refreshCount() > 0) {
     dispatch(context.device, [&](auto& device) { boundingBoxOn(device); });
     state.neighbors.fitGrid(state.box.toHost().front(), state.particles.bound());
-    state.neighbors.build(state.particles, domain());
+    state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
     dispatch(context.device, [&](auto& device) { densityOn(device); });
   }

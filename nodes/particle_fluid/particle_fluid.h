@@ -77,6 +77,7 @@ class ParticleFluid final : public Node {
   Inputs<ParticleBatch> initial{*this, "initial", "Particles that are there from the start."};
   Inputs<ParticleBatch> emitters{*this, "emitters", "Particles that are born in each step."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Solids and containers that the fluid does not enter."};
+  Inputs<SinkRegion> sinks{*this, "sinks", "Regions in which the fluid's particles are removed."};
   Output<Fluid> fluid{*this, "fluid", "The fluid."};
 
   ParticleFluid();
@@ -93,12 +94,13 @@ class ParticleFluid final : public Node {
  private:
   /// What exists from reset on, on the device of that reset.
   struct State {
-    explicit State(Device& device) : particles(device), neighbors(device), box(device, 1) {}
+    explicit State(Device& device) : particles(device), neighbors(device), box(device, 1), sinks(device) {}
     ParticleSet particles;
     NeighborList neighbors;
     Array<Aabb> box;
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;
+    Array<SinkPiece> sinks;
     Vec3f gravity{};
     NeighborEvents events;
     std::int64_t appended = 0;

@@ -33,8 +33,8 @@ void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
   grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells));
 }
 
-void NeighborList::build(ParticleSet& particles, const Aabb& domain) {
-  dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain); });
+void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
+  dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain, sinks); });
 }
 
 NeighborView NeighborList::view() const {

@@ -9,6 +9,7 @@ struct CellKey {
   ArrayView<const Vec3f> positions, velocities;
   CellGrid grid;
   Aabb domain;
+  ArrayView<const SinkPiece> sinks;
   int* escaped;
   int* nonFinite;
 
@@ -22,6 +23,7 @@ struct CellKey {
       atomicAdd(escaped, 1);
       return -1;
     }
+    if (removedBySinks(sinks, p)) return -1;
     return grid.index(grid.cellOf(p));
   }
 };
@@ -79,13 +81,14 @@ struct FindNeighbors {
 }  // namespace
 
 template <class Backend>
-void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain) {
+void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
+                           ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
   {
     const ProfileScope scope(device.profiler(), "sort");
     sort_.sort(device, particles.count(), grid_.cellCount(),
-               CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, events + 1,
-                       events + 2},
+               CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, sinks,
+                       events + 1, events + 2},
                kept_.data());
     device.copy(particles.counter(), kept_.data(), sizeof(int));
     particles.permute(sort_.order());
@@ -100,6 +103,6 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
                             shift_, entries_.data(), counts_.data(), events});
 }
 
-template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&);
+template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);
 
 }  // namespace weir

@@ -6,6 +6,7 @@
 #include "framework/compute/cell_sort.h"
 #include "nodes/particles/cell_grid.h"
 #include "nodes/particles/particle_set.h"
+#include "nodes/sink/sink_region.h"
 
 namespace weir {
 
@@ -48,9 +49,10 @@ class NeighborList {
   /// The shape of the grid; any shape gives the same neighbours.
   void fitGrid(const Aabb& box, std::int64_t particles);
 
-  /// Removes particles that are outside `domain` or not finite, sorts the rest by cell, and finds for each
-  /// all others closer than the radius. Lists are reciprocal unless truncated.
-  void build(ParticleSet& particles, const Aabb& domain);
+  /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
+  /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
+  /// reciprocal unless truncated.
+  void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
   NeighborView view() const;
   int capacity() const { return capacity_; }
@@ -60,7 +62,7 @@ class NeighborList {
 
  private:
   template <class Backend>
-  void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain);
+  void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
 
   float radius_ = 0;
   int capacity_ = 0;

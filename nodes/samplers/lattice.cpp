@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/base/random.h"
 #include "framework/compute/cpu_threads.h"
 
 namespace weir {
@@ -25,15 +26,6 @@ Lattice centredAt(const Vec3d& center, const Vec3d& count, double spacing) {
           spacing,
           {static_cast<std::int64_t>(count.x), static_cast<std::int64_t>(count.y),
            static_cast<std::int64_t>(count.z)}};
-}
-
-/// A number in [-1, 1) that a seed and an index decide (SplitMix64), so that no order of the calls can.
-double noise(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t x = seed + (index + 1) * 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  x ^= x >> 31;
-  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
 }
 
 struct Sampling {

@@ -4,18 +4,9 @@
 
 #include <cmath>
 
+#include "framework/base/random.h"
+
 namespace weir {
-
-namespace {
-
-/// FNV-1a, so that two samplers of a scene jitter differently.
-std::uint64_t hash(std::string_view text) {
-  std::uint64_t h = 0xCBF29CE484222325ull;
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3ull;
-  return h;
-}
-
-}  // namespace
 
 float Sampler::requestedSpacing() const {
   const auto request = particles.requested();
@@ -28,8 +19,8 @@ float Sampler::requestedSpacing() const {
 void Sampler::fill(const SetupContext& context, const Lattice& lattice,
                    const std::function<bool(const Vec3f&)>& inside) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
-  const Jitter noise{jitter, static_cast<std::uint64_t>(context.seed) ^ hash(name())};
-  const std::vector<Vec3f> positions = sampleLattice(lattice, noise, cpu ? cpu->threads() : 0, inside);
+  const Jitter moved{jitter, static_cast<std::uint64_t>(context.seed) ^ hashOf(name())};
+  const std::vector<Vec3f> positions = sampleLattice(lattice, moved, cpu ? cpu->threads() : 0, inside);
   if (positions.empty())
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
                      "a region that is several spacings thick");

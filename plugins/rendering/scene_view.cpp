@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "framework/base/text.h"
+#include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/square_emitter/square_emitter.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/shape_geometry.h"
 
@@ -99,7 +99,7 @@ void SceneView::collectStatic(Simulation& simulation) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
       addShape(boundary->boundary->pieces.front().shape, node->name());
-    if (const auto* emitter = dynamic_cast<const SquareEmitter*>(node.get()))
+    if (const auto* emitter = dynamic_cast<const NozzleEmitter*>(node.get()))
       bounds_.extend(emitter->position);
   }
   boundsAreStatic_ = !bounds_.empty() && length(bounds_.size()) > 0;

@@ -24,7 +24,7 @@ FluidScene::FluidScene(Device& device, std::vector<Vec3f> positions, std::vector
 void FluidScene::reset(double dt) {
   dt_ = dt;
   steps_ = 0;
-  graph_.reset({device_, log_, registry_, gravity, dt, 1});
+  graph_.reset({device_, log_, registry_, gravity, dt, seed});
 }
 
 StepContext FluidScene::context() const {

@@ -34,6 +34,7 @@ class FluidScene {
   SceneGraph& graph() { return graph_; }
   ParticleFluid& fluid() { return *fluid_; }
   Vec3f gravity{0, -9.8f, 0};
+  std::int64_t seed = 1;
 
   void reset(double dt);
   void step(int steps = 1);

@@ -11,7 +11,7 @@ class NeighborSearch final : public FluidModule {
                                     "Sorts particles by cell and lists the neighbours of each, once a step."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  void step(FluidStep& fluid) override { fluid.neighbors.build(fluid.particles, fluid.domain); }
+  void step(FluidStep& fluid) override { fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks); }
 };
 
 }  // namespace weir

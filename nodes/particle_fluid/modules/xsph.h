@@ -46,6 +46,7 @@ class Xsph final : public FluidModule {
                         {.min = 0,
                          .max = 1,
                          .live = true,
+                         .animated = true,
                          .doc = "Share of the difference to the neighbours' velocities that is removed in a "
                                 "step (explicit form)."}};
   Param<float> viscosity{
@@ -56,6 +57,7 @@ class Xsph final : public FluidModule {
        .min = 0,
        .softMax = 100,
        .live = true,
+       .animated = true,
        .doc =
            "Rate at which differences to the neighbours decay, times the support radius (implicit form)."}};
 

@@ -187,9 +187,9 @@ TEST_F(Cli, AMissingMeshIsFoundByValidateAndRun) {
 TEST_F(Cli, NodesSchemaInfoAndCompletion) {
   const ChildResult nodes = runWeir({"nodes"});
   EXPECT_EQ(nodes.code, 0);
-  for (const char* type :
-       {"ParticleFluid", "StaticBoundary", "SquareEmitter", "TurningModel", "MeshFile", "BoxSampler",
-        "SphereSampler", "MeshSampler", "ParticleFile", "SemiImplicitSolver"})
+  for (const char* type : {"ParticleFluid", "StaticBoundary", "SquareEmitter", "TurningModel", "MeshFile",
+                           "BoxSampler", "SphereSampler", "MeshSampler", "ParticleFile", "SemiImplicitSolver",
+                           "CircleEmitter", "MeshEmitter", "Sink"})
     EXPECT_CONTAINS(nodes.out, type);
   const ChildResult one = runWeir({"nodes", "ParticleFluid"});
   EXPECT_CONTAINS(one.out, "support_ratio");

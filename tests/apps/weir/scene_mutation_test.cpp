@@ -18,9 +18,13 @@ constexpr int kMutants = 10000, kPerCall = 500;
 /// All nodes in one scene, small enough to run in no time.
 constexpr const char* kEveryNode = R"({
   "weir": 1,
-  "world": { "gravity": [0, -9.8, 0], "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
+  "world": { "gravity": { "keyframes": [[0, [0, -9.8, 0]], [0.01, [0, -5, 0]]] },
+             "dt": 0.002, "frame_rate": 100, "duration": 0.02, "seed": 3 },
   "nodes": {
     "nozzle": { "type": "SquareEmitter", "params": { "position": [0, 0.9, 0], "width": 0.2, "height": 0.2 } },
+    "pipe": { "type": "CircleEmitter", "params": { "position": [0.3, 0.9, 0], "radius": 0.06, "jitter": 0.1,
+                                                  "speed": { "keyframes": [[0, 0.5], [0.01, 2]] } } },
+    "spring": { "type": "MeshEmitter", "params": { "speed": 0.5, "max_particles": 50 } },
     "cup": { "type": "TurningModel",
              "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
     "glass": { "type": "StaticBoundary", "params": { "friction": 0.1 } },
@@ -29,15 +33,19 @@ constexpr const char* kEveryNode = R"({
     "block": { "type": "BoxSampler", "params": { "min": [-0.4, 0.4, -0.4], "max": [-0.1, 0.7, 0.4] } },
     "ball": { "type": "SphereSampler", "params": { "center": [0.2, 0.6, 0], "radius": 0.15 } },
     "inside": { "type": "MeshSampler" },
+    "drain": { "type": "Sink", "params": { "min": [0.3, 0, -0.5], "max": [0.5, 0.1, 0.5] } },
     "water": {
       "type": "ParticleFluid",
       "params": { "spacing": 0.05, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
-      "modules": { "solver": { "params": { "iterations": 3 } }, "viscosity": { "params": { "strength": 0.1 } } }
+      "modules": { "solver": { "params": { "iterations": 3 } },
+                   "viscosity": { "params": { "strength": { "keyframes": [[0, 0.1], [1, 0.2]] } } } }
     }
   },
   "links": [
-    "nozzle.particles -> water.emitters", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
+    "nozzle.particles -> water.emitters", "pipe.particles -> water.emitters", "spring.particles -> water.emitters",
+    "cup.surface -> spring.surface", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
     "inside.particles -> water.initial", "block.particles -> water.initial", "ball.particles -> water.initial",
+    "cup.surface -> drain.meshes", "drain.sink -> water.sinks",
     "glass.boundary -> water.boundaries", "tank.boundary -> water.boundaries"
   ],
   "render": { "width": 64, "height": 36, "color": { "by": "speed", "range": [0, 3] } }

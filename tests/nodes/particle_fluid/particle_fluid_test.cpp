@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "nodes/square_emitter/square_emitter.h"
+#include "nodes/emitters/square_emitter.h"
 #include "tests/support/devices.h"
 #include "tests/support/fluid_scene.h"
 

@@ -1,50 +1,22 @@
 // Flux, geometry and timing of the nozzle, through the particles that a fluid without forces receives.
-#include "nodes/square_emitter/square_emitter.h"
+#include "nodes/emitters/square_emitter.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/support/devices.h"
-#include "tests/support/fluid_scene.h"
+#include "tests/nodes/emitters/jet.h"
 
 namespace weir::test {
 namespace {
 
-/// An emitter above a fluid whose modules are switched off but for the prediction, so that the jet stays as
-/// it left.
-class Jet {
- public:
-  Jet(Device& device, float spacing, const Value& parameters)
-      : scene_(
-            device, {}, {}, object({{"spacing", spacing}}),
-            object({{"solver", object({{"enabled", false}})}, {"viscosity", object({{"enabled", false}})}})) {
-    emitter_ = static_cast<SquareEmitter*>(&scene_.graph().add(std::make_unique<SquareEmitter>(), "nozzle"));
-    emitter_->assignAll(parameters, {});
-    scene_.graph().link(SceneGraph::parseLink("nozzle.particles -> water.emitters"));
-    scene_.gravity = {};
-  }
-  std::vector<Vec3f> after(double dt, int steps) {
-    scene_.reset(dt);
-    scene_.step(steps);
-    return scene_.positions();
-  }
-  NodeReport report() {
-    NodeReport report;
-    emitter_->report(report);
-    return report;
-  }
-
- private:
-  FluidScene scene_;
-  SquareEmitter* emitter_;
-};
+using Nozzle = Jet<SquareEmitter>;
 
 TEST(SquareEmitter, FluxIsExactWhateverTheStep) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     for (const auto& [dt, steps] : {std::pair{1e-3, 777}, {3.1e-3, 251}, {0.05, 16}}) {
-      Jet jet(*device, 0.01f, object({{"width", 0.03}, {"height", 0.02}, {"speed", 1.37}}));
+      Nozzle jet(*device, 0.01f, object({{"width", 0.03}, {"height", 0.02}, {"speed", 1.37}}));
       const double layers = std::ceil(1.37 * dt * steps / double(0.01f));
       EXPECT_EQ(double(jet.after(dt, steps).size()), 6 * layers) << name << " dt " << dt;
     }
@@ -54,7 +26,7 @@ TEST(SquareEmitter, FluxIsExactWhateverTheStep) {
 TEST(SquareEmitter, LayersAreOneSpacingApartAndLeaveDownwards) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
-    Jet jet(
+    Nozzle jet(
         *device, 0.01f,
         object(
             {{"position", Value::Array{0.2, 1.0, -0.3}}, {"width", 0.01}, {"height", 0.01}, {"speed", 2.0}}));
@@ -71,8 +43,8 @@ TEST(SquareEmitter, LayersAreOneSpacingApartAndLeaveDownwards) {
 
 TEST(SquareEmitter, RotationKeepsTheSpacing) {
   const auto device = openDevice("cpu");
-  Jet straight(*device, 0.01f, object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}}));
-  Jet turned(
+  Nozzle straight(*device, 0.01f, object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}}));
+  Nozzle turned(
       *device, 0.01f,
       object({{"width", 0.05}, {"height", 0.04}, {"speed", 1.0}, {"rotation", Value::Array{30, -70, 110}}}));
   const std::vector<Vec3f> a = straight.after(1e-3, 50), b = turned.after(1e-3, 50);
@@ -82,12 +54,13 @@ TEST(SquareEmitter, RotationKeepsTheSpacing) {
 
 TEST(SquareEmitter, StartStopAndLimit) {
   const auto device = openDevice("cpu");
-  Jet window(*device, 0.01f,
-             object({{"width", 0.01}, {"height", 0.01}, {"speed", 1.0}, {"start", 0.0505}, {"stop", 0.1}}));
+  Nozzle window(
+      *device, 0.01f,
+      object({{"width", 0.01}, {"height", 0.01}, {"speed", 1.0}, {"start", 0.0505}, {"stop", 0.1}}));
   EXPECT_EQ(window.after(1e-3, 50).size(), 0u);
   EXPECT_EQ(window.after(1e-3, 200).size(), 5u);  // 0.0495 m of jet: layers 0 to 4
-  Jet limited(*device, 0.01f,
-              object({{"width", 0.03}, {"height", 0.01}, {"speed", 1.0}, {"max_particles", 7}}));
+  Nozzle limited(*device, 0.01f,
+                 object({{"width", 0.03}, {"height", 0.01}, {"speed", 1.0}, {"max_particles", 7}}));
   EXPECT_EQ(limited.after(1e-3, 200).size(), 7u);
   EXPECT_EQ(limited.report().statistics["particles_emitted"], Value(7));
 }

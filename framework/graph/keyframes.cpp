@@ -1,0 +1,89 @@
+#include "framework/graph/keyframes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace weir::detail {
+
+namespace {
+
+constexpr const char* kForm = "an object {\"keyframes\": [[time, value], ...]}, times in s";
+constexpr std::size_t kMostKeyframes = 100000;
+
+double readTime(const Value& key, const Place& place) {
+  if (!key.isArray() || key.asArray().size() != 2)
+    throw place.error(key, "found " + key.brief(), "a keyframe [time, value]");
+  return readNumber(key.asArray()[0], {.unit = "s", .min = 0}, place / 0);
+}
+
+}  // namespace
+
+const Value::Array& readKeyframes(const Value& v, const Place& place) {
+  for (const auto& [name, member] : v.asObject())
+    if (name != "keyframes")
+      throw(place / name).error(member, "keyframes have no member '" + name + "'", kForm);
+  const Value& list = *v.find("keyframes");
+  const Place here = place / "keyframes";
+  if (!list.isArray() || list.asArray().empty())
+    throw here.error(list, "found " + list.brief(), "a list of keyframes [time, value], at least one");
+  if (list.asArray().size() > kMostKeyframes)
+    throw here.error(list, fmt::format("found {} keyframes", list.asArray().size()),
+                     fmt::format("at most {}", kMostKeyframes));
+  double before = -1;
+  for (std::size_t i = 0; i < list.asArray().size(); ++i) {
+    const Value& key = list.asArray()[i];
+    const double time = readTime(key, here / i);
+    if (time <= before)
+      throw(here / i / 0)
+          .error(key.asArray()[0], fmt::format("found a time of {} s after one of {} s", time, before),
+                 "times that increase");
+    before = time;
+  }
+  return list.asArray();
+}
+
+Place placeOfKeyframe(const Place& place, std::size_t i) {
+  return place / "keyframes" / i / 1;
+}
+
+Value keyframesSchema(Value plain) {
+  const auto typed = [](std::string_view type) {
+    Value schema = Value::object();
+    schema["type"] = type;
+    return schema;
+  };
+  Value time = typed("number");
+  time["minimum"] = 0;
+  Value key = typed("array");
+  key["prefixItems"] = Value::Array{std::move(time), plain};
+  key["minItems"] = key["maxItems"] = 2;
+  Value animated = typed("object");
+  animated["properties"]["keyframes"] = arraySchema(std::move(key), 1, kMostKeyframes);
+  animated["required"] = Value::Array{"keyframes"};
+  animated["additionalProperties"] = false;
+  Value either = Value::object();
+  either["anyOf"] = Value::Array{std::move(plain), std::move(animated)};
+  return either;
+}
+
+double interpolate(double a, double b, double t) {
+  return std::lerp(a, b, t);
+}
+float interpolate(float a, float b, double t) {
+  return static_cast<float>(std::lerp(double(a), double(b), t));
+}
+Vec3f interpolate(const Vec3f& a, const Vec3f& b, double t) {
+  return {interpolate(a.x, b.x, t), interpolate(a.y, b.y, t), interpolate(a.z, b.z, t)};
+}
+Rotation interpolate(const Rotation& a, const Rotation& b, double t) {
+  return {interpolate(a.degrees, b.degrees, t), std::nullopt};
+}
+
+void checkKey(const Rotation& value, const Value& v, const Place& place) {
+  if (value.quaternion)
+    throw place.error(v, "found a quaternion in a keyframe",
+                      "Euler angles [x, y, z] in degrees, between which angles are linear");
+}
+
+}  // namespace weir::detail

@@ -1,0 +1,83 @@
+#include "nodes/emitters/emitter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/base/random.h"
+
+namespace weir {
+
+void Emitter::validate() const {
+  if (stop.get() && *stop.get() < start) throw sceneError("stop is before start", "stop at or after start");
+}
+
+void Emitter::checkLayerSize(const SetupContext& context) const {
+  const double size = layerSize(spacing_);
+  if (!(size <= mostInLayer()))
+    throw sceneError(fmt::format("an area of {:.4g} m² at a spacing of {} m has {:.3g} particles in a layer",
+                                 area(), spacing_, size),
+                     fmt::format("at most {:.0f} million particles in a layer", mostInLayer() * 1e-6));
+  constexpr double kNoticeableRounding = 0.1;
+  const double covered = size * spacing_ * spacing_;
+  if (std::abs(covered / area() - 1) > kNoticeableRounding)
+    context.log.warn(
+        fmt::format("node '{}': the area of {:.4g} m² is rounded to {:.0f} particles of {} m, which changes "
+                    "the flux by {:+.0f} %",
+                    name(), area(), size, spacing_, 100 * (covered / area() - 1)));
+}
+
+void Emitter::reset(const SetupContext& context) {
+  const auto request = particles.requested();
+  if (!request)
+    throw sceneError("the emitter is not linked to a fluid, so its particle spacing is unknown",
+                     "a link from '" + particles.path() + "' to the emitters of a ParticleFluid");
+  spacing_ = request->spacing;
+  checkLayerSize(context);
+  seed_ = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
+  const Layer layer = makeLayer(context, spacing_);
+  points_ = Array<Vec3f>(context.device, layer.points);
+  directions_ = Array<Vec3f>(context.device, layer.directions);
+  travel_ = layers_ = 0;
+  emitted_ = 0;
+  particles->count = 0;
+  particles->positions = Array<Vec3f>(context.device);
+  particles->velocities = Array<Vec3f>(context.device);
+}
+
+void Emitter::step(const StepContext& context) {
+  particles->count = 0;
+  const double begin = std::max(context.time, start.get());
+  const double end = std::min(context.time + context.dt, stop.get().value_or(context.time + context.dt));
+  if (end <= begin) return;
+  const double flowSpeed = speed.mean(begin, end);
+  if (flowSpeed == 0) return;
+  // Layer k leaves when the flow has travelled k spacings.
+  const double travelled = travel_ + flowSpeed * (end - begin);
+  const double layersAfter = std::ceil(travelled / spacing_);
+  double wanted = (layersAfter - layers_) * static_cast<double>(points_.size());
+  if (maxParticles.get()) wanted = std::min(wanted, static_cast<double>(*maxParticles.get() - emitted_));
+  if (!(wanted <= std::numeric_limits<int>::max()))
+    throw simulationError(fmt::format("{:.3g} particles would be emitted in one step", wanted),
+                          "fewer than 2,147,483,648 particles", "use a smaller speed or a smaller world.dt");
+  if (const auto count = static_cast<std::int64_t>(wanted); count > 0) {
+    // Where the first layer is at the beginning of the step: this far behind the surface.
+    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed * (begin - context.time);
+    particles->positions.resize(count);
+    particles->velocities.resize(count);
+    particles->count = count;
+    dispatch(context.device,
+             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed)); });
+    emitted_ += count;
+  }
+  layers_ = layersAfter;
+  travel_ = travelled;
+}
+
+void Emitter::report(NodeReport& report) {
+  report.statistics["particles_emitted"] = emitted_;
+}
+
+}  // namespace weir

@@ -1,0 +1,48 @@
+// A region in which particles are removed: a box, the insides of closed meshes, or all of these.
+//
+// A fluid removes what is inside when it sorts its particles, once a step, at their predicted positions: what
+// is on its way out is gone before it is solved for, like what leaves the fluid's domain.
+#pragma once
+
+#include <optional>
+
+#include "framework/graph/node.h"
+#include "nodes/geometry/triangle_mesh.h"
+#include "nodes/sink/sink_region.h"
+
+namespace weir {
+
+class Sink final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"Sink",
+                                  "Removes the particles of fluids inside a box or inside closed meshes."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<std::optional<Vec3f>> min{
+      *this, "min", std::nullopt, {.unit = "m", .doc = "Lower corner of the box; no box without it."}};
+  Param<std::optional<Vec3f>> max{
+      *this, "max", std::nullopt, {.unit = "m", .doc = "Upper corner of the box; no box without it."}};
+  Param<std::optional<float>> cellSize{
+      *this,
+      "cell_size",
+      std::nullopt,
+      {.unit = "m",
+       .min = 0,
+       .aboveMin = true,
+       .doc = "Resolution of meshes; half the fluid's spacing if it is left out."}};
+
+  Inputs<TriangleMesh> meshes{*this, "meshes", "Closed meshes; what is inside one of them is removed."};
+  Output<SinkRegion> sink{*this, "sink", "The region."};
+
+  void validate() const override;
+  void reset(const SetupContext& context) override;
+  /// How many particles it has removed since the reset.
+  void report(NodeReport& report) override;
+
+ private:
+  void addMesh(const SetupContext& context, std::size_t link, float spacing);
+
+  Array<int> removed_;  // one number
+};
+
+}  // namespace weir

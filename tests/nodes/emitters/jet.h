@@ -1,0 +1,68 @@
+// An emitter above a fluid whose modules are switched off but for the prediction, so that what is emitted
+// stays as it left.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "nodes/emitters/emitter.h"
+#include "nodes/geometry/triangle_mesh.h"
+#include "tests/support/devices.h"
+#include "tests/support/fluid_scene.h"
+
+namespace weir::test {
+
+/// A node that puts out the mesh it is given.
+class GivenMesh final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"GivenMesh", "A mesh of a test."};
+  const NodeInfo& info() const override { return kInfo; }
+  Output<TriangleMesh> surface{*this, "surface", "The mesh."};
+  void reset(const SetupContext&) override {}
+};
+
+template <class E>
+class Jet {
+ public:
+  Jet(Device& device, float spacing, const Value& parameters)
+      : scene_(
+            device, {}, {}, object({{"spacing", spacing}}),
+            object({{"solver", object({{"enabled", false}})}, {"viscosity", object({{"enabled", false}})}})) {
+    emitter_ = static_cast<E*>(&scene_.graph().add(std::make_unique<E>(), "nozzle"));
+    emitter_->assignAll(parameters, {"test", "", ""});
+    scene_.graph().link(SceneGraph::parseLink("nozzle.particles -> water.emitters"));
+    scene_.gravity = {};
+  }
+  /// Of a MeshEmitter.
+  void emitFrom(TriangleMesh mesh) {
+    auto given = std::make_unique<GivenMesh>();
+    *given->surface = std::move(mesh);
+    scene_.graph().add(std::move(given), "mesh");
+    scene_.graph().link(SceneGraph::parseLink("mesh.surface -> nozzle.surface"));
+  }
+  std::vector<Vec3f> after(double dt, int steps) {
+    scene_.reset(dt);
+    scene_.step(steps);
+    return scene_.positions();
+  }
+  FluidScene& scene() { return scene_; }
+  NodeReport report() {
+    NodeReport report;
+    emitter_->report(report);
+    return report;
+  }
+
+ private:
+  FluidScene scene_;
+  E* emitter_;
+};
+
+/// The smallest distance of any two, by comparing all.
+inline double leastDistance(const std::vector<Vec3f>& points) {
+  double least = 1e30;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) least = std::min(least, double(length(points[i] - points[j])));
+  return least;
+}
+
+}  // namespace weir::test
