@@ -11,13 +11,17 @@
 #include "nodes/particle_fluid/modules/pbf.h"
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/solid_approach.h"
+#include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/surface_tension.h"
 #include "nodes/particle_fluid/modules/vorticity_confinement.h"
+#include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/samplers/mesh_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
+#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "nodes/sink/sink.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/turning_model/turning_model.h"
@@ -32,6 +36,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<MeshSampler>();
   registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
+  registry.addNode<SemiAnalyticalSFI>();
   registry.addNode<Sink>();
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
@@ -39,7 +44,9 @@ void registerNodes(Registry& registry) {
   registry.addNode<TurningModel>();
 
   registry.addModule<Predict>();
+  registry.addModule<SolidApproach>();
   registry.addModule<NeighborSearch>();
+  registry.addModule<WallIntegrals>();
   registry.addModule<SemiImplicitSolver>();
   registry.addModule<Pbf>();
   registry.addModule<Xsph>();
@@ -47,6 +54,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<VorticityConfinement>();
   registry.addModule<Drag>();
   registry.addModule<BoundaryCollision>();
+  registry.addModule<SolidContact>();
 }
 
 }  // namespace weir

@@ -107,6 +107,12 @@ class Param final : public Property {
   const T* operator->() const { return &value_; }
   const T& operator*() const { return value_; }
 
+  /// At a simulated time in s, whatever animate() was called with.
+  T at(double time) const {
+    if constexpr (Animatable<T>)
+      if (!keyframes_.empty()) return keyframes_.at(time);
+    return value_;
+  }
   /// The mean over a time from `from` to `to`, from < to, in s: exact where keyframes give the value.
   double mean(double from, double to) const requires std::floating_point<T> {
     return keyframes_.empty() ? double(value_) : keyframes_.mean(from, to);

@@ -20,6 +20,7 @@
 namespace weir {
 
 struct Boundary;
+struct WallField;
 
 /// The state of a fluid within one step. Between the modules `predict` and the solver, positions are
 /// predicted ones; before and after, they are those of the beginning and the end of the step.
@@ -32,6 +33,7 @@ struct FluidStep {
   const std::vector<const Boundary*>& boundaries;
   Aabb domain;                       ///< particles outside are removed
   ArrayView<const SinkPiece> sinks;  ///< particles inside are removed; on the device
+  WallField& walls;                  ///< what rigid meshes do; empty where there are none
 };
 
 class FluidModule : public Module {

@@ -9,16 +9,22 @@
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/solid_approach.h"
+#include "nodes/particle_fluid/modules/solid_contact.h"
+#include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 
 namespace weir {
 
 ParticleFluid::ParticleFluid() {
   pipeline_.add<Predict>("predict");
+  pipeline_.add<SolidApproach>("approach");
   pipeline_.add<NeighborSearch>("neighbors");
+  pipeline_.add<WallIntegrals>("walls");
   pipeline_.add<SemiImplicitSolver>("solver");
   pipeline_.add<Xsph>("viscosity");
   pipeline_.add<BoundaryCollision>("boundary");
+  pipeline_.add<SolidContact>("contact");
   pipeline_.markDefault();
 }
 
@@ -55,7 +61,7 @@ void ParticleFluid::reset(const SetupContext& context) {
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
-  *fluid = {&state.particles, &constants_};
+  *fluid = {&state.particles, &constants_, &state.walls.solids};
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
@@ -67,7 +73,7 @@ void ParticleFluid::reset(const SetupContext& context) {
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
   return {time,     time.device,       constants_, state.particles, state.neighbors, state.boundaries,
-          domain(), state.sinks.view()};
+          domain(), state.sinks.view(), state.walls};
 }
 
 void ParticleFluid::step(const StepContext& context) {
@@ -88,6 +94,9 @@ void ParticleFluid::frame(const StepContext& context) {
     state.neighbors.fitGrid(state.box.toHost().front(), state.particles.bound());
     state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
+    state.walls.place(context.time, 0);
+    FluidStep now = fluidStep(context);
+    WallIntegrals::find(now);
     dispatch(context.device, [&](auto& device) { densityOn(device); });
   }
   checkEvents();

@@ -23,11 +23,14 @@ struct Density {
   SpikyKernel kernel;
   float particleVolume, restDensity;
   ArrayView<const Vec3f> positions;
+  WallFieldView walls;
   ArrayView<float> density;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    density[i] = restDensity * relativeDensity(i, neighbors, kernel, particleVolume,
-                                               [this](std::int64_t j) { return positions[j]; });
+    float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
+                                   [this](std::int64_t j) { return positions[j]; });
+    if (!walls.empty()) lambda += walls.phi(i, {});
+    density[i] = restDensity * lambda;
   }
 };
 
@@ -45,7 +48,7 @@ void ParticleFluid::densityOn(Backend& device) {
   State& state = *state_;
   parallelFor(device, "density", state.particles.count(),
               Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume,
-                      constants_.restDensity, state.particles.positions().view(), state.density->view()});
+                      constants_.restDensity, state.particles.positions().view(), state.walls.view(), state.density->view()});
 }
 
 template void ParticleFluid::boundingBoxOn(ThisBackend&);

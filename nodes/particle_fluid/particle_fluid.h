@@ -6,6 +6,7 @@
 
 #include "framework/graph/node.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/wall_field.h"
 #include "nodes/particles/particle_batch.h"
 #include "nodes/static_boundary/boundary.h"
 
@@ -16,6 +17,7 @@ struct Fluid {
   static constexpr std::string_view kPortType = "Fluid";
   ParticleSet* particles = nullptr;
   const FluidConstants* constants = nullptr;
+  std::vector<Solid*>* solids = nullptr;  ///< that it meets; couplings add to them in reset()
 };
 
 class ParticleFluid final : public Node {
@@ -94,9 +96,10 @@ class ParticleFluid final : public Node {
  private:
   /// What exists from reset on, on the device of that reset.
   struct State {
-    explicit State(Device& device) : particles(device), neighbors(device), box(device, 1), sinks(device) {}
+    explicit State(Device& device) : particles(device), neighbors(device), walls(device), box(device, 1), sinks(device) {}
     ParticleSet particles;
     NeighborList neighbors;
+    WallField walls;
     Array<Aabb> box;
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;

@@ -2,6 +2,7 @@
 
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -14,13 +15,16 @@ struct EnergyDerivative {
   float particleVolume;
   BulkEnergy energy;
   bool tension;
+  WallFieldView walls;
+  ArrayView<const Vec3f> displacement;
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
   ArrayView<float> excess;  // empty where nobody asks for it
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
-                                         [this](std::int64_t j) { return xyz(state[j]); });
+    float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
+                                   [this](std::int64_t j) { return xyz(state[j]); });
+    if (!walls.empty()) lambda += walls.phi(i, displacement[i]);
     const float e = (tension || lambda > 1) ? lambda - 1 : 0.0f;
     const Vec4f s = state[i];
     weighted[i] = {s.x, s.y, s.z, energy.derivative(e)};
@@ -32,6 +36,7 @@ struct EnergyDerivative {
 struct Push {
   Vec3f push;
   float divisor;
+  float wall;  // the part wall·∇Φ of the push comes from walls
 };
 
 struct PushOf {
@@ -41,6 +46,8 @@ struct PushOf {
   float shortest;      // m; closer pairs are treated as this far apart, along their direction
   float own, others;   // weights of Ḃ_i and Ḃ_j
   float negativePart;  // |Ḃ⁻|
+  float wallStiffness; // (c·dt)²
+  WallFieldView walls;
   ArrayView<const Vec4f> weighted;
 
   WEIR_HD Push operator()(std::int64_t i) const {
@@ -60,7 +67,23 @@ struct PushOf {
       push -= (own * s.w + others * t.w) * a * d;
       sum += a;
     });
-    return {push, 1 + (own + others) * negativePart * sum};
+    Push total{push, 1 + (own + others) * negativePart * sum, 0};
+    if (!walls.empty()) addWalls(i, s.w, total);
+    return total;
+  }
+
+  /// Mirrored fluid, whose Ḃ is the particle's own.
+  WEIR_HD void addWalls(std::int64_t i, float derivative, Push& total) const {
+    const float d = walls.d[i];
+    if (!(d > 0)) return;
+    total.wall = -(own + others) * derivative * wallStiffness;
+    total.push += total.wall * walls.gradient(i);
+    total.divisor += (own + others) * negativePart * wallStiffness * d;
+  }
+
+  /// Moves the share of the walls in the displacement like the displacement itself.
+  WEIR_HD void followWalls(std::int64_t i, const Push& at) const {
+    if (!walls.empty()) walls.share[i] += (at.wall - walls.share[i]) / at.divisor;
   }
 };
 
@@ -74,6 +97,7 @@ struct Substitute {
     const Push at = pushOf(i);
     const Vec3f u = displacement[i];
     const Vec3f moved = u + (at.push - u) / at.divisor;
+    pushOf.followWalls(i, at);
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
     state[i] = {p.x, p.y, p.z, 0};
@@ -203,6 +227,12 @@ struct Update {
   }
 };
 
+/// The share of the walls in displacements that have converged: what they push in the end.
+struct ConvergedShare {
+  PushOf pushOf;
+  WEIR_HD void operator()(std::int64_t i) const { pushOf.walls.share[i] = pushOf(i).wall; }
+};
+
 }  // namespace
 
 template <class Backend>
@@ -214,9 +244,9 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   const float dt = static_cast<float>(fluid.time.dt);
   const float stiffness = c.soundSpeedSquared() * dt * dt;
   const NeighborView neighbors = fluid.neighbors.view();
+  const WallFieldView walls = fluid.walls.view();
   const ArrayView<Vec3f> predicted = fluid.particles.positions().view();
-  const EnergyDerivative derivative{neighbors, c.kernel,      c.particleVolume, bulkEnergy_,
-                                    tension,   state_.view(), weighted_.view(), excess_.view()};
+  const EnergyDerivative derivative{neighbors, c.kernel,      c.particleVolume, bulkEnergy_, tension, walls, displacement_.view(), state_.view(), weighted_.view(), excess_.view()};
   const PushOf pushOf{neighbors,
                       c.kernel,
                       stiffness * c.particleVolume,
@@ -224,6 +254,8 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                       1.0f,
                       conservative ? 1.0f : 0.0f,
                       bulkEnergy_.negativePart(),
+                      stiffness,
+                      walls,
                       weighted_.view()};
 
   parallelFor(device, "start", count, StartDisplacement{predicted, state_.view(), displacement_.view()});
@@ -261,6 +293,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
       }
       parallelFor(device, "update", count, update);
     }
+    if (!walls.empty()) parallelFor(device, "wall share", count, ConvergedShare{pushOf});
   }
   parallelFor(
       device, "finish", count,

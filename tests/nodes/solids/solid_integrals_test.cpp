@@ -1,6 +1,6 @@
 // Integrals over solids against closed forms, and against quadrature of the volume with a test of what is
 // inside.
-#include "nodes/semi_analytical_sfi/solid_integrals.h"
+#include "nodes/solids/solid_integrals.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "framework/base/vec.h"
-#include "tests/nodes/semi_analytical_sfi/solid_integrals_kernel.h"
+#include "tests/nodes/solids/solid_integrals_kernel.h"
 #include "tests/support/devices.h"
 #include "tests/support/meshes.h"
 

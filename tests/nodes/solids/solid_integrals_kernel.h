@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framework/compute/parallel.h"
-#include "nodes/semi_analytical_sfi/solid_integrals.h"
+#include "nodes/solids/solid_integrals.h"
 
 namespace weir::test {
 

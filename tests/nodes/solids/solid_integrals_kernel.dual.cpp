@@ -1,4 +1,4 @@
-#include "tests/nodes/semi_analytical_sfi/solid_integrals_kernel.h"
+#include "tests/nodes/solids/solid_integrals_kernel.h"
 
 namespace weir::test {
 namespace {

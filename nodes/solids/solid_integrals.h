@@ -121,12 +121,16 @@ class SolidIntegrator {
     const T near = std::floor(phi_ + T(0.5));  // the whole number next to the sum
     T turns = std::floor(phi_);
     if (std::abs(phi_ - near) < kSideTolerance) turns = insideWhenFar ? near - 1 : near;
-    const T phi = phi_ - turns, d = d_ - turns * 15;
-    // Rounding may leave the bounds by a little.
-    const T boundedPhi = phi < 0 ? T(0) : (phi > 1 ? T(1) : phi),
-            boundedD = d < 0 ? T(0) : (d > 15 ? T(15) : d);
-    return {calibration * boundedPhi, gradient_ * (calibration * inverseRadius_),
-            calibration * boundedD * (inverseRadius_ * inverseRadius_)};
+    return scaled(phi_ - turns, gradient_, d_ - turns * 15, calibration);
+  }
+
+  /// The integrals over what a sheet hides from p: a surface without an inside, open or closed, that may be
+  /// seen from either side. What lies behind it counts as solid, as far as straight lines from p meet it, so
+  /// a closed sheet is a container for what is inside and a solid for what is outside. Added from triangles
+  /// that are turned alike; which way does not matter, since the sign of the sum (1) says which side p is on.
+  WEIR_HD SolidIntegrals<T> integralsOfSheet(T calibration) const {
+    const T side = phi_ < 0 ? T(-1) : T(1);
+    return scaled(side * phi_, gradient_ * side, side * d_, calibration);
   }
 
   /// Well above the rounding of a sum over some hundred triangles.
@@ -137,6 +141,14 @@ class SolidIntegrator {
   /// How near p may come to a corner and to the line of an edge, in H.
   static constexpr T kCornerGap = std::is_same_v<T, float> ? T(1e-5) : T(1e-9);
   static constexpr T kLineGap = kCornerGap * T(1e-4);
+
+  WEIR_HD SolidIntegrals<T> scaled(T phi, const Vec3<T>& gradient, T d, T calibration) const {
+    // Rounding may leave the bounds by a little.
+    const T boundedPhi = phi < 0 ? T(0) : (phi > 1 ? T(1) : phi),
+            boundedD = d < 0 ? T(0) : (d > 15 ? T(15) : d);
+    return {calibration * boundedPhi, gradient * (calibration * inverseRadius_),
+            calibration * boundedD * (inverseRadius_ * inverseRadius_)};
+  }
 
   struct Triangle {
     Vec3<T> corner[3];  // relative to p

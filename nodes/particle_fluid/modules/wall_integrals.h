@@ -1,0 +1,29 @@
+// Finds what each particle feels of rigid meshes: Φ, ∇Φ and D at its predicted position, see wall_field.h.
+#pragma once
+
+#include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/wall_field.h"
+
+namespace weir {
+
+class WallIntegrals final : public FluidModule {
+ public:
+  static constexpr ModuleInfo kInfo{
+      "WallIntegrals", kFamily,
+      "Integrates the kernel over the solids near each particle, so that the solver feels them."};
+  const ModuleInfo& info() const override { return kInfo; }
+
+  void step(FluidStep& fluid) override { find(fluid); }
+
+  /// Fills fluid.walls for the present positions and the solids as walls.views says. Does nothing without
+  /// solids.
+  static void find(FluidStep& fluid) {
+    if (!fluid.walls.empty()) dispatch(fluid.device, [&](auto& device) { findOn(device, fluid); });
+  }
+
+ private:
+  template <class Backend>
+  static void findOn(Backend& device, FluidStep& fluid);
+};
+
+}  // namespace weir

@@ -1,0 +1,91 @@
+// How particles are stopped at rigid meshes, and how that is told to the solids.
+#pragma once
+
+#include "framework/compute/parallel.h"
+#include "nodes/geometry/sweep.h"
+#include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/wall_field.h"
+
+namespace weir {
+
+/// How near particles may come to a solid, in spacings. The pressure keeps the fluid at about half a spacing;
+/// this is far below that, and far above the rounding of coordinates.
+inline constexpr float kSolidGap = 0.1f;
+
+/// The velocity after contact with a wall that moves at `wall`: no longer into it, and Coulomb's friction
+/// takes at most μ times that change from the part along it.
+WEIR_HD inline Vec3f velocityAfterContact(const Vec3f& v, const Vec3f& wall, const Vec3f& normal, float friction) {
+  const Vec3f relative = v - wall;
+  const float approach = -dot(relative, normal);
+  if (!(approach > 0)) return v;
+  const Vec3f along = relative + approach * normal;
+  const float slip = length(along);
+  const float kept = slip > friction * approach ? 1 - friction * approach / slip : 0.0f;
+  return wall + kept * along;
+}
+
+/// A particle on its way through all solids.
+struct StoppedParticle {
+  Vec3f position, velocity;
+  int solid = -1;  ///< the last one that stopped it
+};
+
+/// From `start`, as it was when the solids were at their `begin` (or their `end`, if `atEnd`), to the
+/// particle's position at their end.
+WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
+                                            const Vec3f& start, const Vec3f& position, const Vec3f& velocity) {
+  // Leaving one solid may mean entering another.
+  constexpr int kPasses = 4;
+  StoppedParticle particle{position, velocity};
+  for (int pass = 0; pass < kPasses; ++pass) {
+    bool stopped = false;
+    for (std::int64_t k = 0; k < solids.size; ++k) {
+      const SolidView& solid = solids[k];
+      const Vec3f from = (atEnd ? solid.end : solid.begin).toBody(start);
+      const SweepResult way = sweep(solid.tree, from, solid.end.toBody(particle.position), gap);
+      if (!way.hit) continue;
+      stopped = true;
+      particle.position = solid.end.toWorld(way.position);
+      particle.velocity =
+          velocityAfterContact(particle.velocity, solid.velocityAt(particle.position),
+                               solid.end.directionToWorld(way.normal), solid.friction);
+      particle.solid = static_cast<int>(k);
+    }
+    if (!stopped || solids.size == 1) return particle;
+  }
+  particle.position = start;  // between solids that leave no room
+  return particle;
+}
+
+struct AddImpulses {
+  WEIR_HD SolidImpulse operator()(SolidImpulse a, const SolidImpulse& b) const { return a += b; }
+};
+
+/// Adds one sum to another.
+struct AddImpulse {
+  SolidImpulse* to;
+  const SolidImpulse* from;
+  WEIR_HD void operator()(std::int64_t) const { *to += *from; }
+};
+
+WEIR_HD inline SolidImpulse impulseAt(const Vec3f& impulse, const Vec3f& arm) {
+  const Vec3d j{impulse.x, impulse.y, impulse.z}, r{arm.x, arm.y, arm.z};
+  return {j, cross(r, j)};
+}
+
+/// What solid k feels of particle i's contact.
+struct ContactImpulse {
+  int solid;
+  Vec3f pivot;
+  float mass;
+  ArrayView<const Vec3f> positions;
+  ArrayView<const Vec4f> kick;
+
+  WEIR_HD SolidImpulse operator()(std::int64_t i) const {
+    const Vec4f at = kick[i];
+    if (static_cast<int>(at.w) != solid) return {};
+    return impulseAt(-mass * xyz(at), positions[i] - pivot);
+  }
+};
+
+}  // namespace weir

@@ -1,0 +1,65 @@
+// What the particles of a fluid feel of rigid meshes: the integrals of solid_integrals.h, all solids together
+// and each alone. They are found once a step at the predicted positions; within the iterations of a solver Φ
+// follows the displacement u to first order, Φ + ∇Φ·u.
+//
+// A wall acts as mirrored fluid, with the particle's own λ. Its displacement of a particle is share·∇Φ, where
+// the solver sums the share over its iterations; so what the fluid gains from walls is known exactly, and the
+// solids get its opposite.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "framework/compute/array.h"
+#include "nodes/particle_fluid/displacement.h"
+#include "nodes/solids/solid.h"
+
+namespace weir {
+
+/// For kernels of solvers; empty where a fluid meets no solids.
+struct WallFieldView {
+  ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
+  ArrayView<const float> d;          ///< D, 1/m²
+  ArrayView<float> share;            ///< m², see above
+
+  WEIR_HD bool empty() const { return integrals.size == 0; }
+  WEIR_HD Vec3f gradient(std::int64_t i) const { return xyz(integrals[i]); }
+  /// Φ of a particle at displacement u from where its integrals were found.
+  WEIR_HD float phi(std::int64_t i, const Vec3f& u) const {
+    const Vec4f at = integrals[i];
+    if (!(at.w > 0)) return 0;
+    const float linear = at.w + dot(xyz(at), u);
+    return linear > 0 ? linear : 0;
+  }
+};
+
+/// Kept by the fluid; the modules SolidApproach, WallIntegrals and SolidContact fill and use it.
+struct WallField {
+  explicit WallField(Device& device)
+      : views(device), each(device), total(device), d(device), share(device), legal(device), kick(device),
+        impulse(device, 1) {}
+
+  std::vector<Solid*> solids;
+  Array<SolidView> views;    ///< of the solids, in this step
+  Array<Vec4f> each, total;  ///< integrals of solid k and particle i at [k·stride + i]; total of several
+  Array<float> d, share;
+  Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
+  Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
+  Array<SolidImpulse> impulse;  ///< one, scratch
+  std::int64_t stride = 0;
+
+  bool empty() const { return solids.empty(); }
+  WallFieldView view() {
+    if (empty()) return {};
+    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share.view()};
+  }
+  /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
+  void place(double time, double dt);
+  /// Room for `particles` in all arrays; contents are undefined.
+  void fit(std::int64_t particles);
+
+ private:
+  std::vector<SolidView> placed_;  // what `views` holds
+};
+
+}  // namespace weir

@@ -1,0 +1,143 @@
+#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+namespace weir {
+
+namespace {
+
+Eigen::Quaternionf toEigen(const Quatf& q) {
+  return {q.w, q.x, q.y, q.z};
+}
+
+Value toValue(const Vec3d& v) {
+  return Value::Array{v.x, v.y, v.z};
+}
+
+}  // namespace
+
+Pose SemiAnalyticalSFI::poseAt(double time) const {
+  const Vec3f spin = angularVelocity;
+  const double rate = std::hypot(spin.x, spin.y, spin.z);
+  Eigen::Quaternionf turned = toEigen(rotation.at(time).toQuaternion());
+  if (rate > 0) {
+    // In double, because a long run turns many times.
+    const Eigen::Vector3d axis = Eigen::Vector3d(spin.x, spin.y, spin.z) / rate;
+    turned = Eigen::Quaterniond(Eigen::AngleAxisd(rate * time, axis)).cast<float>() * turned;
+    turned.normalize();
+  }
+  const Quatf q{turned.w(), turned.x(), turned.y(), turned.z()};
+  return {q, pivotAt(time) - rotate(q, pivot)};
+}
+
+Vec3f SemiAnalyticalSFI::pivotAt(double time) const {
+  return pivot.get() + position.at(time) + static_cast<float>(time) * velocity.get();
+}
+
+SolidKind SemiAnalyticalSFI::kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const {
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  const bool closed = diagnosis.closed() && diagnosis.inconsistentEdges == 0;
+  const std::string found = diagnosis.message();
+  const auto warn = [&](const std::string& what) {
+    log.warn(fmt::format("node '{}': the mesh of {} triangles from '{}' {}", name(), mesh.triangles.size(), from,
+                         what));
+  };
+  switch (fill) {
+    case SolidFill::kSheet:
+      if (diagnosis.inconsistentEdges > 0 || diagnosis.nonManifoldEdges > 0)
+        warn("has " + found + "; its sides are not certain there");
+      return SolidKind::kSheet;
+    case SolidFill::kSolid:
+      if (!diagnosis.good()) warn("has " + found + ", so its inside is not certain");
+      return SolidKind::kSolid;
+    case SolidFill::kContainer:
+      if (!closed) warn("has " + found + ", so its inside is not certain");
+      return SolidKind::kContainer;
+    case SolidFill::kAuto:
+      break;
+  }
+  if (closed) return diagnosis.insideOut ? SolidKind::kContainer : SolidKind::kSolid;
+  warn("has " + found + " and counts as a thin sheet; \"fill\" says otherwise");
+  return SolidKind::kSheet;
+}
+
+void SemiAnalyticalSFI::reset(const SetupContext& context) {
+  parts_.clear();
+  forces->solids.clear();
+  carved_ = 0;
+  lastFrame_ = 0;
+  for (std::size_t k = 0; k < solids.size(); ++k) {
+    const std::string& from = solids.links()[k]->node().name();
+    const SolidSurface surface{.kind = kindOf(solids[k], from, context.log),
+                               .approximate = integrals == WallIntegralForm::kApproximate,
+                               .friction = friction,
+                               .noSlip = noSlip};
+    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this));
+    forces->solids.push_back({from, {}, {}});
+  }
+  for (std::size_t i = 0; i < fluid.size(); ++i) {
+    const std::int64_t removed = carve(fluid[i]);
+    carved_ += removed;
+    if (removed > 0)
+      context.log.warn(fmt::format("node '{}': {} of the particles of '{}' start inside solids and are left out",
+                                   name(), removed, fluid.links()[i]->node().name()));
+    for (const auto& part : parts_) fluid[i].solids->push_back(part.get());
+  }
+}
+
+std::int64_t SemiAnalyticalSFI::carve(Fluid& from) {
+  ParticleSet& particles = *from.particles;
+  const std::int64_t count = particles.refreshCount();
+  if (count == 0) return 0;
+  std::vector<SolidView> views;
+  for (const auto& part : parts_) views.push_back(part->view(0, 0));
+  Device& device = particles.device();
+  const Array<SolidView> onDevice(device, views);
+  Array<int> inside(device, count);
+  dispatch(device, [&](auto& backend) { markInsideOn(backend, from, onDevice, inside); });
+
+  const std::vector<int> marks = inside.toHost();
+  const std::vector<Vec3f> positions = particles.positions().toHost(count),
+                           velocities = particles.velocities().toHost(count);
+  std::vector<Vec3f> keptPositions, keptVelocities;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (marks[i] != 0) continue;
+    keptPositions.push_back(positions[i]);
+    keptVelocities.push_back(velocities[i]);
+  }
+  const auto removed = count - static_cast<std::int64_t>(keptPositions.size());
+  if (removed == 0) return 0;
+  ParticleBatch kept;
+  kept.assign(device, keptPositions, keptVelocities);
+  particles.clear();
+  particles.append(kept);
+  return removed;
+}
+
+void SemiAnalyticalSFI::frame(const StepContext& context) {
+  const double elapsed = context.time - lastFrame_;
+  if (!(elapsed > 0)) return;
+  lastFrame_ = context.time;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Array<SolidImpulse>& impulse = parts_[k]->impulse();
+    const SolidImpulse sum = impulse.toHost().front();
+    impulse.fillZero();
+    forces->solids[k].force = sum.linear / elapsed;
+    forces->solids[k].torque = sum.angular / elapsed;
+  }
+}
+
+void SemiAnalyticalSFI::report(NodeReport& report) {
+  report.statistics["particles_carved"] = carved_;
+  Value& list = report.statistics["solids"] = Value::array();
+  for (const SolidForces::OfSolid& of : forces->solids) {
+    Value solid = Value::object();
+    solid["solid"] = of.solid;
+    solid["force"] = toValue(of.force);
+    solid["torque"] = toValue(of.torque);
+    list.push(std::move(solid));
+  }
+}
+
+}  // namespace weir

@@ -1,0 +1,107 @@
+// Semi-analytical solid-fluid interaction: couples fluids with rigid triangle meshes inside every iteration of
+// their solvers (Chang et al. 2020, with exact integrals; see solids/solid_integrals.h).
+//
+// The fluids are linked to `fluid`, the meshes to `solids`. Each mesh is one solid; all solids of a node share
+// its motion
+//
+//   x(t) = pivot + position(t) + t·velocity + R(t·angular_velocity)·R(rotation(t))·(x_mesh − pivot)
+//
+// and its parameters. What the fluids do to each solid is reported as force and torque, the torque about the
+// moved pivot.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "framework/graph/node.h"
+#include "nodes/geometry/triangle_mesh.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/solids/solid.h"
+
+namespace weir {
+
+enum class SolidFill { kAuto, kSolid, kContainer, kSheet };
+template <>
+struct EnumNames<SolidFill> {
+  static constexpr std::array<EnumName, 4> kNames{
+      EnumName{"auto",
+               "Closed meshes are solid, or containers if they are inside out; open ones are sheets."},
+      EnumName{"solid", "The inside of the mesh is solid."},
+      EnumName{"container", "The outside of the mesh is solid."},
+      EnumName{"sheet", "A thin wall, with room for fluid on both sides."}};
+};
+
+enum class WallIntegralForm { kExact, kApproximate };
+template <>
+struct EnumNames<WallIntegralForm> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"exact", "Exact for any mesh."},
+      EnumName{"approximate", "As published by Chang et al. 2020, for comparison: too large near planes."}};
+};
+
+/// What fluids do to the solids of one node, in the order of its links.
+struct SolidForces {
+  static constexpr std::string_view kPortType = "SolidForces";
+  struct OfSolid {
+    std::string solid;    ///< the node of the mesh
+    Vec3d force, torque;  ///< N and N·m, means since the frame before
+  };
+  std::vector<OfSolid> solids;
+};
+
+class SemiAnalyticalSFI final : public Node, public RigidMotion {
+ public:
+  static constexpr NodeInfo kInfo{"SemiAnalyticalSFI",
+                                  "Couples fluids with rigid triangle meshes, at rest or in motion."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<SolidFill> fill{*this, "fill", SolidFill::kAuto, {.doc = "Where the matter of the meshes is."}};
+  Param<WallIntegralForm> integrals{
+      *this, "integrals", WallIntegralForm::kExact, {.doc = "How the kernel is integrated over solids."}};
+  Param<float> friction{
+      *this, "friction", 0, {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction."}};
+  Param<float> noSlip{*this,
+                      "no_slip",
+                      0,
+                      {.unit = "1/s",
+                       .min = 0,
+                       .softMax = 1000,
+                       .doc = "Rate at which fluid that touches a solid takes its velocity."}};
+  Param<Vec3f> position{
+      *this, "position", {}, {.unit = "m", .animated = true, .doc = "Moves the solids from where they are."}};
+  Param<Rotation> rotation{
+      *this, "rotation", {}, {.unit = "degrees", .animated = true, .doc = "Turns them about the pivot."}};
+  Param<Vec3f> velocity{*this, "velocity", {}, {.unit = "m/s", .doc = "Constant velocity, in addition."}};
+  Param<Vec3f> angularVelocity{
+      *this,
+      "angular_velocity",
+      {},
+      {.unit = "rad/s", .doc = "Constant turning about the pivot, in addition; along its axis."}};
+  Param<Vec3f> pivot{*this,
+                     "pivot",
+                     {},
+                     {.unit = "m", .doc = "The point about which the solids turn and torques are counted."}};
+
+  Inputs<Fluid> fluid{*this, "fluid", "The fluids that meet the solids.", true};
+  Inputs<TriangleMesh> solids{*this, "solids", "The solids' surfaces, in their places at time 0.", true};
+  Output<SolidForces> forces{*this, "forces", "What the fluids do to the solids."};
+
+  void reset(const SetupContext& context) override;
+  void frame(const StepContext& context) override;
+  void report(NodeReport& report) override;
+
+  Pose poseAt(double time) const override;
+  Vec3f pivotAt(double time) const override;
+
+ private:
+  SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;
+  std::int64_t carve(Fluid& from);
+  template <class Backend>
+  void markInsideOn(Backend& device, const Fluid& in, const Array<SolidView>& views, Array<int>& inside);
+
+  std::vector<std::unique_ptr<Solid>> parts_;
+  std::int64_t carved_ = 0;
+  double lastFrame_ = 0;  // s
+};
+
+}  // namespace weir

@@ -1,0 +1,78 @@
+// A rigid triangle mesh that fluids meet: what their kernels see of it, and what it feels of them.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "framework/graph/param_types.h"
+#include "nodes/geometry/triangle_tree.h"
+#include "nodes/solids/pose.h"
+
+namespace weir {
+
+/// Where the matter of a solid is.
+enum class SolidKind { kSolid, kContainer, kSheet };
+
+/// A solid during one step, for kernels.
+struct SolidView {
+  TriangleTreeView tree;  ///< in the solid's own frame
+  Pose begin, end;        ///< at the beginning and the end of the step
+  float inverseDt = 0;    ///< 1/s
+  SolidKind kind = SolidKind::kSolid;
+  bool approximate = false;  ///< the integrals of Chang et al. 2020 in place of exact ones
+  float friction = 0;        ///< Coulomb's coefficient
+  float noSlip = 0;          ///< 1/s: rate at which fluid in contact takes the solid's velocity
+
+  /// Mean velocity over the step, m/s, of the solid's point that ends at p.
+  WEIR_HD Vec3f velocityAt(const Vec3f& p) const {
+    return inverseDt * (p - begin.toWorld(end.toBody(p)));
+  }
+};
+
+/// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
+struct SolidImpulse {
+  Vec3d linear, angular;
+
+  WEIR_HD SolidImpulse& operator+=(const SolidImpulse& b) {
+    linear += b.linear;
+    angular += b.angular;
+    return *this;
+  }
+};
+
+/// What moves a solid.
+class RigidMotion {
+ public:
+  virtual ~RigidMotion() = default;
+  virtual Pose poseAt(double time) const = 0;  ///< s
+  virtual Vec3f pivotAt(double time) const = 0;  ///< m, the point about which torques are counted
+};
+
+struct SolidSurface {
+  SolidKind kind = SolidKind::kSolid;
+  bool approximate = false;
+  float friction = 0;
+  float noSlip = 0;  ///< 1/s
+};
+
+class Solid {
+ public:
+  /// The mesh in its own frame; the motion must outlive the solid.
+  Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion);
+
+  /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
+  SolidView view(double time, double dt) const;
+  Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
+  const SolidSurface& surface() const { return surface_; }
+
+  /// One sum, on the device, to which fluids add what they do in each step.
+  Array<SolidImpulse>& impulse() { return impulse_; }
+
+ private:
+  TriangleTree tree_;
+  SolidSurface surface_;
+  const RigidMotion* motion_;
+  Array<SolidImpulse> impulse_;
+};
+
+}  // namespace weir
