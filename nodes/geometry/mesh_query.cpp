@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <numbers>
-#include <numeric>
-
-#include "framework/base/check.h"
+#include <utility>
 
 namespace weir {
 
 namespace {
 
-constexpr int kLeaf = 4;    // triangles in a leaf at most
-constexpr int kDepth = 64;  // halving 2³¹ triangles ends long before
+constexpr int kStack = BoxTree::kDepth + 1;
 
 Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
@@ -59,57 +56,18 @@ double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 }  // namespace
 
 MeshQuery::MeshQuery(const TriangleMesh& mesh) {
-  if (mesh.empty()) return;
-  const int count = static_cast<int>(mesh.triangles.size());
-  const int vertices = static_cast<int>(mesh.vertices.size());
-  std::vector<Vec3f> centers;
-  for (const Vec3i& t : mesh.triangles) {
-    WEIR_CHECK(std::min({t.x, t.y, t.z}) >= 0);
-    WEIR_CHECK(std::max({t.x, t.y, t.z}) < vertices);
-    centers.push_back((mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]) / 3.0f);
-  }
-  std::vector<int> order(mesh.triangles.size());
-  std::iota(order.begin(), order.end(), 0);
-  tree_.push_back({.first = 0, .last = count});
-  split(0, centers, order);
-  for (const int i : order) {
+  BoxTree built = buildBoxTree(mesh);
+  tree_ = std::move(built.nodes);
+  triangles_.reserve(built.order.size());
+  for (const int i : built.order) {
     const Vec3i& t = mesh.triangles[i];
     triangles_.push_back({mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]});
   }
-  dipoles_.resize(tree_.size());
-  // Backwards, because children come after their parents and their boxes are needed first.
-  for (std::size_t i = tree_.size(); i-- > 0;) {
-    TreeNode& node = tree_[i];
-    if (node.child > 0) {
-      for (const int child : {node.child, node.child + 1}) node.box.extend(tree_[child].box);
-    } else {
-      for (int k = node.first; k < node.last; ++k)
-        for (const Vec3f& v : triangles_[k]) node.box.extend(v);
-    }
-    dipoles_[i] = dipoleOf(node);
-  }
+  dipoles_.reserve(tree_.size());
+  for (const BoxTree::Node& node : tree_) dipoles_.push_back(dipoleOf(node));
 }
 
-void MeshQuery::split(int node, const std::vector<Vec3f>& centers, std::vector<int>& order) {
-  const auto [box, first, last, none] = tree_[node];
-  if (last - first <= kLeaf) return;
-  Aabb around;
-  for (int i = first; i < last; ++i) around.extend(centers[order[i]]);
-  const Vec3f size = around.size();
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  const int middle = first + (last - first) / 2;
-  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last, [&](int a, int b) {
-    return std::pair(centers[a][axis], a) < std::pair(centers[b][axis], b);
-  });
-  const int child = static_cast<int>(tree_.size());
-  tree_[node].child = child;
-  tree_.push_back({.first = first, .last = middle});
-  tree_.push_back({.first = middle, .last = last});
-  split(child, centers, order);
-  split(child + 1, centers, order);
-}
-
-MeshQuery::Dipole MeshQuery::dipoleOf(const TreeNode& node) const {
+MeshQuery::Dipole MeshQuery::dipoleOf(const BoxTree::Node& node) const {
   Vec3d areaNormal, weighted;
   double area = 0;
   for (int i = node.first; i < node.last; ++i) {
@@ -133,7 +91,7 @@ float MeshQuery::closestDistance(const Vec3f& p, float atMost) const {
     int node;
     float squared;
   };
-  std::array<Pending, kDepth> stack;
+  std::array<Pending, kStack> stack;
   int size = 0;
   double best = static_cast<double>(atMost) * atMost;
   stack[size++] = {0, squaredDistance(tree_[0].box, p)};
@@ -142,7 +100,7 @@ float MeshQuery::closestDistance(const Vec3f& p, float atMost) const {
   while (size > 0) {
     const Pending next = stack[--size];
     if (next.squared >= best) continue;
-    const TreeNode& node = tree_[next.node];
+    const BoxTree::Node& node = tree_[next.node];
     if (node.child > 0) {
       Pending near{node.child, squaredDistance(tree_[node.child].box, p)};
       Pending far{node.child + 1, squaredDistance(tree_[node.child + 1].box, p)};
@@ -163,7 +121,7 @@ float MeshQuery::closestDistance(const Vec3f& p, float atMost) const {
 
 double MeshQuery::windingNumber(const Vec3f& p) const {
   if (tree_.empty()) return 0;
-  std::array<int, kDepth> stack;
+  std::array<int, kStack> stack;
   int size = 0;
   stack[size++] = 0;
   const Vec3d at = toDouble(p);
@@ -178,7 +136,7 @@ double MeshQuery::windingNumber(const Vec3f& p) const {
       angle += dot(toDouble(dipole.areaNormal), toCenter) / (squared * std::sqrt(squared));
       continue;
     }
-    const TreeNode& node = tree_[index];
+    const BoxTree::Node& node = tree_[index];
     if (node.child > 0) {
       stack[size++] = node.child + 1;
       stack[size++] = node.child;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "nodes/geometry/box_tree.h"
 #include "nodes/geometry/triangle_mesh.h"
 
 namespace weir {
@@ -31,11 +32,6 @@ class MeshQuery {
 
  private:
   using Triangle = std::array<Vec3f, 3>;
-  struct TreeNode {
-    Aabb box;
-    int first = 0, last = 0;  ///< its triangles are [first, last)
-    int child = 0;            ///< its first child, the second comes next; 0 in leaves
-  };
   /// What the triangles below a tree node look like from afar.
   struct Dipole {
     Vec3f center;      ///< of area
@@ -43,12 +39,11 @@ class MeshQuery {
     float radius = 0;  ///< no vertex is further from the centre
   };
 
-  void split(int node, const std::vector<Vec3f>& centers, std::vector<int>& order);
-  Dipole dipoleOf(const TreeNode& node) const;
+  Dipole dipoleOf(const BoxTree::Node& node) const;
 
   std::vector<Triangle> triangles_;  // in the order of the leaves
-  std::vector<TreeNode> tree_;       // the root comes first
-  std::vector<Dipole> dipoles_;      // of each tree node
+  std::vector<BoxTree::Node> tree_;
+  std::vector<Dipole> dipoles_;  // of each tree node
 };
 
 }  // namespace weir

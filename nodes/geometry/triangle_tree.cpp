@@ -1,0 +1,30 @@
+#include "nodes/geometry/triangle_tree.h"
+
+namespace weir {
+
+TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
+  const BoxTree tree = buildBoxTree(mesh);
+  if (tree.nodes.empty()) return;
+  bounds_ = tree.nodes.front().box;
+  std::vector<detail::TreeNode> nodes;
+  nodes.reserve(tree.nodes.size());
+  for (const BoxTree::Node& node : tree.nodes) {
+    const int link = node.child > 0 ? node.child : node.first - node.last;
+    nodes.push_back({node.box.lo, link, node.box.hi, node.first});
+  }
+  std::vector<detail::TreeTriangle> triangles;
+  triangles.reserve(tree.order.size());
+  for (const int i : tree.order) {
+    const Vec3i& t = mesh.triangles[i];
+    triangles.push_back({mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]});
+  }
+  nodes_ = Array<detail::TreeNode>(device, nodes);
+  triangles_ = Array<detail::TreeTriangle>(device, triangles);
+  indices_ = Array<int>(device, tree.order);
+}
+
+TriangleTreeView TriangleTree::view() const {
+  return {nodes_.view(), triangles_.view(), indices_.view(), bounds_};
+}
+
+}  // namespace weir
