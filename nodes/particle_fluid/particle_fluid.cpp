@@ -72,7 +72,7 @@ void ParticleFluid::reset(const SetupContext& context) {
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
-  return {time,     time.device,       constants_, state.particles, state.neighbors, state.boundaries,
+  return {time,     time.device,        constants_, state.particles, state.neighbors, state.boundaries,
           domain(), state.sinks.view(), state.walls};
 }
 

@@ -46,9 +46,10 @@ void ParticleFluid::boundingBoxOn(Backend& device) {
 template <class Backend>
 void ParticleFluid::densityOn(Backend& device) {
   State& state = *state_;
-  parallelFor(device, "density", state.particles.count(),
-              Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume,
-                      constants_.restDensity, state.particles.positions().view(), state.walls.view(), state.density->view()});
+  parallelFor(
+      device, "density", state.particles.count(),
+      Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
+              state.particles.positions().view(), state.walls.view(), state.density->view()});
 }
 
 template void ParticleFluid::boundingBoxOn(ThisBackend&);

@@ -96,7 +96,8 @@ class ParticleFluid final : public Node {
  private:
   /// What exists from reset on, on the device of that reset.
   struct State {
-    explicit State(Device& device) : particles(device), neighbors(device), walls(device), box(device, 1), sinks(device) {}
+    explicit State(Device& device)
+        : particles(device), neighbors(device), walls(device), box(device, 1), sinks(device) {}
     ParticleSet particles;
     NeighborList neighbors;
     WallField walls;

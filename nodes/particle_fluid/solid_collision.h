@@ -14,7 +14,8 @@ inline constexpr float kSolidGap = 0.1f;
 
 /// The velocity after contact with a wall that moves at `wall`: no longer into it, and Coulomb's friction
 /// takes at most μ times that change from the part along it.
-WEIR_HD inline Vec3f velocityAfterContact(const Vec3f& v, const Vec3f& wall, const Vec3f& normal, float friction) {
+WEIR_HD inline Vec3f velocityAfterContact(const Vec3f& v, const Vec3f& wall, const Vec3f& normal,
+                                          float friction) {
   const Vec3f relative = v - wall;
   const float approach = -dot(relative, normal);
   if (!(approach > 0)) return v;
@@ -33,7 +34,8 @@ struct StoppedParticle {
 /// From `start`, as it was when the solids were at their `begin` (or their `end`, if `atEnd`), to the
 /// particle's position at their end.
 WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
-                                            const Vec3f& start, const Vec3f& position, const Vec3f& velocity) {
+                                            const Vec3f& start, const Vec3f& position,
+                                            const Vec3f& velocity) {
   // Leaving one solid may mean entering another.
   constexpr int kPasses = 4;
   StoppedParticle particle{position, velocity};
@@ -46,9 +48,8 @@ WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, b
       if (!way.hit) continue;
       stopped = true;
       particle.position = solid.end.toWorld(way.position);
-      particle.velocity =
-          velocityAfterContact(particle.velocity, solid.velocityAt(particle.position),
-                               solid.end.directionToWorld(way.normal), solid.friction);
+      particle.velocity = velocityAfterContact(particle.velocity, solid.velocityAt(particle.position),
+                                               solid.end.directionToWorld(way.normal), solid.friction);
       particle.solid = static_cast<int>(k);
     }
     if (!stopped || solids.size == 1) return particle;

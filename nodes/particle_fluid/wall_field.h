@@ -36,7 +36,13 @@ struct WallFieldView {
 /// Kept by the fluid; the modules SolidApproach, WallIntegrals and SolidContact fill and use it.
 struct WallField {
   explicit WallField(Device& device)
-      : views(device), each(device), total(device), d(device), share(device), legal(device), kick(device),
+      : views(device),
+        each(device),
+        total(device),
+        d(device),
+        share(device),
+        legal(device),
+        kick(device),
         impulse(device, 1) {}
 
   std::vector<Solid*> solids;

@@ -1,7 +1,7 @@
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 namespace weir {
 
@@ -40,8 +40,8 @@ SolidKind SemiAnalyticalSFI::kindOf(const TriangleMesh& mesh, const std::string&
   const bool closed = diagnosis.closed() && diagnosis.inconsistentEdges == 0;
   const std::string found = diagnosis.message();
   const auto warn = [&](const std::string& what) {
-    log.warn(fmt::format("node '{}': the mesh of {} triangles from '{}' {}", name(), mesh.triangles.size(), from,
-                         what));
+    log.warn(fmt::format("node '{}': the mesh of {} triangles from '{}' {}", name(), mesh.triangles.size(),
+                         from, what));
   };
   switch (fill) {
     case SolidFill::kSheet:
@@ -80,8 +80,9 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
     const std::int64_t removed = carve(fluid[i]);
     carved_ += removed;
     if (removed > 0)
-      context.log.warn(fmt::format("node '{}': {} of the particles of '{}' start inside solids and are left out",
-                                   name(), removed, fluid.links()[i]->node().name()));
+      context.log.warn(
+          fmt::format("node '{}': {} of the particles of '{}' start inside solids and are left out", name(),
+                      removed, fluid.links()[i]->node().name()));
     for (const auto& part : parts_) fluid[i].solids->push_back(part.get());
   }
 }

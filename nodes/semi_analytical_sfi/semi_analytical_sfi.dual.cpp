@@ -42,6 +42,7 @@ void SemiAnalyticalSFI::markInsideOn(Backend& device, const Fluid& in, const Arr
                          std::as_const(*in.particles).positions().view(), inside.view()});
 }
 
-template void SemiAnalyticalSFI::markInsideOn(ThisBackend&, const Fluid&, const Array<SolidView>&, Array<int>&);
+template void SemiAnalyticalSFI::markInsideOn(ThisBackend&, const Fluid&, const Array<SolidView>&,
+                                              Array<int>&);
 
 }  // namespace weir

@@ -1,8 +1,8 @@
-// Semi-analytical solid-fluid interaction: couples fluids with rigid triangle meshes inside every iteration of
-// their solvers (Chang et al. 2020, with exact integrals; see solids/solid_integrals.h).
+// Semi-analytical solid-fluid interaction: couples fluids with rigid triangle meshes inside every iteration
+// of their solvers (Chang et al. 2020, with exact integrals; see solids/solid_integrals.h).
 //
-// The fluids are linked to `fluid`, the meshes to `solids`. Each mesh is one solid; all solids of a node share
-// its motion
+// The fluids are linked to `fluid`, the meshes to `solids`. Each mesh is one solid; all solids of a node
+// share its motion
 //
 //   x(t) = pivot + position(t) + t·velocity + R(t·angular_velocity)·R(rotation(t))·(x_mesh − pivot)
 //

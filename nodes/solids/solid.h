@@ -24,9 +24,7 @@ struct SolidView {
   float noSlip = 0;          ///< 1/s: rate at which fluid in contact takes the solid's velocity
 
   /// Mean velocity over the step, m/s, of the solid's point that ends at p.
-  WEIR_HD Vec3f velocityAt(const Vec3f& p) const {
-    return inverseDt * (p - begin.toWorld(end.toBody(p)));
-  }
+  WEIR_HD Vec3f velocityAt(const Vec3f& p) const { return inverseDt * (p - begin.toWorld(end.toBody(p))); }
 };
 
 /// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
@@ -44,7 +42,7 @@ struct SolidImpulse {
 class RigidMotion {
  public:
   virtual ~RigidMotion() = default;
-  virtual Pose poseAt(double time) const = 0;  ///< s
+  virtual Pose poseAt(double time) const = 0;    ///< s
   virtual Vec3f pivotAt(double time) const = 0;  ///< m, the point about which torques are counted
 };
 

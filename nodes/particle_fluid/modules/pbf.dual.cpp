@@ -2,6 +2,7 @@
 
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -35,6 +36,8 @@ struct Multiplier {
   float relaxation;  // ε, 1/m²
   float scale;       // of the step
   bool tension;
+  WallFieldView walls;
+  ArrayView<const Vec3f> displacement;
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
 
@@ -49,7 +52,11 @@ struct Multiplier {
       squares += dot(g, g);
       sum += g;
     });
-    const float over = gradient.particleVolume * density - 1;
+    float over = gradient.particleVolume * density - 1;
+    if (!walls.empty()) {
+      over += walls.phi(i, displacement[i]);
+      sum += walls.gradient(i);
+    }
     const float constraint = tension || over > 0 ? over : 0.0f;
     weighted[i] = {p.x, p.y, p.z, -scale * constraint / (squares + dot(sum, sum) + relaxation)};
   }
@@ -60,6 +67,7 @@ struct Correct {
   PairGradient gradient;
   float repulsion;     // k, m²
   float inverseValue;  // 1/W(0.2·H)
+  WallFieldView walls;
   ArrayView<const Vec3f> predicted;
   ArrayView<const Vec4f> weighted;
   ArrayView<Vec3f> displacement;
@@ -74,6 +82,11 @@ struct Correct {
       const float w = gradient.kernel.value(sqrtf(dot(d, d))) * inverseValue;
       move += (s.w + t.w - repulsion * w * w * w * w) * gradient(d, pairSign(i, j));
     });
+    if (!walls.empty()) {
+      // Mirrored fluid, whose ℓ is the particle's own.
+      move += 2 * s.w * walls.gradient(i);
+      walls.share[i] += 2 * s.w;
+    }
     const Vec3f moved = displacement[i] + move;
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
@@ -95,6 +108,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   const bool textbook = form == PbfForm::kTextbook;
   const float area = c.spacing * c.spacing;
   const auto positions = fluid.particles.positions().view();
+  const WallFieldView walls = fluid.walls.view();
   const PairGradient gradient{c.kernel, c.particleVolume, kShortest * c.spacing};
   const Multiplier multiplier{
       fluid.neighbors.view(),
@@ -102,12 +116,15 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
       textbook ? epsilon / area : kUnnormalizedEpsilon * c.particleVolume * c.particleVolume,
       textbook ? 1.0f : kUnnormalizedStep * c.particleMass,
       tension,
+      walls,
+      displacement_.view(),
       state_.view(),
       weighted_.view()};
   const Correct correct{fluid.neighbors.view(),
                         gradient,
                         textbook ? artificialPressure * area : 0.0f,
                         1 / c.kernel.value(kRepulsionDistance * c.supportRadius),
+                        walls,
                         positions,
                         weighted_.view(),
                         displacement_.view(),

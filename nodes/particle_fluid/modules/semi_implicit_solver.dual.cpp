@@ -42,11 +42,11 @@ struct Push {
 struct PushOf {
   NeighborView neighbors;
   SpikyKernel kernel;
-  float stiffness;     // (c·dt)²·V0
-  float shortest;      // m; closer pairs are treated as this far apart, along their direction
-  float own, others;   // weights of Ḃ_i and Ḃ_j
-  float negativePart;  // |Ḃ⁻|
-  float wallStiffness; // (c·dt)²
+  float stiffness;      // (c·dt)²·V0
+  float shortest;       // m; closer pairs are treated as this far apart, along their direction
+  float own, others;    // weights of Ḃ_i and Ḃ_j
+  float negativePart;   // |Ḃ⁻|
+  float wallStiffness;  // (c·dt)²
   WallFieldView walls;
   ArrayView<const Vec4f> weighted;
 
@@ -246,7 +246,9 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   const NeighborView neighbors = fluid.neighbors.view();
   const WallFieldView walls = fluid.walls.view();
   const ArrayView<Vec3f> predicted = fluid.particles.positions().view();
-  const EnergyDerivative derivative{neighbors, c.kernel,      c.particleVolume, bulkEnergy_, tension, walls, displacement_.view(), state_.view(), weighted_.view(), excess_.view()};
+  const EnergyDerivative derivative{neighbors,        c.kernel,      c.particleVolume,     bulkEnergy_,
+                                    tension,          walls,         displacement_.view(), state_.view(),
+                                    weighted_.view(), excess_.view()};
   const PushOf pushOf{neighbors,
                       c.kernel,
                       stiffness * c.particleVolume,

@@ -30,10 +30,10 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
   walls.fit(positions.size);
-  parallelFor(device, "approach", fluid.particles.count(),
-              StopOnTheWay{walls.views.view(), kSolidGap * fluid.constants.spacing,
-                           static_cast<float>(fluid.time.dt), positions, fluid.particles.velocities().view(),
-                           walls.kick.view()});
+  parallelFor(
+      device, "approach", fluid.particles.count(),
+      StopOnTheWay{walls.views.view(), kSolidGap * fluid.constants.spacing, static_cast<float>(fluid.time.dt),
+                   positions, fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     const ContactImpulse contact{static_cast<int>(k),
                                  walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt),

@@ -59,8 +59,7 @@ struct TotalImpulse {
   WEIR_HD SolidImpulse operator()(std::int64_t i) const {
     SolidImpulse sum = contact(i);
     const float s = share[i];
-    if (s != 0)
-      sum += impulseAt(-massPerDt * s * xyz(each[first + i]), contact.positions[i] - contact.pivot);
+    if (s != 0) sum += impulseAt(-massPerDt * s * xyz(each[first + i]), contact.positions[i] - contact.pivot);
     return sum;
   }
 };
@@ -74,9 +73,8 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   const float dt = static_cast<float>(fluid.time.dt), mass = fluid.constants.particleMass;
   parallelFor(device, "contact", fluid.particles.count(),
               Contact{walls.views.view(), kSolidGap * fluid.constants.spacing, dt,
-                      0.5f * fluid.constants.calibration, walls.stride, walls.legal.view(),
-                      walls.each.view(), walls.share.view(), positions,
-                      fluid.particles.velocities().view(), walls.kick.view()});
+                      0.5f * fluid.constants.calibration, walls.stride, walls.legal.view(), walls.each.view(),
+                      walls.share.view(), positions, fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     const ContactImpulse contact{static_cast<int>(k),
                                  walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt), mass, positions,

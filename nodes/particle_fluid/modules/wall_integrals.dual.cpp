@@ -59,11 +59,11 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   const bool several = walls.solids.size() > 1;
   device.copy(walls.legal.data(), fluid.particles.positions().data(),
               static_cast<std::size_t>(walls.stride) * sizeof(Vec3f));
-  parallelFor(device, "wall integrals", fluid.particles.count(),
-              FindIntegrals{walls.views.view(), fluid.constants.supportRadius, fluid.constants.calibration,
-                            walls.stride, fluid.particles.positions().view(), walls.each.view(),
-                            several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(),
-                            walls.share.view()});
+  parallelFor(
+      device, "wall integrals", fluid.particles.count(),
+      FindIntegrals{walls.views.view(), fluid.constants.supportRadius, fluid.constants.calibration,
+                    walls.stride, fluid.particles.positions().view(), walls.each.view(),
+                    several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.share.view()});
 }
 
 template void WallIntegrals::findOn(ThisBackend&, FluidStep&);

@@ -6,20 +6,11 @@
 #include <vector>
 
 #include "nodes/emitters/emitter.h"
-#include "nodes/geometry/triangle_mesh.h"
 #include "tests/support/devices.h"
 #include "tests/support/fluid_scene.h"
+#include "tests/support/given_mesh.h"
 
 namespace weir::test {
-
-/// A node that puts out the mesh it is given.
-class GivenMesh final : public Node {
- public:
-  static constexpr NodeInfo kInfo{"GivenMesh", "A mesh of a test."};
-  const NodeInfo& info() const override { return kInfo; }
-  Output<TriangleMesh> surface{*this, "surface", "The mesh."};
-  void reset(const SetupContext&) override {}
-};
 
 template <class E>
 class Jet {
@@ -35,9 +26,7 @@ class Jet {
   }
   /// Of a MeshEmitter.
   void emitFrom(TriangleMesh mesh) {
-    auto given = std::make_unique<GivenMesh>();
-    *given->surface = std::move(mesh);
-    scene_.graph().add(std::move(given), "mesh");
+    scene_.graph().add(std::make_unique<GivenMesh>(std::move(mesh)), "mesh");
     scene_.graph().link(SceneGraph::parseLink("mesh.surface -> nozzle.surface"));
   }
   std::vector<Vec3f> after(double dt, int steps) {

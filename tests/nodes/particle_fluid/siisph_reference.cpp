@@ -80,12 +80,20 @@ void ReferenceFluid::solve(const std::vector<std::vector<int>>& lists) {
   const double volume = std::pow(spacing, 3);
   double negativePart = 0;
   for (const double c : energy) negativePart += c;
+  std::vector<Wall> walls(positions.size());
+  for (std::size_t i = 0; wall && i < positions.size(); ++i) {
+    const Wall w = wall(positions[i]);
+    const double s = calibration();
+    walls[i] = {s * w.phi, s * w.gradient, s * w.d};
+  }
+  std::vector<Vec3d> byWalls(positions.size());
   for (int k = 0; k < iterations; ++k) {
     std::vector<double> lambda;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       double sum = kernel(0);
       for (const int j : lists[i]) sum += kernel(length(positions[j] - positions[i]));
-      lambda.push_back(volume * sum);
+      const Wall& w = walls[i];
+      lambda.push_back(volume * sum + std::max(0.0, w.phi + dot(w.gradient, positions[i] - predicted[i])));
     }
     std::vector<Vec3d> steps;
     std::vector<double> objectives, slopes;
@@ -99,6 +107,11 @@ void ReferenceFluid::solve(const std::vector<std::vector<int>>& lists) {
             (bulkEnergyDerivative(lambda[i]) + (conservative ? bulkEnergyDerivative(lambda[j]) : 0)) * a * d;
         divisor += (conservative ? 2 : 1) * negativePart * a;
       }
+      const double sides = conservative ? 2 : 1;
+      const Vec3d byWall = -sides * bulkEnergyDerivative(lambda[i]) * stiffness() * walls[i].gradient;
+      descent += byWall;
+      divisor += sides * negativePart * stiffness() * walls[i].d;
+      byWalls[i] += (byWall - byWalls[i]) / divisor;
       const Vec3d u = positions[i] - predicted[i];
       steps.push_back(descent / divisor);
       objectives.push_back(0.5 * dot(u, u) + stiffness() * bulkEnergy(lambda[i]));
@@ -113,7 +126,11 @@ void ReferenceFluid::solve(const std::vector<std::vector<int>>& lists) {
       positions[i] += alpha * steps[i];
     }
   }
-  for (std::size_t i = 0; i < positions.size(); ++i) velocities[i] += (positions[i] - predicted[i]) / dt;
+  wallImpulse = {};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    velocities[i] += (positions[i] - predicted[i]) / dt;
+    wallImpulse += restDensity * volume / dt * byWalls[i];
+  }
 }
 
 void ReferenceFluid::smooth(const std::vector<std::vector<int>>& lists) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "framework/base/vec.h"
@@ -20,6 +21,16 @@ struct ReferenceFluid {
   Vec3d gravity{0, -9.8, 0};
 
   std::vector<Vec3d> positions, velocities;
+
+  /// Integrals of the kernel with s = 1 over solids: Φ, ∇Φ and D at a point; none by default.
+  struct Wall {
+    double phi = 0;
+    Vec3d gradient;
+    double d = 0;
+  };
+  std::function<Wall(const Vec3d&)> wall;
+  /// What walls gave the fluid in the last step, N·s.
+  Vec3d wallImpulse;
 
   void step();
   /// λ of every particle at the current positions.

@@ -7,24 +7,16 @@
 
 #include "nodes/geometry/surface_of_revolution.h"
 #include "tests/nodes/samplers/sampled.h"
+#include "tests/support/given_mesh.h"
 
 namespace weir::test {
 namespace {
-
-class GivenMesh final : public Node {
- public:
-  static constexpr NodeInfo kInfo{"GivenMesh", "A mesh of a test."};
-  const NodeInfo& info() const override { return kInfo; }
-  Output<TriangleMesh> surface{*this, "surface", "The mesh."};
-  TriangleMesh mesh;
-  void reset(const SetupContext&) override { *surface = mesh; }
-};
 
 class Filled : public Sampled<MeshSampler> {
  public:
   Filled(TriangleMesh mesh, float spacing, const Value& parameters = Value::object(), int threads = 0)
       : Sampled(parameters, spacing, "cpu", threads) {
-    static_cast<GivenMesh&>(graph().add(std::make_unique<GivenMesh>(), "mesh")).mesh = std::move(mesh);
+    graph().add(std::make_unique<GivenMesh>(std::move(mesh)), "mesh");
     graph().link(SceneGraph::parseLink("mesh.surface -> block.surface"));
   }
 };

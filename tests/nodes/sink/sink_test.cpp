@@ -19,9 +19,7 @@ class Drained {
     scene.graph().link(SceneGraph::parseLink("drain.sink -> water.sinks"));
   }
   void linkMesh(TriangleMesh mesh) {
-    auto given = std::make_unique<GivenMesh>();
-    *given->surface = std::move(mesh);
-    scene_.graph().add(std::move(given), "body");
+    scene_.graph().add(std::make_unique<GivenMesh>(std::move(mesh)), "body");
     scene_.graph().link(SceneGraph::parseLink("body.surface -> drain.meshes"));
   }
   std::int64_t removed() {

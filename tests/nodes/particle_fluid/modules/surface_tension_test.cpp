@@ -62,7 +62,8 @@ TEST(SurfaceTension, WarnsOfASmallSupport) {
     const std::vector<const Boundary*> boundaries;
     const FluidConstants constants = makeFluidConstants(kSpacing, ratio, 1000, 1e6f, Calibration::kPacking);
     const StepContext time{device, log, {}, 0, 1e-3, 0};
-    FluidStep fluid{time, device, constants, particles, neighbors, boundaries, {}};
+    WallField walls(device);
+    FluidStep fluid{time, device, constants, particles, neighbors, boundaries, {}, {}, walls};
     SurfaceTension module;
     module.setName("tension");
     module.reset(fluid);
