@@ -14,17 +14,22 @@ TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
   }
   std::vector<detail::TreeTriangle> triangles;
   triangles.reserve(tree.order.size());
+  const std::vector<PseudoNormals> normalsOfMesh = pseudoNormals(mesh);
+  std::vector<PseudoNormals> normals;
+  normals.reserve(tree.order.size());
   for (const int i : tree.order) {
+    normals.push_back(normalsOfMesh[i]);
     const Vec3i& t = mesh.triangles[i];
     triangles.push_back({mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]});
   }
   nodes_ = Array<detail::TreeNode>(device, nodes);
   triangles_ = Array<detail::TreeTriangle>(device, triangles);
+  normals_ = Array<PseudoNormals>(device, normals);
   indices_ = Array<int>(device, tree.order);
 }
 
 TriangleTreeView TriangleTree::view() const {
-  return {nodes_.view(), triangles_.view(), indices_.view(), bounds_};
+  return {nodes_.view(), triangles_.view(), normals_.view(), indices_.view(), bounds_};
 }
 
 }  // namespace weir

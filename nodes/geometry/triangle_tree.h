@@ -3,6 +3,7 @@
 
 #include "framework/compute/array.h"
 #include "nodes/geometry/box_tree.h"
+#include "nodes/geometry/pseudo_normals.h"
 
 namespace weir {
 
@@ -27,10 +28,22 @@ WEIR_HD inline float squaredDistanceToBox(const Vec3f& lo, const Vec3f& hi, cons
 
 }  // namespace detail
 
+/// Where a mesh is nearest to some point p.
+struct SurfacePoint {
+  Vec3f position;      ///< m
+  Vec3f normal;        ///< pseudo-normal of the face, edge or corner that it lies on; see PseudoNormals
+  float distance = 0;  ///< from p, m
+  int triangle = -1;   ///< index in the mesh; −1 if nothing is near enough
+  /// +1 if p is on the side that the triangles' normals point to, −1 on the other; 0 where floats cannot
+  /// tell: on the surface, or beside an open border in the plane of the sheet.
+  int side = 0;
+};
+
 /// Plain data for kernels; valid as long as its TriangleTree.
 struct TriangleTreeView {
   ArrayView<const detail::TreeNode> nodes;
   ArrayView<const detail::TreeTriangle> triangles;  ///< in the order of the leaves
+  ArrayView<const PseudoNormals> normals;           ///< of those triangles
   ArrayView<const int> indices;                     ///< of those triangles in the mesh
   Aabb bounds;                                      ///< of the mesh
 
@@ -41,6 +54,11 @@ struct TriangleTreeView {
   /// the mesh alone.
   template <class F>
   WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const;
+
+  /// The point of the mesh that is nearest to p, found faster the smaller `atMost` (m, may be infinite) is.
+  /// If nothing is nearer than `atMost`, the triangle is −1 and the distance `atMost`. Distances are exact up
+  /// to a few roundings of the coordinates.
+  WEIR_HD SurfacePoint nearest(const Vec3f& p, float atMost) const;
 };
 
 /// Owns the arrays. The mesh's vertices must be finite; triangles without area are allowed.
@@ -55,9 +73,96 @@ class TriangleTree {
  private:
   Array<detail::TreeNode> nodes_;
   Array<detail::TreeTriangle> triangles_;
+  Array<PseudoNormals> normals_;
   Array<int> indices_;
   Aabb bounds_;
 };
+
+namespace detail {
+
+/// The point of a triangle that is nearest to the origin.
+struct ClosestPoint {
+  Vec3f position;
+  float squared = 0;
+  int feature = 0;  ///< index in PseudoNormals
+};
+
+WEIR_HD inline ClosestPoint closestOnSegment(const Vec3f& a, const Vec3f& b, int edge) {
+  const Vec3f along = b - a;
+  const float reach = -dot(a, along), squaredLength = dot(along, along);
+  if (!(reach > 0)) return {a, dot(a, a), PseudoNormals::kCorners + edge};
+  if (!(reach < squaredLength)) return {b, dot(b, b), PseudoNormals::kCorners + (edge + 1) % 3};
+  const Vec3f at = a + (reach / squaredLength) * along;
+  return {at, dot(at, at), PseudoNormals::kEdges + edge};
+}
+
+/// `normal` is the triangle's unit normal, zero for triangles without area. Passed in, because that of a
+/// sliver is not to be had in floats.
+WEIR_HD inline ClosestPoint closestOnTriangle(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                              const Vec3f& normal) {
+  // The origin's foot in the plane is inside if it lies left of all edges.
+  if (dot(normal, normal) > 0 && dot(cross(a, b - a), normal) >= 0 && dot(cross(b, c - b), normal) >= 0 &&
+      dot(cross(c, a - c), normal) >= 0) {
+    const float height = dot(a, normal);
+    return {height * normal, height * height, PseudoNormals::kFace};
+  }
+  ClosestPoint best = closestOnSegment(a, b, 0);
+  const ClosestPoint second = closestOnSegment(b, c, 1), third = closestOnSegment(c, a, 2);
+  if (second.squared < best.squared) best = second;
+  if (third.squared < best.squared) best = third;
+  return best;
+}
+
+WEIR_HD inline float largestCoordinate(const Vec3f& v) {
+  const Vec3f size = max(v, -v);
+  return size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
+}
+
+constexpr float kEpsilon = 1.1920929e-7f;  // of floats
+
+}  // namespace detail
+
+WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMost) const {
+  SurfacePoint found{.distance = atMost};
+  if (empty()) return found;
+  struct Pending {
+    int node;
+    float squared;
+  };
+  Pending stack[BoxTree::kDepth + 1];
+  int size = 0, best = -1;
+  detail::ClosestPoint closest{.squared = atMost * atMost};
+  stack[size++] = {0, detail::squaredDistanceToBox(bounds.lo, bounds.hi, p)};
+  while (size > 0) {
+    const Pending next = stack[--size];
+    if (!(next.squared < closest.squared)) continue;
+    const detail::TreeNode node = nodes[next.node];
+    if (node.link > 0) {
+      const detail::TreeNode one = nodes[node.link], two = nodes[node.link + 1];
+      const Pending first{node.link, detail::squaredDistanceToBox(one.lo, one.hi, p)};
+      const Pending second{node.link + 1, detail::squaredDistanceToBox(two.lo, two.hi, p)};
+      const bool firstIsNearer = first.squared <= second.squared;
+      stack[size++] = firstIsNearer ? second : first;
+      stack[size++] = firstIsNearer ? first : second;
+      continue;
+    }
+    for (int i = node.first; i < node.first - node.link; ++i) {
+      const detail::TreeTriangle t = triangles[i];
+      const detail::ClosestPoint candidate =
+          detail::closestOnTriangle(t.a - p, t.b - p, t.c - p, normals[i].normals[PseudoNormals::kFace]);
+      if (candidate.squared < closest.squared) closest = candidate, best = i;
+    }
+  }
+  if (best < 0) return found;
+  found.position = p + closest.position;
+  found.normal = normals[best].normals[closest.feature];
+  found.distance = std::sqrt(closest.squared);
+  found.triangle = indices[best];
+  const float height = -dot(closest.position, found.normal);
+  const float rounding = 4 * detail::kEpsilon * (detail::largestCoordinate(p) + found.distance);
+  found.side = height > rounding ? 1 : (height < -rounding ? -1 : 0);
+  return found;
+}
 
 template <class F>
 WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {

@@ -18,6 +18,14 @@ struct GatherNear {
   }
 };
 
+struct FindNearest {
+  TriangleTreeView tree;
+  float atMost;
+  ArrayView<const Vec3f> points;
+  ArrayView<SurfacePoint> out;
+  WEIR_HD void operator()(std::int64_t i) const { out[i] = tree.nearest(points[i], atMost); }
+};
+
 }  // namespace
 
 template <class Backend>
@@ -28,5 +36,14 @@ void gatherNear(Backend& device, const TriangleTreeView& tree, float radius, Arr
 
 template void gatherNear(ThisBackend&, const TriangleTreeView&, float, ArrayView<const Vec3f>,
                          ArrayView<NearTriangles>);
+
+template <class Backend>
+void findNearest(Backend& device, const TriangleTreeView& tree, float atMost, ArrayView<const Vec3f> points,
+                 ArrayView<SurfacePoint> out) {
+  parallelFor(device, "findNearest", points.size, FindNearest{tree, atMost, points, out});
+}
+
+template void findNearest(ThisBackend&, const TriangleTreeView&, float, ArrayView<const Vec3f>,
+                          ArrayView<SurfacePoint>);
 
 }  // namespace weir::test

@@ -27,4 +27,9 @@ template <class Backend>
 void gatherNear(Backend& device, const TriangleTreeView& tree, float radius, ArrayView<const Vec3f> points,
                 ArrayView<NearTriangles> out);
 
+/// out[i] = tree.nearest(points[i], atMost)
+template <class Backend>
+void findNearest(Backend& device, const TriangleTreeView& tree, float atMost, ArrayView<const Vec3f> points,
+                 ArrayView<SurfacePoint> out);
+
 }  // namespace weir::test

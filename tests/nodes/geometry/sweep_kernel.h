@@ -1,0 +1,18 @@
+// Moves points against a mesh on a device.
+#pragma once
+
+#include "framework/compute/parallel.h"
+#include "nodes/geometry/sweep.h"
+
+namespace weir::test {
+
+struct Motion {
+  Vec3f from, to, towards;
+};
+
+/// out[i] = sweep(tree, motions[i], thickness)
+template <class Backend>
+void sweepAll(Backend& device, const TriangleTreeView& tree, float thickness, ArrayView<const Motion> motions,
+              ArrayView<SweepResult> out);
+
+}  // namespace weir::test
