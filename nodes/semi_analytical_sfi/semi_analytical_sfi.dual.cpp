@@ -1,5 +1,7 @@
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 
+#include <limits>
+
 #include "framework/compute/parallel.h"
 
 namespace weir {
@@ -22,9 +24,9 @@ struct MarkInside {
   WEIR_HD bool isIn(const SolidView& solid, const Vec3f& position) const {
     const Vec3f p = solid.end.toBody(position);
     // Only what is near a sheet matters; a side can be far from its surface.
-    const float reach = solid.kind == SolidKind::kSheet ? gap : std::numeric_limits<float>::max();
+    const float reach = solid.kind == SolidKind::kSheet ? gap : std::numeric_limits<float>::infinity();
     const SurfacePoint nearest = solid.tree.nearest(p, reach);
-    if (!nearest.found) return false;
+    if (nearest.triangle < 0) return false;
     if (nearest.distance < gap) return true;
     if (solid.kind == SolidKind::kSheet) return false;
     return (nearest.side < 0) == (solid.kind == SolidKind::kSolid);
