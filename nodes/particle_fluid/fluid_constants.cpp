@@ -48,6 +48,28 @@ double packingCalibration(double supportRatio) {
   return latticeCalibration(supportRatio) * factor;
 }
 
+double wallRadiusRatio(double supportRatio) {
+  // In units of the spacing, with s = 1: the half of the lattice whose first layer is one spacing away.
+  const int reach = static_cast<int>(std::ceil(supportRatio));
+  double behind = 0;
+  for (int x = -reach; x <= reach; ++x)
+    for (int y = -reach; y <= -1; ++y)
+      for (int z = -reach; z <= reach; ++z) {
+        const double q = std::sqrt(double(x * x + y * y + z * z)) / supportRatio;
+        if (q < 1) behind += 15 / (std::numbers::pi * std::pow(supportRatio, 3)) * std::pow(1 - q, 3);
+      }
+  const auto halfSpace = [](double radius) {
+    const double q = 0.5 / radius;
+    return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);
+  };
+  double low = 0.5, high = supportRatio;  // it grows with the radius
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (halfSpace(middle) < behind ? low : high) = middle;
+  }
+  return high;
+}
+
 int neighborCapacity(double supportRatio) {
   // Particles in the support ball at rest density, half as many again for compression, and a margin for the
   // small balls, where single particles count.
@@ -62,6 +84,7 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   FluidConstants c;
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
+  c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio)) * spacing;
   c.restDensity = restDensity;
   c.particleVolume = spacing * spacing * spacing;
   c.particleMass = restDensity * c.particleVolume;

@@ -23,6 +23,7 @@ struct EnumNames<Calibration> {
 struct FluidConstants {
   float spacing = 0;         ///< d, m
   float supportRadius = 0;   ///< H, m
+  float wallRadius = 0;      ///< H_w, m: the kernel's radius where it is integrated over solids
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
@@ -40,6 +41,12 @@ double latticeCalibration(double supportRatio);
 /// s such that a settled fluid has rest density at one particle per d³: the lattice value times a measured
 /// factor, interpolated between support ratios 1.1 and 3.
 double packingCalibration(double supportRatio);
+
+/// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it, so
+/// a wall that took part with the fluid's own radius would keep the fluid further away than half a spacing,
+/// the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the lattice behind it
+/// would add, and ∇Φ is nearly so.
+double wallRadiusRatio(double supportRatio);
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);

@@ -35,6 +35,7 @@ class FluidScene {
   ParticleFluid& fluid() { return *fluid_; }
   Vec3f gravity{0, -9.8f, 0};
   std::int64_t seed = 1;
+  std::vector<std::string> warnings;  ///< so far
 
   void reset(double dt);
   void step(int steps = 1);
@@ -50,7 +51,9 @@ class FluidScene {
   std::vector<Vec3f> byId(const Array<Vec3f>& values) const;
 
   Device& device_;
-  Log log_;
+  Log log_{[this](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarning) warnings.emplace_back(text);
+  }};
   Registry registry_;
   SceneGraph graph_;
   ParticleFluid* fluid_;

@@ -7,12 +7,12 @@ namespace weir {
 namespace {
 
 /// In the frame of the world.
-WEIR_HD SolidIntegrals<float> integralsOf(const SolidView& solid, const Vec3f& position, float supportRadius,
+WEIR_HD SolidIntegrals<float> integralsOf(const SolidView& solid, const Vec3f& position, float radius,
                                           float calibration) {
   const Vec3f p = solid.end.toBody(position);
-  SolidIntegrator<float> sum(p, supportRadius);
+  SolidIntegrator<float> sum(p, radius);
   const bool container = solid.kind == SolidKind::kContainer;
-  solid.tree.forEachTriangleNear(p, supportRadius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  solid.tree.forEachTriangleNear(p, radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     const Vec3f &second = container ? c : b, &third = container ? b : c;
     if (solid.approximate)
       sum.addTriangleApproximately(a, second, third);
@@ -27,7 +27,7 @@ WEIR_HD SolidIntegrals<float> integralsOf(const SolidView& solid, const Vec3f& p
 
 struct FindIntegrals {
   ArrayView<const SolidView> solids;
-  float supportRadius, calibration;
+  float radius, calibration;
   std::int64_t stride;
   ArrayView<const Vec3f> positions;
   ArrayView<Vec4f> each, total;  // total is empty where there is one solid
@@ -38,7 +38,7 @@ struct FindIntegrals {
     Vec3f gradient{};
     float phi = 0, sumOfD = 0;
     for (std::int64_t k = 0; k < solids.size; ++k) {
-      const SolidIntegrals<float> of = integralsOf(solids[k], p, supportRadius, calibration);
+      const SolidIntegrals<float> of = integralsOf(solids[k], p, radius, calibration);
       each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
       gradient += of.gradPhi;
       phi += of.phi;
@@ -61,7 +61,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
               static_cast<std::size_t>(walls.stride) * sizeof(Vec3f));
   parallelFor(
       device, "wall integrals", fluid.particles.count(),
-      FindIntegrals{walls.views.view(), fluid.constants.supportRadius, fluid.constants.calibration,
+      FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.calibration,
                     walls.stride, fluid.particles.positions().view(), walls.each.view(),
                     several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.share.view()});
 }

@@ -37,7 +37,15 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
     const std::vector<Vec3f> velocities(positions.size(), Vec3f{0.1f, 0, 0.05f});
     ReferenceFluid reference{
         .spacing = kSpacing, .supportRatio = kRatio, .dt = dt, .conservative = conservative};
-    reference.wall = [&](const Vec3d& p) { return halfSpace(p, reference.radius()); };
+    // Φ of the plane at half a spacing is that of the lattice behind it.
+    const double radius = wallRadiusRatio(kRatio) * kSpacing;
+    EXPECT_NEAR(halfSpace({0, kSpacing / 2, 0}, radius).phi,
+                std::pow(kSpacing, 3) * reference.kernel(kSpacing) / reference.kernel(0) * 15 /
+                        (std::numbers::pi * std::pow(kRatio * kSpacing, 3)) +
+                    4 * std::pow(kSpacing, 3) * reference.kernel(std::numbers::sqrt2 * kSpacing) /
+                        reference.kernel(0) * 15 / (std::numbers::pi * std::pow(kRatio * kSpacing, 3)),
+                1e-6);
+    reference.wall = [&](const Vec3d& p) { return halfSpace(p, radius); };
     for (const Vec3f& p : positions) reference.positions.push_back(toDouble(p));
     for (const Vec3f& v : velocities) reference.velocities.push_back(toDouble(v));
     reference.step();
@@ -58,6 +66,194 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
       EXPECT_NEAR(impulse.y, -reference.wallImpulse.y, 1e-4 * std::abs(reference.wallImpulse.y)) << name;
     }
   }
+}
+
+std::vector<Vec3f> block(float spacing, const Vec3f& lo, const Vec3f& hi) {
+  std::vector<Vec3f> positions;
+  for (float x = lo.x + 0.5f * spacing; x < hi.x; x += spacing)
+    for (float y = lo.y + 0.5f * spacing; y < hi.y; y += spacing)
+      for (float z = lo.z + 0.5f * spacing; z < hi.z; z += spacing) positions.push_back({x, y, z});
+  return positions;
+}
+
+/// Water that settles in a tank, with enough iterations for the forces to be those of the pressure.
+SolidScene settling(Device& device, float spacing, const std::vector<Vec3f>& positions) {
+  return {device,
+          positions,
+          {},
+          object({{"spacing", spacing}}),
+          object({{"solver", object({{"params", object({{"iterations", 30}})}})},
+                  {"viscosity", object({{"params", object({{"strength", 0.5}})}})}})};
+}
+
+struct MeanForces {
+  Vec3d tank, solid, torque;
+};
+
+/// Means over the last of the steps.
+MeanForces forcesAfter(SolidScene& scene, const SemiAnalyticalSFI& tank, const SemiAnalyticalSFI& solid,
+                       int steps, int measured) {
+  scene.step(steps);
+  scene.frame();
+  scene.step(measured);
+  scene.frame();
+  return {tank.forces->solids[0].force, solid.forces->solids[0].force, solid.forces->solids[0].torque};
+}
+
+constexpr double kGravity = 9.8, kWater = 1000;
+
+TEST(SemiAnalyticalSFI, HydrostaticForceOnAWall) {
+  constexpr float kSpacing = 0.02f, kSide = 0.2f, kDepth = 0.3f;
+  CpuDevice device;
+  // In no order, as crystals bear more weight upright than sideways.
+  std::vector<Vec3f> positions = block(kSpacing, {}, {kSide, kDepth, kSide});
+  const std::vector<Vec3f> offsets = randomVelocities(positions.size(), 0.2f * kSpacing, 5);
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += offsets[i];
+  SolidScene scene = settling(device, kSpacing, positions);
+  SemiAnalyticalSFI& tank =
+      scene.couple({boxMesh({0, 0, 0}, {0.3f, 0.6f, kSide})}, object({{"fill", "container"}}));
+  // The wall at x = kSide, and nothing else of the tank.
+  SemiAnalyticalSFI& wall = scene.couple({boxMesh({kSide, 0, 0}, {0.3f, 0.6f, kSide})},
+                                         object({{"pivot", Value::Array{kSide, 0, 0.5f * kSide}}}));
+  scene.reset(1e-3);
+  ASSERT_EQ(scene.fluid().particleCount(), 1500);
+  const MeanForces mean = forcesAfter(scene, tank, wall, 800, 200);
+  const double weight = kWater * kGravity * kSide * kSide * kDepth;
+  const double onWall = kWater * kGravity * kDepth * kDepth / 2 * kSide;
+  EXPECT_NEAR(mean.solid.x, onWall, 0.03 * onWall);
+  // Its centre of pressure is a third of the depth above the ground; a force along x at height y turns by -y.
+  EXPECT_NEAR(mean.torque.z, -onWall * kDepth / 3, 0.05 * onWall * kDepth / 3);
+  EXPECT_NEAR(mean.tank.y + mean.solid.y, -weight, 0.01 * weight);
+}
+
+TEST(SemiAnalyticalSFI, BuoyancyOfAHeldSphere) {
+  constexpr float kSpacing = 0.02f, kSide = 0.26f, kRadius = 0.08f;
+  CpuDevice device;
+  SolidScene scene = settling(device, kSpacing, block(kSpacing, {}, {kSide, kSide, kSide}));
+  SemiAnalyticalSFI& tank =
+      scene.couple({boxMesh({0, 0, 0}, {kSide, 0.6f, kSide})}, object({{"fill", "container"}}));
+  TriangleMesh sphere = icosphere(3, kRadius);
+  sphere.transform(1, {}, {0.5f * kSide, 0.12f, 0.5f * kSide});
+  SemiAnalyticalSFI& held = scene.couple({sphere});
+  scene.reset(1e-3);
+  const MeanForces mean = forcesAfter(scene, tank, held, 300, 200);
+  const double buoyancy = kWater * kGravity * sphere.volume();
+  EXPECT_NEAR(mean.solid.y, buoyancy, 0.03 * buoyancy);
+}
+
+TEST(SemiAnalyticalSFI, CarvesWhatStartsInsideAndCountsIt) {
+  constexpr float kSpacing = 0.02f, kRadius = 0.1f, kGap = 0.25f * kSpacing;
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    const std::vector<Vec3f> positions = jitteredCube(16, kSpacing, 0.3f, 3, {-0.15f, -0.15f, -0.15f});
+    for (const char* fill : {"solid", "container", "sheet"}) {
+      SolidScene scene(*device, positions, {}, object({{"spacing", kSpacing}}));
+      SemiAnalyticalSFI& contact = scene.couple({icosphere(4, kRadius)}, object({{"fill", fill}}));
+      scene.reset(1e-3);
+      // The icosphere's faces lie a little inside the sphere.
+      const double sagitta = icosphereSagitta(icosphere(4, kRadius), kRadius);
+      int least = 0, most = 0;
+      for (const Vec3f& p : positions) {
+        const double r = length(toDouble(p));
+        const double outside = kRadius + kGap, inside = kRadius - kGap;
+        const bool kept = fill[0] != 'c' && r > outside, keptInside = fill[0] != 's' || fill[1] == 'h';
+        least += kept || (keptInside && r < inside - sagitta);
+        most += (fill[0] != 'c' && r > outside - sagitta) || (keptInside && r < inside);
+      }
+      NodeReport report;
+      contact.report(report);
+      const std::int64_t left = scene.fluid().particleCount();
+      EXPECT_GE(left, least) << fill;
+      EXPECT_LE(left, most) << fill;
+      EXPECT_LT(most - least, 60) << fill;
+      EXPECT_EQ(report.statistics["particles_carved"].asInt(), std::int64_t(positions.size()) - left);
+    }
+  }
+}
+
+/// Single particles in a closed sheet that moves and turns: none may leave it, and none outside may enter.
+TEST(SemiAnalyticalSFI, NothingPassesAMovingSheet) {
+  constexpr float kSpacing = 0.02f;
+  std::vector<Vec3f> positions, velocities;
+  for (const Vec3f& p : jitteredCube(8, 0.05f, 0.4f, 11, {-0.175f, -0.175f, -0.175f})) {
+    if (length(p) > 0.25f && length(p) < 0.35f) continue;
+    positions.push_back(p);
+  }
+  for (const Vec3f& p : jitteredCube(4, 0.4f, 0.2f, 12, {-0.6f, -0.6f, -0.6f}))
+    if (length(p) > 0.35f) positions.push_back(p);
+  velocities = randomVelocities(positions.size(), 100, 13);
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SolidScene scene(*device, positions, velocities, object({{"spacing", kSpacing}}));
+    SemiAnalyticalSFI& shell =
+        scene.couple({icosphere(2, 0.3f)}, object({{"fill", "sheet"},
+                                                   {"friction", 0.1},
+                                                   {"velocity", Value::Array{3, 1, -2}},
+                                                   {"angular_velocity", Value::Array{9, 30, 5}},
+                                                   {"pivot", Value::Array{0.1, 0, 0}}}));
+    scene.reset(1e-3);
+    const std::size_t before = positions.size();
+    for (int k = 1; k <= 300; ++k) {
+      scene.step();
+      const std::vector<Vec3f> now = scene.positions();
+      ASSERT_EQ(now.size(), before) << name;
+      if (k % 10 != 0) continue;
+      const Pose pose = shell.poseAt(k * 1e-3);
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        const bool wasInside = length(positions[i]) < 0.3f;
+        const double winding = slowWindingNumber(icosphere(2, 0.3f), pose.toBody(now[i]));
+        ASSERT_EQ(winding > 0.5, wasInside) << name << " particle " << i << " step " << k;
+      }
+    }
+  }
+}
+
+/// A layer of water that slides on the ground loses μ·g of its speed each second.
+TEST(SemiAnalyticalSFI, FrictionIsCoulombs) {
+  constexpr float kSpacing = 0.02f, kSpeed = 2, kFriction = 0.3f;
+  for (const std::string& name : availableDevices()) {
+    for (const double dt : {5e-4, 2e-3}) {
+      const auto device = openDevice(name);
+      std::vector<Vec3f> positions = block(kSpacing, {-0.2f, 0, -0.2f}, {0.2f, kSpacing, 0.2f});
+      SolidScene scene(*device, positions, std::vector<Vec3f>(positions.size(), Vec3f{kSpeed, 0, 0}),
+                       object({{"spacing", kSpacing}}));
+      scene.couple({ground()}, object({{"friction", kFriction}}));
+      scene.reset(dt);
+      scene.step(int(std::lround(0.3 / dt)));
+      double mean = 0;
+      for (const Vec3f& v : scene.velocities()) mean += double(v.x) / double(positions.size());
+      const double expected = kSpeed - kFriction * kGravity * 0.3;
+      EXPECT_NEAR(mean, expected, 0.05 * (kSpeed - expected)) << name << " dt " << dt;
+    }
+  }
+}
+
+TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
+  constexpr float kSpacing = 0.02f;
+  CpuDevice device;
+  for (const double dt : {5e-4, 2e-3}) {
+    // One particle at rest above the ground, in weightlessness.
+    SolidScene scene(device, {{0, 0.3f * kSpacing, 0}}, {{1, 0, 0}}, object({{"spacing", kSpacing}}));
+    scene.gravity = {};
+    scene.couple({ground()}, object({{"no_slip", 10}, {"velocity", Value::Array{0.25, 0, 0}}}));
+    scene.reset(dt);
+    scene.step(int(std::lround(0.1 / dt)));
+    const double q = 0.3 / wallRadiusRatio(1.5), touch = std::pow(1 - q, 5) * (1 + 2 * q);
+    EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
+  }
+}
+
+TEST(SemiAnalyticalSFI, SaysWhatIsWrongWithMeshes) {
+  CpuDevice device;
+  TriangleMesh holed = boxMesh({}, {1, 1, 1});
+  holed.triangles.pop_back();
+  SolidScene scene(device, {{5, 5, 5}}, {}, object({}));
+  scene.couple({holed});
+  scene.reset(1e-3);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_CONTAINS(scene.warnings[0], "11 triangles");
+  EXPECT_CONTAINS(scene.warnings[0], "3 open edges");
+  EXPECT_CONTAINS(scene.warnings[0], "sheet");
 }
 
 }  // namespace
