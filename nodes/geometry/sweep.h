@@ -10,7 +10,7 @@ struct SweepResult {
   Vec3f position;    ///< m, in the mesh's frame
   bool hit = false;  ///< whether the mesh changed where the point went
   /// Unit vector away from what was hit, on the side of the point: the mean of all contacts, weighted by the
-  /// motion that each took. Zero without a hit.
+  /// motion that each took. Zero without a hit, and where the point was only held for want of room.
   Vec3f normal;
 };
 
@@ -29,9 +29,8 @@ class Sweep {
     Vec3f p = offSurface(from, towards);
     const float atStart = tree_.nearest(p, thickness_).distance;
     least_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
-    Vec3f rest = to - from, before;
+    Vec3f target = to, before;
     for (int slide = 0; slide < kSlides; ++slide) {
-      const Vec3f target = p + rest;
       const SegmentHit hit = firstHit(tree_, p, target);
       if (!hit.found()) {
         goTowards(target, p);
@@ -40,8 +39,9 @@ class Sweep {
       // Back to where the height above the plane is the thickness.
       const float share =
           hit.height > thickness_ ? static_cast<float>(hit.fraction * (1 - thickness_ / hit.height)) : 0;
+      const Vec3f rest = target - p;
       goTowards(p + share * rest, p);
-      rest = along(hit.normal, before, (1 - share) * rest);
+      target = p + along(hit.normal, before, (1 - share) * rest);
       before = hit.normal;
     }
     return {p, hit_, normalized(contact_)};

@@ -1,10 +1,7 @@
 #include "nodes/geometry/triangle_mesh.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 #include <unordered_map>
 
@@ -60,50 +57,6 @@ void TriangleMesh::flip() {
 
 void TriangleMesh::transform(float scale, const Quatf& rotation, const Vec3f& position) {
   for (Vec3f& v : vertices) v = rotate(rotation, scale * v) + position;
-}
-
-MeshDiagnosis diagnose(const TriangleMesh& mesh) {
-  MeshDiagnosis d;
-  for (const Vec3f& v : mesh.vertices) d.nonFiniteVertices += isFinite(v) ? 0 : 1;
-  struct Edge {
-    int forward = 0, backward = 0;
-  };
-  std::map<std::pair<int, int>, Edge> edges;
-  std::set<std::array<int, 3>> seen;
-  for (const Vec3i& t : mesh.triangles) {
-    const Vec3f normal =
-        cross(mesh.vertices[t.y] - mesh.vertices[t.x], mesh.vertices[t.z] - mesh.vertices[t.x]);
-    if (repeatsVertex(t) || length(normal) == 0) ++d.degenerateTriangles;
-    if (!seen.insert(sortedKey(t)).second) ++d.duplicateTriangles;
-    for (const auto& [a, b] : {std::pair(t.x, t.y), std::pair(t.y, t.z), std::pair(t.z, t.x)}) {
-      if (a == b) continue;
-      Edge& edge = edges[std::minmax(a, b)];
-      (a < b ? edge.forward : edge.backward) += 1;
-    }
-  }
-  for (const auto& [ends, edge] : edges) {
-    const int uses = edge.forward + edge.backward;
-    d.openEdges += uses == 1 ? 1 : 0;
-    d.nonManifoldEdges += uses > 2 ? 1 : 0;
-    d.inconsistentEdges += uses == 2 && edge.forward != 1 ? 1 : 0;
-  }
-  d.insideOut = mesh.volume() < 0;
-  return d;
-}
-
-std::string MeshDiagnosis::message() const {
-  std::string text;
-  const auto add = [&](std::int64_t count, const char* what) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
-  };
-  add(openEdges, "open edges (holes)");
-  add(nonManifoldEdges, "edges of more than two triangles");
-  add(inconsistentEdges, "edges between triangles that are turned differently");
-  add(degenerateTriangles, "triangles without area");
-  add(duplicateTriangles, "duplicate triangles");
-  add(nonFiniteVertices, "vertices that are no numbers");
-  if (insideOut) text += std::string(text.empty() ? "" : ", ") + "inside out";
-  return text;
 }
 
 namespace {

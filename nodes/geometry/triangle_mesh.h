@@ -31,8 +31,9 @@ struct MeshDiagnosis {
   std::int64_t openEdges = 0;          ///< edges of one triangle only
   std::int64_t nonManifoldEdges = 0;   ///< edges of more than two triangles
   std::int64_t inconsistentEdges = 0;  ///< edges whose two triangles are turned differently
+  std::int64_t flippedTriangles = 0;   ///< the fewest that must be turned so that all neighbours agree
   std::int64_t degenerateTriangles = 0;
-  std::int64_t duplicateTriangles = 0;
+  std::int64_t duplicateTriangles = 0;  ///< with the vertices of another one, turned like it or not
   std::int64_t nonFiniteVertices = 0;
   bool insideOut = false;
 
@@ -45,7 +46,8 @@ struct MeshDiagnosis {
   std::string message() const;
 };
 
-/// Expects a welded mesh: what files store as separate vertices at one place counts as holes.
+/// Takes O(n log n). Expects a welded mesh: what files store as separate vertices at one place counts as
+/// holes.
 MeshDiagnosis diagnose(const TriangleMesh& mesh);
 
 /// Merges vertices closer than `tolerance` times the size of the mesh, drops triangles that have no area

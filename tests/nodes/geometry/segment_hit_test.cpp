@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
 #include <random>
 
 #include "tests/support/meshes.h"
@@ -78,6 +79,36 @@ TEST(SegmentHit, IsTheFirstOfAllTriangles) {
     EXPECT_GT(judged, 1900);
     EXPECT_GT(hits, 100);
   }
+}
+
+TEST(SegmentHit, SignsOfVolumesAreRightOrNotGiven) {
+  // Three long integer vectors that differ by little: the volume is exact in 128 bits, and lost in a
+  // double's 53.
+  std::mt19937_64 random(5);
+  const auto integer = [&](int bits) {
+    return static_cast<std::int64_t>(random() >> (64 - bits)) - (std::int64_t{1} << (bits - 1));
+  };
+  const auto asDouble = [](const Vec3<std::int64_t>& a) {
+    return Vec3d{static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+  };
+  using Wide = __int128;
+  int given = 0, wrongInDouble = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3<std::int64_t> u{integer(30), integer(30), integer(30)};
+    const int bits = 2 + i % 12;
+    const Vec3<std::int64_t> v = u + Vec3<std::int64_t>{integer(bits), integer(bits), integer(bits)};
+    const Vec3<std::int64_t> w = u + Vec3<std::int64_t>{integer(bits), integer(bits), integer(bits)};
+    const Wide exact = u.x * (Wide{v.y} * w.z - Wide{v.z} * w.y) + u.y * (Wide{v.z} * w.x - Wide{v.x} * w.z) +
+                       u.z * (Wide{v.x} * w.y - Wide{v.y} * w.x);
+    const int sign = exact > 0 ? 1 : (exact < 0 ? -1 : 0);
+    const detail::Volume found = detail::volume(asDouble(u), asDouble(v), asDouble(w));
+    wrongInDouble += (found.value > 0 ? 1 : (found.value < 0 ? -1 : 0)) != sign;
+    if (found.sign == 0) continue;
+    ++given;
+    ASSERT_EQ(found.sign, sign) << i;
+  }
+  EXPECT_GT(given, 1000);
+  EXPECT_GT(wrongInDouble, 500);  // so the test can fail
 }
 
 TEST(SegmentHit, NoSegmentSlipsThroughEdgesAndVerticesThatItMeetsExactly) {

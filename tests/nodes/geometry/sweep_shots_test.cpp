@@ -94,6 +94,8 @@ class Shots {
     EXPECT_EQ(crossed_, 0);
     EXPECT_EQ(tooNear_, 0);
     EXPECT_EQ(tooFar_, 0);
+    EXPECT_EQ(strayed_, 0);
+    EXPECT_GT(judged_, setting_.shots);
   }
 
  private:
@@ -130,7 +132,10 @@ class Shots {
     tooNear_ += query_.closestDistance(found.position, setting_.thickness) < 0.49f * setting_.thickness;
     tooFar_ += length(found.position - motion.from) > 1.001f * way + 4 * setting_.thickness;
     const bool inside = setting_.isInside(found.position);
-    if (std::abs(motion.from.y - setting_.rim) <= way + 8 * setting_.thickness) inside_[i] = inside;
+    strayed_ += !found.hit && found.position != motion.to;
+    const bool mayPassRim = std::abs(motion.from.y - setting_.rim) <= way + 8 * setting_.thickness;
+    if (mayPassRim) inside_[i] = inside;
+    judged_ += !mayPassRim;
     if (inside_[i] == inside) return;
     ++crossed_;
     inside_[i] = inside;
@@ -147,7 +152,7 @@ class Shots {
   std::vector<Vec3f> points_;  // in space
   std::vector<bool> inside_;
   float angle_ = 0;
-  int hits_ = 0, crossed_ = 0, tooNear_ = 0, tooFar_ = 0;
+  int hits_ = 0, crossed_ = 0, tooNear_ = 0, tooFar_ = 0, strayed_ = 0, judged_ = 0;
 };
 
 Setting sphere(float spin) {
