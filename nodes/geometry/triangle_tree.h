@@ -10,7 +10,7 @@ namespace weir {
 namespace detail {
 
 /// 32 bytes, so that a node comes in two loads of 16.
-struct TreeNode {
+struct alignas(16) TreeNode {
   Vec3f lo;
   int link = 0;  ///< the first child (the second comes next), or in leaves −(number of triangles)
   Vec3f hi;
