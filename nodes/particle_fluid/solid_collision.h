@@ -13,9 +13,11 @@ namespace weir {
 inline constexpr float kSolidGap = 0.1f;
 
 /// The velocity after contact with a wall that moves at `wall`: no longer into it, and Coulomb's friction
-/// takes at most μ times that change from the part along it.
+/// takes at most μ times that change from the part along it. Without a normal the particle had no room to
+/// move, and goes with the wall.
 WEIR_HD inline Vec3f velocityAfterContact(const Vec3f& v, const Vec3f& wall, const Vec3f& normal,
                                           float friction) {
+  if (!(dot(normal, normal) > 0)) return wall;
   const Vec3f relative = v - wall;
   const float approach = -dot(relative, normal);
   if (!(approach > 0)) return v;
