@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "framework/base/random.h"
+#include "nodes/particles/flight.h"
 
 namespace weir {
 
@@ -45,6 +46,14 @@ void Emitter::reset(const SetupContext& context) {
   particles->count = 0;
   particles->positions = Array<Vec3f>(context.device);
   particles->velocities = Array<Vec3f>(context.device);
+}
+
+double Emitter::longestStep(const StepContext& next, double cfl) {
+  const double begin = std::max(next.time, start.get());
+  const double end = std::min(next.time + next.dt, stop.get().value_or(next.time + next.dt));
+  const bool exhausted = maxParticles.get() && emitted_ >= *maxParticles.get();
+  if (end <= begin || exhausted) return Node::longestStep(next, cfl);
+  return timeToFly(cfl * spacing_, speed.most(begin, end), length(next.gravity));
 }
 
 void Emitter::step(const StepContext& context) {

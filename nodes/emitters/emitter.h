@@ -45,6 +45,8 @@ class Emitter : public Node {
 
   void validate() const override;
   void reset(const SetupContext& context) final;
+  /// That of the particles that leave in the step.
+  double longestStep(const StepContext& next, double cfl) final;
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
@@ -10,6 +11,7 @@
 #include "nodes/particle_fluid/modules/predict.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/xsph.h"
+#include "nodes/particles/flight.h"
 
 namespace weir {
 
@@ -68,6 +70,14 @@ FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
   return {time,     time.device,       constants_, state.particles, state.neighbors, state.boundaries,
           domain(), state.sinks.view()};
+}
+
+double ParticleFluid::longestStep(const StepContext& next, double cfl) {
+  State& state = *state_;
+  if (state.particles.bound() == 0) return Node::longestStep(next, cfl);
+  dispatch(next.device, [&](auto& device) { speedOn(device); });
+  const double speed = std::sqrt(double(state.speedSquared.toHost().front()));
+  return timeToFly(cfl * spacing, speed, length(next.gravity));
 }
 
 void ParticleFluid::step(const StepContext& context) {

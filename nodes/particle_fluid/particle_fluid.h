@@ -86,6 +86,7 @@ class ParticleFluid final : public Node {
   void validate() const override;
   void configure(const SetupContext& context) override;
   void reset(const SetupContext& context) override;
+  double longestStep(const StepContext& next, double cfl) override;
   void step(const StepContext& context) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
@@ -94,10 +95,12 @@ class ParticleFluid final : public Node {
  private:
   /// What exists from reset on, on the device of that reset.
   struct State {
-    explicit State(Device& device) : particles(device), neighbors(device), box(device, 1), sinks(device) {}
+    explicit State(Device& device)
+        : particles(device), neighbors(device), box(device, 1), speedSquared(device, 1), sinks(device) {}
     ParticleSet particles;
     NeighborList neighbors;
     Array<Aabb> box;
+    Array<float> speedSquared;  // the largest
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
@@ -111,6 +114,8 @@ class ParticleFluid final : public Node {
   void checkEvents();
   template <class Backend>
   void boundingBoxOn(Backend& device);
+  template <class Backend>
+  void speedOn(Backend& device);
   template <class Backend>
   void densityOn(Backend& device);
 
