@@ -16,7 +16,7 @@ struct ProgressState {
   std::int64_t frame = 0, lastFrame = 0;
   std::int64_t steps = 0;
   double time = 0, endTime = 0;  ///< simulated, s
-  double stepSeconds = 0;  ///< that steps took so far, without the observers
+  double stepSeconds = 0;        ///< that steps took so far, without the observers
   std::int64_t particles = 0;
 
   static ProgressState of(const Simulation& simulation, std::int64_t lastFrame);

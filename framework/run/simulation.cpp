@@ -57,7 +57,8 @@ void Simulation::reset() {
                        .registry = registry_,
                        .gravity = scene_->world.gravity,
                        .dt = longestStep(),
-                       .seed = scene_->world.seed});
+                       .seed = scene_->world.seed,
+                       .stepsVary = stepsVary()});
   fresh_ = false;
   refresh();
   device_.synchronize();

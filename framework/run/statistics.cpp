@@ -101,10 +101,11 @@ void addReports(Simulation& simulation, Value& statistics) {
     events.push(std::move(v));
   };
   const Simulation::StepLengths& lengths = simulation.stepLengths();
-  addEvent("world", {fmt::format("steps were longer than cfl allows, because of min_dt: down to {:.3g} s would "
-                                 "have been needed",
-                                 lengths.leastWanted),
-                     lengths.tooLong});
+  addEvent("world",
+           {fmt::format("steps were longer than cfl allows, because of min_dt: down to {:.3g} s would "
+                        "have been needed",
+                        lengths.leastWanted),
+            lengths.tooLong});
   for (const auto& node : simulation.scene().graph.nodes()) {
     Value& entry = nodes[node->name()];
     entry["type"] = node->info().type;

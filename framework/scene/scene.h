@@ -37,9 +37,10 @@ class World final : public Configurable {
        .aboveMin = true,
        .softMin = 0.1,
        .softMax = 2,
-       .doc = "Makes steps as short as it takes that no particle flies farther than this many spacings in "
-              "one, gravity included, and no longer than dt. Frames stay at their times. Without it all steps "
-              "are equal."}};
+       .doc =
+           "Makes steps as short as it takes that no particle flies farther than this many spacings in "
+           "one, gravity included, and no longer than dt. Frames stay at their times. Without it all steps "
+           "are equal."}};
   Param<std::optional<double>> minDt{
       *this,
       "min_dt",

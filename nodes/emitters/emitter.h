@@ -70,6 +70,7 @@ class Emitter : public Node {
 
  private:
   void checkLayerSize(const SetupContext& context) const;
+  void warnOfSettings(const SetupContext& context) const;
   template <class Backend>
   void emitOn(Backend& device, std::int64_t count, double firstOffset, float flowSpeed);
 

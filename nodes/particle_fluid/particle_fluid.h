@@ -112,6 +112,8 @@ class ParticleFluid final : public Node {
   FluidStep fluidStep(const StepContext& time);
   Aabb domain() const;
   void checkEvents();
+  void warnOfSettings(const SetupContext& context);
+  double largestSpeed(Device& device);
   template <class Backend>
   void boundingBoxOn(Backend& device);
   template <class Backend>

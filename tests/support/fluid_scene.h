@@ -44,13 +44,17 @@ class FluidScene {
   std::vector<Vec3f> positions() const;
   std::vector<Vec3f> velocities() const;
   NodeReport report();
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   StepContext context() const;
   std::vector<Vec3f> byId(const Array<Vec3f>& values) const;
 
   Device& device_;
-  Log log_;
+  std::vector<std::string> warnings_;
+  Log log_{[this](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarning) warnings_.emplace_back(text);
+  }};
   Registry registry_;
   SceneGraph graph_;
   ParticleFluid* fluid_;
