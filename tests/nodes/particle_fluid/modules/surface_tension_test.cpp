@@ -135,7 +135,9 @@ double speedOfDrop(Device& device, double coefficient, float supportRatio,
                    withTension(coefficient, 0));
   scene.gravity = {};
   scene.reset(2e-3);
-  warnings = scene.warnings();
+  warnings.clear();
+  for (const std::string& warning : scene.warnings())
+    if (contains(warning, "'tension'")) warnings.push_back(warning);  // the solver has its own at this step
   scene.step(100);
   scene.frame();
   double most = 0;
@@ -157,7 +159,7 @@ TEST(SurfaceTension, FliesApartWhereItWarnsOfTheStep) {
       ASSERT_EQ(wildWarnings.size(), 1u);
       EXPECT_CONTAINS(wildWarnings[0], "node 'water', module 'tension'");
       EXPECT_CONTAINS(wildWarnings[0], "coefficient·dt²/(rest_density·spacing⁴) = 4");
-      EXPECT_CONTAINS(wildWarnings[0], "at most 1.3 N");
+      EXPECT_CONTAINS(wildWarnings[0], "at most 1.2 N");
       EXPECT_LT(calm, 0.5);
       EXPECT_GT(wild, 4 * calm);
     }
