@@ -118,6 +118,11 @@ class Param final : public Property {
     return keyframes_.empty() ? double(value_) : keyframes_.mean(from, to);
   }
 
+  /// The largest from `from` to `to`, from <= to, in s.
+  T most(double from, double to) const requires std::floating_point<T> {
+    return keyframes_.empty() ? value_ : keyframes_.most(from, to);
+  }
+
   /// Checked like a value from a scene.
   void set(const T& value) { assign(ParamTraits<T>::toValue(value), {}); }
 

@@ -92,6 +92,14 @@ class Keyframes {
     return sum / (to - from);
   }
 
+  /// The largest value from `from` to `to`, from <= to.
+  T most(double from, double to) const requires std::floating_point<T> {
+    T most = std::max(at(from), at(to));
+    for (auto key = firstAfter(from); key != keys_.end() && key->first < to; ++key)
+      most = std::max(most, key->second);
+    return most;
+  }
+
  private:
   using Key = std::pair<double, T>;
 

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,9 +38,10 @@ struct SetupContext {
   Device& device;
   Log& log;
   const Registry& registry;
-  Vec3f gravity{};        ///< m/s²
-  double dt = 0;          ///< longest step that the clock will make, s
-  std::int64_t seed = 0;  ///< for random numbers
+  Vec3f gravity{};         ///< m/s²
+  double dt = 0;           ///< longest step that the clock will make, s
+  std::int64_t seed = 0;   ///< for random numbers
+  bool stepsVary = false;  ///< whether nodes are asked for their longestStep()
 };
 
 /// One step from `time` to `time + dt`, in seconds.
@@ -82,6 +84,13 @@ class Node : public Configurable {
   virtual void configure(const SetupContext&) {}
   /// Puts the node into its state at time 0 and fills its outputs.
   virtual void reset(const SetupContext& context) = 0;
+  /// How long the step that begins at `next.time` may be so that nothing of this node moves farther in it
+  /// than `cfl` times the distance that matters to it, in s, above 0; `next.dt` is the longest it will
+  /// become. Asked before each step, and only where the scene asks for such steps; may wait for the device.
+  /// The same state must give the same answer, bit for bit, as results depend on it.
+  virtual double longestStep(const StepContext& /*next*/, double /*cfl*/) {
+    return std::numeric_limits<double>::infinity();
+  }
   virtual void step(const StepContext&) {}
   /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks
   /// what is too costly for every step. May wait for the device.

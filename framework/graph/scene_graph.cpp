@@ -1,6 +1,7 @@
 #include "framework/graph/scene_graph.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
@@ -181,6 +182,14 @@ void SceneGraph::reset(const SetupContext& context) {
     const ProfileScope scope(context.device.profiler(), node->name());
     call(*node, context.device, [&] { node->reset(context); });
   }
+}
+
+double SceneGraph::longestStep(const StepContext& next, double cfl) {
+  animate(next.time);
+  double longest = std::numeric_limits<double>::infinity();
+  for (Node* node : order_)
+    call(*node, next.device, [&] { longest = std::min(longest, node->longestStep(next, cfl)); });
+  return longest;
 }
 
 void SceneGraph::step(const StepContext& context) {

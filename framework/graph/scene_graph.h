@@ -47,6 +47,8 @@ class SceneGraph {
   // The life of a simulation. Parameters that keyframes give take their values of the time first. An Error
   // that leaves these names the node.
   void reset(const SetupContext& context);  ///< configure from last to first, then reset from first to last
+  /// The least of all nodes' Node::longestStep; infinite if none asks for anything.
+  double longestStep(const StepContext& next, double cfl);
   void step(const StepContext& context);
   void frame(const StepContext& context);
 

@@ -16,6 +16,10 @@ namespace {
 // errors. This is far more than those, and far less than any difference that someone means.
 constexpr double kRounding = 1e-9;
 
+double leastParts(double ratio) {
+  return std::max(1.0, std::ceil(ratio * (1 - kRounding)));
+}
+
 /// The least number of equal steps that divides `interval` into parts no longer than `longest`.
 std::int64_t stepsIn(double interval, double longest) {
   const double ratio = interval / longest;
@@ -23,14 +27,20 @@ std::int64_t stepsIn(double interval, double longest) {
     throw sceneError(
         fmt::format("a step of {} s divides a frame of {} s into {:.3g} steps", longest, interval, ratio),
         fmt::format("at most {:.0e} steps in a frame", Clock::kMostStepsPerFrame),
-        "times are in seconds; a larger dt or a higher frame_rate makes fewer steps")
-        .inParameter("dt");
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ratio * (1 - kRounding))));
+        "times are in seconds; a larger dt or a higher frame_rate makes fewer steps");
+  return static_cast<std::int64_t>(leastParts(ratio));
 }
 
 }  // namespace
 
-Clock::Clock(double frameRate, double longestDt, double duration) : frameRate_(frameRate) {
+double evenStep(double remaining, double longest) {
+  WEIR_CHECK(remaining > 0);
+  WEIR_CHECK(longest > 0);
+  return remaining / leastParts(remaining / longest);
+}
+
+Clock::Clock(double frameRate, double longestDt, double duration)
+    : frameRate_(frameRate), duration_(duration) {
   WEIR_CHECK(frameRate > 0);
   WEIR_CHECK(longestDt > 0);
   WEIR_CHECK(duration >= 0);
@@ -55,6 +65,11 @@ Clock::Clock(double frameRate, double longestDt, double duration) : frameRate_(f
 
 double Clock::stepTime(std::int64_t frame, std::int64_t step) const {
   return frameTime(frame) + static_cast<double>(step) * dtAfterFrame(frame);
+}
+
+double Clock::endAfterFrame(std::int64_t frame) const {
+  if (frame < frames_) return frameTime(frame + 1);
+  return hasRest() ? duration_ : frameTime(frames_);
 }
 
 }  // namespace weir

@@ -1,9 +1,14 @@
-// Simulated time: frames at exact times, and equal steps between them.
+// Simulated time: frames at exact times, and equal steps between them, or steps whose length follows the
+// motion.
 #pragma once
 
 #include <cstdint>
 
 namespace weir {
+
+/// The first of the least number of equal steps that divide a time of `remaining` into parts no longer than
+/// `longest`, both above 0: so a time is met exactly, and no sliver is left for a last step.
+double evenStep(double remaining, double longest);
 
 /// Divides simulated time into frames and frames into equal steps. Frame k is at k / frameRate, computed from
 /// k each time, so nothing adds up over a long run.
@@ -27,13 +32,16 @@ class Clock {
   /// When a step starts.
   double stepTime(std::int64_t frame, std::int64_t step) const;
 
+  /// When the steps after a frame end: at the next frame, or behind the last one at the end of the duration.
+  double endAfterFrame(std::int64_t frame) const;
+
   bool hasRest() const { return restSteps_ > 0; }
   /// The longest step that the run makes; that of a frame if it makes none.
   double longestStep() const { return longestStep_; }
   std::int64_t totalSteps() const { return frames_ * steps_ + restSteps_; }
 
  private:
-  double frameRate_;
+  double frameRate_, duration_;
   std::int64_t frames_ = 0, steps_ = 0, restSteps_ = 0;
   double dt_ = 0, restDt_ = 0, longestStep_ = 0;
 };

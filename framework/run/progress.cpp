@@ -23,8 +23,8 @@ ProgressState ProgressState::of(const Simulation& simulation, std::int64_t lastF
   return {.frame = simulation.frame(),
           .lastFrame = lastFrame,
           .steps = simulation.stepsDone(),
-          .totalSteps = whole ? clock.totalSteps() : lastFrame * clock.stepsAfterFrame(0),
           .time = simulation.time(),
+          .endTime = whole ? clock.endAfterFrame(lastFrame) : clock.frameTime(lastFrame),
           .stepSeconds = simulation.stepSeconds(),
           .particles = simulation.particleCount()};
 }
@@ -39,6 +39,7 @@ void Progress::measure(const ProgressState& state, double now) {
     recent_.seconds = recent_.seconds * keep + elapsed;
     recent_.stepSeconds = recent_.stepSeconds * keep + state.stepSeconds - last_->stepSeconds;
     recent_.steps = recent_.steps * keep + static_cast<double>(state.steps - last_->steps);
+    recent_.simulated = recent_.simulated * keep + state.time - last_->time;
   }
   last_ = state;
   lastAt_ = now;
@@ -84,8 +85,10 @@ std::string Progress::text(const ProgressState& state) const {
   if (recent_.steps > 0) {
     constexpr double kMsPerSecond = 1000;
     text += fmt::format(" | {:.1f} ms/step", recent_.stepSeconds / recent_.steps * kMsPerSecond);
-    const auto stepsLeft = static_cast<double>(state.totalSteps - state.steps);
-    if (stepsLeft > 0) text += " | " + durationText(recent_.seconds / recent_.steps * stepsLeft) + " left";
+    const double left = state.endTime - state.time;
+    constexpr double kRounding = 1e-9;
+    if (left > kRounding * state.endTime && recent_.simulated > 0)
+      text += " | " + durationText(recent_.seconds / recent_.simulated * left) + " left";
   }
   return text;
 }

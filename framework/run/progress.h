@@ -14,9 +14,9 @@ namespace weir {
 /// What is shown of a run.
 struct ProgressState {
   std::int64_t frame = 0, lastFrame = 0;
-  std::int64_t steps = 0, totalSteps = 0;
-  double time = 0;         ///< simulated, s
-  double stepSeconds = 0;  ///< that steps took so far, without the observers
+  std::int64_t steps = 0;
+  double time = 0, endTime = 0;  ///< simulated, s
+  double stepSeconds = 0;        ///< that steps took so far, without the observers
   std::int64_t particles = 0;
 
   static ProgressState of(const Simulation& simulation, std::int64_t lastFrame);
@@ -51,7 +51,7 @@ class Progress {
 
   // Sums that fade, so that their quotients are means over the last while.
   struct Recent {
-    double seconds = 0, stepSeconds = 0, steps = 0;
+    double seconds = 0, stepSeconds = 0, steps = 0, simulated = 0;
   };
   Recent recent_;
   std::optional<ProgressState> last_;

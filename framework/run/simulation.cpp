@@ -1,6 +1,9 @@
 #include "framework/run/simulation.h"
 
+#include <algorithm>
+
 #include "framework/base/check.h"
+#include "framework/compute/profiler.h"
 
 namespace weir {
 
@@ -13,11 +16,16 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Clock clockOf(const Scene& scene) {
-  try {
-    return {scene.world.frameRate, scene.world.dt, scene.world.duration};
-  } catch (Error& e) {
-    throw e.at({.file = scene.file, .pointer = "/world"});
-  }
+  const World& world = scene.world;
+  const auto clockWith = [&](double dt, const Property& parameter) -> Clock {
+    try {
+      return {world.frameRate, dt, world.duration};
+    } catch (Error& e) {
+      throw e.at({.file = scene.file, .pointer = "/world"}).inParameter(parameter.name());
+    }
+  };
+  if (world.minDt.get()) clockWith(*world.minDt.get(), world.minDt);  // what it might come to
+  return clockWith(world.dt, world.dt);
 }
 
 Simulation::Simulation(std::unique_ptr<Scene> scene, Device& device, Log& log, const Registry& registry)
@@ -29,20 +37,28 @@ StepContext Simulation::stepContext() {
           .log = log_,
           .gravity = scene_->world.gravity,
           .time = time(),
-          .dt = clock_.dtAfterFrame(frame_),
+          .dt = stepsVary() ? longestStep() : clock_.dtAfterFrame(frame_),
           .index = stepsDone_};
+}
+
+double Simulation::longestStep() const {
+  const World& world = scene_->world;
+  return stepsVary() ? std::min(world.dt.get(), 1 / world.frameRate) : clock_.longestStep();
 }
 
 void Simulation::reset() {
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
+  time_ = 0;
+  lengths_ = {};
   scene_->animate(0);
   scene_->graph.reset({.device = device_,
                        .log = log_,
                        .registry = registry_,
                        .gravity = scene_->world.gravity,
-                       .dt = clock_.longestStep(),
-                       .seed = scene_->world.seed});
+                       .dt = longestStep(),
+                       .seed = scene_->world.seed,
+                       .stepsVary = stepsVary()});
   fresh_ = false;
   refresh();
   device_.synchronize();
@@ -51,22 +67,49 @@ void Simulation::reset() {
   stepSeconds_ = 0;
 }
 
+bool Simulation::stepIsLeft() const {
+  return stepsVary() ? time_ < clock_.endAfterFrame(frame_) : stepInFrame_ < clock_.stepsAfterFrame(frame_);
+}
+
+double Simulation::chooseStep(const StepContext& next) {
+  const ProfileScope scope(device_.profiler(), "time step");
+  const World& world = scene_->world;
+  const double wanted = scene_->graph.longestStep(next, *world.cfl.get());
+  double longest = std::min(next.dt, wanted);
+  if (!(longest >= world.shortestStep())) {
+    lengths_.leastWanted = lengths_.tooLong == 0 ? wanted : std::min(lengths_.leastWanted, wanted);
+    ++lengths_.tooLong;
+    longest = world.shortestStep();
+  }
+  return evenStep(clock_.endAfterFrame(frame_) - time_, longest);
+}
+
+void Simulation::passStep(double dt) {
+  lengths_.shortest = stepsDone_ == 0 ? dt : std::min(lengths_.shortest, dt);
+  lengths_.longest = std::max(lengths_.longest, dt);
+  const double end = clock_.endAfterFrame(frame_);
+  time_ = end - time_ <= dt ? end : time_ + dt;
+  ++stepInFrame_;
+  ++stepsDone_;
+}
+
 void Simulation::step() {
-  WEIR_CHECK(stepInFrame_ < clock_.stepsAfterFrame(frame_));
+  WEIR_CHECK(stepIsLeft());
   fresh_ = false;
   const WallClock::time_point start = WallClock::now();
   Profiler& profiler = device_.profiler();
   profiler.beginStep();
-  scene_->graph.step(stepContext());
+  StepContext context = stepContext();
+  if (stepsVary()) context.dt = chooseStep(context);
+  scene_->graph.step(context);
   profiler.endStep();
   profiler.poll();
-  ++stepInFrame_;
-  ++stepsDone_;
+  passStep(context.dt);
   stepSeconds_ += secondsSince(start);
 }
 
 bool Simulation::finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep) {
-  while (stepInFrame_ < clock_.stepsAfterFrame(frame_)) {
+  while (stepIsLeft()) {
     if (stop) return false;
     step();
     if (afterStep) afterStep();

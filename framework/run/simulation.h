@@ -37,14 +37,29 @@ class Simulation {
   /// Steps through what is left after the last frame. False if `stop` was set before that was done.
   bool finishRest(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
 
+  /// Whether the length of steps follows the motion ("cfl" in the scene's world), so that nobody knows how
+  /// many there will be.
+  bool stepsVary() const { return scene_->world.cfl.get().has_value(); }
+  /// The longest step that it may make, s.
+  double longestStep() const;
+
   std::int64_t frame() const { return frame_; }  ///< the last frame that was reached
   std::int64_t stepsDone() const { return stepsDone_; }
-  double time() const { return clock_.stepTime(frame_, stepInFrame_); }
+  double time() const { return stepsVary() ? time_ : clock_.stepTime(frame_, stepInFrame_); }
   bool atFrame() const { return stepInFrame_ == 0; }  ///< exactly at a frame time
   std::int64_t particleCount() const;
 
   /// Brings what nodes show and report up to date with the last step, as it always is at a frame.
   void refresh();
+
+  /// Of the steps so far.
+  struct StepLengths {
+    double shortest = 0, longest = 0;  ///< s
+    /// Where world.min_dt kept a step from being as short as the nodes asked, and the least that one asked.
+    std::int64_t tooLong = 0;
+    double leastWanted = 0;  ///< s
+  };
+  const StepLengths& stepLengths() const { return lengths_; }
 
   // Wall-clock times, in seconds.
   double setupSeconds() const { return setupSeconds_; }  ///< that the last reset took
@@ -56,6 +71,10 @@ class Simulation {
 
   /// The context of what comes next, with the world as it is then.
   StepContext stepContext();
+  bool stepIsLeft() const;
+  /// The length of the next step, where that follows the motion.
+  double chooseStep(const StepContext& next);
+  void passStep(double dt);
   bool finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep);
 
   std::unique_ptr<Scene> scene_;
@@ -64,6 +83,8 @@ class Simulation {
   const Registry& registry_;
   Clock clock_;
   std::int64_t frame_ = 0, stepInFrame_ = 0, stepsDone_ = 0;
+  double time_ = 0;  // where steps vary
+  StepLengths lengths_;
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
   WallClock::time_point resetAt_ = WallClock::now();
   double setupSeconds_ = 0, stepSeconds_ = 0;

@@ -54,6 +54,16 @@ Value stepTimes(Profiler& profiler) {
   return v;
 }
 
+Value stepLengths(const Simulation& simulation) {
+  const Simulation::StepLengths& lengths = simulation.stepLengths();
+  const auto steps = static_cast<double>(std::max<std::int64_t>(simulation.stepsDone(), 1));
+  Value v = Value::object();
+  v["shortest"] = lengths.shortest;
+  v["mean"] = simulation.time() / steps;
+  v["longest"] = lengths.longest;
+  return v;
+}
+
 Value moduleTimes(Profiler& profiler, std::int64_t steps) {
   Value v = Value::object();
   for (const ProfileEntry& entry : profiler.entries()) {
@@ -82,6 +92,20 @@ Value memoryValue(const Simulation& simulation) {
 void addReports(Simulation& simulation, Value& statistics) {
   Value nodes = Value::object();
   Value events = Value::array();
+  const auto addEvent = [&](std::string_view where, const RareEvent& event) {
+    if (event.count == 0) return;
+    Value v = Value::object();
+    v["node"] = where;
+    v["what"] = event.what;
+    v["count"] = event.count;
+    events.push(std::move(v));
+  };
+  const Simulation::StepLengths& lengths = simulation.stepLengths();
+  addEvent("world",
+           {fmt::format("steps were longer than cfl allows, because of min_dt: down to {:.3g} s would "
+                        "have been needed",
+                        lengths.leastWanted),
+            lengths.tooLong});
   for (const auto& node : simulation.scene().graph.nodes()) {
     Value& entry = nodes[node->name()];
     entry["type"] = node->info().type;
@@ -93,14 +117,7 @@ void addReports(Simulation& simulation, Value& statistics) {
       continue;
     }
     for (auto& [name, value] : report.statistics.asObject()) entry[name] = std::move(value);
-    for (const RareEvent& event : report.events) {
-      if (event.count == 0) continue;
-      Value v = Value::object();
-      v["node"] = node->name();
-      v["what"] = event.what;
-      v["count"] = event.count;
-      events.push(std::move(v));
-    }
+    for (const RareEvent& event : report.events) addEvent(node->name(), event);
   }
   statistics["nodes"] = std::move(nodes);
   statistics["rare_events"] = std::move(events);
@@ -123,7 +140,8 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["frames"] = simulation.frame();
   v["steps"] = simulation.stepsDone();
   v["simulated_seconds"] = simulation.time();
-  v["dt"] = simulation.clock().longestStep();
+  v["dt"] = simulation.longestStep();
+  v["time_step"] = stepLengths(simulation);
   v["wall_seconds"] = simulation.secondsSinceReset();
   v["setup_seconds"] = simulation.setupSeconds();
   v["stepping_seconds"] = simulation.stepSeconds();

@@ -22,11 +22,13 @@ std::size_t peakHostMemory();
 
 /// Everything about the run so far, as one object:
 ///   version, scene, title, end, device {name, back_end, description}, deterministic, particles, frames,
-///   steps, simulated_seconds, dt, wall_seconds, setup_seconds, stepping_seconds, step_ms {median, p95, mean,
-///   max}, modules_ms {"water/solver": {total, per_step, calls}}, memory {host_peak_bytes, device_peak_bytes,
-///   device_reserved_bytes, device_allocations}, blocking_readbacks,
-///   nodes {"water": {type, …what the node reports…}}, rare_events [{node, what, count}].
-/// A node that cannot report, as the run failed in it, has "error" instead. Waits for the device.
+///   steps, simulated_seconds, dt (the longest allowed), time_step {shortest, mean, longest}, wall_seconds,
+///   setup_seconds, stepping_seconds, step_ms {median, p95, mean, max}, modules_ms {"water/solver": {total,
+///   per_step, calls}}, memory {host_peak_bytes, device_peak_bytes, device_reserved_bytes,
+///   device_allocations}, blocking_readbacks, nodes {"water": {type, …what the node reports…}}, rare_events
+///   [{node, what, count}].
+/// The node of a rare event of the time steps is "world". A node that cannot report, as the run failed in it,
+/// has "error" instead. Waits for the device.
 Value runStatistics(Simulation& simulation, RunEnd end);
 
 /// "water: 3 particles left the domain", from the "rare_events" of runStatistics.

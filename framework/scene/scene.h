@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,28 @@ class World final : public Configurable {
        .max = 1,
        .aboveMin = true,
        .doc = "Longest time step. A frame is divided into equal steps that are no longer than it."}};
+  Param<std::optional<double>> cfl{
+      *this,
+      "cfl",
+      std::nullopt,
+      {.min = 0,
+       .max = 1000,
+       .aboveMin = true,
+       .softMin = 0.1,
+       .softMax = 2,
+       .doc =
+           "Makes steps as short as it takes that no particle flies farther than this many spacings in "
+           "one, gravity included, and no longer than dt. Frames stay at their times. Without it all steps "
+           "are equal."}};
+  Param<std::optional<double>> minDt{
+      *this,
+      "min_dt",
+      std::nullopt,
+      {.unit = "s",
+       .min = 0,
+       .aboveMin = true,
+       .doc = "With cfl: steps are not made shorter than this for the sake of fast particles; where they "
+              "would have to be, that is counted and reported. A thousandth of dt if it is left out."}};
   Param<double> frameRate{
       *this,
       "frame_rate",
@@ -35,6 +58,9 @@ class World final : public Configurable {
   Param<double> duration{
       *this, "duration", 4.0, {.unit = "s", .min = 0, .max = 1e6, .doc = "Simulated time."}};
   Param<std::int64_t> seed{*this, "seed", 1, {.min = 0, .doc = "Seed of all random numbers."}};
+
+  void validate() const override;
+  double shortestStep() const { return minDt.get().value_or(dt * 1e-3); }  ///< with cfl, s
 };
 
 struct Scene {

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "framework/base/random.h"
+#include "framework/graph/setting_warning.h"
+#include "nodes/particles/flight.h"
 
 namespace weir {
 
@@ -29,6 +31,26 @@ void Emitter::checkLayerSize(const SetupContext& context) const {
                     name(), area(), size, spacing_, 100 * (covered / area() - 1)));
 }
 
+void Emitter::warnOfSettings(const SetupContext& context) const {
+  const std::string where = fmt::format("node '{}'", name());
+  const double fastest = speed.most(start, stop.get().value_or(std::numeric_limits<double>::max()));
+  const double travel = fastest * context.dt / spacing_;
+  if (!context.stepsVary && travel > kMostTravel * (1 + kSettingRounding))
+    warnOfSetting(
+        context.log, where,
+        fmt::format("a flow of {:.4g} m/s moves {:.3g} spacings in a step of {:.3g} s", fastest, travel,
+                    context.dt),
+        fmt::format("a world.dt of at most {:.2g} s, or world.cfl", kMostTravel * spacing_ / fastest));
+  const double width = std::sqrt(area()) / spacing_;
+  if (width < kLeastSpacings * (1 - kSettingRounding))
+    warnOfSetting(context.log, where,
+                  fmt::format("the opening is {:.3g} spacings wide (the root of its area), so the jet is not "
+                              "resolved",
+                              width),
+                  fmt::format("a spacing of at most {:.2g} m, or an area of at least {:.2g} m²",
+                              std::sqrt(area()) / kLeastSpacings, std::pow(kLeastSpacings * spacing_, 2)));
+}
+
 void Emitter::reset(const SetupContext& context) {
   const auto request = particles.requested();
   if (!request)
@@ -36,6 +58,7 @@ void Emitter::reset(const SetupContext& context) {
                      "a link from '" + particles.path() + "' to the emitters of a ParticleFluid");
   spacing_ = request->spacing;
   checkLayerSize(context);
+  warnOfSettings(context);
   seed_ = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
   const Layer layer = makeLayer(context, spacing_);
   points_ = Array<Vec3f>(context.device, layer.points);
@@ -45,6 +68,14 @@ void Emitter::reset(const SetupContext& context) {
   particles->count = 0;
   particles->positions = Array<Vec3f>(context.device);
   particles->velocities = Array<Vec3f>(context.device);
+}
+
+double Emitter::longestStep(const StepContext& next, double cfl) {
+  const double begin = std::max(next.time, start.get());
+  const double end = std::min(next.time + next.dt, stop.get().value_or(next.time + next.dt));
+  const bool exhausted = maxParticles.get() && emitted_ >= *maxParticles.get();
+  if (end <= begin || exhausted) return Node::longestStep(next, cfl);
+  return timeToFly(cfl * spacing_, speed.most(begin, end), length(next.gravity));
 }
 
 void Emitter::step(const StepContext& context) {

@@ -45,6 +45,8 @@ class Emitter : public Node {
 
   void validate() const override;
   void reset(const SetupContext& context) final;
+  /// That of the particles that leave in the step.
+  double longestStep(const StepContext& next, double cfl) final;
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
 
@@ -68,6 +70,7 @@ class Emitter : public Node {
 
  private:
   void checkLayerSize(const SetupContext& context) const;
+  void warnOfSettings(const SetupContext& context) const;
   template <class Backend>
   void emitOn(Backend& device, std::int64_t count, double firstOffset, float flowSpeed);
 

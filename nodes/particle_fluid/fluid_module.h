@@ -8,6 +8,7 @@
 //   };
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,12 +37,27 @@ struct FluidStep {
   WallField& walls;                  ///< what rigid meshes do; empty where there are none
 };
 
+/// What is known of a fluid's run before its first step, for warnings.
+struct FluidOutlook {
+  const FluidConstants& constants;
+  double dt;        ///< the longest step, s
+  double pressure;  ///< at the bottom of the fluid that is there at first, once it rests: ρ0·|g|·h, Pa
+  Log& log;
+  std::string node;  ///< its name
+
+  /// A warning of a setting of a module, worded as warnOfSetting does it.
+  void warn(const Module& module, const std::string& found, const std::string& better) const;
+};
+
 class FluidModule : public Module {
  public:
   static constexpr std::string_view kFamily = "FluidModule";
 
   /// Before the first step: adds attributes, checks parameters against the fluid.
   virtual void reset(FluidStep&) {}
+  /// Warns of parameters that are known to be unstable or not enough, with the number that says so. Called
+  /// after reset, of modules that are enabled.
+  virtual void warn(const FluidOutlook&) const {}
   virtual void step(FluidStep& fluid) = 0;
   virtual void report(NodeReport&) {}
 };

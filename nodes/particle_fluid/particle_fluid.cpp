@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "nodes/particle_fluid/fluid_statistics.h"
+#include "nodes/particle_fluid/fluid_warnings.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
@@ -13,6 +15,7 @@
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
+#include "nodes/particles/flight.h"
 
 namespace weir {
 
@@ -68,12 +71,23 @@ void ParticleFluid::reset(const SetupContext& context) {
   FluidStep step = fluidStep(start);
   for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
   frame(start);
+  warnOfSettings(context);
 }
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
   return {time,     time.device,        constants_, state.particles, state.neighbors, state.boundaries,
           domain(), state.sinks.view(), state.walls};
+}
+
+double ParticleFluid::longestStep(const StepContext& next, double cfl) {
+  if (state_->particles.bound() == 0) return Node::longestStep(next, cfl);
+  return timeToFly(cfl * spacing, largestSpeed(next.device), length(next.gravity));
+}
+
+double ParticleFluid::largestSpeed(Device& onDevice) {
+  dispatch(onDevice, [&](auto& device) { speedOn(device); });
+  return std::sqrt(double(state_->speedSquared.toHost().front()));
 }
 
 void ParticleFluid::step(const StepContext& context) {
@@ -100,6 +114,20 @@ void ParticleFluid::frame(const StepContext& context) {
     dispatch(context.device, [&](auto& device) { densityOn(device); });
   }
   checkEvents();
+}
+
+void ParticleFluid::warnOfSettings(const SetupContext& context) {
+  State& state = *state_;
+  InitialFluid there;
+  if (state.particles.bound() > 0)
+    there = {.box = state.box.toHost().front(), .speed = largestSpeed(context.device)};
+  const FluidOutlook outlook{.constants = constants_,
+                             .dt = context.dt,
+                             .pressure = hydrostaticPressure(there, context.gravity, restDensity),
+                             .log = context.log,
+                             .node = name()};
+  warnOfFluid(outlook, there, context);
+  pipeline_.forEachEnabled([&](FluidModule& module) { module.warn(outlook); });
 }
 
 void ParticleFluid::checkEvents() {

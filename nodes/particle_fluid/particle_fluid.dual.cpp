@@ -18,6 +18,19 @@ struct UniteBoxes {
   WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 };
 
+struct SpeedSquared {
+  ArrayView<const Vec3f> velocities;
+  WEIR_HD float operator()(std::int64_t i) const {
+    const Vec3f v = velocities[i];
+    // Particles that are no numbers are removed and counted elsewhere.
+    return isFinite(v) ? dot(v, v) : 0.0f;
+  }
+};
+
+struct Larger {
+  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
+};
+
 struct Density {
   NeighborView neighbors;
   SpikyKernel kernel;
@@ -44,6 +57,13 @@ void ParticleFluid::boundingBoxOn(Backend& device) {
 }
 
 template <class Backend>
+void ParticleFluid::speedOn(Backend& device) {
+  State& state = *state_;
+  reduce(device, "largest speed", state.particles.count(), 0.0f,
+         SpeedSquared{state.particles.velocities().view()}, Larger{}, state.speedSquared.data());
+}
+
+template <class Backend>
 void ParticleFluid::densityOn(Backend& device) {
   State& state = *state_;
   parallelFor(
@@ -53,6 +73,7 @@ void ParticleFluid::densityOn(Backend& device) {
 }
 
 template void ParticleFluid::boundingBoxOn(ThisBackend&);
+template void ParticleFluid::speedOn(ThisBackend&);
 template void ParticleFluid::densityOn(ThisBackend&);
 
 }  // namespace weir

@@ -88,6 +88,7 @@ class ParticleFluid final : public Node {
   void validate() const override;
   void configure(const SetupContext& context) override;
   void reset(const SetupContext& context) override;
+  double longestStep(const StepContext& next, double cfl) override;
   void step(const StepContext& context) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
@@ -97,11 +98,17 @@ class ParticleFluid final : public Node {
   /// What exists from reset on, on the device of that reset.
   struct State {
     explicit State(Device& device)
-        : particles(device), neighbors(device), walls(device), box(device, 1), sinks(device) {}
+        : particles(device),
+          neighbors(device),
+          walls(device),
+          box(device, 1),
+          speedSquared(device, 1),
+          sinks(device) {}
     ParticleSet particles;
     NeighborList neighbors;
     WallField walls;
     Array<Aabb> box;
+    Array<float> speedSquared;  // the largest
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
@@ -113,8 +120,12 @@ class ParticleFluid final : public Node {
   FluidStep fluidStep(const StepContext& time);
   Aabb domain() const;
   void checkEvents();
+  void warnOfSettings(const SetupContext& context);
+  double largestSpeed(Device& device);
   template <class Backend>
   void boundingBoxOn(Backend& device);
+  template <class Backend>
+  void speedOn(Backend& device);
   template <class Backend>
   void densityOn(Backend& device);
 

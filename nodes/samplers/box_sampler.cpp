@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace weir {
 
 void BoxSampler::validate() const {
@@ -20,6 +22,8 @@ void BoxSampler::reset(const SetupContext& context) {
   const Vec3f lo = min, hi = max;
   const double volume = (double(hi.x) - lo.x) * (double(hi.y) - lo.y) * (double(hi.z) - lo.z);
   warnOfRounding(context, volume, spacing);
+  const Vec3f size = hi - lo;
+  warnOfThinness(context, std::min({size.x, size.y, size.z}), spacing);
 }
 
 }  // namespace weir

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "nodes/geometry/mesh_query.h"
@@ -28,6 +29,8 @@ void MeshSampler::reset(const SetupContext& context) {
            (margin == 0 || query.closestDistance(p, 2 * margin) >= margin);
   };
   fill(context, Lattice::inBox(box, spacing), inside);
+  const Vec3f size = box.hi - box.lo;
+  warnOfThinness(context, std::min({size.x, size.y, size.z}), spacing);
   if (diagnosis.closed() && margin == 0) warnOfRounding(context, std::abs(mesh.volume()), spacing);
 }
 

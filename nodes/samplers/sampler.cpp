@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "framework/base/random.h"
+#include "framework/graph/setting_warning.h"
 
 namespace weir {
 
@@ -36,6 +37,14 @@ void Sampler::warnOfRounding(const SetupContext& context, double volume, float s
         fmt::format("node '{}': its {} particles of {:.6g} m fill {:.3g} m³, {:+.0f} % of the "
                     "region's {:.3g} m³",
                     name(), particles->count, spacing, filled, 100 * (filled / volume - 1), volume));
+}
+
+void Sampler::warnOfThinness(const SetupContext& context, double thickness, float spacing) const {
+  if (thickness >= kLeastSpacings * spacing * (1 - kSettingRounding)) return;
+  warnOfSetting(context.log, fmt::format("node '{}'", name()),
+                fmt::format("the region is {:.3g} spacings thick, so the fluid in it is not resolved",
+                            thickness / spacing),
+                fmt::format("a spacing of at most {:.2g} m", thickness / kLeastSpacings));
 }
 
 void Sampler::step(const StepContext& context) {

@@ -33,6 +33,9 @@ class Sampler : public Node {
   /// Warns if the particles put out fill much more or less than `volume` m³.
   void warnOfRounding(const SetupContext& context, double volume, float spacing) const;
 
+  /// Warns of a region of that thickness, in m, if it has room for few particles across it only.
+  void warnOfThinness(const SetupContext& context, double thickness, float spacing) const;
+
  private:
   std::int64_t sampled_ = 0;
 };

@@ -11,6 +11,7 @@ void SphereSampler::reset(const SetupContext& context) {
   fill(context, Lattice::around(center, reach, spacing),
        [c = center.get(), r = radius.get()](const Vec3f& p) { return length(p - c) <= r; });
   warnOfRounding(context, 4 * std::numbers::pi / 3 * double(radius) * radius * radius, spacing);
+  warnOfThinness(context, 2 * double(radius), spacing);
 }
 
 }  // namespace weir

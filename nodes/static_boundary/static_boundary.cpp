@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+
+#include "framework/graph/setting_warning.h"
 
 namespace weir {
 
@@ -106,11 +109,10 @@ void StaticBoundary::reset(const SetupContext& context) {
   // The finest fluid decides. Without one nobody asks for distances, and building them would be for nothing.
   const auto requests = boundary.requests();
   if (!requests.empty()) {
-    const float spacing =
-        std::min_element(requests.begin(), requests.end(), [](const auto& a, const auto& b) {
-          return a.spacing < b.spacing;
-        })->spacing;
-    for (std::size_t i = 0; i < meshes.size(); ++i) addMesh(context, i, spacing);
+    const auto [finest, coarsest] = std::minmax_element(
+        requests.begin(), requests.end(), [](const auto& a, const auto& b) { return a.spacing < b.spacing; });
+    for (std::size_t i = 0; i < meshes.size(); ++i) addMesh(context, i, finest->spacing);
+    warnOfThinness(context, coarsest->spacing);
   }
   for (std::size_t i = 0; i < boundaries.size(); ++i) {
     const Boundary& other = boundaries[i];
@@ -118,6 +120,35 @@ void StaticBoundary::reset(const SetupContext& context) {
     boundary->meshes.insert(boundary->meshes.end(), other.meshes.begin(), other.meshes.end());
   }
   boundary->onDevice = Array<BoundaryPiece>(context.device, boundary->pieces);
+}
+
+double StaticBoundary::thickness() const {
+  const Vec3f size = max.get() - min.get();
+  switch (shape.get()) {
+    case BoundaryShape::kBox:
+      return std::min({size.x, size.y, size.z});
+    case BoundaryShape::kSphere:
+    case BoundaryShape::kCapsule:
+      return 2 * double(radius);
+    case BoundaryShape::kCylinder:
+    case BoundaryShape::kCone:
+      return std::min<double>(2 * double(radius), height);
+    case BoundaryShape::kNone:
+    case BoundaryShape::kPlane:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) const {
+  const double least = inverted ? kLeastSpacings : 1;
+  if (thickness() >= least * spacing * (1 - kSettingRounding)) return;
+  warnOfSetting(context.log, fmt::format("node '{}'", name()),
+                fmt::format("the {} is {:.3g} spacings thick, so {}", inverted ? "room inside" : "solid",
+                            thickness() / spacing,
+                            inverted ? "the fluid in it is not resolved" : "particles may pass through it"),
+                fmt::format("a thickness of at least {:.2g} m, or a spacing of at most {:.2g} m",
+                            least * spacing, thickness() / least));
 }
 
 void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {

@@ -77,6 +77,8 @@ class StaticBoundary final : public Node {
  private:
   Shape analyticShape() const;
   BoundaryPiece piece() const;
+  double thickness() const;  ///< of the shape, in m
+  void warnOfThinness(const SetupContext& context, float spacing) const;
   void addMesh(const SetupContext& context, std::size_t link, float spacing);
 };
 

@@ -35,7 +35,6 @@ class FluidScene {
   ParticleFluid& fluid() { return *fluid_; }
   Vec3f gravity{0, -9.8f, 0};
   std::int64_t seed = 1;
-  std::vector<std::string> warnings;  ///< so far
 
   void reset(double dt);
   void step(int steps = 1);
@@ -45,14 +44,16 @@ class FluidScene {
   std::vector<Vec3f> positions() const;
   std::vector<Vec3f> velocities() const;
   NodeReport report();
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   StepContext context() const;
   std::vector<Vec3f> byId(const Array<Vec3f>& values) const;
 
   Device& device_;
+  std::vector<std::string> warnings_;
   Log log_{[this](LogLevel level, std::string_view text) {
-    if (level == LogLevel::kWarning) warnings.emplace_back(text);
+    if (level == LogLevel::kWarning) warnings_.emplace_back(text);
   }};
   Registry registry_;
   SceneGraph graph_;

@@ -1,5 +1,11 @@
 #include "nodes/particle_fluid/modules/pbf.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "framework/graph/setting_warning.h"
+
 namespace weir {
 
 void Pbf::validate() const {
@@ -10,6 +16,22 @@ void Pbf::validate() const {
       throw sceneError(property->name() + " is given for the form \"unnormalized\"",
                        "only with \"form\": \"textbook\"")
           .inParameter(property->name());
+}
+
+void Pbf::warn(const FluidOutlook& outlook) const {
+  if (form == PbfForm::kTextbook) return;
+  // Its step over that of the textbook form, 10·ρ0·V0.
+  constexpr double kScale = 10, kLeast = 0.1, kMost = 1;
+  const FluidConstants& c = outlook.constants;
+  const double step = kScale * c.particleMass;
+  if (step >= kLeast * (1 - kSettingRounding) && step <= kMost * (1 + kSettingRounding)) return;
+  outlook.warn(
+      *this,
+      fmt::format("at a spacing of {:.4g} m its steps are {:.2g} times those of the textbook form, so "
+                  "they {}",
+                  c.spacing, step, step < kLeast ? "hardly act" : "overshoot"),
+      fmt::format("\"form\": \"textbook\", or a spacing from {:.2g} to {:.2g} m",
+                  std::cbrt(kLeast / (kScale * c.restDensity)), std::cbrt(kMost / (kScale * c.restDensity))));
 }
 
 void Pbf::report(NodeReport& report) {

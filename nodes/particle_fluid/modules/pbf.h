@@ -71,6 +71,8 @@ class Pbf final : public FluidModule {
 
   /// A scene Error for a parameter that the form does not have.
   void validate() const override;
+  /// Of a spacing at which steps of the unnormalized form are far from those of the textbook.
+  void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }

@@ -1,5 +1,10 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "framework/graph/setting_warning.h"
 #include "nodes/particle_fluid/scratch.h"
 
 namespace weir {
@@ -46,6 +51,35 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   sums_.resize(1);
   controlSeen_.emplace(fluid.device);
   steps_ = 0;
+}
+
+void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
+  const FluidConstants& c = outlook.constants;
+  if (tolerance.get()) {
+    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K).
+    const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
+    if (atRest > *tolerance.get() * (1 + kSettingRounding))
+      outlook.warn(*this,
+                   fmt::format("a tolerance of {:.3g} cannot be met: at rest the fluid's mean compression is "
+                               "{:.3g}, from its weight and bulk_modulus",
+                               *tolerance.get(), atRest),
+                   fmt::format("a tolerance of at least {:.2g}, or a bulk_modulus of at least {:.2g} Pa",
+                               atRest, 0.5 * outlook.pressure / *tolerance.get()));
+    return;
+  }
+  // Measured in dam breaks: a mean compression of about 0.01·(S/iterations)^0.8.
+  constexpr double kOfOne = 0.01, kExponent = 0.8, kMost = 0.05;
+  const double courant = std::sqrt(c.soundSpeedSquared()) * outlook.dt / c.spacing;
+  const double number = courant * courant;
+  const double expected = kOfOne * std::pow(number / iterations, kExponent);
+  if (expected <= kMost * (1 + kSettingRounding)) return;
+  const double goodRatio = std::pow(kMost / kOfOne, 1 / kExponent);
+  outlook.warn(
+      *this,
+      fmt::format("S = (c·dt/d)² = {:.3g} leaves a mean compression of about {:.2g} % after {} iterations",
+                  number, 100 * expected, iterations.get()),
+      fmt::format("a world.dt of at most {:.2g} s, or {:.0f} iterations, or a tolerance",
+                  outlook.dt * std::sqrt(goodRatio * iterations / number), std::ceil(number / goodRatio)));
 }
 
 bool SemiImplicitSolver::toleranceWasMet() {

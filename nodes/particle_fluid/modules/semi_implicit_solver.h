@@ -95,6 +95,8 @@ class SemiImplicitSolver final : public FluidModule {
 
   void validate() const override;
   void reset(FluidStep& fluid) override;
+  /// Of too few iterations for the step, and of a tolerance below the compression of the fluid at rest.
+  void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "framework/graph/setting_warning.h"
+
 namespace weir {
 
 void SurfaceTension::reset(FluidStep& fluid) {
@@ -13,6 +17,19 @@ void SurfaceTension::reset(FluidStep& fluid) {
         fmt::format("module '{}': surface tension needs a support_ratio of at least {}; at {:.4g} drops do "
                     "not become round",
                     name(), kLeastSupport, support));
+}
+
+void SurfaceTension::warn(const FluidOutlook& outlook) const {
+  constexpr double kMost = 0.5;
+  const FluidConstants& c = outlook.constants;
+  const double scale = outlook.dt * outlook.dt / (c.restDensity * std::pow(double(c.spacing), 4));
+  const double number = coefficient * scale;
+  if (number <= kMost * (1 + kSettingRounding)) return;
+  outlook.warn(
+      *this,
+      fmt::format("coefficient·dt²/(rest_density·spacing⁴) = {:.3g}, and above 1 the surface shakes", number),
+      fmt::format("a coefficient of at most {:.2g} N, or a world.dt of at most {:.2g} s", kMost / scale,
+                  outlook.dt * std::sqrt(kMost / number)));
 }
 
 }  // namespace weir

@@ -47,6 +47,9 @@ class SurfaceTension final : public FluidModule {
 
   /// Warns of a support too small for it.
   void reset(FluidStep& fluid) override;
+  /// Of a coefficient that is too much for the step. The force is explicit, so κ·dt²/(ρ0·d⁴) has a bound:
+  /// drops shake from about 1 on and fly apart at 4 (SurfaceTension.FliesApart… in the tests).
+  void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {
     if (coefficient > 0 || airPressure > 0)
       dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });

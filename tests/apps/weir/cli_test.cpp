@@ -248,5 +248,54 @@ TEST_F(Cli, ResultsDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(states[0], states[2]);
 }
 
+TEST_F(Cli, StepsFollowTheMotionIfASceneAsksForIt) {
+  const std::string file = sceneWith("\"dt\": 0.002", "\"dt\": 0.01, \"cfl\": 0.4");
+  const std::string stats = folder / "stats.json";
+  std::vector<std::string> states;
+  for (const char* threads : {"1", "3"}) {
+    const ChildResult result =
+        runWeir({"run", file, "--stats", stats, "--device", "cpu", "--threads", threads});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const Value v = parseJson(readFile(stats), "stats");
+    EXPECT_EQ(member(v, {"frames"}).asInt(), 5);
+    EXPECT_EQ(member(v, {"simulated_seconds"}).asDouble(), 5 / 50.0);
+    EXPECT_EQ(member(v, {"dt"}).asDouble(), 0.01);
+    const double shortest = member(v, {"time_step", "shortest"}).asDouble();
+    // It falls for 0.1 s, or meets the walls: 1 m/s · dt is about 0.4 · 0.02 m.
+    EXPECT_GT(shortest, 0.003);
+    EXPECT_LT(shortest, 0.01);
+    EXPECT_NEAR(member(v, {"time_step", "longest"}).asDouble(), 0.01, 1e-12);
+    EXPECT_EQ(member(v, {"modules_ms", "time step", "calls"}).asInt(), member(v, {"steps"}).asInt());
+    states.push_back(writeJson(member(v, {"nodes"})) + writeJson(member(v, {"time_step"})));
+  }
+  EXPECT_EQ(states[0], states[1]);
+}
+
+TEST_F(Cli, WrongStepSettingsNameTheirPlace) {
+  expectFailure(runWeir({"run", sceneWith("\"dt\": 0.002", "\"cfl\": -0.4")}), 3,
+                {"scene.json:4", "/world/cfl", "-0.4", "above 0"});
+  expectFailure(runWeir({"validate", sceneWith("\"dt\": 0.002", "\"cfl\": \"fast\"")}), 3,
+                {"scene.json:4", "/world/cfl", "fast"});
+  expectFailure(runWeir({"validate", scene(), "--set", "world.min_dt=0.001"}), 3, {"min_dt", "without cfl"});
+  expectFailure(runWeir({"validate", scene(), "--set", "world.cfl=1", "--set", "world.min_dt=1e-14"}), 3,
+                {"min_dt", "steps in a frame"});
+}
+
+TEST_F(Cli, TooFastASceneIsSlowedDownToMinDtAndToldSo) {
+  const ChildResult result =
+      runWeir({"run", scene(), "--set", "world.cfl=0.01", "--set", "world.min_dt=0.001", "--quiet"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_CONTAINS(result.err, "steps were longer than cfl allows");
+  EXPECT_CONTAINS(result.err, "min_dt");
+}
+
+TEST_F(Cli, WarnsBeforeTheRunOfWhatIsKnownToGoWrong) {
+  // c² = 1000 m²/s², so S = 1000·(0.01/0.02)².
+  const ChildResult result = runWeir({"run", scene(), "--set", "world.dt=0.01", "--frames", "0", "--quiet"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_CONTAINS(result.err, "warning: node 'water', module 'solver': S = (c·dt/d)² = 250 ");
+  EXPECT_EQ(result.err.find("warning", 10), std::string::npos) << result.err;
+}
+
 }  // namespace
 }  // namespace weir::test

@@ -250,10 +250,10 @@ TEST(SemiAnalyticalSFI, SaysWhatIsWrongWithMeshes) {
   SolidScene scene(device, {{5, 5, 5}}, {}, object({}));
   scene.couple({holed});
   scene.reset(1e-3);
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_CONTAINS(scene.warnings[0], "11 triangles");
-  EXPECT_CONTAINS(scene.warnings[0], "3 open edges");
-  EXPECT_CONTAINS(scene.warnings[0], "sheet");
+  ASSERT_EQ(scene.warnings().size(), 1u);
+  EXPECT_CONTAINS(scene.warnings()[0], "11 triangles");
+  EXPECT_CONTAINS(scene.warnings()[0], "3 open edges");
+  EXPECT_CONTAINS(scene.warnings()[0], "sheet");
 }
 
 }  // namespace

@@ -128,5 +128,44 @@ TEST(SurfaceTension, CubeBecomesSphere) {
   }
 }
 
+/// The fastest particle of a drop after 0.2 s without gravity, at a step of 2 ms.
+double speedOfDrop(Device& device, double coefficient, float supportRatio,
+                   std::vector<std::string>& warnings) {
+  FluidScene scene(device, jitteredCube(8, kSpacing, 0, 1), {},
+                   object({{"spacing", kSpacing}, {"support_ratio", supportRatio}}),
+                   withTension(coefficient, 0));
+  scene.gravity = {};
+  scene.reset(2e-3);
+  warnings.clear();
+  for (const std::string& warning : scene.warnings())
+    if (contains(warning, "'tension'")) warnings.push_back(warning);  // the solver has its own at this step
+  scene.step(100);
+  scene.frame();
+  double most = 0;
+  for (const Vec3f& v : scene.velocities()) most = std::max(most, double(length(v)));
+  return most;
+}
+
+TEST(SurfaceTension, FliesApartWhereItWarnsOfTheStep) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    for (const float supportRatio : {2.0f, 2.5f}) {
+      std::vector<std::string> calmWarnings, wildWarnings;
+      // κ·dt²/(ρ0·d⁴) = κ·0.4/N.
+      const double calm = speedOfDrop(*device, 1, supportRatio, calmWarnings);
+      const double wild = speedOfDrop(*device, 10, supportRatio, wildWarnings);
+      std::printf("support ratio %.1f on %s: fastest particle %.3g m/s at 0.4, %.3g m/s at 4\n", supportRatio,
+                  name.c_str(), calm, wild);
+      EXPECT_TRUE(calmWarnings.empty());
+      ASSERT_EQ(wildWarnings.size(), 1u);
+      EXPECT_CONTAINS(wildWarnings[0], "node 'water', module 'tension'");
+      EXPECT_CONTAINS(wildWarnings[0], "coefficient·dt²/(rest_density·spacing⁴) = 4");
+      EXPECT_CONTAINS(wildWarnings[0], "at most 1.2 N");
+      EXPECT_LT(calm, 0.5);
+      EXPECT_GT(wild, 4 * calm);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace weir::test
