@@ -12,7 +12,12 @@ void Pbf::validate() const {
           .inParameter(property->name());
 }
 
+void Pbf::record(FluidStep& fluid) {
+  if (recordObjective) objective_.measure(fluid, BulkEnergy(), tension, state_.view(), displacement_.view());
+}
+
 void Pbf::report(NodeReport& report) {
+  if (recordObjective) objective_.report(report);
   report.statistics["solver_iterations"] = iterations.get();
 }
 

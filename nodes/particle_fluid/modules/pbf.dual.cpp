@@ -114,9 +114,12 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
                         state_.view()};
 
   parallelFor(device, "start", count, StartDisplacement{positions, state_.view(), displacement_.view()});
+  if (recordObjective) objective_.begin(fluid, iterations + 1);
+  record(fluid);
   for (int k = 0; k < iterations; ++k) {
     parallelFor(device, "multipliers", count, multiplier);
     parallelFor(device, "correct", count, correct);
+    record(fluid);
   }
   parallelFor(device, "finish", count,
               FinishDisplacement{1 / static_cast<float>(fluid.time.dt), displacement_.view(), positions,

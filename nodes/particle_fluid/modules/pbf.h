@@ -15,6 +15,7 @@
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/objective.h"
 
 namespace weir {
 
@@ -68,6 +69,14 @@ class Pbf final : public FluidModule {
       "tension",
       false,
       {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
+  Param<bool> recordObjective{
+      *this,
+      "record_objective",
+      false,
+      {.live = true,
+       .doc =
+           "Report the objective ψ of SemiImplicitSolver with b0 after each iteration of the last step, for "
+           "studies of convergence."}};
 
   /// A scene Error for a parameter that the form does not have.
   void validate() const override;
@@ -80,6 +89,10 @@ class Pbf final : public FluidModule {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 
+  /// Where the iterations have come to, if that is recorded.
+  void record(FluidStep& fluid);
+
+  ObjectiveRecord objective_;
   // Position and ℓ of each particle, before and after the pass of the multipliers; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;
