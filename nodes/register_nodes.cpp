@@ -20,6 +20,7 @@
 #include "nodes/samplers/sphere_sampler.h"
 #include "nodes/sink/sink.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "nodes/terrain/terrain.h"
 #include "nodes/turning_model/turning_model.h"
 
 namespace weir {
@@ -36,6 +37,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();
+  registry.addNode<Terrain>();
   registry.addNode<TurningModel>();
 
   registry.addModule<Predict>();

@@ -52,6 +52,8 @@ def run_figure(figure, options, say):
     factor = scenes.time_factor(figure.scaling, scale)
     common = scenes.scaled(scene, figure.scaling, scale, figure.lengths)
     common["world.duration"] = scenes.text(duration(scene, figure, factor))
+    if scale < 1:
+        common.update(figure.reduced_settings)
     results = {}
     for run in figure.runs:
         settings = {**common, **run.settings}
@@ -59,7 +61,7 @@ def run_figure(figure, options, say):
         if spacing is not None and figure.scaling == "spacing":
             settings["water.spacing"] = scenes.text(float(spacing) / scale ** (1 / 3))
         result, seconds = program.run(options.weir, path, options.out / figure.key / run.name, settings,
-                                      options.device, pictures=figure.pictures, frames=run.frames,
+                                      options.device, pictures=figure.pictures and run.shown, frames=run.frames,
                                       threads=options.threads)
         results[run.name] = result
         say(f"{figure.key}/{run.name}: {seconds:.0f} s" + (", diverged" if result.error else ""))
@@ -75,7 +77,7 @@ def draw(figure, results, frames, out):
     for index, frame in enumerate(frames):
         names.append(f"{figure.key}_{index + 1}.jpg" if len(frames) > 1 else f"{figure.key}.jpg")
         panels = [(run.row, run.column, run.title, results[run.name].picture(frame),
-                   "diverged" if results[run.name].error else "") for run in figure.runs]
+                   "diverged" if results[run.name].error else "") for run in figure.runs if run.shown]
         montage.montage(panels, out / names[-1])
     if figure.plot:
         names.append(f"{figure.key}_plot.png")

@@ -13,15 +13,17 @@ TABLE_1 = (("Fig. 1", 23.0e6, 1670), ("Fig. 1", 831e3, 82.7), ("Fig. 1", 195e3, 
            ("Fig. 3", 600e3, 69.7), ("Fig. 7", 531e3, 35.9), ("Fig. 7", 135e3, 13.5), ("Fig. 9", 2.09e6, 45.9),
            ("Fig. 10", 20e3, 11.2))
 
-COLORS = {"ours": "#1f77b4", "pbf": "#d62728", "pbf_textbook": "#ff7f0e"}
+COLORS = {"ours": "#1f77b4", "stiff": "#17becf", "pbf": "#d62728", "pbf_code": "#9467bd", "pbf_textbook": "#ff7f0e"}
 STYLES = ("-", "--", ":", "-.")
 
 
-def panels(count, height=3.2):
-    figure, axes = plt.subplots(1, count, figsize=(4.6 * count, height), squeeze=False)
-    for axis in axes[0]:
+def panels(count, height=3.2, columns=None):
+    columns = columns or count
+    rows = (count + columns - 1) // columns
+    figure, axes = plt.subplots(rows, columns, figsize=(4.6 * columns, height * rows), squeeze=False)
+    for axis in axes.flat:
         axis.grid(True, color="#dddddd", linewidth=0.6)
-    return figure, axes[0]
+    return figure, list(axes.flat)
 
 
 def finish(figure, file):
@@ -63,7 +65,7 @@ def convergence_axis(axis, title):
 
 def bulk_energies(figure, results, file):
     """Figure 5: B and its derivative; relative error by iteration with and without search."""
-    drawing, axes = panels(4)
+    drawing, axes = panels(4, columns=2)
     lambdas = [0.5 + k / 100 for k in range(101)]
     for power, color in zip((1, 2, 3), ("#1f77b4", "#2ca02c", "#d62728")):
         name = f"B{power - 1}"

@@ -51,10 +51,13 @@ def scaled(scene, scaling, scale, lengths=()):
     if scaling == "spacing":
         return {"water.spacing": text(parameter(scene, "water.spacing") / factor)}
     if scaling == "size":
-        return {path: text(multiplied(parameter(scene, path), factor)) for path in lengths}
+        settings = {path: text(multiplied(parameter(scene, path), factor)) for path in lengths}
+        speeds = parameter(scene, "render.color.range")
+        settings["render.color.range"] = text(multiplied(speeds, time_factor(scaling, scale)))
+        return settings
     raise ValueError(f"no scaling is called {scaling!r}")
 
 
 def time_factor(scaling, scale):
-    """How much earlier the same things happen: free fall takes the square root of a height."""
+    """How much earlier the same things happen, and how much slower: as the square root of a height."""
     return scale ** (1 / 6) if scaling == "size" else 1.0

@@ -3,7 +3,12 @@
 namespace weir {
 
 void Pbf::validate() const {
-  if (form == PbfForm::kTextbook) return;
+  if (form == PbfForm::kTextbook) {
+    if (stepFactor.isSet())
+      throw sceneError("a step is given for the form \"textbook\"", "only with \"form\": \"unnormalized\"")
+          .inParameter(stepFactor.name());
+    return;
+  }
   for (const Property* property :
        {static_cast<const Property*>(&epsilon), static_cast<const Property*>(&artificialPressure)})
     if (property->isSet())

@@ -89,7 +89,6 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   constexpr float kShortest = 1e-4f;            // spacings
   constexpr float kRepulsionDistance = 0.2f;    // support radii
   constexpr float kUnnormalizedEpsilon = 0.1f;  // 1/m⁸
-  constexpr float kUnnormalizedStep = 10;       // 1/kg, once ρ0·V0 is taken out
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const bool textbook = form == PbfForm::kTextbook;
@@ -100,7 +99,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
       fluid.neighbors.view(),
       gradient,
       textbook ? epsilon / area : kUnnormalizedEpsilon * c.particleVolume * c.particleVolume,
-      textbook ? 1.0f : kUnnormalizedStep * c.particleMass,
+      textbook ? 1.0f : stepFactor * c.particleMass,
       tension,
       state_.view(),
       weighted_.view()};
