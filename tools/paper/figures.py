@@ -99,7 +99,7 @@ FIGURES = [
         "Three representative bulk energy functions are employed to assess convergence: (a) the original bulk "
         "energy functions, (b) their first-order derivatives, and (c) the convergence rates for all three bulk "
         "energy functions.",
-        tuple(Run(f"{start}_{energy}_{length}", f"{energy.upper()}, {length} steps",
+        tuple(Run(f"{start}_{energy}_{length}", f"{energy.upper()}, {length} steps, {start}",
                   {"water.solver.energy": energy, "water.solver.step_length": length, **settings}, frames)
               for start, settings, frames in (
                   ("dam", {}, None),

@@ -33,7 +33,7 @@ def convergence_numbers(figure, results):
             continue
         steps = [cell(quantities.iterations_to(errors, level), "{}") for level in levels]
         grown = " (grew)" if objective[-1] > objective[0] else ""
-        lines.append(f"| {run.title} ({run.name}) | " + " | ".join(steps) +
+        lines.append(f"| {run.title} | " + " | ".join(steps) +
                      f" | {objective[0]:.4g} | {objective[-1]:.4g}{grown} |")
     return lines
 
@@ -45,9 +45,8 @@ def write(file, command, device, done, times):
         lines += [f"## Figure {figure.key[3:]}", "", "> " + figure.caption, "",
                   f"Scale {scale:g} of the paper's particle count.", ""]
         lines += [f"![Figure {figure.key[3:]}]({name})\n" for name in pictures]
-        lines += numbers(figure, results) + [""]
-        if figure.plot in ("bulk_energies", "convergence"):
-            lines += convergence_numbers(figure, results) + [""]
+        of_iterations = figure.plot in ("bulk_energies", "convergence")
+        lines += (convergence_numbers if of_iterations else numbers)(figure, results) + [""]
     if times:
         lines += ["## Table 1", "", "> Statistics and timings per timestep for all examples.", "",
                   "![Times](table1.png)", "", "| figure | particles | mean step (ms) |", "|---|---:|---:|"]
