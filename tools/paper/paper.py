@@ -37,10 +37,10 @@ def arguments(argv):
     return parsed
 
 
-def duration(scene, figure, factor):
+def duration(scene, times, factor):
     """Simulated seconds: as long as the scene says, or as the last picture needs, in a smaller world."""
     rate = scene["world"]["frame_rate"]
-    longest = max(figure.times) if figure.times else scene["world"]["duration"]
+    longest = max(times) if times else scene["world"]["duration"]
     return math.ceil(longest * factor * rate - 1e-6) / rate
 
 
@@ -50,8 +50,9 @@ def run_figure(figure, options, say):
     scene = scenes.read(path)
     scale = options.scale or figure.reduced
     factor = scenes.time_factor(figure.scaling, scale)
+    times = figure.reduced_times if scale < 1 and figure.reduced_times else figure.times
     common = scenes.scaled(scene, figure.scaling, scale, figure.lengths)
-    common["world.duration"] = scenes.text(duration(scene, figure, factor))
+    common["world.duration"] = scenes.text(duration(scene, times, factor))
     if scale < 1:
         common.update(figure.reduced_settings)
     results = {}
@@ -66,7 +67,7 @@ def run_figure(figure, options, say):
         results[run.name] = result
         say(f"{figure.key}/{run.name}: {seconds:.0f} s" + (", diverged" if result.error else ""))
     rate = scene["world"]["frame_rate"]
-    return scale, results, [round(t * factor * rate) for t in figure.times]
+    return scale, results, [round(t * factor * rate) for t in times]
 
 
 def draw(figure, results, frames, out):

@@ -3,6 +3,7 @@
   frames/frame_00000.png …   stats.json   series.jsonl   command.txt   error.txt (if it failed)
 """
 
+import hashlib
 import json
 import shlex
 import shutil
@@ -60,10 +61,11 @@ def command_line(weir, scene, folder, settings, device, pictures=True, frames=No
 
 
 def run(weir, scene, folder, settings, device, **options):
-    """Runs, or finds the results of the very same command there. Returns (result, seconds)."""
+    """Runs, or finds the results of the very same command on the same scene there. Returns (result, seconds)."""
     folder = Path(folder)
     command = command_line(weir, scene, folder, settings, device, **options)
-    record = shlex.join(command) + "\n"
+    digest = hashlib.sha256(Path(scene).read_bytes()).hexdigest()
+    record = f"{shlex.join(command)}\n# scene {digest}\n"
     if (folder / "command.txt").exists() and (folder / "command.txt").read_text() == record:
         return Result(folder), 0.0
     shutil.rmtree(folder, ignore_errors=True)

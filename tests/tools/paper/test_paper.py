@@ -83,13 +83,15 @@ class Program(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.weir = Path(self.folder.name) / "weir"
         self.out = Path(self.folder.name) / "out"
+        self.scene = Path(self.folder.name) / "s.json"
+        self.scene.write_text("{}")
 
     def stand_in(self, script):
         self.weir.write_text("#!/bin/sh\n" + script)
         self.weir.chmod(self.weir.stat().st_mode | stat.S_IXUSR)
 
     def run_it(self, **settings):
-        return program.run(self.weir, "s.json", self.out, settings, "cpu", pictures=False)
+        return program.run(self.weir, self.scene, self.out, settings, "cpu", pictures=False)
 
     def test_the_command_line_holds_every_setting(self):
         line = program.command_line("weir", "s.json", Path("o"), {"water.spacing": "0.02"}, "cuda", frames=3, threads=2)
@@ -107,6 +109,9 @@ class Program(unittest.TestCase):
         self.assertEqual(count(), 1)
         self.run_it(a="2")
         self.assertEqual(count(), 2)
+        self.scene.write_text('{"title": "changed"}')
+        self.run_it(a="2")
+        self.assertEqual(count(), 3)
 
     def test_a_simulation_that_diverges_is_a_result_other_failures_are_not(self):
         self.stand_in("echo 'error: it diverged' >&2\nexit 4\n")
