@@ -80,9 +80,9 @@ FIGURES = [
         "whereas our method remains stable without the need to adjust numerical parameters.",
         tuple(Run(method, METHODS[method][0], METHODS[method][1], column=i)
               for i, method in enumerate(("ours", "pbf"))),
-        reduced=0.06, times=(0.8, 1.6), timed="ours",
+        reduced=0.05, times=(0.8, 1.6), timed="ours",
         lengths=("sea.min", "sea.max", "wave.min", "wave.max", "tank.min", "tank.max", "shore.size", "shore.profile",
-                 "shore.roughness", "shore.feature_size", "shore.rock_size", "shore.rock_range",
+                 "shore.roughness", "shore.thickness", "shore.feature_size", "shore.rock_size", "shore.rock_range",
                  "render.camera.eye", "render.camera.target")),
     Figure(
         "fig4", "fig4_momentum.json",
@@ -115,7 +115,7 @@ FIGURES = [
         "method employed 3 iterations. The strengths of the artificial viscosity solver (XSPH) are identically "
         "set at 0.3.",
         by_method(("ours", "pbf", "pbf_code"), (0.001, 0.005, 0.01), "world.dt", lambda dt: f"dt = {1000 * dt:g} ms"),
-        reduced=1, times=(0.4, 0.8), plot="energy_and_compression"),
+        reduced=0.3, times=(0.4, 0.8), plot="energy_and_compression"),
     Figure(
         "fig7", "fig7_spacings.json",
         "Comparison to the PBF method. The dam-break is respectively simulated using the PBF method and our "
@@ -123,7 +123,7 @@ FIGURES = [
         "are defined as 1.2 times the particle size dx, and the gravity is 9.8m/s².",
         by_method(("ours", "stiff", "pbf", "pbf_textbook"), (0.01, 0.015, 0.02, 0.04), "water.spacing",
                   millimetres),
-        reduced=0.08, times=(0.75,), plot="energy_and_compression", timed="ours"),
+        reduced=0.05, times=(0.75,), plot="energy_and_compression", timed="ours"),
     Figure(
         "fig8", "fig8_convergence.json",
         "We compare the convergence of the dam-break scenario in Figure 7, with different particle sizes: (a) "
@@ -132,12 +132,12 @@ FIGURES = [
         "contrast to our method, the convergence speed of the PBF method is significantly influenced by the "
         "particle size.",
         by_method(("ours", "pbf", "pbf_code", "pbf_textbook"), (0.005, 0.0075, 0.01), "water.spacing", millimetres),
-        reduced=0.006, pictures=False, plot="convergence"),
+        reduced=0.004, pictures=False, plot="convergence"),
     Figure(
         "fig9", "fig9_fountain.json",
         "Fountain. This scenario consists of 2.5 million fluid particles and 1.5 million boundary triangle meshes, "
         "the particle sizes are set to 0.01m.",
-        (Run("ours", ""),), reduced=0.04, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 8.0),
+        (Run("ours", ""),), reduced=0.03, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 8.0),
         timed="ours", reduced_settings={"fountain.segments": "128"}),
     Figure(
         "fig10", "fig10_goblet.json",

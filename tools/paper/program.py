@@ -60,12 +60,19 @@ def command_line(weir, scene, folder, settings, device, pictures=True, frames=No
     return command + ["--stats", str(folder / "stats.json"), "--series", str(folder / "series.jsonl")]
 
 
+def record_of(scene, settings, device, threads=None, **options):
+    """What decides a run's results: neither where files lie nor, on the CPU, how many threads there are."""
+    del threads
+    digest = hashlib.sha256(Path(scene).read_bytes()).hexdigest()
+    command = command_line("weir", Path(scene).name, Path("."), settings, device, **options)
+    return f"{shlex.join(command)}\n# scene {digest}\n"
+
+
 def run(weir, scene, folder, settings, device, **options):
     """Runs, or finds the results of the very same command on the same scene there. Returns (result, seconds)."""
     folder = Path(folder)
     command = command_line(weir, scene, folder, settings, device, **options)
-    digest = hashlib.sha256(Path(scene).read_bytes()).hexdigest()
-    record = f"{shlex.join(command)}\n# scene {digest}\n"
+    record = record_of(scene, settings, device, **options)
     if (folder / "command.txt").exists() and (folder / "command.txt").read_text() == record:
         return Result(folder), 0.0
     shutil.rmtree(folder, ignore_errors=True)
@@ -73,7 +80,7 @@ def run(weir, scene, folder, settings, device, **options):
     started = time.monotonic()
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode not in (0, SIMULATION_FAILED):
-        raise RunFailed(f"exit code {done.returncode} of\n  {record}{done.stderr}")
+        raise RunFailed(f"exit code {done.returncode} of\n  {shlex.join(command)}\n{done.stderr}")
     if done.returncode == SIMULATION_FAILED:
         (folder / "error.txt").write_text(done.stderr)
     (folder / "command.txt").write_text(record)  # last: a folder without it is not complete
