@@ -70,16 +70,29 @@ def run_figure(figure, options, say):
     return scale, results, [round(t * factor * rate) for t in times]
 
 
+def montages(figure, results, frames):
+    """(file name, panels) of each montage: one for each moment, or one of all moments where there is but one run."""
+    shown = [run for run in figure.runs if run.shown]
+    if len(shown) == 1 and frames:
+        run, result = shown[0], results[shown[0].name]
+        return [(f"{figure.key}.jpg",
+                 [(0, column, run.title, result.picture(frame), "") for column, frame in enumerate(frames)])]
+    made = []
+    for index, frame in enumerate(frames):
+        name = f"{figure.key}_{index + 1}.jpg" if len(frames) > 1 else f"{figure.key}.jpg"
+        made.append((name, [(run.row, run.column, run.title, results[run.name].picture(frame),
+                             "diverged" if results[run.name].error else "") for run in shown]))
+    return made
+
+
 def draw(figure, results, frames, out):
     """Writes the figure's montages and plot; their names."""
     import montage  # matplotlib is slow to load
     import plots
     names = []
-    for index, frame in enumerate(frames):
-        names.append(f"{figure.key}_{index + 1}.jpg" if len(frames) > 1 else f"{figure.key}.jpg")
-        panels = [(run.row, run.column, run.title, results[run.name].picture(frame),
-                   "diverged" if results[run.name].error else "") for run in figure.runs if run.shown]
-        montage.montage(panels, out / names[-1])
+    for name, panels in montages(figure, results, frames):
+        montage.montage(panels, out / name)
+        names.append(name)
     if figure.plot:
         names.append(f"{figure.key}_plot.png")
         getattr(plots, figure.plot)(figure, results, out / names[-1])

@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools" / "paper"))
 
 import figures  # noqa: E402
+import paper  # noqa: E402
 import program  # noqa: E402
 import quantities  # noqa: E402
 import scene as scenes  # noqa: E402
@@ -73,6 +74,19 @@ class Figures(unittest.TestCase):
         self.assertEqual(figures.find([]), figures.FIGURES)
         with self.assertRaisesRegex(ValueError, "fig99.*allowed: fig1"):
             figures.find(["fig99"])
+
+
+class Montages(unittest.TestCase):
+    def test_a_montage_a_moment_or_one_of_all_moments_of_a_single_run(self):
+        def made(key, frames):
+            figure = figures.find([key])[0]
+            results = {run.name: program.Result(Path("none")) for run in figure.runs}
+            return [(name, len(panels)) for name, panels in paper.montages(figure, results, frames)]
+
+        self.assertEqual(made("fig2", [1, 5]), [("fig2.jpg", 2)])
+        self.assertEqual(made("fig6", [4, 8]), [("fig6_1.jpg", 9), ("fig6_2.jpg", 9)])
+        self.assertEqual(made("fig4", [9]), [("fig4.jpg", 2)])  # the free blobs are not shown
+        self.assertEqual(made("fig8", []), [])
 
 
 class Program(unittest.TestCase):
