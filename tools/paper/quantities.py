@@ -1,7 +1,6 @@
 """Numbers for the plots, from what runs wrote."""
 
 import math
-import statistics
 
 
 def relative_errors(objective):
@@ -65,7 +64,3 @@ def iterations_to(errors, level):
 def step_time(stats):
     """(particles at the end, mean ms a step)."""
     return stats["particles"], stats["step_ms"]["mean"]
-
-
-def typical(values):
-    return statistics.median(values)
