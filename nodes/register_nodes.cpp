@@ -24,6 +24,7 @@
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "nodes/sink/sink.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "nodes/terrain/terrain.h"
 #include "nodes/turning_model/turning_model.h"
 
 namespace weir {
@@ -41,6 +42,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<SphereSampler>();
   registry.addNode<SquareEmitter>();
   registry.addNode<StaticBoundary>();
+  registry.addNode<Terrain>();
   registry.addNode<TurningModel>();
 
   registry.addModule<Predict>();

@@ -13,6 +13,7 @@
 #include "framework/base/text.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
+#include "framework/run/series.h"
 #include "framework/run/statistics.h"
 
 namespace weir::app {
@@ -115,6 +116,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   addOutputOptions();
   command_->add_option("--stats", stats_, "Write numbers about the run: times, memory, momentum, energies, …")
       ->type_name("FILE.json");
+  command_
+      ->add_option("--series", series_, "Write the same numbers for every frame, as one JSON object a line")
+      ->type_name("FILE.jsonl");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
   command_->add_flag("--deterministic", deterministic_,
                      "Make results bitwise the same from run to run on CUDA, too");
@@ -165,6 +169,7 @@ void RunCommand::checkOutputPaths() const {
   for (const Output& output : outputs_)
     for (std::size_t i = 0; i < output.options.size(); ++i) check(output.options[i], output.paths[i]);
   check({.name = "stats", .argument = "FILE.json", .extensions = {".json"}, .doc = ""}, stats_);
+  check({.name = "series", .argument = "FILE.jsonl", .extensions = {".jsonl"}, .doc = ""}, series_);
 }
 
 std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
@@ -175,6 +180,7 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
       if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
     if (!paths.empty()) observers.push_back(output.kind->create(paths));
   }
+  if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));
   observers.push_back(std::make_unique<StatisticsOutput>(stats_, program_.log()));
   return observers;
 }
@@ -186,6 +192,7 @@ void RunCommand::printResults() const {
   for (const Output& output : outputs_)
     for (const std::string& path : output.paths) print(path);
   print(stats_);
+  print(series_);
 }
 
 int RunCommand::run() {

@@ -46,6 +46,7 @@ class RunCommand {
   std::vector<std::string> set_;
   std::vector<std::string> plugin_;
   std::string stats_;
+  std::string series_;
   int threads_ = 0;
   bool deterministic_ = false;
   bool profileKernels_ = false;

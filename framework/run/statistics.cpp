@@ -153,6 +153,17 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   return v;
 }
 
+Value frameStatistics(Simulation& simulation) {
+  Value v = Value::object();
+  v["frame"] = simulation.frame();
+  v["time"] = simulation.time();
+  v["steps"] = simulation.stepsDone();
+  v["particles"] = simulation.particleCount();
+  v["stepping_seconds"] = simulation.stepSeconds();
+  addReports(simulation, v);
+  return v;
+}
+
 std::vector<std::string> rareEventTexts(const Value& statistics) {
   std::vector<std::string> texts;
   const Value* events = statistics.find("rare_events");

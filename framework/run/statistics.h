@@ -31,6 +31,10 @@ std::size_t peakHostMemory();
 /// has "error" instead. Waits for the device.
 Value runStatistics(Simulation& simulation, RunEnd end);
 
+/// What changes in time, at the frame that was just reached: frame, time [s], steps, particles,
+/// stepping_seconds, and nodes and rare_events as above. Waits for the device.
+Value frameStatistics(Simulation& simulation);
+
 /// "water: 3 particles left the domain", from the "rare_events" of runStatistics.
 std::vector<std::string> rareEventTexts(const Value& statistics);
 

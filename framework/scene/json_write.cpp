@@ -126,4 +126,10 @@ std::string writeJson(const Value& value) {
   return out + "\n";
 }
 
+std::string writeJsonLine(const Value& value) {
+  std::string out;
+  writeLine(out, value, std::string::npos);
+  return out + "\n";
+}
+
 }  // namespace weir

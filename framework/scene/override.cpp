@@ -121,7 +121,8 @@ std::vector<std::string> moduleNames(Node& node, const Value& spec) {
   return names;
 }
 
-/// Where in the node's spec NODE.a.b… stands: in "params", or in the "params" of module a.
+/// Where in the node's spec NODE.a.b… stands: in "params", or in the "params" of module a, or, for its type
+/// and whether it is enabled, in the module itself.
 Path pathInNode(const Override& o, const Value& spec, const Registry& registry) {
   Path rest(o.path.begin() + 1, o.path.end());
   const Value* type = spec.find("type");
@@ -137,8 +138,9 @@ Path pathInNode(const Override& o, const Value& spec, const Registry& registry) 
             o, inQuotes(o.path[0]) + " (" + type->asString() + ") has no module " + inQuotes(rest[0]),
             names.empty() ? "nothing: it has no modules" : joinNames(names), didYouMean(rest[0], names));
       }
+      const bool ofModuleItself = rest.size() == 2 && (rest[1] == "type" || rest[1] == "enabled");
       rest.insert(rest.begin(), "modules");
-      rest.insert(rest.begin() + 2, "params");
+      if (!ofModuleItself) rest.insert(rest.begin() + 2, "params");
       return rest;
     }
   }

@@ -29,6 +29,8 @@ Value parseJson(std::string_view text, const std::string& fileName);
 /// parseJson gives back an equal value, but for what JSON cannot hold: NaN and infinity are written as null,
 /// bytes that are no UTF-8 as U+FFFD.
 std::string writeJson(const Value& value);
+/// The same on a single line, however long, for files of one object a line (JSON Lines).
+std::string writeJsonLine(const Value& value);
 
 /// Reads a whole file. Throws an io Error that says why it cannot be read.
 std::string readTextFile(const std::filesystem::path& path, std::size_t largest);

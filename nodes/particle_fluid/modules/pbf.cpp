@@ -9,7 +9,12 @@
 namespace weir {
 
 void Pbf::validate() const {
-  if (form == PbfForm::kTextbook) return;
+  if (form == PbfForm::kTextbook) {
+    if (stepFactor.isSet())
+      throw sceneError("a step is given for the form \"textbook\"", "only with \"form\": \"unnormalized\"")
+          .inParameter(stepFactor.name());
+    return;
+  }
   for (const Property* property :
        {static_cast<const Property*>(&epsilon), static_cast<const Property*>(&artificialPressure)})
     if (property->isSet())
@@ -20,21 +25,28 @@ void Pbf::validate() const {
 
 void Pbf::warn(const FluidOutlook& outlook) const {
   if (form == PbfForm::kTextbook) return;
-  // Its step over that of the textbook form, 10·ρ0·V0.
-  constexpr double kScale = 10, kLeast = 0.1, kMost = 1;
+  // Its step over that of the textbook form.
+  constexpr double kLeast = 0.1, kMost = 1;
+  const double scale = stepFactor;
   const FluidConstants& c = outlook.constants;
-  const double step = kScale * c.particleMass;
+  const double step = scale * c.particleMass;
   if (step >= kLeast * (1 - kSettingRounding) && step <= kMost * (1 + kSettingRounding)) return;
   outlook.warn(
       *this,
       fmt::format("at a spacing of {:.4g} m its steps are {:.2g} times those of the textbook form, so "
                   "they {}",
                   c.spacing, step, step < kLeast ? "hardly act" : "overshoot"),
-      fmt::format("\"form\": \"textbook\", or a spacing from {:.2g} to {:.2g} m",
-                  std::cbrt(kLeast / (kScale * c.restDensity)), std::cbrt(kMost / (kScale * c.restDensity))));
+      fmt::format("\"form\": \"textbook\", a spacing from {:.2g} to {:.2g} m, or \"step\": {:.2g}",
+                  std::cbrt(kLeast / (scale * c.restDensity)), std::cbrt(kMost / (scale * c.restDensity)),
+                  1 / c.particleMass));
+}
+
+void Pbf::record(FluidStep& fluid) {
+  if (recordObjective) objective_.measure(fluid, BulkEnergy(), tension, state_.view(), displacement_.view());
 }
 
 void Pbf::report(NodeReport& report) {
+  if (recordObjective) objective_.report(report);
   report.statistics["solver_iterations"] = iterations.get();
 }
 

@@ -102,7 +102,6 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   constexpr float kShortest = 1e-4f;            // spacings
   constexpr float kRepulsionDistance = 0.2f;    // support radii
   constexpr float kUnnormalizedEpsilon = 0.1f;  // 1/m⁸
-  constexpr float kUnnormalizedStep = 10;       // 1/kg, once ρ0·V0 is taken out
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const bool textbook = form == PbfForm::kTextbook;
@@ -114,7 +113,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
       fluid.neighbors.view(),
       gradient,
       textbook ? epsilon / area : kUnnormalizedEpsilon * c.particleVolume * c.particleVolume,
-      textbook ? 1.0f : kUnnormalizedStep * c.particleMass,
+      textbook ? 1.0f : stepFactor * c.particleMass,
       tension,
       walls,
       displacement_.view(),
@@ -131,9 +130,12 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
                         state_.view()};
 
   parallelFor(device, "start", count, StartDisplacement{positions, state_.view(), displacement_.view()});
+  if (recordObjective) objective_.begin(fluid, iterations + 1);
+  record(fluid);
   for (int k = 0; k < iterations; ++k) {
     parallelFor(device, "multipliers", count, multiplier);
     parallelFor(device, "correct", count, correct);
+    record(fluid);
   }
   parallelFor(device, "finish", count,
               FinishDisplacement{1 / static_cast<float>(fluid.time.dt), displacement_.view(), positions,

@@ -11,10 +11,12 @@
 // The first is Macklin and Müller (2013), Eq. 8 to 14; ε = epsilon/d² and k = artificial_pressure·d² do not
 // depend on the scale. The second is what the paper's comparisons show. As ∇W = g/V0, it is the first with ε
 // = 0.1·V0² and a step 10·ρ0·V0 times as long: too short for fine particles, and unstable for coarse ones.
-// Both are symmetric in i and j, so every iteration conserves momentum. Velocities gain (x^N − x*)/dt.
+// `step` is that 10, which has to be tuned for each spacing. Both are symmetric in i and j, so every
+// iteration conserves momentum. Velocities gain (x^N − x*)/dt.
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/objective.h"
 
 namespace weir {
 
@@ -63,11 +65,31 @@ class Pbf final : public FluidModule {
        .softMax = 0.01,
        .live = true,
        .doc = "Repulsion of close particles in the textbook form, against clumps at free surfaces."}};
+  Param<float> stepFactor{
+      *this,
+      "step",
+      10,
+      {.unit = "1/kg",
+       .min = 0,
+       .aboveMin = true,
+       .softMin = 1,
+       .softMax = 1000,
+       .live = true,
+       .doc = "Length of the unnormalized form's steps: 1/(rest_density * spacing^3) makes "
+              "them as long as the textbook's."}};
   Param<bool> tension{
       *this,
       "tension",
       false,
       {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
+  Param<bool> recordObjective{
+      *this,
+      "record_objective",
+      false,
+      {.live = true,
+       .doc =
+           "Report the objective ψ of SemiImplicitSolver with b0 after each iteration of the last step, for "
+           "studies of convergence."}};
 
   /// A scene Error for a parameter that the form does not have.
   void validate() const override;
@@ -82,6 +104,10 @@ class Pbf final : public FluidModule {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 
+  /// Where the iterations have come to, if that is recorded.
+  void record(FluidStep& fluid);
+
+  ObjectiveRecord objective_;
   // Position and ℓ of each particle, before and after the pass of the multipliers; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;

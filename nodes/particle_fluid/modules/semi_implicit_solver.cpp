@@ -95,7 +95,12 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
   if (controlled() || searches()) fitScratch(fluid, excess_);
 }
 
+void SemiImplicitSolver::record(FluidStep& fluid) {
+  if (recordObjective) objective_.measure(fluid, bulkEnergy_, tension, state_.view(), displacement_.view());
+}
+
 void SemiImplicitSolver::report(NodeReport& report) {
+  if (recordObjective) objective_.report(report);
   Value& used = report.statistics["solver_iterations"];
   used = iterations.get();
   if (!tolerance.get() || control_.size() == 0) return;

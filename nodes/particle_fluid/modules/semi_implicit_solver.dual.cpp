@@ -261,11 +261,14 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                       weighted_.view()};
 
   parallelFor(device, "start", count, StartDisplacement{predicted, state_.view(), displacement_.view()});
+  if (recordObjective) objective_.begin(fluid, iterations + 1);
+  record(fluid);
   if (!controlled() && !searches()) {
     const Substitute substitute{pushOf, predicted, displacement_.view(), state_.view()};
     for (int k = 0; k < iterations; ++k) {
       parallelFor(device, "density", count, derivative);
       parallelFor(device, "substitute", count, substitute);
+      record(fluid);
     }
   } else {
     const Measure measure{bulkEnergy_, stiffness, displacement_.view(), excess_.view(),
@@ -294,6 +297,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
         controlSeen_->request(control_.data());
       }
       parallelFor(device, "update", count, update);
+      record(fluid);
     }
     if (!walls.empty()) parallelFor(device, "wall share", count, ConvergedShare{pushOf});
   }

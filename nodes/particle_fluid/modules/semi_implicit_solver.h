@@ -19,6 +19,7 @@
 #include "framework/compute/readback.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/objective.h"
 
 namespace weir {
 
@@ -92,6 +93,12 @@ class SemiImplicitSolver final : public FluidModule {
                                .max = 0.95,
                                .doc = "For chebyshev: the part of the error that a plain iteration leaves. "
                                       "Too high a value overshoots."}};
+  Param<bool> recordObjective{*this,
+                              "record_objective",
+                              false,
+                              {.live = true,
+                               .doc = "Report the objective ψ (Eq. 7) after each iteration of the last step, "
+                                      "for studies of convergence."}};
 
   void validate() const override;
   void reset(FluidStep& fluid) override;
@@ -129,7 +136,11 @@ class SemiImplicitSolver final : public FluidModule {
   bool accelerated() const { return acceleration == Acceleration::kChebyshev; }
   bool searches() const { return stepLength != StepLength::kFull; }
 
+  /// Where the iterations have come to, if that is recorded.
+  void record(FluidStep& fluid);
+
   BulkEnergy bulkEnergy_;
+  ObjectiveRecord objective_;
   // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;

@@ -1,6 +1,7 @@
 // The program as a user runs it: files and options in; exit codes, messages and files out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -79,6 +80,36 @@ TEST_F(Cli, RunsASceneAndWritesStatistics) {
   for (const char* key : {"neighbors", "compression", "solver_iterations", "linear_momentum",
                           "kinetic_energy", "potential_energy", "fluid_volume"})
     EXPECT_NE(water.find(key), nullptr) << key << " is missing in " << writeJson(water);
+}
+
+TEST_F(Cli, WritesASeriesOfFrames) {
+  const std::string series = folder / "series.jsonl";
+  ASSERT_EQ(runWeir({"run", scene(), "--series", series, "--set", "water.spacing=0.05"}).code, 0);
+  const std::string text = readFile(series);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6);
+  const Value last = parseJson(text.substr(text.rfind('\n', text.size() - 2)), "series");
+  EXPECT_EQ(member(last, {"frame"}).asInt(), 5);
+  // It has begun to fall to the side.
+  EXPECT_GT(member(last, {"nodes", "water", "linear_momentum"}).asArray()[0].asDouble(), 0);
+  expectFailure(runWeir({"run", scene(), "--series", folder / "s.json"}), 2, {"s.json", ".jsonl"});
+}
+
+TEST_F(Cli, SetChangesTheTypeOfAModule) {
+  const std::string stats = folder / "stats.json";
+  const auto objective = [&](const char* type) {
+    const ChildResult result =
+        runWeir({"run", scene(), "--stats", stats, "--frames", "1", "--set",
+                 std::string("water.solver.type=") + type, "--set", "water.solver.record_objective=true"});
+    EXPECT_EQ(result.code, 0) << result.err;
+    const Value v = parseJson(readFile(stats), "stats");
+    return member(v, {"nodes", "water", "objective_by_iteration"}).asArray();
+  };
+  const auto ours = objective("SemiImplicitSolver"), pbf = objective("Pbf");
+  EXPECT_EQ(ours.size(), 4u);
+  EXPECT_EQ(pbf.size(), 4u);
+  EXPECT_NE(ours.back(), pbf.back());
+  expectFailure(runWeir({"run", scene(), "--set", "water.solver.type=Pbx"}), 3,
+                {"--set water.solver.type=Pbx", "Pbx"});
 }
 
 TEST_F(Cli, SetFramesAndDurationOverrideTheScene) {
@@ -177,6 +208,16 @@ TEST_F(Cli, TheScenesOfTheProjectAreValid) {
   EXPECT_EQ(result.err, "");
 }
 
+TEST_F(Cli, TheScenesOfThePaperAreValid) {
+  std::vector<std::string> arguments{"validate"};
+  for (const auto& entry : std::filesystem::directory_iterator(resourcesFolder() + "/scenes/paper"))
+    arguments.push_back(entry.path().string());
+  EXPECT_GT(arguments.size(), 5u);
+  const ChildResult result = runWeir(arguments);
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+}
+
 TEST_F(Cli, AMissingMeshIsFoundByValidateAndRun) {
   const std::string text = resourcesFolder() + "/scenes/mesh_in_tank.json";
   for (const char* command : {"validate", "run"})
@@ -189,7 +230,7 @@ TEST_F(Cli, NodesSchemaInfoAndCompletion) {
   EXPECT_EQ(nodes.code, 0);
   for (const char* type : {"ParticleFluid", "StaticBoundary", "SquareEmitter", "TurningModel", "MeshFile",
                            "BoxSampler", "SphereSampler", "MeshSampler", "ParticleFile", "SemiImplicitSolver",
-                           "CircleEmitter", "MeshEmitter", "Sink"})
+                           "CircleEmitter", "MeshEmitter", "Sink", "Terrain"})
     EXPECT_CONTAINS(nodes.out, type);
   const ChildResult one = runWeir({"nodes", "ParticleFluid"});
   EXPECT_CONTAINS(one.out, "support_ratio");

@@ -27,6 +27,9 @@ constexpr const char* kEveryNode = R"({
     "spring": { "type": "MeshEmitter", "params": { "speed": 0.5, "max_particles": 50 } },
     "cup": { "type": "TurningModel",
              "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
+    "hill": { "type": "Terrain", "params": { "size": [0.6, 0.5], "cells": 8, "profile": [[-0.3, 0.1], [0.2, 0.05]],
+                                            "channel_width": 0.2, "channel_depth": 0.03, "roughness": 0.02,
+                                            "rocks": 2, "rock_range": [-0.1, 0.2] } },
     "glass": { "type": "StaticBoundary", "params": { "friction": 0.1 } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [-0.5, 0, -0.5], "max": [0.5, 1, 0.5], "inverted": true } },
@@ -45,7 +48,7 @@ constexpr const char* kEveryNode = R"({
     "nozzle.particles -> water.emitters", "pipe.particles -> water.emitters", "spring.particles -> water.emitters",
     "cup.surface -> spring.surface", "cup.surface -> glass.meshes", "cup.surface -> inside.surface",
     "inside.particles -> water.initial", "block.particles -> water.initial", "ball.particles -> water.initial",
-    "cup.surface -> drain.meshes", "drain.sink -> water.sinks",
+    "cup.surface -> drain.meshes", "hill.surface -> glass.meshes", "drain.sink -> water.sinks",
     "glass.boundary -> water.boundaries", "tank.boundary -> water.boundaries"
   ],
   "render": { "width": 64, "height": 36, "color": { "by": "speed", "range": [0, 3] } }

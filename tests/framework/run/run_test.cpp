@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "framework/run/series.h"
 #include "framework/run/statistics.h"
 #include "framework/scene/scene_file.h"
+#include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
 
 namespace weir {
@@ -23,6 +26,9 @@ class Bomb final : public Node {
   void step(const StepContext& context) override {
     if (context.index == failsAt) throw simulationError("boom");
     times.push_back(context.time);
+  }
+  void report(NodeReport& report) override {
+    report.statistics["steps_seen"] = static_cast<std::int64_t>(times.size());
   }
   std::vector<double> times;
 };
@@ -123,6 +129,48 @@ TEST_F(Run, AnObserverThatCannotBeginStopsTheRunBeforeItStarts) {
   test::errorOf([&] { runSimulation(*s, observers); });
   EXPECT_EQ(good.calls, (Calls{"begin", "end failed"}));
   EXPECT_TRUE(never.calls.empty());
+  EXPECT_EQ(s->stepsDone(), 0);
+}
+
+std::vector<Value> linesOf(const std::string& file) {
+  std::istringstream text(test::readFile(file));
+  std::vector<Value> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(parseJson(line, file));
+  return lines;
+}
+
+TEST_F(Run, ASeriesHasALineForEveryFrame) {
+  const test::TemporaryFolder folder;
+  const auto s = simulation();
+  SeriesOutput series(folder / "s.jsonl");
+  Observer* observers[] = {&series};
+  runSimulation(*s, observers);
+  const std::vector<Value> lines = linesOf(folder / "s.jsonl");
+  ASSERT_EQ(lines.size(), 4u);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto steps = static_cast<std::int64_t>(2 * k);
+    EXPECT_EQ(lines[k].find("frame")->asInt(), static_cast<std::int64_t>(k));
+    EXPECT_NEAR(lines[k].find("time")->asDouble(), 0.01 * double(k), 1e-15);
+    EXPECT_EQ(lines[k].find("steps")->asInt(), steps);
+    EXPECT_EQ(lines[k].find("nodes")->find("bomb")->find("steps_seen")->asInt(), steps);
+  }
+}
+
+TEST_F(Run, ASeriesOfAFailedRunHasTheFramesThatWereReached) {
+  const test::TemporaryFolder folder;
+  const auto s = simulation(R"({"fails_at": 5})");
+  SeriesOutput series(folder / "s.jsonl");
+  Observer* observers[] = {&series};
+  test::errorOf([&] { runSimulation(*s, observers); });
+  EXPECT_EQ(linesOf(folder / "s.jsonl").size(), 3u);
+}
+
+TEST_F(Run, ASeriesThatCannotBeWrittenStopsTheRunBeforeItStarts) {
+  const test::TemporaryFolder folder;
+  const auto s = simulation();
+  SeriesOutput series(folder / "none/s.jsonl");
+  Observer* observers[] = {&series};
+  EXPECT_EQ(test::errorOf([&] { runSimulation(*s, observers); }).kind(), ErrorKind::kIo);
   EXPECT_EQ(s->stepsDone(), 0);
 }
 

@@ -249,6 +249,9 @@ TEST(WriteJson, WhatItWritesReadsBackEqual) {
     const std::string text = writeJson(v);
     ASSERT_EQ(parse(text), v) << seed << "\n" << text;
     ASSERT_EQ(writeJson(parse(text)), text);
+    const std::string line = writeJsonLine(v);
+    ASSERT_EQ(parse(line), v) << seed << "\n" << line;
+    ASSERT_EQ(line.find('\n'), line.size() - 1) << line;
   }
 }
 

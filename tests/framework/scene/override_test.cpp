@@ -98,6 +98,17 @@ TEST_F(OverrideTest, MakesWhatTheFileLeavesOut) {
   EXPECT_EQ(scene->world.duration, 1);
 }
 
+TEST_F(OverrideTest, ReachesTheTypeOfAModuleAndWhetherItRuns) {
+  const auto result = [&](const std::vector<std::string>& settings) {
+    return dynamic_cast<test::Worker&>(*build(settings)->graph.find("worker")).result(10);
+  };
+  EXPECT_EQ(result({}), 10 * 0.5 * 2 + 1 + 1);
+  EXPECT_EQ(result({"worker.scale.enabled=false"}), 10 * 0.5 + 1 + 1);
+  EXPECT_EQ(result({"worker.extra.type=ScaleRule"}), (10 * 0.5 * 2 + 1) * 2);
+  EXPECT_CONTAINS(error("worker.scale.type=Stranger").what(), "Stranger");
+  EXPECT_CONTAINS(error("worker.scale.enabled=3").what(), "--set worker.scale.enabled=3");
+}
+
 TEST_F(OverrideTest, PathsAreRelativeToTheCurrentFolder) {
   const std::filesystem::path here = std::filesystem::current_path();
   const auto scene = build({"a.file=my.obj", "b.files=[\"one.obj\", \"/two.obj\"]"});

@@ -1,6 +1,8 @@
 // Position based fluids against a double-precision version.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "nodes/particle_fluid/modules/pbf.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/support/expect_error.h"
@@ -85,6 +87,29 @@ TEST(Pbf, TextbookDoesNotDependOnTheSpacingUnnormalizedDoes) {
   }
 }
 
+TEST(Pbf, UnnormalizedIsTheTextbookWithItsStepTuned) {
+  constexpr float kSpacing = 0.02f;
+  const std::vector<Vec3f> positions = jitteredCube(8, kSpacing, 0.2f, 7);
+  const auto device = openDevice("cpu");
+  const auto after = [&](Value params) {
+    FluidScene scene(*device, positions, {}, object({{"spacing", kSpacing}, {"calibration", "lattice"}}),
+                     object({{"solver", object({{"type", "Pbf"}, {"params", std::move(params)}})},
+                             {"viscosity", disabled()}}));
+    scene.reset(1e-3);
+    scene.step();
+    std::vector<Vec3d> result;
+    for (const Vec3f& p : scene.positions()) result.push_back(toDouble(p));
+    return std::pair(scene.positions(), result);
+  };
+  // The relaxations, 0.1·V0² and epsilon/d², are both too small to matter.
+  const double tuned = 1 / (1000 * std::pow(double(kSpacing), 3));
+  const auto textbook = after(object({{"form", "textbook"}, {"epsilon", 1e-6}}));
+  const auto unnormalized = after(object({{"form", "unnormalized"}, {"step", tuned}}));
+  const auto longer = after(object({{"form", "unnormalized"}, {"step", 1.1 * tuned}}));
+  EXPECT_LT(largestDifference(unnormalized.first, textbook.second) / kSpacing, 1e-4);
+  EXPECT_GT(largestDifference(longer.first, textbook.second) / kSpacing, 1e-3);
+}
+
 TEST(Pbf, ConservesMomentum) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
@@ -121,6 +146,9 @@ TEST(Pbf, RefusesParametersThatTheFormDoesNotHave) {
     EXPECT_CONTAINS(error.what(), name);
     EXPECT_CONTAINS(error.what(), "textbook");
   }
+  const Error error = errorOf([&] { Pbf().assignAll(object({{"step", 10}}), {"test", "", ""}); });
+  EXPECT_CONTAINS(error.what(), "step");
+  EXPECT_CONTAINS(error.what(), "unnormalized");
 }
 
 }  // namespace

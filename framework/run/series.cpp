@@ -1,0 +1,22 @@
+#include "framework/run/series.h"
+
+#include "framework/base/file_output.h"
+#include "framework/run/statistics.h"
+#include "framework/scene/scene_file.h"
+
+namespace weir {
+
+void SeriesOutput::begin(Simulation&) {
+  checkWritable(file_);
+  lines_.clear();
+}
+
+void SeriesOutput::frame(Simulation& simulation) {
+  lines_ += writeJsonLine(frameStatistics(simulation));
+}
+
+void SeriesOutput::end(Simulation&, RunEnd) {
+  writeFileAtomically(file_, lines_);
+}
+
+}  // namespace weir

@@ -1,0 +1,26 @@
+// What --series writes: numbers of every frame, for plots of how a run went.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "framework/run/observer.h"
+
+namespace weir {
+
+/// Writes one JSON object a line for each frame, frame 0 included (JSON Lines): see frameStatistics. The file
+/// appears, whole, when the run ends, also if it was interrupted or failed: then with the frames it reached.
+class SeriesOutput final : public Observer {
+ public:
+  explicit SeriesOutput(std::filesystem::path file) : file_(std::move(file)) {}
+
+  void begin(Simulation& simulation) override;
+  void frame(Simulation& simulation) override;
+  void end(Simulation& simulation, RunEnd how) override;
+
+ private:
+  std::filesystem::path file_;
+  std::string lines_;
+};
+
+}  // namespace weir
