@@ -57,8 +57,8 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles.positions().size());
   const bool several = walls.solids.size() > 1;
-  device.copy(walls.legal.data(), fluid.particles.positions().data(),
-              static_cast<std::size_t>(walls.stride) * sizeof(Vec3f));
+  walls.keepLegal(fluid.particles.positions());
+  walls.base = {};
   parallelFor(
       device, "wall integrals", fluid.particles.count(),
       FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.calibration,
