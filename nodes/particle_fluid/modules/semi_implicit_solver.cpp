@@ -6,6 +6,7 @@
 
 #include "framework/graph/setting_warning.h"
 #include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -95,6 +96,7 @@ bool SemiImplicitSolver::isDone() {
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, displacement_);
   if (accelerated()) fitScratch(fluid, plain_);
+  if (accelerated() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
   if (searches()) fitScratch(fluid, proposal_);
   if (controlled() || searches()) fitScratch(fluid, excess_);
 }

@@ -82,8 +82,8 @@ struct PushOf {
   }
 
   /// Moves the share of the walls in the displacement like the displacement itself.
-  WEIR_HD void followWalls(std::int64_t i, const Push& at) const {
-    if (!walls.empty()) walls.share[i] += (at.wall - walls.share[i]) / at.divisor;
+  WEIR_HD void followWalls(std::int64_t i, const Push& at, float stepLength = 1) const {
+    if (!walls.empty()) walls.share[i] += stepLength * (at.wall - walls.share[i]) / at.divisor;
   }
 };
 
@@ -267,9 +267,12 @@ struct Update {
   WEIR_HD Vec3f step(std::int64_t i, const Vec3f& u) const {
     if (stepLength == StepLength::kFull) {
       const Push at = pushOf(i);
+      pushOf.followWalls(i, at);
       return (at.push - u) / at.divisor;
     }
     const float alpha = stepLengthOf(stepLength == StepLength::kGlobal ? *sums : measure(i));
+    const WallFieldView& walls = pushOf.walls;
+    if (!walls.empty() && walls.d[i] > 0) pushOf.followWalls(i, pushOf(i), alpha);
     return alpha * xyz(measure.proposal[i]);
   }
 };
@@ -278,26 +281,29 @@ struct Update {
 struct Extrapolate {
   const Control* control;
   ArrayView<Vec3f> plain;
+  ArrayView<float> plainShare;  // of the walls; empty without them
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
+  ArrayView<float> share;
   ArrayView<Vec4f> state;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (control->done) return;
-    const Vec3f before = plain[i], u = displacement[i];
-    if (!control->takesBack) plain[i] = u;
-    if (!control->takesBack && control->momentum == 0) return;
-    const Vec3f moved = control->takesBack ? before : u + control->momentum * (u - before);
+    if (plainShare.size > 0) share[i] = extrapolated(plainShare[i], share[i]);
+    const Vec3f u = displacement[i], moved = extrapolated(plain[i], u);
+    if (moved == u) return;
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
     state[i] = {p.x, p.y, p.z, 0};
   }
-};
 
-/// The share of the walls in displacements that have converged: what they push in the end.
-struct ConvergedShare {
-  PushOf pushOf;
-  WEIR_HD void operator()(std::int64_t i) const { pushOf.walls.share[i] = pushOf(i).wall; }
+  template <class T>
+  WEIR_HD T extrapolated(T& before, const T& now) const {
+    const T last = before;
+    if (control->takesBack) return last;
+    before = now;
+    return control->momentum == 0 ? now : now + control->momentum * (now - last);
+  }
 };
 
 /// What walls do to the velocities beside holding the fluid: bounce and friction.
@@ -356,6 +362,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   parallelFor(device, "start", count,
               StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
   if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
+  fluid.walls.forgetShares();
   contain(device, fluid);
   if (recordObjective) objective_.begin(fluid, passes() * iterations + 1);
   record(fluid);
@@ -366,10 +373,6 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
     else
       substitute(device, fluid);
   }
-  // Where a displacement is only what its own iterations made it, they have followed the share of the walls.
-  if (!fluid.walls.empty() && (controlled() || searches() || passes() > 1))
-    parallelFor(device, "wall share", count,
-                ConvergedShare{makePushOf(fluid, conservative, bulkEnergy_, weighted_)});
   ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
   const float inverseDt = 1 / static_cast<float>(fluid.time.dt);
   parallelFor(
@@ -434,7 +437,9 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
     record(fluid);
     if (!accelerated()) continue;
     parallelFor(device, "extrapolate", count,
-                Extrapolate{control_.data(), plain_.view(), predicted, displacement_.view(), state_.view()});
+                Extrapolate{control_.data(), plain_.view(),
+                            fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
+                            displacement_.view(), fluid.walls.view().share, state_.view()});
     contain(device, fluid);
   }
 }

@@ -175,6 +175,7 @@ class SemiImplicitSolver final : public FluidModule {
   Array<float> excess_;
   Array<Vec4f> proposal_;
   Array<Vec3f> plain_;
+  Array<float> plainShare_;
   Array<Vec3f>* carried_ = nullptr;  // the displacement, as an attribute that sorting puts into its order
   Array<Sums> sums_;
   Array<Control> control_;
