@@ -1,27 +1,31 @@
-// Finds the packing calibration: which normalisation of the kernel gives rest density to fluid that has
-// settled, at one particle per d³. Prints the table of nodes/particle_fluid/fluid_constants.cpp, and how much
-// volume either calibration keeps.
+// Finds the packing calibration: which normalisation of the kernel gives rest density to settled fluid at one
+// particle per d³.
 //
-//   weir_packing_curve [SECONDS [THREADS [RATIO…]]]
+//   weir_packing_curve table [SWEEPS [TILES]]   the table of nodes/particle_fluid/fluid_constants.cpp
+//   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice loses
 //
-// A block with jittered particles collapses in a tank, splashes, and settles, so the packing that is left is
-// the one that motion makes, not that of the start. In its bulk, by a smooth window that is zero near walls
-// and surface, stand n particles per d³ at a mean relative density of λ. The kernel's sum over the same
-// arrangement is exactly 1 with s' = s·n/λ for particles of volume d³/n, whose support ratio is R' = R·∛n. So each
-// run gives a point (R', s') of the curve, whatever s it was made with, and neither the weight of the column
-// nor iterations that have not converged change it. The point is moved to R by its distance to the lattice
-// value, which varies slowly with R.
+// The table comes from tiles of fluid at rest, see nodes/particles/relaxed_tile.h, which have no walls and no
+// surface: s makes their mean density the rest density.
+//
+// For the check, a block collapses in a tank, splashes and settles, so that the packing that is left is the one
+// that motion makes. In its bulk, by a smooth window that is zero near walls and surface, stand n particles
+// per d³ at a mean relative density of λ. Gravity is weak, so that the column's own weight does not compress
+// it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by one
+// per thousand takes one per cent of the volume.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <vector>
 
+#include "framework/compute/cpu_threads.h"
 #include "framework/graph/registry.h"
 #include "framework/graph/scene_graph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/particles/relaxed_tile.h"
 #include "nodes/register_nodes.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/static_boundary/static_boundary.h"
@@ -32,7 +36,10 @@ namespace {
 constexpr double kSpacing = 0.01;                           // m
 constexpr double kWidth = 24, kBlockWidth = 12, kTall = 44;  // spacings
 constexpr double kMargin = 4;                               // spacings that walls and surface may disturb
-constexpr double kStep = 1e-3;                              // s
+constexpr double kStep = 1e-3;                               // s
+constexpr double kSeconds = 2;
+constexpr float kGravity = 1;  // m/s²
+constexpr int kIterations = 20;
 
 Value box(double x, double y, double z) {
   return Value::Array{x * kSpacing, y * kSpacing, z * kSpacing};
@@ -57,20 +64,20 @@ class Column {
     auto fluid = std::make_unique<ParticleFluid>();
     fluid->assignAll(
         object({{"spacing", kSpacing}, {"support_ratio", supportRatio}, {"calibration", calibration}}), {});
-    Value solver = object({{"params", object({{"iterations", 10}})}});
+    Value solver = object({{"params", object({{"iterations", kIterations}})}});
     fluid->pipeline()->assign(object({{"solver", solver}}), registry_, {});
     fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::move(fluid), "water"));
     graph_.link(SceneGraph::parseLink("block.particles -> water.initial"));
     graph_.link(SceneGraph::parseLink("tank.boundary -> water.boundaries"));
   }
 
-  Bulk settle(double seconds) {
-    const Vec3f gravity{0, -9.8f, 0};
+  Bulk settle() {
+    const Vec3f gravity{0, -kGravity, 0};
     graph_.reset({device_, log_, registry_, gravity, kStep, 1});
-    const auto steps = static_cast<std::int64_t>(std::llround(seconds / kStep));
+    const auto steps = static_cast<std::int64_t>(std::llround(kSeconds / kStep));
     for (std::int64_t k = 0; k < steps; ++k)
       graph_.step({device_, log_, gravity, kStep * double(k), kStep, k});
-    graph_.frame({device_, log_, gravity, seconds, kStep, steps});
+    graph_.frame({device_, log_, gravity, kSeconds, kStep, steps});
     return measure();
   }
 
@@ -108,25 +115,48 @@ class Column {
   ParticleFluid* fluid_;
 };
 
-void printPoint(Device& device, double ratio, double seconds) {
-  const Bulk packing = Column(device, ratio, "packing").settle(seconds);
-  const Bulk lattice = Column(device, ratio, "lattice").settle(seconds);
-  const double n = packing.number;
-  const double factor = packingCalibration(ratio) * n / packing.density / latticeCalibration(ratio * std::cbrt(n));
-  fmt::print("{:.2f}  {:.4f}  {:.4f}  {:.5f}  {:.4f}  {:.4f}\n", ratio, factor, n, packing.density - 1,
-             lattice.number, lattice.density - 1);
-  std::fflush(stdout);
+void printTable(int sweeps, int tiles) {
+  CpuThreads threads(0);
+  constexpr int kSide = 12;
+  for (int k = 22; k <= 60; ++k) {
+    const double ratio = 0.05 * k;
+    double factor = 0;
+    for (int seed = 1; seed <= tiles; ++seed)
+      factor += calibrationOf(RelaxedTile(ratio, kSide, sweeps, static_cast<std::uint64_t>(seed), threads), ratio) /
+                latticeCalibration(ratio) / tiles;
+    fmt::print("{{{:.2f}, {:.4f}}},\n", ratio, factor);
+    std::fflush(stdout);
+  }
+}
+
+void printColumns(const std::vector<double>& ratios) {
+  CpuDevice device;
+  fmt::print("| support ratio | volume, packing | λ - 1 | volume, lattice | λ - 1 |\n|---:|---:|---:|---:|---:|\n");
+  for (const double ratio : ratios) {
+    const Bulk packing = Column(device, ratio, "packing").settle();
+    const Bulk lattice = Column(device, ratio, "lattice").settle();
+    fmt::print("| {} | {:.4f} | {:.5f} | {:.4f} | {:.5f} |\n", ratio, 1 / packing.number, packing.density - 1,
+               1 / lattice.number, lattice.density - 1);
+    std::fflush(stdout);
+  }
 }
 
 }  // namespace
 }  // namespace weir
 
 int main(int count, char** arguments) {
-  const double seconds = count > 1 ? std::atof(arguments[1]) : 2;
-  weir::CpuDevice device(count > 2 ? std::atoi(arguments[2]) : 0);
-  fmt::print("ratio factor  packing: particles per d³, λ - 1   lattice: particles per d³, λ - 1\n");
-  std::vector<double> ratios;
-  for (int k = 3; k < count; ++k) ratios.push_back(std::atof(arguments[k]));
-  if (ratios.empty()) ratios = {1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.4, 2.5, 3.0};
-  for (const double ratio : ratios) weir::printPoint(device, ratio, seconds);
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  const auto number = [&](std::size_t k, int otherwise) {
+    return k < words.size() ? std::atoi(words[k].c_str()) : otherwise;
+  };
+  if (!words.empty() && words[0] == "table") {
+    weir::printTable(number(1, 400), number(2, 3));
+  } else if (!words.empty() && words[0] == "columns") {
+    std::vector<double> ratios;
+    for (std::size_t k = 1; k < words.size(); ++k) ratios.push_back(std::atof(words[k].c_str()));
+    weir::printColumns(ratios.empty() ? std::vector<double>{1.2, 1.5, 2.0, 2.4} : ratios);
+  } else {
+    fmt::print(stderr, "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...]\n");
+    return 2;
+  }
 }
