@@ -13,21 +13,22 @@ bool RestState::wanted() const {
 }
 
 int RestState::reach(int most, const std::function<void()>& step) {
-  constexpr float kKept = 0.9f;  // of the velocities in a step
-  constexpr int kBetweenLooks = 16;
-  // At rest: falling freely, particles would be as fast after a hundredth of a spacing.
-  const double atRest = 1e-4 * 0.5 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
+  const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  double last = 0;
   int taken = 0;
-  while (taken < most) {
-    dispatch(fluid_.device, [&](auto& device) { dampOn(device, kKept); });
+  bool moving = true;
+  while (taken < most && moving) {
     step();
     dispatch(fluid_.device, [&](auto& device) { containOn(device); });
     ++taken;
-    if (taken % kBetweenLooks != 0) continue;
     double square = 0;
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
-    if (getenv("REST")) printf("rest %d v2 %g\n", taken, square);
-    if (square <= atRest) break;
+    // Motion is stopped where it is fastest, which is where the forces vanish.
+    const bool fastest = square <= last;
+    moving = !(fastest && square <= atRest);
+    dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
+    last = fastest ? 0 : square;
   }
   dispatch(fluid_.device, [&](auto& device) { releaseOn(device); });
   return taken;

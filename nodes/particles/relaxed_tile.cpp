@@ -88,6 +88,32 @@ RelaxedTile::RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_
         positions_.push_back({x + kJitter * noise(seed, number), y + kJitter * noise(seed, number + 1),
                               z + kJitter * noise(seed, number + 2)});
   relax(supportRatio, sweeps, threads);
+  assignToNodes();
+}
+
+void RelaxedTile::assignToNodes() {
+  // Neighbouring nodes exchange their particles while that makes the squares of the displacements less.
+  constexpr int kRounds = 8;
+  const auto index = [&](int x, int y, int z) {
+    return static_cast<std::size_t>((wrapped(z, side_) * side_ + wrapped(y, side_)) * side_ + wrapped(x, side_));
+  };
+  std::vector<Vec3d> moved(positions_.size());  // from the particles' nodes
+  const auto nodeOf = [&](std::size_t i) {
+    const auto k = static_cast<std::int64_t>(i);
+    return Vec3d{double(k % side_), double(k / side_ % side_), double(k / side_ / side_)};
+  };
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = positions_[i] - nodeOf(i);
+  for (int round = 0; round < kRounds; ++round)
+    for (int z = 0; z < side_; ++z)
+      for (int y = 0; y < side_; ++y)
+        for (int x = 0; x < side_; ++x)
+          for (int near = 0; near < 27; ++near) {
+            const Vec3d way{double(near % 3 - 1), double(near / 3 % 3 - 1), double(near / 9 - 1)};
+            Vec3d &a = moved[index(x, y, z)], &b = moved[index(x + near % 3 - 1, y + near / 3 % 3 - 1, z + near / 9 - 1)];
+            const Vec3d otherA = b + way, otherB = a - way;
+            if (dot(otherA, otherA) + dot(otherB, otherB) < dot(a, a) + dot(b, b)) a = otherA, b = otherB;
+          }
+  for (std::size_t i = 0; i < moved.size(); ++i) positions_[i] = nodeOf(i) + moved[i];
 }
 
 void RelaxedTile::relax(double supportRatio, int sweeps, CpuThreads& threads) {

@@ -23,6 +23,8 @@ class RelaxedTile {
   /// steps downhill; the same for any number of threads.
   RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed, CpuThreads& threads);
 
+  int side() const { return side_; }
+
   /// How far the particle of a node is from it, in spacings. Nodes count on for ever, in both directions.
   Vec3f displacement(std::int64_t x, std::int64_t y, std::int64_t z) const;
 
@@ -30,6 +32,8 @@ class RelaxedTile {
   double meanSum() const { return meanSum_; }
 
  private:
+  /// Gives particles nodes near to them.
+  void assignToNodes();
   void relax(double supportRatio, int sweeps, CpuThreads& threads);
 
   int side_;

@@ -2,25 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "framework/base/random.h"
-#include "framework/compute/cpu_threads.h"
-#include "nodes/particles/relaxed_tile.h"
 
 namespace weir {
-
-namespace {
-
-RelaxedTile tileFor(float supportRatio, std::uint64_t seed, int threads) {
-  // More of either changes nothing that can be seen, but takes longer.
-  constexpr int kSide = 12, kSweeps = 200;
-  CpuThreads pool(threads);
-  return {supportRatio, kSide, kSweeps, seed, pool};
-}
-
-}  // namespace
 
 float Sampler::requestedSpacing() const {
   const auto request = particles.requested();
@@ -31,8 +17,7 @@ float Sampler::requestedSpacing() const {
 }
 
 bool Sampler::relaxed() const {
-  if (arrangement.get()) return *arrangement.get() == Arrangement::kRelaxed;
-  return particles.requested()->disordered;
+  return isRelaxed(arrangement, *particles.requested());
 }
 
 void Sampler::fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
@@ -43,7 +28,7 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
   std::optional<RelaxedTile> tile;
   Displacement displacement;
   if (relaxed()) {
-    tile.emplace(tileFor(particles.requested()->supportRatio, seed, threads));
+    tile.emplace(tileOfSource(*particles.requested(), seed, context.device));
     displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) { return tile->displacement(x, y, z); };
   }
   const std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, seed}, threads, inside, displacement);

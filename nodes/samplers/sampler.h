@@ -10,19 +10,12 @@
 #include <optional>
 
 #include "framework/graph/node.h"
+#include "nodes/particles/arrangement.h"
 #include "nodes/particles/particle_batch.h"
 #include "nodes/samplers/lattice.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
-
-enum class Arrangement { kRelaxed, kLattice };
-template <>
-struct EnumNames<Arrangement> {
-  static constexpr std::array<EnumName, 2> kNames{
-      EnumName{"relaxed", "Disordered, as in fluid at rest, which it is from the start."},
-      EnumName{"lattice", "A cubic lattice."}};
-};
 
 enum class StartPressure { kHydrostatic, kNone };
 template <>
