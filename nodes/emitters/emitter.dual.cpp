@@ -45,8 +45,8 @@ void Emitter::emitOn(Backend& device, std::int64_t count, double firstOffset, fl
   const Frame f = axes();
   parallelFor(device, "emit", count,
               PlaceLayers{f.origin, f.xAxis, f.yAxis, f.zAxis, points_.view(), directions_.view(), spacing_,
-                          flowSpeed, static_cast<float>(firstOffset), jitter * spacing_, seed_, emitted_, inLayer_,
-                          particles->positions.view(), particles->velocities.view()});
+                          flowSpeed, static_cast<float>(firstOffset), jitter * spacing_, seed_, emitted_,
+                          inLayer_, particles->positions.view(), particles->velocities.view()});
 }
 
 template void Emitter::emitOn(ThisBackend&, std::int64_t, double, float);

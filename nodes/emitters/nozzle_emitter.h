@@ -5,8 +5,8 @@
 // particles leave with the speed of the jet alone: that of the nozzle is not added.
 //
 // A layer is a square lattice with the outline of the nozzle. For a fluid whose rest state is disordered, its
-// particles are moved from there, differently in each layer, as in a RelaxedTile: the jet is then a piece of fluid at
-// rest, where layers of lattices would be too dense and spray.
+// particles are moved from there, differently in each layer, as in a RelaxedTile: the jet is then a piece of
+// fluid at rest, where layers of lattices would be too dense and spray.
 #pragma once
 
 #include "nodes/emitters/emitter.h"

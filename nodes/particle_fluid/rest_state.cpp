@@ -9,7 +9,8 @@ RestState::RestState(FluidStep& fluid, std::vector<const ParticleBatch*> batches
     : fluid_(fluid), batches_(std::move(batches)), sum_(fluid.device, 1) {}
 
 bool RestState::wanted() const {
-  return std::any_of(batches_.begin(), batches_.end(), [](const ParticleBatch* b) { return b->container != nullptr; });
+  return std::any_of(batches_.begin(), batches_.end(),
+                     [](const ParticleBatch* b) { return b->container != nullptr; });
 }
 
 int RestState::reach(int most, const std::function<void()>& step) {

@@ -81,7 +81,8 @@ struct Plus {
 
 /// Calls f(batch, its ids) for all batches.
 template <class F>
-void forEachBatch(const std::vector<const ParticleBatch*>& batches, const ParticleSet& particles, const F& f) {
+void forEachBatch(const std::vector<const ParticleBatch*>& batches, const ParticleSet& particles,
+                  const F& f) {
   std::int64_t first = 0;
   for (const ParticleBatch* batch : batches) {
     if (batch->count > 0) f(*batch, Batch{static_cast<int>(first), batch->count, particles.ids().view()});
@@ -107,8 +108,9 @@ void RestState::containOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
   forEachBatch(batches_, p, [&](const ParticleBatch& from, const Batch& batch) {
     if (from.container)
-      parallelFor(device, "contain", p.count(),
-                  Contain{batch, from.container->view(), from.contact, p.positions().view(), p.velocities().view()});
+      parallelFor(
+          device, "contain", p.count(),
+          Contain{batch, from.container->view(), from.contact, p.positions().view(), p.velocities().view()});
     else
       parallelFor(device, "hold", p.count(),
                   Hold{batch, from.positions.view(), p.positions().view(), p.velocities().view()});

@@ -1,9 +1,9 @@
 // Lets a fluid's initial particles come to rest before the simulation starts.
 //
-// A sampler gives each batch a container, the region that it fills. Steps of the fluid's own pipeline, with its
-// gravity, boundaries and solver, are taken with velocities damped and every particle kept in its
-// batch's container, until the fluid is at rest there: its pressure is hydrostatic, and its layers at walls are those that
-// the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
+// A sampler gives each batch a container, the region that it fills. Steps of the fluid's own pipeline, with
+// its gravity, boundaries and solver, are taken with velocities damped and every particle kept in its batch's
+// container, until the fluid is at rest there: its pressure is hydrostatic, and its layers at walls are those
+// that the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
 // container stay where they are meanwhile.
 #pragma once
 

@@ -16,8 +16,8 @@ class Device;
 enum class Arrangement { kRelaxed, kLattice };
 template <>
 struct EnumNames<Arrangement> {
-  static constexpr std::array<EnumName, 2> kNames{
-      EnumName{"relaxed", "Disordered, as in fluid at rest."}, EnumName{"lattice", "A cubic lattice."}};
+  static constexpr std::array<EnumName, 2> kNames{EnumName{"relaxed", "Disordered, as in fluid at rest."},
+                                                  EnumName{"lattice", "A cubic lattice."}};
 };
 
 /// Whether a source shall use a tile: as it is told, or else as its fluid's rest state is.

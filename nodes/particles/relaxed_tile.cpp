@@ -51,7 +51,9 @@ Lists neighborsOf(const std::vector<Vec3d>& positions, int side, double radius, 
   const int cells = static_cast<int>(side / radius);
   const bool all = cells < 3;
   const int n = all ? 1 : cells;
-  const auto cellOf = [&](double x) { return std::min(n - 1, static_cast<int>((x / side - std::floor(x / side)) * n)); };
+  const auto cellOf = [&](double x) {
+    return std::min(n - 1, static_cast<int>((x / side - std::floor(x / side)) * n));
+  };
   Lists members(static_cast<std::size_t>(n) * n * n), lists(positions.size());
   const auto memberList = [&](int x, int y, int z) -> std::vector<int>& {
     return members[static_cast<std::size_t>((wrapped(z, n) * n + wrapped(y, n)) * n + wrapped(x, n))];
@@ -76,8 +78,7 @@ Lists neighborsOf(const std::vector<Vec3d>& positions, int side, double radius, 
 
 }  // namespace
 
-RelaxedTile::RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed,
-                         CpuThreads& threads)
+RelaxedTile::RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed, CpuThreads& threads)
     : side_(side) {
   WEIR_CHECK(side >= 1 + 2 * supportRatio);
   constexpr double kJitter = 0.5;  // anywhere in its cell: no order is left
@@ -95,7 +96,8 @@ void RelaxedTile::assignToNodes() {
   // Neighbouring nodes exchange their particles while that makes the squares of the displacements less.
   constexpr int kRounds = 8;
   const auto index = [&](int x, int y, int z) {
-    return static_cast<std::size_t>((wrapped(z, side_) * side_ + wrapped(y, side_)) * side_ + wrapped(x, side_));
+    return static_cast<std::size_t>((wrapped(z, side_) * side_ + wrapped(y, side_)) * side_ +
+                                    wrapped(x, side_));
   };
   std::vector<Vec3d> moved(positions_.size());  // from the particles' nodes
   const auto nodeOf = [&](std::size_t i) {
@@ -109,7 +111,8 @@ void RelaxedTile::assignToNodes() {
         for (int x = 0; x < side_; ++x)
           for (int near = 0; near < 27; ++near) {
             const Vec3d way{double(near % 3 - 1), double(near / 3 % 3 - 1), double(near / 9 - 1)};
-            Vec3d &a = moved[index(x, y, z)], &b = moved[index(x + near % 3 - 1, y + near / 3 % 3 - 1, z + near / 9 - 1)];
+            Vec3d &a = moved[index(x, y, z)],
+                  &b = moved[index(x + near % 3 - 1, y + near / 3 % 3 - 1, z + near / 9 - 1)];
             const Vec3d otherA = b + way, otherB = a - way;
             if (dot(otherA, otherA) + dot(otherB, otherB) < dot(a, a) + dot(b, b)) a = otherA, b = otherB;
           }
@@ -117,7 +120,8 @@ void RelaxedTile::assignToNodes() {
 }
 
 void RelaxedTile::relax(double supportRatio, int sweeps, CpuThreads& threads) {
-  // Gradient descent with momentum. Lists hold for a while because a sweep moves nobody farther than kFarthest.
+  // Gradient descent with momentum. Lists hold for a while because a sweep moves nobody farther than
+  // kFarthest.
   constexpr double kStep = 0.04, kMomentum = 0.85, kSkin = 0.4, kFarthest = 0.02;
   constexpr int kListsFor = static_cast<int>(kSkin / (2 * kFarthest));
   std::vector<Vec3d> moves(positions_.size());
@@ -149,7 +153,8 @@ void RelaxedTile::relax(double supportRatio, int sweeps, CpuThreads& threads) {
 
 Vec3f RelaxedTile::displacement(std::int64_t x, std::int64_t y, std::int64_t z) const {
   const int i = wrapped(x, side_), j = wrapped(y, side_), k = wrapped(z, side_);
-  const Vec3d d = positions_[static_cast<std::size_t>((k * side_ + j) * side_ + i)] - Vec3d{double(i), double(j), double(k)};
+  const Vec3d d = positions_[static_cast<std::size_t>((k * side_ + j) * side_ + i)] -
+                  Vec3d{double(i), double(j), double(k)};
   return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 

@@ -32,10 +32,12 @@ void MeshSampler::reset(const SetupContext& context) {
   if (diagnosis.closed() && margin == 0) warnOfRounding(context, std::abs(mesh.volume()), spacing);
 }
 
-Sampler::Region MeshSampler::regionOf(const SetupContext& context, const TriangleMesh& mesh, float spacing) const {
+Sampler::Region MeshSampler::regionOf(const SetupContext& context, const TriangleMesh& mesh,
+                                      float spacing) const {
   std::vector<std::string> known;  // reset() has said what is wrong with the mesh
   const float contact = margin + 0.5f * spacing;
-  auto sdf = std::make_shared<const MeshSdf>(context.device, mesh, 0.5f * spacing, contact + 2 * spacing, known);
+  auto sdf =
+      std::make_shared<const MeshSdf>(context.device, mesh, 0.5f * spacing, contact + 2 * spacing, known);
   auto outside = std::make_shared<Boundary>();
   BoundaryPiece piece;
   piece.isMesh = true;

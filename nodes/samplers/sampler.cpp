@@ -29,7 +29,9 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
   Displacement displacement;
   if (relaxed()) {
     tile.emplace(tileOfSource(*particles.requested(), seed, context.device));
-    displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) { return tile->displacement(x, y, z); };
+    displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      return tile->displacement(x, y, z);
+    };
   }
   const std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, seed}, threads, inside, displacement);
   if (positions.empty())

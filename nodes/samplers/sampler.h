@@ -2,8 +2,8 @@
 //
 // A region has as many particles as a cubic lattice has nodes in it. Where the fluid's rest state is
 // disordered, their arrangement is that of fluid at rest: the lattice's nodes are moved as in a RelaxedTile,
-// and what would be outside is mirrored at the region's surface. The fluid then lets them come to rest in the region, as
-// if that were a container, before the simulation starts (see RestState).
+// and what would be outside is mirrored at the region's surface. The fluid then lets them come to rest in the
+// region, as if that were a container, before the simulation starts (see RestState).
 #pragma once
 
 #include <array>

@@ -2,16 +2,17 @@
 // particle per d³.
 //
 //   weir_packing_curve table [SWEEPS [TILES]]   the table of nodes/particle_fluid/fluid_constants.cpp
-//   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice loses
+//   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice
+//   loses
 //
 // The table comes from tiles of fluid at rest, see nodes/particles/relaxed_tile.h, which have no walls and no
 // surface: s makes their mean density the rest density.
 //
-// For the check, a block collapses in a tank, splashes and settles, so that the packing that is left is the one
-// that motion makes. In its bulk, by a smooth window that is zero near walls and surface, stand n particles
-// per d³ at a mean relative density of λ. Gravity is weak, so that the column's own weight does not compress
-// it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by one
-// per thousand takes one per cent of the volume.
+// For the check, a block collapses in a tank, splashes and settles, so that the packing that is left is the
+// one that motion makes. In its bulk, by a smooth window that is zero near walls and surface, stand n
+// particles per d³ at a mean relative density of λ. Gravity is weak, so that the column's own weight does not
+// compress it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by
+// one per thousand takes one per cent of the volume.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -33,12 +34,13 @@
 namespace weir {
 namespace {
 
-constexpr double kSpacing = 0.01;                           // m
+constexpr double kSpacing = 0.01;                            // m
 constexpr double kWidth = 24, kBlockWidth = 12, kTall = 44;  // spacings
-constexpr double kMargin = 4;                               // spacings that walls and surface may disturb
+constexpr double kMargin = 4;                                // spacings that walls and surface may disturb
 constexpr double kStep = 1e-3;                               // s
-constexpr double kSeconds = 2;
-constexpr float kGravity = 1;  // m/s²
+constexpr double kSeconds = 1.5;
+constexpr float kGravity = 2;         // m/s²
+constexpr double kBulkModulus = 1e7;  // Pa
 constexpr int kIterations = 20;
 
 Value box(double x, double y, double z) {
@@ -56,14 +58,24 @@ class Column {
   Column(Device& device, double supportRatio, const char* calibration) : device_(device) {
     registerNodes(registry_);
     auto block = std::make_unique<BoxSampler>();
-    block->assignAll(object({{"min", box(0, 0, 0)}, {"max", box(kBlockWidth, kTall, kWidth)}, {"jitter", 0.3}}), {});
+    block->assignAll(object({{"min", box(0, 0, 0)},
+                             {"max", box(kBlockWidth, kTall, kWidth)},
+                             {"jitter", 0.3},
+                             {"arrangement", "lattice"}}),
+                     {});
     graph_.add(std::move(block), "block");
     auto tank = std::make_unique<StaticBoundary>();
-    tank->assignAll(object({{"shape", "box"}, {"min", box(0, 0, 0)}, {"max", box(kWidth, 100, kWidth)}, {"inverted", true}}), {});
+    tank->assignAll(
+        object(
+            {{"shape", "box"}, {"min", box(0, 0, 0)}, {"max", box(kWidth, 100, kWidth)}, {"inverted", true}}),
+        {});
     graph_.add(std::move(tank), "tank");
     auto fluid = std::make_unique<ParticleFluid>();
-    fluid->assignAll(
-        object({{"spacing", kSpacing}, {"support_ratio", supportRatio}, {"calibration", calibration}}), {});
+    fluid->assignAll(object({{"spacing", kSpacing},
+                             {"support_ratio", supportRatio},
+                             {"calibration", calibration},
+                             {"bulk_modulus", kBulkModulus}}),
+                     {});
     Value solver = object({{"params", object({{"iterations", kIterations}})}});
     fluid->pipeline()->assign(object({{"solver", solver}}), registry_, {});
     fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::move(fluid), "water"));
@@ -122,8 +134,9 @@ void printTable(int sweeps, int tiles) {
     const double ratio = 0.05 * k;
     double factor = 0;
     for (int seed = 1; seed <= tiles; ++seed)
-      factor += calibrationOf(RelaxedTile(ratio, kSide, sweeps, static_cast<std::uint64_t>(seed), threads), ratio) /
-                latticeCalibration(ratio) / tiles;
+      factor +=
+          calibrationOf(RelaxedTile(ratio, kSide, sweeps, static_cast<std::uint64_t>(seed), threads), ratio) /
+          latticeCalibration(ratio) / tiles;
     fmt::print("{{{:.2f}, {:.4f}}},\n", ratio, factor);
     std::fflush(stdout);
   }
@@ -131,7 +144,8 @@ void printTable(int sweeps, int tiles) {
 
 void printColumns(const std::vector<double>& ratios) {
   CpuDevice device;
-  fmt::print("| support ratio | volume, packing | λ - 1 | volume, lattice | λ - 1 |\n|---:|---:|---:|---:|---:|\n");
+  fmt::print(
+      "| support ratio | volume, packing | λ - 1 | volume, lattice | λ - 1 |\n|---:|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
     const Bulk packing = Column(device, ratio, "packing").settle();
     const Bulk lattice = Column(device, ratio, "lattice").settle();
