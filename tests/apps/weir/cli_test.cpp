@@ -203,7 +203,7 @@ TEST_F(Cli, ValidateChecksEveryScene) {
 TEST_F(Cli, TheScenesOfTheProjectAreValid) {
   const std::string scenes = resourcesFolder() + "/scenes/";
   const ChildResult result = runWeir({"validate", scenes + "dam_break.json", scenes + "jet_fills_goblet.json",
-                                      scenes + "benchmark_dam_break.json"});
+                                      scenes + "benchmark_dam_break.json", scenes + "tank_at_rest.json"});
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err, "");
 }
