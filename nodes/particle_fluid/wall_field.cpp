@@ -14,6 +14,7 @@ void WallField::fit(std::int64_t particles) {
   if (solids.size() > 1) total.resizeDiscarding(particles);
   d.resizeDiscarding(particles);
   share.resizeDiscarding(particles);
+  sides.resizeDiscarding(each.size());
   legal.resizeDiscarding(particles);
   kick.resizeDiscarding(particles);
 }

@@ -41,6 +41,7 @@ struct WallField {
         total(device),
         d(device),
         share(device),
+        sides(device),
         legal(device),
         kick(device),
         impulse(device, 1) {}
@@ -49,6 +50,7 @@ struct WallField {
   Array<SolidView> views;    ///< of the solids, in this step
   Array<Vec4f> each, total;  ///< integrals of solid k and particle i at [k·stride + i]; total of several
   Array<float> d, share;
+  Array<int> sides;    ///< of solid k that particle i sees, laid out as `each`; see hidden_neighbors.h
   Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
   Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
   Array<SolidImpulse> impulse;  ///< one, scratch
