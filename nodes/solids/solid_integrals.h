@@ -163,6 +163,7 @@ class SolidIntegrator {
   static constexpr T kPi = T(3.14159265358979323846);
   /// How near p may come to a corner and to the line of an edge, in H.
   static constexpr T kCornerGap = std::is_same_v<T, float> ? T(1e-5) : T(1e-9);
+  static constexpr T kLeastCosine = T(1e-4);
   /// δ0 of (6), in H.
   static constexpr T kBackDepth = T(0.1);
   static constexpr T kLineGap = kCornerGap * T(1e-4);
@@ -205,7 +206,9 @@ class SolidIntegrator {
   WEIR_HD T parallelTo(const Vec3<T>& m) const {
     const T against = dot(facing_, m);
     const T squares = dot(m, Vec3<T>{dot(facingX_, m), dot(facingY_, m), dot(facingZ_, m)});
-    return against > 0 ? (squares < against ? squares / against : T(1)) : T(0);
+    // Less is rounding: of what is at right angles to all that faces p.
+    const T least = kLeastCosine * (facingX_.x + facingY_.y + facingZ_.z);
+    return against > least ? (squares < against ? squares / against : T(1)) : T(0);
   }
 
   WEIR_HD void add(const Triangle& triangle) {
