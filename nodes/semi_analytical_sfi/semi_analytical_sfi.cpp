@@ -130,7 +130,10 @@ void SemiAnalyticalSFI::frame(const StepContext& context) {
 }
 
 void SemiAnalyticalSFI::report(NodeReport& report) {
-  report.statistics["particles_carved"] = carved_;
+  std::int64_t atBirth = 0;
+  for (const auto& part : parts_) atBirth += part->carvedOnHost();
+  report.statistics["particles_carved"] = carved_ + atBirth;
+  report.events.push_back({"particles of emitters were born inside solids and left out", atBirth});
   Value& list = report.statistics["solids"] = Value::array();
   for (const SolidForces::OfSolid& of : forces->solids) {
     Value solid = Value::object();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/emitters/square_emitter.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/nodes/semi_analytical_sfi/solid_scene.h"
 #include "tests/support/expect_error.h"
@@ -148,6 +149,40 @@ TEST(SemiAnalyticalSFI, CarvesWhatStartsInsideAndCountsIt) {
       EXPECT_LT(most - least, 60) << fill;
       EXPECT_EQ(report.statistics["particles_carved"].asInt(), std::int64_t(positions.size()) - left);
     }
+  }
+}
+
+/// A jet that starts half in a block that moves out of its way.
+TEST(SemiAnalyticalSFI, CarvesWhatIsBornInside) {
+  constexpr float kSpacing = 0.02f;
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SolidScene scene(*device, {}, {}, object({{"spacing", kSpacing}}));
+    scene.gravity = {};
+    auto& jet = static_cast<SquareEmitter&>(scene.graph().add(std::make_unique<SquareEmitter>(), "jet"));
+    jet.assignAll(object({{"width", 0.2}, {"height", 0.2}, {"speed", 1.99}}), {"test", "", ""});
+    scene.graph().link(SceneGraph::parseLink("jet.particles -> water.emitters"));
+    // After 0.1 s its side is at x = 0.11, out of the jet.
+    SemiAnalyticalSFI& block =
+        scene.couple({boxMesh({0.01f, -1, -1}, {1, 1, 1})}, object({{"velocity", Value::Array{1, 0, 0}}}));
+    scene.reset(0.01);
+    scene.step();
+    scene.frame();
+    // One layer of 10 by 10 leaves in each step: those at x < 0.01 - d/4 = 0.005 have room, which are 5
+    // columns.
+    EXPECT_EQ(scene.fluid().particleCount(), 50);
+    for (const Vec3f& p : scene.fluid().fluid->particles->positions().toHost(50)) EXPECT_LT(p.x, 0);
+    NodeReport report;
+    block.report(report);
+    EXPECT_EQ(report.statistics["particles_carved"].asInt(), 50);
+    EXPECT_EQ(report.events.front().count, 50);
+    scene.step(19);
+    scene.frame();
+    // Layer k leaves in step k; the column at x = 0.01·(2c + 1) has room when 0.01 + 0.01·k > x + d/4.
+    int expected = 0;
+    for (int k = 0; k < 20; ++k)
+      for (int c = -5; c < 5; ++c) expected += c < 0 || 0.01 + 0.01 * k > 0.01 * (2 * c + 1) + 0.005 ? 10 : 0;
+    EXPECT_EQ(scene.fluid().particleCount(), expected) << name;
   }
 }
 
