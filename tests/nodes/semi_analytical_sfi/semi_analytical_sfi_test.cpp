@@ -1,14 +1,17 @@
 // Fluids that meet rigid meshes: against double precision, closed forms of hydrostatics, and conservation.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
+#include "nodes/box_mesh/box_mesh.h"
 #include "nodes/emitters/square_emitter.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/nodes/semi_analytical_sfi/solid_scene.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/meshes.h"
+#include "tests/support/simulated_scene.h"
 
 namespace weir::test {
 namespace {
@@ -256,6 +259,43 @@ TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
     const double q = 0.3 / wallRadiusRatio(1.5), touch = std::pow(1 - q, 5) * (1 + 2 * q);
     EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
   }
+}
+
+/// Of all corners of a box that moves and turns in every way, none goes farther than cfl·d in a step.
+TEST(SemiAnalyticalSFI, StepsFollowTheSolids) {
+  constexpr const char* kScene = R"({
+    "weir": 1,
+    "world": { "gravity": [0, 0, 0], "dt": 0.5, "cfl": 0.5, "frame_rate": 2, "duration": 1 },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [9, 9, 9], "max": [9.2, 9.2, 9.2] } },
+      "box": { "type": "BoxMesh", "params": { "size": [0.2, 0.4, 0.6] } },
+      "contact": { "type": "SemiAnalyticalSFI", "params": {
+        "velocity": [0.1, 0, 0], "angular_velocity": [0, 1, 0.5], "pivot": [0.1, 0, 0],
+        "position": { "keyframes": [[0, [0, 0, 0]], [0.3, [0, 0.6, 0]], [0.7, [0, 0.6, 0]]] },
+        "rotation": { "keyframes": [[0.6, [0, 0, 0]], [0.8, [90, 20, 0]]] } } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } }
+    },
+    "links": [ "block.particles -> water.initial", "water.fluid -> contact.fluid",
+               "box.surface -> contact.solids" ]
+  })";
+  CpuDevice device;
+  SimulatedScene scene(device, kScene);
+  scene->reset();
+  const auto& contact = scene.node<SemiAnalyticalSFI>("contact");
+  const std::atomic<bool> goOn = false;
+  double time = 0, farthest = 0;
+  const auto look = [&] {
+    const Pose before = contact.poseAt(time), after = contact.poseAt(scene->time());
+    for (const Vec3f& corner : scene.node<BoxMesh>("box").surface->vertices)
+      farthest = std::max(farthest, double(length(after.toWorld(corner) - before.toWorld(corner))));
+    time = scene->time();
+  };
+  while (scene->advanceFrame(goOn, look)) {
+  }
+  EXPECT_EQ(scene->time(), 1);
+  EXPECT_LE(farthest, 0.05 * (1 + 1e-4));
+  EXPECT_GT(farthest, 0.02);
+  EXPECT_LT(scene->stepsDone(), 300);
 }
 
 TEST(SemiAnalyticalSFI, SaysWhatIsWrongWithMeshes) {
