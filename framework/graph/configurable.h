@@ -126,6 +126,12 @@ class Param final : public Property {
   /// Checked like a value from a scene.
   void set(const T& value) { assign(ParamTraits<T>::toValue(value), {}); }
 
+  /// The fastest change from `from` to `to`, per s; 0 without keyframes. See Keyframes::fastest.
+  template <class Distance>
+  double fastest(double from, double to, const Distance& distance) const requires Animatable<T> {
+    return keyframes_.fastest(from, to, distance);
+  }
+
   std::string_view kind() const override { return ParamTraits<T>::kKind; }
   /// As a scene has it: keyframes where there are any.
   Value value() const override {

@@ -100,6 +100,19 @@ class Keyframes {
     return most;
   }
 
+  /// The fastest change from `from` to `to`, from <= to, per s; distance(a, b) says how far two values are
+  /// apart.
+  template <class Distance>
+  double fastest(double from, double to, const Distance& distance) const {
+    double fastest = 0;
+    for (std::size_t i = 1; i < keys_.size(); ++i) {
+      const auto& [begin, before] = keys_[i - 1];
+      const auto& [end, after] = keys_[i];
+      if (begin <= to && end >= from) fastest = std::max(fastest, distance(before, after) / (end - begin));
+    }
+    return fastest;
+  }
+
  private:
   using Key = std::pair<double, T>;
 

@@ -108,7 +108,7 @@ double ParticleFluid::largestSpeed(Device& onDevice) {
 }
 
 void ParticleFluid::step(const StepContext& context) {
-  for (std::size_t i = 0; i < emitters.size(); ++i) state_->particles.append(emitters[i]);
+  for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   if (state_->particles.bound() == 0) return;
   FluidStep step = fluidStep(context);
   runPipeline(step);
@@ -119,6 +119,19 @@ void ParticleFluid::runPipeline(FluidStep& step) {
     const ProfileScope scope(step.device.profiler(), module.name());
     module.step(step);
   });
+}
+
+/// Emitters do not know the solids, so what they put into one is left out here.
+void ParticleFluid::give(const ParticleBatch& born, double time) {
+  State& state = *state_;
+  if (born.count == 0) return;
+  if (state.walls.empty()) {
+    state.particles.append(born);
+    return;
+  }
+  state.walls.place(time, 0);
+  dispatch(state.particles.device(), [&](auto& device) { selectOn(device, born); });
+  state.particles.append(born, {state.born.order(), state.bornCount.data()});
 }
 
 void ParticleFluid::frame(const StepContext& context) {

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/particle_fluid/density.h"
+#include "nodes/solids/carve.h"
 
 namespace weir {
 
@@ -47,7 +48,32 @@ struct Density {
   }
 };
 
+/// A cell of its own for each particle that has room, so that they keep their order.
+struct RoomKey {
+  ArrayView<const SolidView> solids;
+  float gap;
+  ArrayView<const Vec3f> positions;
+
+  WEIR_HD int operator()(std::int64_t i) const {
+    for (std::int64_t k = 0; k < solids.size; ++k) {
+      if (!hasNoRoom(solids[k], positions[i], gap)) continue;
+      atomicAdd(solids[k].carved, 1);
+      return -1;
+    }
+    return static_cast<int>(i);
+  }
+};
+
 }  // namespace
+
+template <class Backend>
+void ParticleFluid::selectOn(Backend& device, const ParticleBatch& born) {
+  State& state = *state_;
+  state.born.sort(
+      device, born.count, static_cast<int>(born.count),
+      RoomKey{std::as_const(state.walls.views).view(), kCarveGap * constants_.spacing, born.positions.view()},
+      state.bornCount.data());
+}
 
 template <class Backend>
 void ParticleFluid::boundingBoxOn(Backend& device) {
@@ -72,6 +98,7 @@ void ParticleFluid::densityOn(Backend& device) {
               state.particles.positions().view(), state.walls.view(), state.density->view()});
 }
 
+template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);
 template void ParticleFluid::boundingBoxOn(ThisBackend&);
 template void ParticleFluid::speedOn(ThisBackend&);
 template void ParticleFluid::densityOn(ThisBackend&);

@@ -109,7 +109,9 @@ class ParticleFluid final : public Node {
           walls(device),
           box(device, 1),
           speedSquared(device, 1),
-          sinks(device) {}
+          sinks(device),
+          born(device),
+          bornCount(device, 1) {}
     ParticleSet particles;
     NeighborList neighbors;
     WallField walls;
@@ -118,6 +120,8 @@ class ParticleFluid final : public Node {
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
+    CellSort born;  // those of an emitter's particles that have room
+    Array<int> bornCount;
     Vec3f gravity{};
     NeighborEvents events;
     std::int64_t restSteps = 0;  // taken before the start
@@ -129,7 +133,10 @@ class ParticleFluid final : public Node {
   Aabb domain() const;
   void checkEvents();
   void warnOfSettings(const SetupContext& context);
+  void give(const ParticleBatch& born, double time);
   double largestSpeed(Device& device);
+  template <class Backend>
+  void selectOn(Backend& device, const ParticleBatch& born);
   template <class Backend>
   void boundingBoxOn(Backend& device);
   template <class Backend>

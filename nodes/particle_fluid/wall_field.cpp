@@ -4,7 +4,7 @@ namespace weir {
 
 void WallField::place(double time, double dt) {
   placed_.clear();
-  for (const Solid* solid : solids) placed_.push_back(solid->view(time, dt));
+  for (Solid* solid : solids) placed_.push_back(solid->view(time, dt));
   views.assign(placed_);
 }
 
@@ -13,6 +13,7 @@ void WallField::fit(ParticleSet& particles) {
   each.resizeDiscarding(stride * static_cast<std::int64_t>(solids.size()));
   if (solids.size() > 1) total.resizeDiscarding(stride);
   d.resizeDiscarding(stride);
+  sides.resizeDiscarding(each.size());
   legal.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
   share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",

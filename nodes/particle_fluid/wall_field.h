@@ -42,6 +42,7 @@ struct WallField {
         each(device),
         total(device),
         d(device),
+        sides(device),
         legal(device),
         kick(device),
         impulse(device, 1) {}
@@ -52,8 +53,9 @@ struct WallField {
   Array<float> d;
   Array<float>* share = nullptr;  ///< an attribute, as particles may be sorted during a step
   ArrayView<const Vec3f> base;    ///< see WallFieldView
-  Array<Vec3f> legal;             ///< positions that lie in no solid, at the end of the step
-  Array<Vec4f> kick;  ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
+  Array<int> sides;    ///< of solid k that particle i sees, laid out as `each`; see hidden_neighbors.h
+  Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
+  Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
   Array<SolidImpulse> impulse;  ///< one, scratch
   std::int64_t stride = 0;
 

@@ -48,6 +48,10 @@ NeighborView NeighborList::view() const {
   return {entries_.data(), counts_.data(), capacity_, shift_};
 }
 
+NeighborEditor NeighborList::editor() {
+  return {entries_.data(), counts_.data(), view()};
+}
+
 NeighborEvents NeighborList::eventsOnHost() const {
   const std::vector<int> values = events_.toHost();
   return {values[0], values[1], values[2]};

@@ -32,6 +32,27 @@ WEIR_HD inline void forEachNeighbor(std::int64_t i, const NeighborView& list, F&
   for (int k = 0; k < count; ++k, entry += stride) f(*entry);
 }
 
+/// The same lists, for kernels that take entries out of them.
+struct NeighborEditor {
+  int* entries = nullptr;
+  int* counts = nullptr;
+  NeighborView layout;
+
+  /// Keeps those neighbours j of particle i for which keep(j) holds, in their order. Touches only i's own
+  /// list, so lists may be edited side by side; they stay reciprocal if keep is symmetric.
+  template <class Keep>
+  WEIR_HD void keepIf(std::int64_t i, Keep&& keep) const {
+    int* list = entries + layout.first(i);
+    const int count = counts[i];
+    int kept = 0;
+    for (int k = 0; k < count; ++k) {
+      const int j = list[static_cast<std::int64_t>(k) << layout.shift];
+      if (keep(j)) list[static_cast<std::int64_t>(kept++) << layout.shift] = j;
+    }
+    counts[i] = kept;
+  }
+};
+
 /// Rare events of the search, counted on the device since the last reset.
 struct NeighborEvents {
   int truncated = 0;  ///< lists that had more neighbours than there is room for
@@ -56,6 +77,7 @@ class NeighborList {
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
   NeighborView view() const;
+  NeighborEditor editor();
   int capacity() const { return capacity_; }
   // Both wait for the device.
   NeighborEvents eventsOnHost() const;

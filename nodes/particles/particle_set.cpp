@@ -89,7 +89,7 @@ void ParticleSet::reserve(std::int64_t capacity) {
   for (const auto& storage : storages_) storage->resize(std::max(capacity, positions_->size()));
 }
 
-void ParticleSet::append(const ParticleBatch& batch) {
+void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
   if (bound_ + batch.count > std::numeric_limits<int>::max() ||
       nextId_ + batch.count > std::numeric_limits<int>::max())
@@ -97,7 +97,7 @@ void ParticleSet::append(const ParticleBatch& batch) {
   const std::int64_t need = bound_ + batch.count;
   if (need > positions_->size()) reserve(std::max(need, positions_->capacity()));
   for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
-  dispatch(*device_, [&](auto& device) { appendOn(device, batch); });
+  dispatch(*device_, [&](auto& device) { appendOn(device, batch, selected); });
   bound_ = need;
   nextId_ += batch.count;
 }

@@ -22,22 +22,24 @@ struct ZeroBehind {
 
 struct AppendBatch {
   ArrayView<const Vec3f> newPositions, newVelocities;
+  ArrayView<const int> order;  // empty for all
   int firstId;
   const int* count;
   ArrayView<Vec3f> positions, velocities;
   ArrayView<int> ids;
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = *count + k;
-    positions[i] = newPositions[k];
-    velocities[i] = newVelocities[k];
-    ids[i] = firstId + static_cast<int>(k);
+    const int from = order.size > 0 ? order[k] : static_cast<int>(k);
+    positions[i] = newPositions[from];
+    velocities[i] = newVelocities[from];
+    ids[i] = firstId + from;
   }
 };
 
 struct Advance {
   int* count;
-  int amount;
-  WEIR_HD void operator()(std::int64_t) const { *count += amount; }
+  Count amount;
+  WEIR_HD void operator()(std::int64_t) const { *count += static_cast<int>(amount.get()); }
 };
 
 }  // namespace
@@ -68,13 +70,15 @@ template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int
 }  // namespace detail
 
 template <class Backend>
-void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch) {
-  parallelFor(device, "append", batch.count,
-              AppendBatch{batch.positions.view(), batch.velocities.view(), static_cast<int>(nextId_),
-                          counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
-  parallelFor(device, "advance count", 1, Advance{counter_.data(), static_cast<int>(batch.count)});
+void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected) {
+  const Count count{batch.count, selected.kept};
+  parallelFor(
+      device, "append", count,
+      AppendBatch{batch.positions.view(), batch.velocities.view(), selected.order, static_cast<int>(nextId_),
+                  counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
+  parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
 
-template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&);
+template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&, const BatchSelection&);
 
 }  // namespace weir

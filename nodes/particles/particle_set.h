@@ -28,6 +28,12 @@ namespace detail {
 class AttributeStorage;
 }  // namespace detail
 
+/// Some particles of a batch: order[k] for k < *kept, both on the device.
+struct BatchSelection {
+  ArrayView<const int> order;
+  const int* kept = nullptr;
+};
+
 class ParticleSet {
  public:
   explicit ParticleSet(Device& device);
@@ -66,7 +72,9 @@ class ParticleSet {
   std::int64_t refreshCount();
 
   /// Adds the particles of a batch behind the others; their ids go on from the last one given.
-  void append(const ParticleBatch& batch);
+  void append(const ParticleBatch& batch) { append(batch, {}); }
+  /// Only those that are selected. Ids are given to all. The host counts all until the next refreshCount().
+  void append(const ParticleBatch& batch, const BatchSelection& selected);
   /// Particle order[k] becomes particle k, for k < count(). The order may leave particles out if the counter
   /// was lowered to fit.
   void permute(ArrayView<const int> order);
@@ -74,7 +82,7 @@ class ParticleSet {
 
  private:
   template <class Backend>
-  void appendOn(Backend& device, const ParticleBatch& batch);
+  void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
   void reserve(std::int64_t capacity);
   detail::AttributeStorage* storage(std::string_view name) const;
 

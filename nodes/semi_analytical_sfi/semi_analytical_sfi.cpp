@@ -2,6 +2,12 @@
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "nodes/particles/flight.h"
 
 namespace weir {
 
@@ -33,6 +39,25 @@ Pose SemiAnalyticalSFI::poseAt(double time) const {
 
 Vec3f SemiAnalyticalSFI::pivotAt(double time) const {
   return pivot.get() + position.at(time) + static_cast<float>(time) * velocity.get();
+}
+
+double SemiAnalyticalSFI::mostSpeed(double from, double to) const {
+  constexpr double kRadians = std::numbers::pi / 180;
+  const auto apart = [](const Vec3f& a, const Vec3f& b) { return double(length(b - a)); };
+  // Three turns one after another: their rates add at most.
+  const auto turned = [](const Rotation& a, const Rotation& b) {
+    const Vec3f by = b.degrees - a.degrees;
+    return kRadians * (std::abs(double(by.x)) + std::abs(double(by.y)) + std::abs(double(by.z)));
+  };
+  const double spin = length(angularVelocity.get()) + rotation.fastest(from, to, turned);
+  return length(velocity.get()) + position.fastest(from, to, apart) + spin * radius_;
+}
+
+double SemiAnalyticalSFI::longestStep(const StepContext& next, double cfl) {
+  double spacing = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < fluid.size(); ++i)
+    spacing = std::min(spacing, double(fluid[i].constants->spacing));
+  return timeToFly(cfl * spacing, mostSpeed(next.time, next.time + next.dt), 0);
 }
 
 SolidKind SemiAnalyticalSFI::kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const {
@@ -67,7 +92,10 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
   forces->solids.clear();
   carved_ = 0;
   lastFrame_ = 0;
+  radius_ = 0;
   for (std::size_t k = 0; k < solids.size(); ++k) {
+    for (const Vec3f& vertex : solids[k].vertices)
+      radius_ = std::max(radius_, double(length(vertex - pivot.get())));
     const std::string& from = solids.links()[k]->node().name();
     const SolidSurface surface{.kind = kindOf(solids[k], from, context.log),
                                .approximate = integrals == WallIntegralForm::kApproximate,
@@ -130,7 +158,10 @@ void SemiAnalyticalSFI::frame(const StepContext& context) {
 }
 
 void SemiAnalyticalSFI::report(NodeReport& report) {
-  report.statistics["particles_carved"] = carved_;
+  std::int64_t atBirth = 0;
+  for (const auto& part : parts_) atBirth += part->carvedOnHost();
+  report.statistics["particles_carved"] = carved_ + atBirth;
+  report.events.push_back({"particles of emitters were born inside solids and left out", atBirth});
   Value& list = report.statistics["solids"] = Value::array();
   for (const SolidForces::OfSolid& of : forces->solids) {
     Value solid = Value::object();

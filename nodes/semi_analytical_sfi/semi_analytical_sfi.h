@@ -87,11 +87,15 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   Output<SolidForces> forces{*this, "forces", "What the fluids do to the solids."};
 
   void reset(const SetupContext& context) override;
+  /// Until no point of the solids moved farther than cfl times the smallest spacing of the fluids.
+  double longestStep(const StepContext& next, double cfl) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
 
   Pose poseAt(double time) const override;
   Vec3f pivotAt(double time) const override;
+  /// A bound of the speed of all points of the solids from `from` to `to`, in s; m/s.
+  double mostSpeed(double from, double to) const;
 
  private:
   SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;
@@ -102,6 +106,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   std::vector<std::unique_ptr<Solid>> parts_;
   std::int64_t carved_ = 0;
   double lastFrame_ = 0;  // s
+  double radius_ = 0;     // of the solids about the pivot, m
 };
 
 }  // namespace weir

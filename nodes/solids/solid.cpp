@@ -3,11 +3,12 @@
 namespace weir {
 
 Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion)
-    : tree_(device, mesh), surface_(surface), motion_(&motion), impulse_(device, 1) {
+    : tree_(device, mesh), surface_(surface), motion_(&motion), impulse_(device, 1), carved_(device, 1) {
+  carved_.fillZero();
   impulse_.fillZero();
 }
 
-SolidView Solid::view(double time, double dt) const {
+SolidView Solid::view(double time, double dt) {
   const Pose end = motion_->poseAt(time + dt);
   return {.tree = tree_.view(),
           .begin = dt > 0 ? motion_->poseAt(time) : end,
@@ -16,6 +17,7 @@ SolidView Solid::view(double time, double dt) const {
           .kind = surface_.kind,
           .approximate = surface_.approximate,
           .friction = surface_.friction,
+          .carved = carved_.data(),
           .noSlip = surface_.noSlip};
 }
 

@@ -21,6 +21,7 @@ struct SolidView {
   SolidKind kind = SolidKind::kSolid;
   bool approximate = false;  ///< the integrals of Chang et al. 2020 in place of exact ones
   float friction = 0;        ///< Coulomb's coefficient
+  int* carved = nullptr;     ///< counts the particles that were born where there is no room
   float noSlip = 0;          ///< 1/s: rate at which fluid in contact takes the solid's velocity
 
   /// Mean velocity over the step, m/s, of the solid's point that ends at p.
@@ -59,18 +60,21 @@ class Solid {
   Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
-  SolidView view(double time, double dt) const;
+  SolidView view(double time, double dt);
   Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
   const SolidSurface& surface() const { return surface_; }
 
   /// One sum, on the device, to which fluids add what they do in each step.
   Array<SolidImpulse>& impulse() { return impulse_; }
+  /// Particles that were left out at birth, as this solid left them no room. Waits for the device.
+  std::int64_t carvedOnHost() const { return carved_.toHost().front(); }
 
  private:
   TriangleTree tree_;
   SolidSurface surface_;
   const RigidMotion* motion_;
   Array<SolidImpulse> impulse_;
+  Array<int> carved_;  // one
 };
 
 }  // namespace weir

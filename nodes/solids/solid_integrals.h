@@ -38,6 +38,21 @@
 // hand (it leaves no cancellation and no singularity, also at δ = l = 0) and Gauss-Legendre points along the
 // edge do.
 //
+// Thin parts. A solid thinner than the support has its back within reach, and (1) counts only what matter
+// there is: next to nothing, as if the fluid could lean on what is behind. Where fluid is not felt through a
+// solid, all that a thin part hides must count as solid, as it does for a sheet. The sum over the triangles
+// that face p (δ > 0) is just that: the integral over all that the surface hides from p. At a thick solid
+// nothing faces away within reach and both are the same. At an edge they differ: what is round the corner
+// is hidden, but it is no wall that fluid leans on. So a back is left out as far as it is parallel to what
+// faces p. With φ_T = δ·∫_T G(r)/r³ dA and the normal m of the back, its share is left out that is the mean
+// of −n·m over what faces p, weighted by −n·m and φ_T:
+//
+//   min(1, |δ|/δ0)·Σ φ_T·(n·m)² / Σ −φ_T·n·m,   at most 1, and 0 if the divisor is not positive;  δ_T > 0 (6)
+//
+// which is 1 for the back of a plate, whatever else is near, and 0 for the side of a block. The first factor
+// keeps it continuous where p moves over the plane of the back. A line of sight that enters solids twice
+// counts both; Φ is bounded.
+//
 // On the surface. (4) depends on the direction in which p lies from an edge, however near, and two triangles
 // that disagree about that direction are wrong by up to 2π. Hence every edge computes δ and l from its own
 // vector to the nearest point of its line, bit for bit the same one for both its triangles, so that rounding
@@ -75,18 +90,27 @@ class SolidIntegrator {
   WEIR_HD void addTriangle(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
     Triangle triangle;
     if (!prepare(a, b, c, triangle)) return;
-    Edge edges[3];
-    bool cut = false, around = true;
-    for (int k = 0; k < 3; ++k) {
-      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
-      cut = cut || edges[k].from < edges[k].to;
-      around = around && edges[k].l > 0;
-    }
-    if (cut) {
-      for (const Edge& edge : edges) addFan(edge, triangle);
-    } else if (around) {
-      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
-    }
+    const T before = phi_;
+    add(triangle);
+    if (triangle.delta > 0) face(triangle.normal, phi_ - before);
+  }
+
+  /// Whether p is not inside, see integrals().
+  WEIR_HD bool isOutside() const { return turns(false) >= 0; }
+
+  /// Counts what thin parts of a solid hide as solid too, see (6). For p outside, after all triangles were
+  /// added: once for each of them.
+  WEIR_HD void fillBehind(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
+    Triangle triangle;
+    if (!prepare(a, b, c, triangle) || !(triangle.delta < 0)) return;
+    const T depth = -triangle.delta / kBackDepth;
+    const T part = parallelTo(triangle.normal) * (depth < 1 ? depth : T(1));
+    if (!(part > 0)) return;
+    SolidIntegrator back(p_, T(1));
+    back.add(triangle);
+    behindPhi_ -= back.phi_ * part;
+    behindGradient_ -= back.gradient_ * part;
+    behindD_ -= back.d_ * part;
   }
 
   /// The same by the approximation of Chang et al. 2020, "Semi-analytical solid boundary conditions for free
@@ -118,10 +142,9 @@ class SolidIntegrator {
   /// or next to all, of the support is solid (Φ within kSideTolerance of 0 or 1); there insideWhenFar
   /// decides. The default says that a fluid particle far from all surfaces is in the fluid.
   WEIR_HD SolidIntegrals<T> integrals(T calibration, bool insideWhenFar = false) const {
-    const T near = std::floor(phi_ + T(0.5));  // the whole number next to the sum
-    T turns = std::floor(phi_);
-    if (std::abs(phi_ - near) < kSideTolerance) turns = insideWhenFar ? near - 1 : near;
-    return scaled(phi_ - turns, gradient_, d_ - turns * 15, calibration);
+    const T whole = turns(insideWhenFar);
+    return scaled(phi_ - whole + behindPhi_, gradient_ + behindGradient_, d_ - whole * 15 + behindD_,
+                  calibration);
   }
 
   /// The integrals over what a sheet hides from p: a surface without an inside, open or closed, that may be
@@ -140,6 +163,9 @@ class SolidIntegrator {
   static constexpr T kPi = T(3.14159265358979323846);
   /// How near p may come to a corner and to the line of an edge, in H.
   static constexpr T kCornerGap = std::is_same_v<T, float> ? T(1e-5) : T(1e-9);
+  static constexpr T kLeastCosine = T(1e-4);
+  /// δ0 of (6), in H.
+  static constexpr T kBackDepth = T(0.1);
   static constexpr T kLineGap = kCornerGap * T(1e-4);
 
   WEIR_HD SolidIntegrals<T> scaled(T phi, const Vec3<T>& gradient, T d, T calibration) const {
@@ -148,6 +174,13 @@ class SolidIntegrator {
             boundedD = d < 0 ? T(0) : (d > 15 ? T(15) : d);
     return {calibration * boundedPhi, gradient * (calibration * inverseRadius_),
             calibration * boundedD * (inverseRadius_ * inverseRadius_)};
+  }
+
+  /// The whole number to take from the sum (1) for Φ: −1 inside.
+  WEIR_HD T turns(bool insideWhenFar) const {
+    const T near = std::floor(phi_ + T(0.5));  // the whole number next to the sum
+    if (std::abs(phi_ - near) < kSideTolerance) return insideWhenFar ? near - 1 : near;
+    return std::floor(phi_);
   }
 
   struct Triangle {
@@ -163,6 +196,35 @@ class SolidIntegrator {
     T l;      // the distance of its line from the foot of p, positive if the foot is on the triangle's side
     T delta;  // the distance of p in front of the plane
   };
+
+  WEIR_HD void face(const Vec3<T>& n, T phi) {
+    facing_ -= n * phi;
+    facingX_ += n * (phi * n.x), facingY_ += n * (phi * n.y), facingZ_ += n * (phi * n.z);
+  }
+
+  /// (6) without its first factor.
+  WEIR_HD T parallelTo(const Vec3<T>& m) const {
+    const T against = dot(facing_, m);
+    const T squares = dot(m, Vec3<T>{dot(facingX_, m), dot(facingY_, m), dot(facingZ_, m)});
+    // Less is rounding: of what is at right angles to all that faces p.
+    const T least = kLeastCosine * (facingX_.x + facingY_.y + facingZ_.z);
+    return against > least ? (squares < against ? squares / against : T(1)) : T(0);
+  }
+
+  WEIR_HD void add(const Triangle& triangle) {
+    Edge edges[3];
+    bool cut = false, around = true;
+    for (int k = 0; k < 3; ++k) {
+      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
+      cut = cut || edges[k].from < edges[k].to;
+      around = around && edges[k].l > 0;
+    }
+    if (cut) {
+      for (const Edge& edge : edges) addFan(edge, triangle);
+    } else if (around) {
+      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
+    }
+  }
 
   /// An arbitrary direction that edges of meshes are not likely to have.
   WEIR_HD static Vec3<T> aside() { return {T(0.3523), T(0.8129), T(0.4637)}; }
@@ -282,6 +344,11 @@ class SolidIntegrator {
   T phi_ = 0;
   Vec3<T> gradient_;
   T d_ = 0;
+  // (6): −Σ φ·n and the rows of Σ φ·n·nᵀ over what faces p; and what is to be added.
+  Vec3<T> facing_, facingX_, facingY_, facingZ_;
+  T behindPhi_ = 0;
+  Vec3<T> behindGradient_;
+  T behindD_ = 0;
 };
 
 }  // namespace weir

@@ -6,6 +6,7 @@
 #include "framework/base/text.h"
 #include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/shape_geometry.h"
 
@@ -29,6 +30,17 @@ std::vector<float> lengthsOf(const std::vector<Vec3f>& vectors) {
   lengths.reserve(vectors.size());
   for (const Vec3f& v : vectors) lengths.push_back(length(v));
   return lengths;
+}
+
+/// What moves the mesh of an output: the first coupling that takes it for a solid, or null.
+const RigidMotion* motionOf(const OutputPort* mesh, const Simulation& simulation) {
+  for (const auto& node : simulation.scene().graph.nodes()) {
+    const auto* coupling = dynamic_cast<const SemiAnalyticalSFI*>(node.get());
+    if (coupling == nullptr) continue;
+    const std::vector<OutputPort*>& solids = coupling->solids.links();
+    if (std::find(solids.begin(), solids.end(), mesh) != solids.end()) return coupling;
+  }
+  return nullptr;
 }
 
 Error unknownQuantity(const ParticleSet& particles, const std::string& name) {
@@ -80,6 +92,12 @@ View SceneView::at(Simulation& simulation) {
   view.backgroundBottom = settings_.backgroundBottom;
   addFluids(simulation, view);
   view.surfaces = surfaces_;
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    if (motions_[i] == nullptr) continue;
+    const Pose pose = motions_[i]->poseAt(simulation.time());
+    view.surfaces[i].rotation = pose.rotation;
+    view.surfaces[i].position = pose.translation;
+  }
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
   constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
@@ -94,7 +112,8 @@ View SceneView::at(Simulation& simulation) {
 void SceneView::collectStatic(Simulation& simulation) {
   collected_ = true;
   checkNames(simulation);
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation)) addSurface(**output, node);
+  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation))
+    addSurface(**output, node, motionOf(output, simulation));
   for (const auto& node : simulation.scene().graph.nodes()) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
@@ -124,13 +143,15 @@ const SurfaceSettings* SceneView::settingsOf(const std::string& node) const {
   return nullptr;
 }
 
-void SceneView::addSurface(const TriangleMesh& mesh, const std::string& node) {
+void SceneView::addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion) {
   const SurfaceSettings* own = settingsOf(node);
   if (mesh.empty() || (own != nullptr && !own->visible)) return;
-  bounds_.extend(mesh.bounds());
+  const Pose start = motion != nullptr ? motion->poseAt(0) : Pose{};
+  for (const Vec3f& vertex : mesh.vertices) bounds_.extend(start.toWorld(vertex));
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
   surfaces_.push_back({.mesh = renderer_.addMesh(mesh), .look = look.look, .color = look.shownColor()});
+  motions_.push_back(motion);
 }
 
 void SceneView::addShape(const Shape& shape, const std::string& node) {

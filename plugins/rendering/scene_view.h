@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/run/simulation.h"
+#include "nodes/solids/solid.h"
 #include "nodes/static_boundary/shapes.h"
 #include "plugins/rendering/gl/renderer.h"
 #include "plugins/rendering/render_settings.h"
@@ -35,7 +36,7 @@ class SceneView {
  private:
   void collectStatic(Simulation& simulation);
   void addShape(const Shape& shape, const std::string& node);
-  void addSurface(const TriangleMesh& mesh, const std::string& node);
+  void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion = nullptr);
   void addFluids(Simulation& simulation, View& view);
   void chooseRange();  // of values_
   CameraPose cameraAt(double time) const;
@@ -52,7 +53,8 @@ class SceneView {
   // What does not change during a run.
   bool collected_ = false;
   std::vector<SurfaceView> surfaces_;
-  std::vector<Vec3f> lines_;  // two points a line
+  std::vector<const RigidMotion*> motions_;  // of each surface, null for those at rest
+  std::vector<Vec3f> lines_;                 // two points a line
   Aabb bounds_;
   bool boundsAreStatic_ = false;  // else they grow with the particles
   float floor_ = 0;

@@ -1,44 +1,62 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
+#include "nodes/particle_fluid/hidden_neighbors.h"
 #include "nodes/solids/solid_integrals.h"
 
 namespace weir {
 
 namespace {
 
-/// In the frame of the world.
-WEIR_HD SolidIntegrals<float> integralsOf(const SolidView& solid, const Vec3f& position, float radius,
-                                          float calibration) {
+struct Found {
+  SolidIntegrals<float> integrals;  ///< in the frame of the world
+  int sides = 0;
+};
+
+/// `reach` is the support of the fluid, at least the radius of the integrals.
+WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius, float reach,
+                     float calibration) {
   const Vec3f p = solid.end.toBody(position);
   SolidIntegrator<float> sum(p, radius);
-  const bool container = solid.kind == SolidKind::kContainer;
-  solid.tree.forEachTriangleNear(p, radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-    const Vec3f &second = container ? c : b, &third = container ? b : c;
+  Found found;
+  const auto forEachNear = [&](float within, auto&& f) {
+    const bool container = solid.kind == SolidKind::kContainer;
+    solid.tree.forEachTriangleNear(p, within, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+      f(a, container ? c : b, container ? b : c);
+    });
+  };
+  forEachNear(reach, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    found.sides |= sidesSeen(p, a, b, c);
     if (solid.approximate)
-      sum.addTriangleApproximately(a, second, third);
+      sum.addTriangleApproximately(a, b, c);
     else
-      sum.addTriangle(a, second, third);
+      sum.addTriangle(a, b, c);
   });
-  SolidIntegrals<float> found =
-      solid.kind == SolidKind::kSheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
-  found.gradPhi = solid.end.directionToWorld(found.gradPhi);
+  const bool sheet = solid.kind == SolidKind::kSheet;
+  // What turns its back to a particle outside may be the other side of a thin part.
+  if (!sheet && !solid.approximate && (found.sides & kSeesBack) != 0 && sum.isOutside())
+    forEachNear(radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { sum.fillBehind(a, b, c); });
+  found.integrals = sheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
+  found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
   return found;
 }
 
 struct FindIntegrals {
   ArrayView<const SolidView> solids;
-  float radius, calibration;
+  float radius, reach, calibration;
   std::int64_t stride;
   ArrayView<const Vec3f> positions;
   ArrayView<Vec4f> each, total;  // total is empty where there is one solid
   ArrayView<float> d;
+  ArrayView<int> sides;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
     Vec3f gradient{};
     float phi = 0, sumOfD = 0;
     for (std::int64_t k = 0; k < solids.size; ++k) {
-      const SolidIntegrals<float> of = integralsOf(solids[k], p, radius, calibration);
+      const Found found = findOf(solids[k], p, radius, reach, calibration);
+      const SolidIntegrals<float>& of = found.integrals;
+      sides[k * stride + i] = found.sides;
       each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
       gradient += of.gradPhi;
       phi += of.phi;
@@ -59,9 +77,11 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   walls.keepLegal(fluid.particles.positions());
   walls.base = {};
   parallelFor(device, "wall integrals", fluid.particles.count(),
-              FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.calibration,
-                            walls.stride, fluid.particles.positions().view(), walls.each.view(),
-                            several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view()});
+              FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.supportRadius,
+                            fluid.constants.calibration, walls.stride, fluid.particles.positions().view(),
+                            walls.each.view(), several ? walls.total.view() : ArrayView<Vec4f>{},
+                            walls.d.view(), walls.sides.view()});
+  takeOutHiddenNeighbors(device, fluid);
 }
 
 template void WallIntegrals::findOn(ThisBackend&, FluidStep&);

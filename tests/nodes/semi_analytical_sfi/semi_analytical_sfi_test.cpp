@@ -1,13 +1,17 @@
 // Fluids that meet rigid meshes: against double precision, closed forms of hydrostatics, and conservation.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
+#include "nodes/box_mesh/box_mesh.h"
+#include "nodes/emitters/square_emitter.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/nodes/semi_analytical_sfi/solid_scene.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/meshes.h"
+#include "tests/support/simulated_scene.h"
 
 namespace weir::test {
 namespace {
@@ -68,26 +72,6 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
   }
 }
 
-std::vector<Vec3f> block(float spacing, const Vec3f& lo, const Vec3f& hi) {
-  std::vector<Vec3f> positions;
-  for (float x = lo.x + 0.5f * spacing; x < hi.x; x += spacing)
-    for (float y = lo.y + 0.5f * spacing; y < hi.y; y += spacing)
-      for (float z = lo.z + 0.5f * spacing; z < hi.z; z += spacing) positions.push_back({x, y, z});
-  return positions;
-}
-
-/// Water that settles in a tank. Forces are those of the pressure where the iterations have converged, so
-/// the relative stiffness (c·dt/d)² is small, 2.8, and the iterations are many.
-constexpr double kSettlingDt = 1.5e-3;
-SolidScene settling(Device& device, float spacing, const std::vector<Vec3f>& positions) {
-  return {device,
-          positions,
-          {},
-          object({{"spacing", spacing}, {"bulk_modulus", 5e5}}),
-          object({{"solver", object({{"params", object({{"iterations", 60}})}})},
-                  {"viscosity", object({{"params", object({{"strength", 0.5}})}})}})};
-}
-
 struct MeanForces {
   Vec3d tank, solid, torque;
 };
@@ -101,8 +85,6 @@ MeanForces forcesAfter(SolidScene& scene, const SemiAnalyticalSFI& tank, const S
   scene.frame();
   return {tank.forces->solids[0].force, solid.forces->solids[0].force, solid.forces->solids[0].torque};
 }
-
-constexpr double kGravity = 9.8, kWater = 1000;
 
 TEST(SemiAnalyticalSFI, HydrostaticForceOnAWall) {
   constexpr float kSpacing = 0.02f, kSide = 0.2f, kDepth = 0.3f;
@@ -177,6 +159,40 @@ TEST(SemiAnalyticalSFI, CarvesWhatStartsInsideAndCountsIt) {
   }
 }
 
+/// A jet that starts half in a block that moves out of its way.
+TEST(SemiAnalyticalSFI, CarvesWhatIsBornInside) {
+  constexpr float kSpacing = 0.02f;
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SolidScene scene(*device, {}, {}, object({{"spacing", kSpacing}, {"calibration", "lattice"}}));
+    scene.gravity = {};
+    auto& jet = static_cast<SquareEmitter&>(scene.graph().add(std::make_unique<SquareEmitter>(), "jet"));
+    jet.assignAll(object({{"width", 0.2}, {"height", 0.2}, {"speed", 1.99}}), {"test", "", ""});
+    scene.graph().link(SceneGraph::parseLink("jet.particles -> water.emitters"));
+    // After 0.1 s its side is at x = 0.11, out of the jet.
+    SemiAnalyticalSFI& block =
+        scene.couple({boxMesh({0.01f, -1, -1}, {1, 1, 1})}, object({{"velocity", Value::Array{1, 0, 0}}}));
+    scene.reset(0.01);
+    scene.step();
+    scene.frame();
+    // One layer of 10 by 10 leaves in each step: those at x < 0.01 - d/4 = 0.005 have room, which are 5
+    // columns.
+    EXPECT_EQ(scene.fluid().particleCount(), 50);
+    for (const Vec3f& p : scene.fluid().fluid->particles->positions().toHost(50)) EXPECT_LT(p.x, 0);
+    NodeReport report;
+    block.report(report);
+    EXPECT_EQ(report.statistics["particles_carved"].asInt(), 50);
+    EXPECT_EQ(report.events.front().count, 50);
+    scene.step(19);
+    scene.frame();
+    // Layer k leaves in step k; the column at x = 0.01·(2c + 1) has room when 0.01 + 0.01·k > x + d/4.
+    int expected = 0;
+    for (int k = 0; k < 20; ++k)
+      for (int c = -5; c < 5; ++c) expected += c < 0 || 0.01 + 0.01 * k > 0.01 * (2 * c + 1) + 0.005 ? 10 : 0;
+    EXPECT_EQ(scene.fluid().particleCount(), expected) << name;
+  }
+}
+
 /// Single particles in a closed sheet that moves and turns: none may leave it, and none outside may enter.
 TEST(SemiAnalyticalSFI, NothingPassesAMovingSheet) {
   constexpr float kSpacing = 0.02f;
@@ -247,6 +263,43 @@ TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
     const double q = 0.3 / wallRadiusRatio(1.5), touch = std::pow(1 - q, 5) * (1 + 2 * q);
     EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
   }
+}
+
+/// Of all corners of a box that moves and turns in every way, none goes farther than cfl·d in a step.
+TEST(SemiAnalyticalSFI, StepsFollowTheSolids) {
+  constexpr const char* kScene = R"({
+    "weir": 1,
+    "world": { "gravity": [0, 0, 0], "dt": 0.5, "cfl": 0.5, "frame_rate": 2, "duration": 1 },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [9, 9, 9], "max": [9.2, 9.2, 9.2] } },
+      "box": { "type": "BoxMesh", "params": { "size": [0.2, 0.4, 0.6] } },
+      "contact": { "type": "SemiAnalyticalSFI", "params": {
+        "velocity": [0.1, 0, 0], "angular_velocity": [0, 1, 0.5], "pivot": [0.1, 0, 0],
+        "position": { "keyframes": [[0, [0, 0, 0]], [0.3, [0, 0.6, 0]], [0.7, [0, 0.6, 0]]] },
+        "rotation": { "keyframes": [[0.6, [0, 0, 0]], [0.8, [90, 20, 0]]] } } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } }
+    },
+    "links": [ "block.particles -> water.initial", "water.fluid -> contact.fluid",
+               "box.surface -> contact.solids" ]
+  })";
+  CpuDevice device;
+  SimulatedScene scene(device, kScene);
+  scene->reset();
+  const auto& contact = scene.node<SemiAnalyticalSFI>("contact");
+  const std::atomic<bool> goOn = false;
+  double time = 0, farthest = 0;
+  const auto look = [&] {
+    const Pose before = contact.poseAt(time), after = contact.poseAt(scene->time());
+    for (const Vec3f& corner : scene.node<BoxMesh>("box").surface->vertices)
+      farthest = std::max(farthest, double(length(after.toWorld(corner) - before.toWorld(corner))));
+    time = scene->time();
+  };
+  while (scene->advanceFrame(goOn, look)) {
+  }
+  EXPECT_EQ(scene->time(), 1);
+  EXPECT_LE(farthest, 0.05 * (1 + 1e-4));
+  EXPECT_GT(farthest, 0.02);
+  EXPECT_LT(scene->stepsDone(), 300);
 }
 
 TEST(SemiAnalyticalSFI, SaysWhatIsWrongWithMeshes) {

@@ -30,4 +30,27 @@ class SolidScene : public FluidScene {
   int couplings_ = 0, solids_ = 0;
 };
 
+inline constexpr double kGravity = 9.8, kWater = 1000;
+
+/// A lattice that fills the box.
+inline std::vector<Vec3f> block(float spacing, const Vec3f& lo, const Vec3f& hi) {
+  std::vector<Vec3f> positions;
+  for (float x = lo.x + 0.5f * spacing; x < hi.x; x += spacing)
+    for (float y = lo.y + 0.5f * spacing; y < hi.y; y += spacing)
+      for (float z = lo.z + 0.5f * spacing; z < hi.z; z += spacing) positions.push_back({x, y, z});
+  return positions;
+}
+
+/// Water that settles in a tank, in steps of kSettlingDt. Forces are those of the pressure where the
+/// iterations have converged, so the relative stiffness (c·dt/d)² is small, 2.8, and the iterations are many.
+constexpr double kSettlingDt = 1.5e-3;
+inline SolidScene settling(Device& device, float spacing, const std::vector<Vec3f>& positions) {
+  return {device,
+          positions,
+          {},
+          object({{"spacing", spacing}, {"bulk_modulus", 5e5}}),
+          object({{"solver", object({{"params", object({{"iterations", 60}})}})},
+                  {"viscosity", object({{"params", object({{"strength", 0.5}})}})}})};
+}
+
 }  // namespace weir::test

@@ -410,6 +410,79 @@ TEST(SolidIntegrals, OfAThinPlateAreThoseOfTwoHalfSpaces) {
   }
 }
 
+/// What thin parts hide counts as solid.
+Integrals filled(const Soup& soup, const Vec3d& p) {
+  SolidIntegrator<double> solid(p, kH);
+  for (const Corners& t : soup) solid.addTriangle(t.a, t.b, t.c);
+  EXPECT_TRUE(solid.isOutside());
+  for (const Corners& t : soup) solid.fillBehind(t.a, t.b, t.c);
+  return solid.integrals(1);
+}
+
+Soup plateSoup(double size, double thickness) {
+  Soup plate = floorSoup(size);
+  for (Corners t : floorSoup(size)) {
+    for (Vec3d* corner : {&t.a, &t.b, &t.c}) corner->z = -thickness;
+    plate.push_back({t.a, t.c, t.b});
+  }
+  return plate;
+}
+
+TEST(SolidIntegrals, BehindAThinPlateAllIsSolid) {
+  const Soup floor = floorSoup(0.1);
+  for (const double thickness : {0.9, 0.5, 0.1, 0.001}) {
+    const Soup plate = plateSoup(0.1, thickness * kH);
+    for (const double q : {0.1, 0.4, 0.8}) {
+      const Vec3d p{0.0013, -0.0021, q * kH};
+      const Integrals found = filled(plate, p), half = integrate(floor, p);
+      EXPECT_NEAR(found.phi, half.phi, 1e-12) << thickness << " " << q;
+      EXPECT_NEAR(found.d / kFullD, half.d / kFullD, 1e-12);
+      EXPECT_LT(length(found.gradPhi - half.gradPhi) * kH, 1e-12);
+    }
+  }
+}
+
+/// A wall that stands on a floor and is one mesh with it, seen from the corner between the two.
+TEST(SolidIntegrals, BehindAThinWallOnAFloorAllIsSolid) {
+  const double thickness = 0.2 * kH;
+  const auto box = [](const Vec3d& lo, const Vec3d& hi) {
+    Soup soup = cubeSoup(straightFrame(), 1, false);
+    for (Corners& t : soup)
+      for (Vec3d* c : {&t.a, &t.b, &t.c})
+        *c = {c->x < -0.5 ? lo.x : hi.x, c->y < -0.5 ? lo.y : hi.y, c->z < -0.5 ? lo.z : hi.z};
+    return soup;
+  };
+  const Soup wall = box({-thickness, 0, -0.1}, {0, 0.1, 0.1}), block = box({-0.1, -0.1, -0.1}, {0, 0.1, 0.1});
+  // The ground on this side of the wall only, which sees it end there.
+  const Soup near = box({0, -0.1, -0.1}, {0.1, 0, 0.1});
+  for (const Vec3d& p : {Vec3d{0.3, 0.1, 0} * kH, Vec3d{0.3, 0.3, 0} * kH, Vec3d{0.8, 0.2, 0} * kH}) {
+    Soup both = near;
+    both.insert(both.end(), wall.begin(), wall.end());
+    const Integrals found = filled(both, p);
+    const Integrals expected = [&] {
+      const Integrals a = integrate(block, p), b = integrate(near, p);
+      return Integrals{a.phi + b.phi, a.gradPhi + b.gradPhi, a.d + b.d};
+    }();
+    EXPECT_NEAR(found.phi, expected.phi, 0.01);
+    EXPECT_LT(length(found.gradPhi - expected.gradPhi) * kH, 0.02);
+  }
+}
+
+/// Nothing changes at solids whose backs, if they are in reach, are no other side of a thin part.
+TEST(SolidIntegrals, OfBlocksAreTheSameWithWhatIsBehind) {
+  const Frame frame = turnedFrame();
+  for (const bool room : {false, true}) {
+    const Soup soup = divided(cubeSoup(frame, 0.05, room));
+    for (const Vec3d& local : randomPoints(300, 1.2 * kH)) {
+      if ((local.x < 0 && local.y < 0 && local.z < 0) != room) continue;
+      const Integrals exact = integrate(soup, frame(local)), found = filled(soup, frame(local));
+      EXPECT_NEAR(found.phi, exact.phi, 1e-12);
+      EXPECT_NEAR(found.d / kFullD, exact.d / kFullD, 1e-12);
+      EXPECT_LT(length(found.gradPhi - exact.gradPhi) * kH, 1e-12);
+    }
+  }
+}
+
 TEST(SolidIntegrals, ByThePublishedApproximationAreConesBeyondThePlane) {
   const Soup soup = floorSoup(100);  // so large that it fills half of all directions
   for (const double q : {0.1, 0.2, 0.4, 0.7}) {

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "tests/plugins/rendering/output/read_png.h"
 #include "tests/plugins/rendering/output/video_tools.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/small_disk.h"
@@ -97,6 +98,52 @@ TEST_F(PicturesOfRuns, AFullDiskEndsTheRunWithAMessage) {
     EXPECT_CONTAINS(result.err, "No space left on device");
     std::filesystem::remove_all(path);
   }
+}
+
+/// A plate beside some water in weightlessness. `plate` and `motion` are parameters.
+std::string plateScene(const std::string& plate, const std::string& motion) {
+  return R"({
+    "weir": 1,
+    "world": { "dt": 0.01, "duration": 0.1, "frame_rate": 10, "gravity": [0, 0, 0] },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [-1, -1, -1], "max": [-0.9, -0.9, -0.9] } },
+      "plate": { "type": "BoxMesh", "params": { "size": [0.8, 0.3, 0.1])" +
+         plate + R"( } },
+      "motion": { "type": "SemiAnalyticalSFI", "params": { )" +
+         motion + R"( } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.05 } }
+    },
+    "links": [ "block.particles -> water.initial", "water.fluid -> motion.fluid",
+               "plate.surface -> motion.solids" ],
+    "render": { "width": 320, "height": 180, "ground": false,
+                "camera": { "eye": [0, 0, 4], "target": [0, 0, 0] } }
+  })";
+}
+
+/// The share of bytes that differ noticeably.
+double difference(const rendering::Picture& a, const rendering::Picture& b) {
+  EXPECT_EQ(a.rgb.size(), b.rgb.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i)
+    different += std::abs(int(a.rgb[i]) - int(b.rgb[i])) > 8 ? 1 : 0;
+  return double(different) / double(a.rgb.size());
+}
+
+TEST_F(PicturesOfRuns, SolidsAreShownWhereTheyMoved) {
+  const std::string moving =
+      folder.write("moving.json", plateScene("", R"("velocity": [3, 0, 0], "angular_velocity": [0, 0, 5])"));
+  // Where it is after 0.1 s; half a radian is 28.6479 degrees.
+  const std::string there =
+      folder.write("there.json", plateScene(R"(, "position": [0.3, 0, 0], "rotation": [0, 0, 28.6479])", ""));
+  for (const std::string& file : {moving, there}) {
+    const ChildResult result = runWeir({"run", file, "--images", file + ".images"});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const auto frame = [](const std::string& file, int k) {
+    return readPng(file + ".images/frame_0000" + std::to_string(k) + ".png");
+  };
+  EXPECT_LT(difference(frame(moving, 1), frame(there, 1)), 1e-3);
+  EXPECT_GT(difference(frame(moving, 0), frame(there, 0)), 0.01);
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "nodes/particle_fluid/hidden_neighbors.h"
+
+#include "framework/compute/parallel.h"
+#include "nodes/geometry/segment_hit.h"
+#include "nodes/particle_fluid/wall_field.h"
+
+namespace weir {
+
+namespace {
+
+struct TakeOutHidden {
+  ArrayView<const SolidView> solids;
+  std::int64_t stride;
+  ArrayView<const int> sides;
+  ArrayView<const Vec3f> positions;
+  NeighborEditor neighbors;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    bool any = false;
+    for (std::int64_t k = 0; k < solids.size; ++k) {
+      const int seen = sides[k * stride + i];
+      any = any || (solids[k].kind == SolidKind::kSheet ? seen != 0 : (seen & kSeesBack) != 0);
+    }
+    if (any) neighbors.keepIf(i, [&](int j) { return sees(i, j); });
+  }
+
+  WEIR_HD bool sees(std::int64_t i, std::int64_t j) const {
+    const std::int64_t from = i < j ? i : j, to = i < j ? j : i;
+    for (std::int64_t k = 0; k < solids.size; ++k) {
+      const SolidView& solid = solids[k];
+      if (mayHide(solid.kind, sides[k * stride + i], sides[k * stride + j]) &&
+          firstHit(solid.tree, solid.end.toBody(positions[from]), solid.end.toBody(positions[to])).found())
+        return false;
+    }
+    return true;
+  }
+
+  WEIR_HD static bool mayHide(SolidKind kind, int one, int other) {
+    if (kind != SolidKind::kSheet) return (one & other & kSeesBack) != 0;
+    return ((one & kSeesFront) != 0 && (other & kSeesBack) != 0) ||
+           ((one & kSeesBack) != 0 && (other & kSeesFront) != 0);
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
+  WallField& walls = fluid.walls;
+  parallelFor(device, "hidden neighbours", fluid.particles.count(),
+              TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.sides).view(),
+                            std::as_const(fluid.particles).positions().view(), fluid.neighbors.editor()});
+}
+
+template void takeOutHiddenNeighbors(ThisBackend&, FluidStep&);
+
+}  // namespace weir

@@ -1,0 +1,38 @@
+// Particles that a solid hides from each other are no neighbours: water on one side of a thin wall must not
+// feel the water on the other.
+//
+// A pair is taken out of the neighbour lists if the straight segment between the two meets the surface of a
+// solid, at the predicted positions and with the solid as it stands at the end of the step. What the one
+// loses with the other is what the integrals count as solid behind a thin wall (solids/solid_integrals.h).
+// Both of a pair ask about the same segment, from the lower index to the higher, with the same numbers: so
+// lists stay reciprocal.
+//
+// Few pairs need be asked. Each particle knows for each solid whether triangles within the support radius H
+// turn their front or their back to it (the front of a closed solid is where fluid is). A segment shorter
+// than H that meets a triangle does so within H of both its ends, and these are on different sides of its
+// plane, or on it. So one end must see a front and the other a back. If a segment with both ends in the
+// fluid passes through a closed solid, it also leaves it again, through a triangle that the end it came from
+// sees from behind, and the same holds the other way round: both ends must see a back. Where walls are
+// thicker than H and flat or concave, nobody sees a back, and nothing is asked.
+#pragma once
+
+#include "nodes/particle_fluid/fluid_module.h"
+
+namespace weir {
+
+enum SeenSide : int { kSeesFront = 1, kSeesBack = 2 };
+
+/// The sides of a triangle that p may be on: both where rounding hides which.
+WEIR_HD inline int sidesSeen(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  constexpr float kRounding = 1e-5f;  // far above that of the cross product of floats
+  const Vec3f normal = cross(b - a, c - a), arm = p - a;
+  const float height = dot(arm, normal);
+  const float least = kRounding * sqrtf(dot(arm, arm) * dot(normal, normal));
+  return (height >= -least ? kSeesFront : 0) | (height <= least ? kSeesBack : 0);
+}
+
+/// Edits fluid.neighbors; fluid.walls.sides must be known at the present positions.
+template <class Backend>
+void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid);
+
+}  // namespace weir

@@ -1,0 +1,115 @@
+// Which neighbours a solid hides from each other, against a slow search for what crosses the mesh.
+#include "nodes/particle_fluid/hidden_neighbors.h"
+
+#include <gtest/gtest.h>
+
+#include "nodes/particle_fluid/modules/wall_integrals.h"
+#include "tests/nodes/particle_fluid/modules/module_test_support.h"
+#include "tests/nodes/particles/listed_pairs.h"
+#include "tests/support/meshes.h"
+
+namespace weir::test {
+namespace {
+
+constexpr float kSpacing = 0.02f, kRatio = 1.5f;
+
+/// At rest, turned and moved.
+class Still final : public RigidMotion {
+ public:
+  Pose poseAt(double) const override { return {Quatf{0.8f, 0.1f, -0.5f, 0.31622777f}, {0.1f, -0.2f, 0.3f}}; }
+  Vec3f pivotAt(double) const override { return {}; }
+};
+
+double volumeOf(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  return dot(b - a, cross(c - a, d - a));
+}
+
+bool crosses(const TriangleMesh& mesh, const Vec3d& p, const Vec3d& q) {
+  for (const Vec3i& t : mesh.triangles) {
+    const Vec3d a = toDouble(mesh.vertices[std::size_t(t.x)]), b = toDouble(mesh.vertices[std::size_t(t.y)]),
+                c = toDouble(mesh.vertices[std::size_t(t.z)]);
+    if (volumeOf(p, a, b, c) * volumeOf(q, a, b, c) > 0) continue;
+    const double u = volumeOf(p, q, a, b), v = volumeOf(p, q, b, c), w = volumeOf(p, q, c, a);
+    if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) return true;
+  }
+  return false;
+}
+
+struct Case {
+  const char* name;
+  TriangleMesh mesh;
+  SolidKind kind;
+};
+
+std::vector<Case> cases() {
+  TriangleMesh room = icosphere(2, 0.09f);
+  room.flip();
+  TriangleMesh bowl = boxMesh({-0.08f, -0.08f, -0.08f}, {0.08f, 0.08f, 0.08f}),
+               inner = boxMesh({-0.07f, -0.07f, -0.07f}, {0.07f, 0.07f, 0.07f});
+  inner.flip();
+  append(bowl, inner);
+  TriangleMesh square = sheet(3);
+  square.transform(0.07f, {}, {});
+  return {{"plate", boxMesh({-0.08f, -0.08f, -0.002f}, {0.08f, 0.08f, 0.002f}), SolidKind::kSolid},
+          {"sheet", square, SolidKind::kSheet},
+          {"shell", icosphere(1, 0.06f), SolidKind::kSheet},
+          {"hollow box", bowl, SolidKind::kSolid},
+          {"ball", icosphere(2, 0.05f), SolidKind::kSolid},
+          {"room", room, SolidKind::kContainer}};
+}
+
+TEST(HiddenNeighbors, AreThosePairsThatTheMeshCuts) {
+  for (const std::string& name : availableDevices())
+    for (const Case& of : cases()) {
+      const auto device = openDevice(name);
+      const Still motion;
+      const Pose pose = motion.poseAt(0);
+      std::vector<Vec3f> positions;
+      for (const Vec3f& p : jitteredCube(13, 0.8f * kSpacing, 0.4f, 3, {-0.1f, -0.1f, -0.1f})) {
+        const bool outside = std::abs(slowWindingNumber(of.mesh, p)) < 0.5;
+        if (of.kind == SolidKind::kSheet || outside == (of.kind == SolidKind::kSolid))
+          positions.push_back(pose.toWorld(p));
+      }
+      ParticleSet particles(*device);
+      ParticleBatch batch;
+      batch.assign(*device, positions, std::vector<Vec3f>(positions.size()));
+      particles.append(batch);
+      const FluidConstants constants =
+          makeFluidConstants(kSpacing, kRatio, 1000, 1e6f, Calibration::kPacking);
+      NeighborList neighbors(*device);
+      neighbors.configure(constants.supportRadius, 64);
+      const Aabb everywhere{{-9, -9, -9}, {9, 9, 9}};
+      neighbors.build(particles, everywhere);
+      Solid solid(*device, of.mesh, {.kind = of.kind}, motion);
+      WallField walls(*device);
+      walls.solids.push_back(&solid);
+      walls.place(0, 0);
+      Log log([](LogLevel, std::string_view) {});
+      const StepContext time{*device, log};
+      const std::vector<const Boundary*> none;
+      FluidStep step{time, *device, constants, particles, neighbors, none, everywhere, {}, walls};
+      WallIntegrals::find(step);
+
+      const Pairs found = listedPairs(particles, neighbors);
+      int hidden = 0, pairs = 0;
+      for (std::size_t i = 0; i < positions.size(); ++i)
+        for (std::size_t j = 0; j < positions.size(); ++j) {
+          const Vec3f apart = positions[i] - positions[j];
+          if (i == j || dot(apart, apart) >= constants.supportRadius * constants.supportRadius) continue;
+          const bool cut =
+              crosses(of.mesh, toDouble(pose.toBody(positions[i])), toDouble(pose.toBody(positions[j])));
+          ASSERT_EQ(found.count({int(i), int(j)}), cut ? 0u : 1u) << of.name << " " << i << " " << j;
+          hidden += cut;
+          ++pairs;
+        }
+      // In a convex room all see each other.
+      if (of.kind == SolidKind::kContainer)
+        EXPECT_EQ(hidden, 0);
+      else
+        EXPECT_GT(hidden, 20) << of.name;
+      EXPECT_LT(hidden, pairs / 4) << of.name;
+    }
+}
+
+}  // namespace
+}  // namespace weir::test
