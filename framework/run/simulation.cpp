@@ -21,7 +21,8 @@ Clock clockOf(const Scene& scene) {
     try {
       return {world.frameRate, dt, world.duration};
     } catch (Error& e) {
-      throw e.at({.file = scene.file, .pointer = "/world"}).inParameter(parameter.name());
+      e.inParameter(parameter.name());
+      throw world.locate(e).at({.file = scene.file, .pointer = "/world"});
     }
   };
   if (world.minDt.get()) clockWith(*world.minDt.get(), world.minDt);  // what it might come to
