@@ -2,6 +2,7 @@
 // slide.
 #pragma once
 
+#include "nodes/geometry/clearance_grid.h"
 #include "nodes/geometry/segment_hit.h"
 
 namespace weir {
@@ -142,15 +143,17 @@ WEIR_HD inline float leastThickness(float coordinate) {
 /// any length such as the last contact's normal; without one, on the side of `from` if floats can tell,
 /// otherwise on that of the triangles' normals.
 ///
-/// A motion that comes nowhere near the mesh costs one walk down the tree. Points that are no numbers pass.
-WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const Vec3f& from, const Vec3f& to,
-                                 float thickness, const Vec3f& towards = {}) {
+/// A motion that comes nowhere near the mesh costs two look-ups in the clearance of the same mesh, or one
+/// walk down the tree if that is empty. Points that are no numbers pass.
+WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const ClearanceView& clearance,
+                                 const Vec3f& from, const Vec3f& to, float thickness,
+                                 const Vec3f& towards = {}) {
   if (tree.empty() || !isFinite(from) || !isFinite(to)) return {to};
   const float coordinate =
       detail::largestCoordinate(max(max(from, -from), max(tree.bounds.hi, -tree.bounds.lo)));
   const float least = leastThickness(coordinate);
   thickness = thickness > least ? thickness : least;
-  if (!mayComeNear(tree, from, to, thickness)) return {to};
+  if (clearance.clears(from, to, thickness) || !mayComeNear(tree, from, to, thickness)) return {to};
   return detail::Sweep(tree, thickness, 0.125f * least).run(from, to, towards);
 }
 

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <limits>
+
 namespace weir {
 
 namespace {
@@ -67,13 +70,15 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
   forces->solids.clear();
   carved_ = 0;
   lastFrame_ = 0;
+  float detail = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].constants->spacing);
   for (std::size_t k = 0; k < solids.size(); ++k) {
     const std::string& from = solids.links()[k]->node().name();
     const SolidSurface surface{.kind = kindOf(solids[k], from, context.log),
                                .approximate = integrals == WallIntegralForm::kApproximate,
                                .friction = friction,
                                .noSlip = noSlip};
-    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this));
+    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this, detail));
     forces->solids.push_back({from, {}, {}});
   }
   for (std::size_t i = 0; i < fluid.size(); ++i) {

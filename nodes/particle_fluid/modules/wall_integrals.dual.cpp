@@ -10,6 +10,7 @@ namespace {
 WEIR_HD SolidIntegrals<float> integralsOf(const SolidView& solid, const Vec3f& position, float radius,
                                           float calibration) {
   const Vec3f p = solid.end.toBody(position);
+  if (solid.clearance.at(p) > radius) return {};
   SolidIntegrator<float> sum(p, radius);
   const bool container = solid.kind == SolidKind::kContainer;
   solid.tree.forEachTriangleNear(p, radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
