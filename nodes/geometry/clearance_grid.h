@@ -56,7 +56,7 @@ class ClearanceGrid {
 
   ClearanceView view() const;
 
-  static constexpr std::int64_t kMostCells = std::int64_t{1} << 24;
+  static constexpr std::int64_t kMostCells = std::int64_t{1} << 23;
 
  private:
   template <class Backend>

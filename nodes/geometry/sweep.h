@@ -27,8 +27,12 @@ class Sweep {
       : tree_(tree), thickness_(thickness), rounding_(rounding) {}
 
   WEIR_HD SweepResult run(const Vec3f& from, const Vec3f& to, const Vec3f& towards) {
-    Vec3f p = offSurface(from, towards);
-    const float atStart = tree_.nearest(p, thickness_).distance;
+    const float way = length(to - from);
+    const SurfacePoint nearest = tree_.nearest(from, way + thickness_ + rounding_);
+    if (nearest.triangle < 0) return {to};
+    const bool onSurface = nearest.distance < rounding_;
+    Vec3f p = onSurface ? offSurface(nearest, towards) : from;
+    const float atStart = onSurface ? tree_.nearest(p, thickness_).distance : nearest.distance;
     least_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
     Vec3f target = to, before;
     for (int slide = 0; slide < kSlides; ++slide) {
@@ -59,9 +63,7 @@ class Sweep {
   }
 
   /// A point on the surface, up to rounding, goes in front of it, on the side that `towards` points to.
-  WEIR_HD Vec3f offSurface(const Vec3f& from, const Vec3f& towards) const {
-    const SurfacePoint near = tree_.nearest(from, rounding_);
-    if (near.triangle < 0) return from;
+  WEIR_HD Vec3f offSurface(const SurfacePoint& near, const Vec3f& towards) const {
     const bool hinted = dot(towards, towards) > 0;
     const bool front = hinted ? dot(towards, near.normal) >= 0 : near.side >= 0;
     const Vec3f normal = front ? near.normal : -near.normal;
