@@ -38,6 +38,9 @@
 // hand (it leaves no cancellation and no singularity, also at δ = l = 0) and Gauss-Legendre points along the
 // edge do.
 //
+// Triangles that are small or thin, seen from p, need no edges: Gauss-Legendre points inside them do for (1)
+// and (2), with an error far below the tolerance with which integrals() tells the sides of p apart.
+//
 // On the surface. (4) depends on the direction in which p lies from an edge, however near, and two triangles
 // that disagree about that direction are wrong by up to 2π. Hence every edge computes δ and l from its own
 // vector to the nearest point of its line, bit for bit the same one for both its triangles, so that rounding
@@ -204,7 +207,7 @@ class SolidIntegrator {
   /// Adds a triangle by points inside it if it is so thin, seen from p, that they are accurate to 1e-5 or so
   /// in Φ; false if it is not.
   WEIR_HD bool addFine(const Triangle& triangle, T squaredDistance) {
-    constexpr T kThin = T(0.2), kLong = 3;  // largest width and length, in distances from p
+    constexpr T kThin = T(0.4), kLong = 4;  // largest width and length, in distances from p
     const Vec3<T>* corner = triangle.corner;
     T squaredLength[3];
     for (int k = 0; k < 3; ++k) {
