@@ -1,5 +1,6 @@
 #include "nodes/geometry/clearance_grid.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace weir {

@@ -78,20 +78,7 @@ class SolidIntegrator {
   WEIR_HD void addTriangle(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
     Triangle triangle;
     if (!prepare(a, b, c, triangle)) return;
-    const T squaredDistance = leastSquaredDistance(triangle);
-    if (squaredDistance > T(1.001) || addFine(triangle, squaredDistance)) return;
-    Edge edges[3];
-    bool cut = false, around = true;
-    for (int k = 0; k < 3; ++k) {
-      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
-      cut = cut || edges[k].from < edges[k].to;
-      around = around && edges[k].l > 0;
-    }
-    if (cut) {
-      for (const Edge& edge : edges) addFan(edge, triangle);
-    } else if (around) {
-      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
-    }
+    add(triangle);
   }
 
   /// The same by the approximation of Chang et al. 2020, "Semi-analytical solid boundary conditions for free
@@ -179,14 +166,30 @@ class SolidIntegrator {
     const Vec3<T> lo = min(corner[0], min(corner[1], corner[2])),
                   hi = max(corner[0], max(corner[1], corner[2]));
     if (lo.x > 1 || lo.y > 1 || lo.z > 1 || hi.x < -1 || hi.y < -1 || hi.z < -1) return false;
-    const Vec3<T> across = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    triangle.normal = normalized(across);
+    triangle.normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
     // The nearest corner gives the least rounding.
     const T rr[3] = {dot(corner[0], corner[0]), dot(corner[1], corner[1]), dot(corner[2], corner[2])};
     const int nearest = rr[0] < rr[1] ? (rr[0] < rr[2] ? 0 : 2) : (rr[1] < rr[2] ? 1 : 2);
     triangle.delta = -dot(corner[nearest], triangle.normal);
     triangle.side = triangle.delta < 0 ? T(-1) : T(1);
     return std::abs(triangle.delta) < 1 && dot(triangle.normal, triangle.normal) > 0;
+  }
+
+  WEIR_HD void add(const Triangle& triangle) {
+    const T squaredDistance = leastSquaredDistance(triangle);
+    if (squaredDistance > T(1.001) || addFine(triangle, squaredDistance)) return;
+    Edge edges[3];
+    bool cut = false, around = true;
+    for (int k = 0; k < 3; ++k) {
+      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
+      cut = cut || edges[k].from < edges[k].to;
+      around = around && edges[k].l > 0;
+    }
+    if (cut) {
+      for (const Edge& edge : edges) addFan(edge, triangle);
+    } else if (around) {
+      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
+    }
   }
 
   /// A lower bound of the distance of a triangle, squared: that of its plane, and within the plane how far p
