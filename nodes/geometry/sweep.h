@@ -2,6 +2,7 @@
 // slide.
 #pragma once
 
+#include "nodes/geometry/clearance_grid.h"
 #include "nodes/geometry/segment_hit.h"
 
 namespace weir {
@@ -26,8 +27,12 @@ class Sweep {
       : tree_(tree), thickness_(thickness), rounding_(rounding) {}
 
   WEIR_HD SweepResult run(const Vec3f& from, const Vec3f& to, const Vec3f& towards) {
-    Vec3f p = offSurface(from, towards);
-    const float atStart = tree_.nearest(p, thickness_).distance;
+    const float way = length(to - from);
+    const SurfacePoint nearest = tree_.nearest(from, way + thickness_ + rounding_);
+    if (nearest.triangle < 0) return {to};
+    const bool onSurface = nearest.distance < rounding_;
+    Vec3f p = onSurface ? offSurface(nearest, towards) : from;
+    const float atStart = onSurface ? tree_.nearest(p, thickness_).distance : nearest.distance;
     least_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
     Vec3f target = to, before;
     for (int slide = 0; slide < kSlides; ++slide) {
@@ -58,9 +63,7 @@ class Sweep {
   }
 
   /// A point on the surface, up to rounding, goes in front of it, on the side that `towards` points to.
-  WEIR_HD Vec3f offSurface(const Vec3f& from, const Vec3f& towards) const {
-    const SurfacePoint near = tree_.nearest(from, rounding_);
-    if (near.triangle < 0) return from;
+  WEIR_HD Vec3f offSurface(const SurfacePoint& near, const Vec3f& towards) const {
     const bool hinted = dot(towards, towards) > 0;
     const bool front = hinted ? dot(towards, near.normal) >= 0 : near.side >= 0;
     const Vec3f normal = front ? near.normal : -near.normal;
@@ -142,15 +145,17 @@ WEIR_HD inline float leastThickness(float coordinate) {
 /// any length such as the last contact's normal; without one, on the side of `from` if floats can tell,
 /// otherwise on that of the triangles' normals.
 ///
-/// A motion that comes nowhere near the mesh costs one walk down the tree. Points that are no numbers pass.
-WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const Vec3f& from, const Vec3f& to,
-                                 float thickness, const Vec3f& towards = {}) {
+/// A motion that comes nowhere near the mesh costs two look-ups in the clearance of the same mesh, or one
+/// walk down the tree if that is empty. Points that are no numbers pass.
+WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const ClearanceView& clearance,
+                                 const Vec3f& from, const Vec3f& to, float thickness,
+                                 const Vec3f& towards = {}) {
   if (tree.empty() || !isFinite(from) || !isFinite(to)) return {to};
   const float coordinate =
       detail::largestCoordinate(max(max(from, -from), max(tree.bounds.hi, -tree.bounds.lo)));
   const float least = leastThickness(coordinate);
   thickness = thickness > least ? thickness : least;
-  if (!mayComeNear(tree, from, to, thickness)) return {to};
+  if (clearance.clears(from, to, thickness) || !mayComeNear(tree, from, to, thickness)) return {to};
   return detail::Sweep(tree, thickness, 0.125f * least).run(from, to, towards);
 }
 

@@ -96,15 +96,24 @@ WEIR_HD inline ClosestPoint closestOnSegment(const Vec3f& a, const Vec3f& b, int
   return {at, dot(at, at), PseudoNormals::kEdges + edge};
 }
 
-/// `normal` is the triangle's unit normal, zero for triangles without area. Passed in, because that of a
-/// sliver is not to be had in floats.
+/// The nearest point if it may be nearer than √atMost; nothing nearer than that if not. `normal` is the
+/// triangle's unit normal, zero for triangles without area. Passed in, because that of a sliver is not to be
+/// had in floats.
 WEIR_HD inline ClosestPoint closestOnTriangle(const Vec3f& a, const Vec3f& b, const Vec3f& c,
-                                              const Vec3f& normal) {
-  // The origin's foot in the plane is inside if it lies left of all edges.
-  if (dot(normal, normal) > 0 && dot(cross(a, b - a), normal) >= 0 && dot(cross(b, c - b), normal) >= 0 &&
-      dot(cross(c, a - c), normal) >= 0) {
+                                              const Vec3f& normal, float atMost) {
+  const Vec3f ab = b - a, bc = c - b, ca = a - c;
+  if (dot(normal, normal) > 0) {
+    // The origin's foot in the plane is inside if it lies left of all edges.
     const float height = dot(a, normal);
-    return {height * normal, height * height, PseudoNormals::kFace};
+    const float one = dot(cross(a, ab), normal), two = dot(cross(b, bc), normal),
+                three = dot(cross(c, ca), normal);
+    if (one >= 0 && two >= 0 && three >= 0) return {height * normal, height * height, PseudoNormals::kFace};
+    // All of the triangle is beyond an edge's line, seen from the foot; with room for rounding.
+    const float within = 1.001f * atMost - height * height;
+    const auto isBeyond = [within](float left, const Vec3f& along) {
+      return left < 0 && left * left > within * dot(along, along);
+    };
+    if (isBeyond(one, ab) || isBeyond(two, bc) || isBeyond(three, ca)) return {{}, atMost, 0};
   }
   ClosestPoint best = closestOnSegment(a, b, 0);
   const ClosestPoint second = closestOnSegment(b, c, 1), third = closestOnSegment(c, a, 2);
@@ -148,8 +157,8 @@ WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMo
     }
     for (int i = node.first; i < node.first - node.link; ++i) {
       const detail::TreeTriangle t = triangles[i];
-      const detail::ClosestPoint candidate =
-          detail::closestOnTriangle(t.a - p, t.b - p, t.c - p, normals[i].normals[PseudoNormals::kFace]);
+      const detail::ClosestPoint candidate = detail::closestOnTriangle(
+          t.a - p, t.b - p, t.c - p, normals[i].normals[PseudoNormals::kFace], closest.squared);
       if (candidate.squared < closest.squared) closest = candidate, best = i;
     }
   }

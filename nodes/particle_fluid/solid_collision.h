@@ -46,7 +46,8 @@ WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, b
     for (std::int64_t k = 0; k < solids.size; ++k) {
       const SolidView& solid = solids[k];
       const Vec3f from = (atEnd ? solid.end : solid.begin).toBody(start);
-      const SweepResult way = sweep(solid.tree, from, solid.end.toBody(particle.position), gap);
+      const SweepResult way =
+          sweep(solid.tree, solid.clearance, from, solid.end.toBody(particle.position), gap);
       if (!way.hit) continue;
       stopped = true;
       particle.position = solid.end.toWorld(way.position);

@@ -93,6 +93,8 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
   carved_ = 0;
   lastFrame_ = 0;
   radius_ = 0;
+  float detail = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].constants->spacing);
   for (std::size_t k = 0; k < solids.size(); ++k) {
     for (const Vec3f& vertex : solids[k].vertices)
       radius_ = std::max(radius_, double(length(vertex - pivot.get())));
@@ -101,7 +103,7 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
                                .approximate = integrals == WallIntegralForm::kApproximate,
                                .friction = friction,
                                .noSlip = noSlip};
-    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this));
+    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this, detail));
     forces->solids.push_back({from, {}, {}});
   }
   for (std::size_t i = 0; i < fluid.size(); ++i) {

@@ -2,8 +2,14 @@
 
 namespace weir {
 
-Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion)
-    : tree_(device, mesh), surface_(surface), motion_(&motion), impulse_(device, 1), carved_(device, 1) {
+Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
+             float detail)
+    : tree_(device, mesh),
+      clearance_(device, tree_.view(), 0.5f * detail),
+      surface_(surface),
+      motion_(&motion),
+      impulse_(device, 1),
+      carved_(device, 1) {
   carved_.fillZero();
   impulse_.fillZero();
 }
@@ -11,6 +17,7 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
 SolidView Solid::view(double time, double dt) {
   const Pose end = motion_->poseAt(time + dt);
   return {.tree = tree_.view(),
+          .clearance = clearance_.view(),
           .begin = dt > 0 ? motion_->poseAt(time) : end,
           .end = end,
           .inverseDt = dt > 0 ? static_cast<float>(1 / dt) : 0.0f,

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "framework/graph/param_types.h"
-#include "nodes/geometry/triangle_tree.h"
+#include "nodes/geometry/clearance_grid.h"
 #include "nodes/solids/pose.h"
 
 namespace weir {
@@ -15,9 +15,10 @@ enum class SolidKind { kSolid, kContainer, kSheet };
 
 /// A solid during one step, for kernels.
 struct SolidView {
-  TriangleTreeView tree;  ///< in the solid's own frame
-  Pose begin, end;        ///< at the beginning and the end of the step
-  float inverseDt = 0;    ///< 1/s
+  TriangleTreeView tree;    ///< in the solid's own frame
+  ClearanceView clearance;  ///< there, too
+  Pose begin, end;          ///< at the beginning and the end of the step
+  float inverseDt = 0;      ///< 1/s
   SolidKind kind = SolidKind::kSolid;
   bool approximate = false;  ///< the integrals of Chang et al. 2020 in place of exact ones
   float friction = 0;        ///< Coulomb's coefficient
@@ -56,8 +57,10 @@ struct SolidSurface {
 
 class Solid {
  public:
-  /// The mesh in its own frame; the motion must outlive the solid.
-  Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion);
+  /// The mesh in its own frame; the motion must outlive the solid. `detail` (m, above 0) is the size of what
+  /// meets it, such as the spacing of particles; it decides what look-ups cost, but no result.
+  Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
+        float detail);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);
@@ -71,6 +74,7 @@ class Solid {
 
  private:
   TriangleTree tree_;
+  ClearanceGrid clearance_;
   SolidSurface surface_;
   const RigidMotion* motion_;
   Array<SolidImpulse> impulse_;

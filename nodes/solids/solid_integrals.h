@@ -53,6 +53,9 @@
 // keeps it continuous where p moves over the plane of the back. A line of sight that enters solids twice
 // counts both; Φ is bounded.
 //
+// Triangles that are small or thin, seen from p, need no edges: Gauss-Legendre points inside them do for (1)
+// and (2), with an error far below the tolerance with which integrals() tells the sides of p apart.
+//
 // On the surface. (4) depends on the direction in which p lies from an edge, however near, and two triangles
 // that disagree about that direction are wrong by up to 2π. Hence every edge computes δ and l from its own
 // vector to the nearest point of its line, bit for bit the same one for both its triangles, so that rounding
@@ -211,21 +214,6 @@ class SolidIntegrator {
     return against > least ? (squares < against ? squares / against : T(1)) : T(0);
   }
 
-  WEIR_HD void add(const Triangle& triangle) {
-    Edge edges[3];
-    bool cut = false, around = true;
-    for (int k = 0; k < 3; ++k) {
-      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
-      cut = cut || edges[k].from < edges[k].to;
-      around = around && edges[k].l > 0;
-    }
-    if (cut) {
-      for (const Edge& edge : edges) addFan(edge, triangle);
-    } else if (around) {
-      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
-    }
-  }
-
   /// An arbitrary direction that edges of meshes are not likely to have.
   WEIR_HD static Vec3<T> aside() { return {T(0.3523), T(0.8129), T(0.4637)}; }
 
@@ -243,6 +231,130 @@ class SolidIntegrator {
     triangle.delta = -dot(corner[nearest], triangle.normal);
     triangle.side = triangle.delta < 0 ? T(-1) : T(1);
     return std::abs(triangle.delta) < 1 && dot(triangle.normal, triangle.normal) > 0;
+  }
+
+  WEIR_HD void add(const Triangle& triangle) {
+    const T squaredDistance = leastSquaredDistance(triangle);
+    if (squaredDistance > T(1.001) || addFine(triangle, squaredDistance)) return;
+    Edge edges[3];
+    bool cut = false, around = true;
+    for (int k = 0; k < 3; ++k) {
+      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
+      cut = cut || edges[k].from < edges[k].to;
+      around = around && edges[k].l > 0;
+    }
+    if (cut) {
+      for (const Edge& edge : edges) addFan(edge, triangle);
+    } else if (around) {
+      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
+    }
+  }
+
+  /// A lower bound of the distance of a triangle, squared: that of its plane, and within the plane how far p
+  /// is on the outer side of one of the edges.
+  WEIR_HD static T leastSquaredDistance(const Triangle& triangle) {
+    T out = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3<T>& u = triangle.corner[k];
+      const Vec3<T> along = triangle.corner[(k + 1) % 3] - u;
+      const T inwards = dot(cross(u, along), triangle.normal);
+      if (!(inwards < 0)) continue;
+      const T squared = inwards * inwards / dot(along, along);
+      out = squared > out ? squared : out;
+    }
+    return triangle.delta * triangle.delta + out;
+  }
+
+  /// Adds a triangle by points inside it if it is so thin, seen from p, that they are accurate to 1e-5 or so
+  /// in Φ; false if it is not.
+  WEIR_HD bool addFine(const Triangle& triangle, T squaredDistance) {
+    constexpr T kThin = T(0.4), kLong = 4;  // largest width and length, in distances from p
+    const Vec3<T>* corner = triangle.corner;
+    T squaredLength[3];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3<T> along = corner[(k + 1) % 3] - corner[k];
+      squaredLength[k] = dot(along, along);
+    }
+    const int second = squaredLength[1] < squaredLength[2] ? 1 : 2;
+    const int base = squaredLength[0] < squaredLength[second] ? 0 : second;  // the shortest edge
+    if (squaredLength[base] > kThin * kThin * squaredDistance) return false;
+    const T length = squaredLength[(base + 1) % 3];
+    if ((length < 1 ? length : T(1)) > kLong * kLong * squaredDistance) return false;
+
+    // y = apex + t·m for two points of Gauss-Legendre across the base, and dA = 2·area·t dt.
+    const Vec3<T>&b = corner[base], &c = corner[(base + 1) % 3], &apex = corner[(base + 2) % 3];
+    const Vec3<T> toBase = b - apex, across = c - b;
+    const T area = weir::length(cross(toBase, across));
+    constexpr T kFirst = T(0.211324865405187);  // (1 − 1/√3)/2
+    addLine(triangle, apex, toBase + across * kFirst, area / 2);
+    addLine(triangle, apex, toBase + across * (1 - kFirst), area / 2);
+    return true;
+  }
+
+  /// Adds weight·∫ t·f(apex + t·m) dt over 0 ≤ t ≤ 1.
+  WEIR_HD void addLine(const Triangle& triangle, const Vec3<T>& apex, const Vec3<T>& m, T weight) {
+    const T mm = dot(m, m), foot = -dot(apex, m) / mm;
+    const Vec3<T> nearest = apex + m * foot;
+    const T squared = dot(nearest, nearest);
+    if (!(squared < 1)) return;
+    const T reach = std::sqrt((1 - squared) / mm);
+    const T from = foot > reach ? foot - reach : T(0), to = foot + reach < 1 ? foot + reach : T(1);
+    if (!(from < to)) return;
+    // Like addInner: points are densest where f curves most.
+    if (from < foot && foot < to) {
+      addPart(triangle, {foot, squared, mm, from, foot, weight});
+      addPart(triangle, {foot, squared, mm, foot, to, weight});
+    } else {
+      addPart(triangle, {foot, squared, mm, from, to, weight});
+    }
+  }
+
+  struct LinePart {
+    T foot, squared, mm;  // |y|² = squared + (t − foot)²·mm
+    T from, to, weight;
+  };
+
+  WEIR_HD void addPart(const Triangle& triangle, const LinePart& line) {
+    // Gauss-Legendre, eight points or, where f hardly curves, four.
+    const T size = line.to - line.from;
+    if (size * size * line.mm > line.squared) {
+      const T node[8] = {T(-0.960289856497536), T(-0.796666477413627), T(-0.525532409916329),
+                         T(-0.183434642495650), T(0.183434642495650),  T(0.525532409916329),
+                         T(0.796666477413627),  T(0.960289856497536)};
+      const T weight[8] = {T(0.101228536290376), T(0.222381034453374), T(0.313706645877887),
+                           T(0.362683783378362), T(0.362683783378362), T(0.313706645877887),
+                           T(0.222381034453374), T(0.101228536290376)};
+      addPoints(triangle, line, node, weight);
+    } else {
+      const T node[4] = {T(-0.861136311594053), T(-0.339981043584856), T(0.339981043584856),
+                         T(0.861136311594053)};
+      const T weight[4] = {T(0.347854845137454), T(0.652145154862546), T(0.652145154862546),
+                           T(0.347854845137454)};
+      addPoints(triangle, line, node, weight);
+    }
+  }
+
+  /// The integrands of (1) and (2) at points of a line; G has the closed forms (1−r)⁴·(1 + 4r + 10r²)/(4π)
+  /// for W and (1−r)³·(1 + 3r)·15/(4π) for |W'|/r.
+  template <int kPoints>
+  WEIR_HD void addPoints(const Triangle& triangle, const LinePart& line, const T (&node)[kPoints],
+                         const T (&weight)[kPoints]) {
+    const T middle = (line.from + line.to) / 2, half = (line.to - line.from) / 2;
+    T w[kPoints], d[kPoints], area[kPoints];  // apart from the sums, for vector units
+    for (int k = 0; k < kPoints; ++k) {
+      const T t = middle + half * node[k], x = t - line.foot;
+      const T rr = line.squared + x * x * line.mm, r = std::sqrt(rr);
+      const T s = r < 1 ? 1 - r : T(0), sss = s * s * s, share = weight[k] * t, overCube = share / (rr * r);
+      w[k] = overCube * sss * s * (1 + 4 * r + 10 * rr);
+      d[k] = overCube * sss * (1 + 3 * r);
+      area[k] = share * sss;
+    }
+    T sumW = 0, sumD = 0, sumArea = 0;
+    for (int k = 0; k < kPoints; ++k) sumW += w[k], sumD += d[k], sumArea += area[k];
+    const T scale = line.weight * half / (4 * kPi);
+    phi_ += triangle.delta * scale * sumW;
+    d_ += triangle.delta * scale * 15 * sumD;
+    gradient_ -= triangle.normal * (scale * 60 * sumArea);
   }
 
   WEIR_HD Vec3<T> relative(const Vec3<T>& corner) const {

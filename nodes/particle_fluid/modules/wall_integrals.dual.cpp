@@ -16,6 +16,7 @@ struct Found {
 WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius, float reach,
                      float calibration) {
   const Vec3f p = solid.end.toBody(position);
+  if (solid.clearance.at(p) > reach) return {};
   SolidIntegrator<float> sum(p, radius);
   Found found;
   const auto forEachNear = [&](float within, auto&& f) {

@@ -10,9 +10,9 @@ struct Motion {
   Vec3f from, to, towards;
 };
 
-/// out[i] = sweep(tree, motions[i], thickness)
+/// out[i] = sweep(tree, clearance, motions[i], thickness)
 template <class Backend>
-void sweepAll(Backend& device, const TriangleTreeView& tree, float thickness, ArrayView<const Motion> motions,
-              ArrayView<SweepResult> out);
+void sweepAll(Backend& device, const TriangleTreeView& tree, const ClearanceView& clearance, float thickness,
+              ArrayView<const Motion> motions, ArrayView<SweepResult> out);
 
 }  // namespace weir::test

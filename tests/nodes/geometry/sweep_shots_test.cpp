@@ -59,7 +59,11 @@ struct Setting {
 class Shots {
  public:
   Shots(Device& device, const Setting& setting)
-      : device_(device), setting_(setting), query_(setting.mesh), tree_(device, setting.mesh) {
+      : device_(device),
+        setting_(setting),
+        query_(setting.mesh),
+        tree_(device, setting.mesh),
+        clearance_(device, tree_.view(), 0.05f) {
     std::uniform_real_distribution<float> coordinate(-setting.reach, setting.reach);
     const float clear = 1.01f * setting.thickness;
     while (static_cast<int>(points_.size()) < setting.shots) {
@@ -83,8 +87,9 @@ class Shots {
         asked.push_back({rotate(conjugate(begin), p), target, {}});
       }
       motions.assign(asked);
-      dispatch(device_,
-               [&](auto& d) { sweepAll(d, tree_.view(), setting_.thickness, motions.view(), out.view()); });
+      dispatch(device_, [&](auto& d) {
+        sweepAll(d, tree_.view(), clearance_.view(), setting_.thickness, motions.view(), out.view());
+      });
       const std::vector<SweepResult> found = out.toHost();
       for (std::size_t i = 0; i < points_.size(); ++i) judge(static_cast<int>(i), asked[i], found[i]);
       for (std::size_t i = 0; i < points_.size(); ++i) points_[i] = rotate(end, found[i].position);
@@ -148,6 +153,7 @@ class Shots {
   const Setting& setting_;
   MeshQuery query_;
   TriangleTree tree_;
+  ClearanceGrid clearance_;
   std::mt19937 random_{3};
   std::vector<Vec3f> points_;  // in space
   std::vector<bool> inside_;

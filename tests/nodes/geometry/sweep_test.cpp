@@ -19,9 +19,12 @@ constexpr float kThickness = 1e-3f;
 std::vector<SweepResult> sweepThrough(Device& device, const TriangleMesh& mesh,
                                       const std::vector<Motion>& asked, float thickness = kThickness) {
   const TriangleTree tree(device, mesh);
+  const ClearanceGrid clearance(device, tree.view(), 0.1f);
   const Array<Motion> motions(device, asked);
   Array<SweepResult> out(device, motions.size());
-  dispatch(device, [&](auto& d) { sweepAll(d, tree.view(), thickness, motions.view(), out.view()); });
+  dispatch(device, [&](auto& d) {
+    sweepAll(d, tree.view(), clearance.view(), thickness, motions.view(), out.view());
+  });
   return out.toHost();
 }
 

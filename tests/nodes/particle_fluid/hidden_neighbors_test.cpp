@@ -80,7 +80,7 @@ TEST(HiddenNeighbors, AreThosePairsThatTheMeshCuts) {
       neighbors.configure(constants.supportRadius, 64);
       const Aabb everywhere{{-9, -9, -9}, {9, 9, 9}};
       neighbors.build(particles, everywhere);
-      Solid solid(*device, of.mesh, {.kind = of.kind}, motion);
+      Solid solid(*device, of.mesh, {.kind = of.kind}, motion, kSpacing);
       WallField walls(*device);
       walls.solids.push_back(&solid);
       walls.place(0, 0);

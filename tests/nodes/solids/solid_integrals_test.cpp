@@ -368,6 +368,62 @@ TEST(SolidIntegrals, DoNotDependOnTheTriangles) {
   }
 }
 
+/// Each triangle cut into `count` slivers from its first corner.
+Soup slivers(const Soup& soup, int count) {
+  Soup result;
+  for (const auto& [a, b, c] : soup)
+    for (int i = 0; i < count; ++i)
+      result.push_back({a, b + (c - b) * (double(i) / count), b + (c - b) * (double(i + 1) / count)});
+  return result;
+}
+
+template <class T>
+void expectOfFineTrianglesAsOfLargeOnes(const Soup& coarse, const Soup& fine, const Frame& frame, bool room) {
+  for (const Vec3d& local : randomPoints(150, 1.2 * kH, 23)) {
+    const Vec3d p = frame(local);
+    const bool inside = (local.x < 0 && local.y < 0 && local.z < 0) != room;
+    const Integrals a = integrate(coarse, p, inside), b = integrate<T>(fine, p, inside);
+    EXPECT_NEAR(a.phi, b.phi, 1e-5) << local.x << ' ' << local.y << ' ' << local.z;
+    EXPECT_NEAR(a.d / kFullD, b.d / kFullD, 2e-4);
+    EXPECT_LT(length(a.gradPhi - b.gradPhi) * kH, 2e-4);
+  }
+}
+
+/// Slivers and small triangles are summed by points inside them.
+TEST(SolidIntegrals, OfSliversAreThoseOfLargeTriangles) {
+  const Frame frame = turnedFrame();
+  for (const bool room : {false, true})
+    for (const int count : {8, 14, 25, 100}) {
+      const Soup coarse = cubeSoup(frame, 0.05, room), fine = slivers(divided(coarse), count);
+      expectOfFineTrianglesAsOfLargeOnes<float>(coarse, fine, frame, room);
+      expectOfFineTrianglesAsOfLargeOnes<double>(coarse, fine, frame, room);
+    }
+}
+
+TEST(SolidIntegrals, OfSmallTrianglesAreThoseOfLargeOnes) {
+  const Frame frame = turnedFrame();
+  const Soup coarse = cubeSoup(frame, 0.02, false),
+             fine = divided(divided(divided(divided(divided(coarse)))));
+  expectOfFineTrianglesAsOfLargeOnes<float>(coarse, fine, frame, false);
+}
+
+/// The sums of both faces cancel but for a rest that must not have the wrong sign.
+TEST(SolidIntegrals, OfAThinPlateOfSliversAreThoseOfTwoHalfSpaces) {
+  const auto half = [](double q) { return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q); };
+  const Soup front = slivers(floorSoup(0.05), 300);
+  for (const double thickness : {0.1, 0.001, 0.0}) {
+    Soup plate = front;
+    for (Corners t : front) {
+      for (Vec3d* corner : {&t.a, &t.b, &t.c}) corner->z = -thickness * kH;
+      plate.push_back({t.a, t.c, t.b});
+    }
+    for (const double q : {0.35, 0.45, 0.6, 0.8, 0.95}) {
+      const Integrals found = integrate<float>(plate, {0.0013, -0.0021, q * kH});
+      EXPECT_NEAR(found.phi, half(q) - half(q + thickness), 1e-5) << q << ", " << thickness;
+    }
+  }
+}
+
 TEST(SolidIntegrals, OfASolidOutOfReachAreZeroOrFull) {
   const Soup soup = cubeSoup(straightFrame(), 0.1, false);
   for (const Vec3d& p :
