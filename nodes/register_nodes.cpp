@@ -1,5 +1,6 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/box_mesh/box_mesh.h"
 #include "nodes/emitters/circle_emitter.h"
 #include "nodes/emitters/mesh_emitter.h"
 #include "nodes/emitters/square_emitter.h"
@@ -30,6 +31,7 @@
 namespace weir {
 
 void registerNodes(Registry& registry) {
+  registry.addNode<BoxMesh>();
   registry.addNode<BoxSampler>();
   registry.addNode<CircleEmitter>();
   registry.addNode<MeshEmitter>();
