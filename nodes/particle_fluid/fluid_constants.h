@@ -42,10 +42,10 @@ double latticeCalibration(double supportRatio);
 /// factor, interpolated between support ratios 1.1 and 3.
 double packingCalibration(double supportRatio);
 
-/// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it, so
-/// a wall that took part with the fluid's own radius would keep the fluid further away than half a spacing,
-/// the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the lattice behind it
-/// would add, and ∇Φ is nearly so.
+/// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
+/// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
+/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the lattice
+/// behind it would add, and ∇Φ is nearly so.
 double wallRadiusRatio(double supportRatio);
 
 /// Room for the neighbours of one particle, a multiple of 8.

@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/objective.h"
 
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -15,6 +16,7 @@ struct ParticleObjective {
   bool tension;
   ArrayView<const Vec4f> state;
   ArrayView<const Vec3f> displacement;
+  WallFieldView walls;
 
   WEIR_HD double operator()(std::int64_t i) const {
     const Vec3f p = xyz(state[i]);
@@ -23,7 +25,8 @@ struct ParticleObjective {
       const Vec3f d = xyz(state[j]) - p;
       sum += kernel.value(sqrtf(dot(d, d)));
     });
-    const double over = particleVolume * sum - 1;
+    double over = particleVolume * sum - 1;
+    if (!walls.empty()) over += walls.phi(i, displacement[i]);
     const float excess = tension || over > 0 ? float(over) : 0.0f;
     const Vec3f u = displacement[i];
     const double ux = u.x, uy = u.y, uz = u.z;
@@ -50,7 +53,8 @@ void ObjectiveRecord::measureOn(Backend& device, FluidStep& fluid, const BulkEne
                                     energy,
                                     tension,
                                     state,
-                                    displacement};
+                                    displacement,
+                                    fluid.walls.view()};
   reduce(device, "objective", fluid.particles.count(), 0.0, objective, AddDoubles{},
          values_.data() + measured_);
 }

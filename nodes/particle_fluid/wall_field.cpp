@@ -8,14 +8,15 @@ void WallField::place(double time, double dt) {
   views.assign(placed_);
 }
 
-void WallField::fit(std::int64_t particles) {
-  stride = particles;
-  each.resizeDiscarding(particles * static_cast<std::int64_t>(solids.size()));
-  if (solids.size() > 1) total.resizeDiscarding(particles);
-  d.resizeDiscarding(particles);
-  share.resizeDiscarding(particles);
-  legal.resizeDiscarding(particles);
-  kick.resizeDiscarding(particles);
+void WallField::fit(ParticleSet& particles) {
+  stride = particles.positions().size();
+  each.resizeDiscarding(stride * static_cast<std::int64_t>(solids.size()));
+  if (solids.size() > 1) total.resizeDiscarding(stride);
+  d.resizeDiscarding(stride);
+  legal.resizeDiscarding(stride);
+  kick.resizeDiscarding(stride);
+  share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
+                                 "Displacement by solids in the last step, over the gradient of Φ."});
 }
 
 }  // namespace weir

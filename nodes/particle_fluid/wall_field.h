@@ -12,6 +12,7 @@
 
 #include "framework/compute/array.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
 
 namespace weir {
@@ -21,6 +22,7 @@ struct WallFieldView {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
   ArrayView<const float> d;          ///< D, 1/m²
   ArrayView<float> share;            ///< m², see above
+  ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
 
   WEIR_HD bool empty() const { return integrals.size == 0; }
   WEIR_HD Vec3f gradient(std::int64_t i) const { return xyz(integrals[i]); }
@@ -28,7 +30,7 @@ struct WallFieldView {
   WEIR_HD float phi(std::int64_t i, const Vec3f& u) const {
     const Vec4f at = integrals[i];
     if (!(at.w > 0)) return 0;
-    const float linear = at.w + dot(xyz(at), u);
+    const float linear = at.w + dot(xyz(at), base.size > 0 ? u - base[i] : u);
     return linear > 0 ? linear : 0;
   }
 };
@@ -40,7 +42,6 @@ struct WallField {
         each(device),
         total(device),
         d(device),
-        share(device),
         legal(device),
         kick(device),
         impulse(device, 1) {}
@@ -48,21 +49,32 @@ struct WallField {
   std::vector<Solid*> solids;
   Array<SolidView> views;    ///< of the solids, in this step
   Array<Vec4f> each, total;  ///< integrals of solid k and particle i at [k·stride + i]; total of several
-  Array<float> d, share;
-  Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
-  Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
+  Array<float> d;
+  Array<float>* share = nullptr;  ///< an attribute, as particles may be sorted during a step
+  ArrayView<const Vec3f> base;    ///< see WallFieldView
+  Array<Vec3f> legal;             ///< positions that lie in no solid, at the end of the step
+  Array<Vec4f> kick;  ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
   Array<SolidImpulse> impulse;  ///< one, scratch
   std::int64_t stride = 0;
 
   bool empty() const { return solids.empty(); }
   WallFieldView view() {
     if (empty()) return {};
-    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share.view()};
+    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share->view(),
+            base};
   }
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
   void place(double time, double dt);
-  /// Room for `particles` in all arrays; contents are undefined.
-  void fit(std::int64_t particles);
+  /// Takes the present positions for legal ones.
+  void keepLegal(const Array<Vec3f>& positions) {
+    legal.device().copy(legal.data(), positions.data(), static_cast<std::size_t>(stride) * sizeof(Vec3f));
+  }
+  /// No displacement by walls yet; at the beginning of a solver's step.
+  void forgetShares() {
+    if (!empty()) share->fillZero();
+  }
+  /// Room for all particles in all arrays; contents are undefined.
+  void fit(ParticleSet& particles);
 
  private:
   std::vector<SolidView> placed_;  // what `views` holds

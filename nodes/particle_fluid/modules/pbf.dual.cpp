@@ -129,6 +129,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
                         displacement_.view(),
                         state_.view()};
 
+  fluid.walls.forgetShares();
   parallelFor(device, "start", count, StartDisplacement{positions, state_.view(), displacement_.view()});
   if (recordObjective) objective_.begin(fluid, iterations + 1);
   record(fluid);

@@ -6,6 +6,7 @@
 
 #include "framework/graph/setting_warning.h"
 #include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -50,7 +51,11 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   sums_ = Array<Sums>(fluid.device);
   sums_.resize(1);
   controlSeen_.emplace(fluid.device);
-  steps_ = 0;
+  passes_ = 0;
+  carried_ = passes() > 1
+                 ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
+                                                "By pressure and walls, at the last search in a step."})
+                 : nullptr;
 }
 
 void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
@@ -82,15 +87,16 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
                   outlook.dt * std::sqrt(goodRatio * iterations / number), std::ceil(number / goodRatio)));
 }
 
-bool SemiImplicitSolver::toleranceWasMet() {
+bool SemiImplicitSolver::isDone() {
   if (!tolerance.get()) return false;
   const std::optional<Control> seen = controlSeen_->poll();
-  return seen && seen->done != 0 && seen->steps == steps_;
+  return seen && seen->done != 0 && seen->passes == passes_;
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, displacement_);
-  if (accelerated()) fitScratch(fluid, earlier_);
+  if (accelerated()) fitScratch(fluid, plain_);
+  if (accelerated() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
   if (searches()) fitScratch(fluid, proposal_);
   if (controlled() || searches()) fitScratch(fluid, excess_);
 }
@@ -110,6 +116,9 @@ void SemiImplicitSolver::report(NodeReport& report) {
       control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
   used["max"] = control.most;
   used["last"] = control.iterations;
+  const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
+  used["unmet"] = unmet;
+  report.events.push_back({"steps ended with more compression than the solver's tolerance", unmet});
 }
 
 }  // namespace weir

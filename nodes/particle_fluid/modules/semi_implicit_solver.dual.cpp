@@ -1,8 +1,8 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
+#include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/density.h"
-#include "nodes/particle_fluid/displacement.h"
-#include "nodes/particle_fluid/wall_field.h"
+#include "nodes/particle_fluid/modules/wall_integrals.h"
 
 namespace weir {
 
@@ -82,8 +82,8 @@ struct PushOf {
   }
 
   /// Moves the share of the walls in the displacement like the displacement itself.
-  WEIR_HD void followWalls(std::int64_t i, const Push& at) const {
-    if (!walls.empty()) walls.share[i] += (at.wall - walls.share[i]) / at.divisor;
+  WEIR_HD void followWalls(std::int64_t i, const Push& at, float stepLength = 1) const {
+    if (!walls.empty()) walls.share[i] += stepLength * (at.wall - walls.share[i]) / at.divisor;
   }
 };
 
@@ -113,11 +113,48 @@ struct BeginStep {
   Control* control;
 
   WEIR_HD void operator()(std::int64_t) const {
-    control->done = 0;
+    if (control->steps > 0 && !control->met) ++control->unmet;
     control->iterations = 0;
-    control->sinceRestart = 0;
-    control->objective = 0;
     ++control->steps;
+  }
+};
+
+/// With the neighbours of a new search.
+struct BeginPass {
+  Control* control;
+
+  WEIR_HD void operator()(std::int64_t) const {
+    control->done = 0;
+    control->sinceRestart = 0;
+    control->takesBack = 0;
+    control->momentum = 0;
+    control->objective = 0;
+    ++control->passes;
+  }
+};
+
+/// To where the search shall look for neighbours.
+struct MoveOut {
+  ArrayView<const Vec3f> displacement;
+  ArrayView<Vec3f> carried, positions;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    carried[i] = displacement[i];
+    positions[i] += displacement[i];
+  }
+};
+
+/// Back to the predicted positions, in the order of the search.
+struct MoveBack {
+  ArrayView<const Vec3f> carried;
+  ArrayView<Vec3f> displacement, positions;
+  ArrayView<Vec4f> state;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = positions[i], u = carried[i];
+    state[i] = {p.x, p.y, p.z, 0};
+    displacement[i] = u;
+    positions[i] = p - u;
   }
 };
 
@@ -143,33 +180,49 @@ struct Add {
   }
 };
 
-/// Whether to go on, and with which weight: ω₁ = 1, ω₂ = 2/(2 − p²), ω_k+1 = 4/(4 − p²·ω_k).
+/// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
 struct Judge {
   Control* control;
   const Sums* sums;
   Count count;
-  double tolerance;      // below 0: never done
-  float spectralRadius;  // p
+  double tolerance;  // below 0: never done
+  bool accelerated;
+  bool last;  // of the step: its outcome is not judged, so it is plain
 
   WEIR_HD void operator()(std::int64_t) const {
     if (control->done) return;
+    // The terms of the sum are floats; it may rise by rounding.
+    constexpr double kRounding = 1e-6;
+    // Compression that no step touches because it is below the tolerance would gather over the steps.
+    constexpr int kFewest = 3;
+    // With momentum, an objective that no longer falls is at its least, and the compression is what inertia
+    // and stiffness ask for.
+    constexpr double kStall = 1e-5;
+    constexpr int kOnTheWay = 3;
     const std::int64_t particles = count.get();
     const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
-    // An acceleration that overshoots starts anew with a plain iteration, which always descends. Overshooting
-    // can also tear the fluid apart, so little compression alone does not mean that it is done.
-    const bool rose = control->sinceRestart > 0 && sums->objective > control->objective;
-    if (mean <= tolerance && !rose) {
+    // Momentum that overshoots is taken back. It can also tear the fluid apart, so little compression alone
+    // does not mean that it is done.
+    const bool rose = sums->objective > (1 + kRounding) * control->objective;
+    control->takesBack = control->momentum > 0 && rose ? 1 : 0;
+    control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
+    const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
+                        control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
+    if (control->iterations >= kFewest && (control->met || stalls)) {
       control->done = 1;
       return;
     }
-    if (rose) control->sinceRestart = 0;
-    const float p2 = spectralRadius * spectralRadius;
-    const int k = control->sinceRestart++;
-    control->omega = k == 0 ? 1.0f : k == 1 ? 2 / (2 - p2) : 4 / (4 - p2 * control->omega);
-    control->objective = sums->objective;
     ++control->iterations;
     ++control->total;
     if (control->iterations > control->most) control->most = control->iterations;
+    if (control->takesBack) {
+      control->sinceRestart = 0;
+      control->momentum = 0;
+      return;
+    }
+    const int k = control->sinceRestart++;
+    control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
+    control->objective = sums->objective;
   }
 };
 
@@ -191,27 +244,21 @@ WEIR_HD float stepLengthOf(const Sums& sums) {
   return sums.objective < sums.slope ? float(sums.objective / sums.slope) : 1.0f;
 }
 
-/// An update by what was proposed or, without a search, by what Substitute would do; weighted against the
-/// displacement of the iteration before.
+/// An update by what was proposed or, without a search, by what Substitute would do.
 struct Update {
   PushOf pushOf;
   StepLength stepLength;
   Measure measure;
   const Sums* sums;
   const Control* control;  // null without tolerance and acceleration
-  ArrayView<Vec3f> earlier;
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    if (control != nullptr && control->done) return;
+    if (control != nullptr && (control->done || control->takesBack)) return;
     const Vec3f u = displacement[i];
-    Vec3f moved = u + step(i, u);
-    if (earlier.size > 0) {
-      if (control->sinceRestart > 1) moved = earlier[i] + control->omega * (moved - earlier[i]);
-      earlier[i] = u;
-    }
+    const Vec3f moved = u + step(i, u);
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
     state[i] = {p.x, p.y, p.z, 0};
@@ -220,90 +267,205 @@ struct Update {
   WEIR_HD Vec3f step(std::int64_t i, const Vec3f& u) const {
     if (stepLength == StepLength::kFull) {
       const Push at = pushOf(i);
+      pushOf.followWalls(i, at);
       return (at.push - u) / at.divisor;
     }
     const float alpha = stepLengthOf(stepLength == StepLength::kGlobal ? *sums : measure(i));
+    const WallFieldView& walls = pushOf.walls;
+    if (!walls.empty() && walls.d[i] > 0) pushOf.followWalls(i, pushOf(i), alpha);
     return alpha * xyz(measure.proposal[i]);
   }
 };
 
-/// The share of the walls in displacements that have converged: what they push in the end.
-struct ConvergedShare {
-  PushOf pushOf;
-  WEIR_HD void operator()(std::int64_t i) const { pushOf.walls.share[i] = pushOf(i).wall; }
+/// Goes on along the change since the last plain update, or back to it.
+struct Extrapolate {
+  const Control* control;
+  ArrayView<Vec3f> plain;
+  ArrayView<float> plainShare;  // of the walls; empty without them
+  ArrayView<const Vec3f> predicted;
+  ArrayView<Vec3f> displacement;
+  ArrayView<float> share;
+  ArrayView<Vec4f> state;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    if (control->done) return;
+    if (plainShare.size > 0) share[i] = extrapolated(plainShare[i], share[i]);
+    const Vec3f u = displacement[i], moved = extrapolated(plain[i], u);
+    if (moved == u) return;
+    displacement[i] = moved;
+    const Vec3f p = predicted[i] + moved;
+    state[i] = {p.x, p.y, p.z, 0};
+  }
+
+  template <class T>
+  WEIR_HD T extrapolated(T& before, const T& now) const {
+    const T last = before;
+    if (control->takesBack) return last;
+    before = now;
+    return control->momentum == 0 ? now : now + control->momentum * (now - last);
+  }
 };
+
+/// What walls do to the velocities beside holding the fluid: bounce and friction.
+struct MeetWalls {
+  PushOf pushOf;
+  BoundaryView boundary;
+  float reach;  // m, at which a wall holds a particle
+  float inverseDt;
+  ArrayView<const Vec3f> positions;
+  ArrayView<const Vec3f> displacement;
+  ArrayView<Vec3f> velocities;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const BoundaryHit wall = boundaryQuery(boundary, positions[i]);
+    if (!(wall.distance < reach)) return;
+    // Whatever moved a particle beside the fluid's push is the wall.
+    const Vec3f u = displacement[i], v = velocities[i];
+    const float held = inverseDt * dot(u - pushOf(i).push, wall.normal);
+    if (!(held > 0)) return;
+    velocities[i] = heldByWall(v, wall, -dot(v - inverseDt * u, wall.normal), held);
+  }
+};
+
+float stiffnessOf(const FluidStep& fluid) {
+  const float dt = static_cast<float>(fluid.time.dt);
+  return fluid.constants.soundSpeedSquared() * dt * dt;
+}
+
+/// How near a particle may come to a solid.
+float radiusOf(const FluidStep& fluid) {
+  return 0.5f * fluid.constants.spacing;
+}
+
+PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy,
+                  const Array<Vec4f>& weighted) {
+  constexpr float kShortest = 1e-4f;  // spacings
+  const FluidConstants& c = fluid.constants;
+  return {fluid.neighbors.view(),
+          c.kernel,
+          stiffnessOf(fluid) * c.particleVolume,
+          kShortest * c.spacing,
+          1.0f,
+          conservative ? 1.0f : 0.0f,
+          energy.negativePart(),
+          stiffnessOf(fluid),
+          fluid.walls.view(),
+          weighted.view()};
+}
 
 }  // namespace
 
 template <class Backend>
 void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid);
-  constexpr float kShortest = 1e-4f;  // spacings
   const Count count = fluid.particles.count();
-  const FluidConstants& c = fluid.constants;
-  const float dt = static_cast<float>(fluid.time.dt);
-  const float stiffness = c.soundSpeedSquared() * dt * dt;
-  const NeighborView neighbors = fluid.neighbors.view();
-  const WallFieldView walls = fluid.walls.view();
-  const ArrayView<Vec3f> predicted = fluid.particles.positions().view();
-  const EnergyDerivative derivative{neighbors,        c.kernel,      c.particleVolume,     bulkEnergy_,
-                                    tension,          walls,         displacement_.view(), state_.view(),
-                                    weighted_.view(), excess_.view()};
-  const PushOf pushOf{neighbors,
-                      c.kernel,
-                      stiffness * c.particleVolume,
-                      kShortest * c.spacing,
-                      1.0f,
-                      conservative ? 1.0f : 0.0f,
-                      bulkEnergy_.negativePart(),
-                      stiffness,
-                      walls,
-                      weighted_.view()};
-
-  parallelFor(device, "start", count, StartDisplacement{predicted, state_.view(), displacement_.view()});
-  if (recordObjective) objective_.begin(fluid, iterations + 1);
+  parallelFor(device, "start", count,
+              StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
+  if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
+  fluid.walls.forgetShares();
+  contain(device, fluid);
+  if (recordObjective) objective_.begin(fluid, passes() * iterations + 1);
   record(fluid);
-  if (!controlled() && !searches()) {
-    const Substitute substitute{pushOf, predicted, displacement_.view(), state_.view()};
-    for (int k = 0; k < iterations; ++k) {
-      parallelFor(device, "density", count, derivative);
-      parallelFor(device, "substitute", count, substitute);
-      record(fluid);
-    }
-  } else {
-    const Measure measure{bulkEnergy_, stiffness, displacement_.view(), excess_.view(),
-                          searches() ? proposal_.view() : ArrayView<Vec4f>{}};
-    const Update update{pushOf,
-                        stepLength,
-                        measure,
-                        sums_.data(),
-                        controlled() ? control_.data() : nullptr,
-                        accelerated() ? earlier_.view() : ArrayView<Vec3f>{},
-                        predicted,
-                        displacement_.view(),
-                        state_.view()};
-    const Judge judge{control_.data(), sums_.data(), count, double(tolerance.get().value_or(-1.0f)),
-                      accelerated() ? spectralRadius.get() : 0.0f};
-    if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
-    ++steps_;
-    for (int k = 0; k < iterations && !toleranceWasMet(); ++k) {
-      parallelFor(device, "density", count, derivative);
-      if (searches())
-        parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
-      if (controlled() || stepLength == StepLength::kGlobal)
-        reduce(device, "measure", count, Sums{}, measure, Add{}, sums_.data());
-      if (controlled()) {
-        parallelFor(device, "judge", 1, judge);
-        controlSeen_->request(control_.data());
-      }
-      parallelFor(device, "update", count, update);
-      record(fluid);
-    }
-    if (!walls.empty()) parallelFor(device, "wall share", count, ConvergedShare{pushOf});
+  for (int pass = 0; pass < passes(); ++pass) {
+    if (pass > 0) searchAgain(device, fluid);
+    if (controlled() || searches())
+      iterate(device, fluid);
+    else
+      substitute(device, fluid);
   }
+  ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
+  const float inverseDt = 1 / static_cast<float>(fluid.time.dt);
   parallelFor(
       device, "finish", count,
-      FinishDisplacement{1 / dt, displacement_.view(), predicted, fluid.particles.velocities().view()});
+      FinishDisplacement{inverseDt, displacement_.view(), fluid.particles.positions().view(), velocities});
+  if (!controlled()) return;
+  constexpr float kTouching = 1.001f;
+  for (const Boundary* boundary : fluid.boundaries)
+    parallelFor(device, "walls", count,
+                MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
+                          kTouching * radiusOf(fluid), inverseDt, fluid.particles.positions().view(),
+                          displacement_.view(), velocities});
+}
+
+template <class Backend>
+void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
+  const Count count = fluid.particles.count();
+  const FluidConstants& c = fluid.constants;
+  const EnergyDerivative derivative{
+      fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_, tension, fluid.walls.view(),
+      displacement_.view(),   state_.view(), weighted_.view(), {}};
+  const Substitute update{makePushOf(fluid, conservative, bulkEnergy_, weighted_),
+                          fluid.particles.positions().view(), displacement_.view(), state_.view()};
+  for (int k = 0; k < iterations; ++k) {
+    parallelFor(device, "density", count, derivative);
+    parallelFor(device, "substitute", count, update);
+    record(fluid);
+  }
+}
+
+template <class Backend>
+void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
+  const Count count = fluid.particles.count();
+  const FluidConstants& c = fluid.constants;
+  const ArrayView<const Vec3f> predicted = fluid.particles.positions().view();
+  const PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_, weighted_);
+  const EnergyDerivative derivative{
+      fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_,   tension, fluid.walls.view(),
+      displacement_.view(),   state_.view(), weighted_.view(), excess_.view()};
+  const Measure measure{bulkEnergy_, stiffnessOf(fluid), displacement_.view(), excess_.view(),
+                        searches() ? proposal_.view() : ArrayView<Vec4f>{}};
+  const Update update{
+      pushOf,    stepLength,           measure,      sums_.data(), controlled() ? control_.data() : nullptr,
+      predicted, displacement_.view(), state_.view()};
+  Judge judge{control_.data(), sums_.data(), count, double(tolerance.get().value_or(-1.0f)),
+              accelerated(),   false};
+  if (controlled()) parallelFor(device, "begin", 1, BeginPass{control_.data()});
+  ++passes_;
+  for (int k = 0; k < iterations && !isDone(); ++k) {
+    parallelFor(device, "density", count, derivative);
+    if (searches())
+      parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
+    if (controlled() || stepLength == StepLength::kGlobal)
+      reduce(device, "measure", count, Sums{}, measure, Add{}, sums_.data());
+    if (controlled()) {
+      judge.last = k + 1 == iterations;
+      parallelFor(device, "judge", 1, judge);
+      controlSeen_->request(control_.data());
+    }
+    parallelFor(device, "update", count, update);
+    contain(device, fluid);
+    record(fluid);
+    if (!accelerated()) continue;
+    parallelFor(device, "extrapolate", count,
+                Extrapolate{control_.data(), plain_.view(),
+                            fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
+                            displacement_.view(), fluid.walls.view().share, state_.view()});
+    contain(device, fluid);
+  }
+}
+
+template <class Backend>
+void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
+  if (!controlled()) return;
+  for (const Boundary* boundary : fluid.boundaries)
+    parallelFor(device, "contain", fluid.particles.count(),
+                Contain{boundary->view(), radiusOf(fluid), fluid.particles.positions().view(),
+                        displacement_.view(), state_.view()});
+}
+
+template <class Backend>
+void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
+  parallelFor(device, "move", fluid.particles.count(),
+              MoveOut{displacement_.view(), carried_->view(), fluid.particles.positions().view()});
+  fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
+  WallIntegrals::find(fluid);
+  // The sort has put the particles, and what is carried, into another order and other memory.
+  parallelFor(
+      device, "move", fluid.particles.count(),
+      MoveBack{carried_->view(), displacement_.view(), fluid.particles.positions().view(), state_.view()});
+  if (fluid.walls.empty()) return;
+  fluid.walls.base = std::as_const(*carried_).view();
+  fluid.walls.keepLegal(fluid.particles.positions());
 }
 
 template void SemiImplicitSolver::stepOn(ThisBackend&, FluidStep&);

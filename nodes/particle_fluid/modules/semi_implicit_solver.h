@@ -12,6 +12,14 @@
 // The step length α is 1, or searched: the linear model may not take an objective E ≥ 0 below zero, so
 // α = min(1, E/|g·Δx|) with E_i = |x_i − x*_i|²/2 + (c·dt)²·B(λ_i) and its gradient g_i, of each particle or
 // of all together.
+//
+// With a tolerance, iterations end when the mean of max(λ − 1, 0) is not above it; with momentum, u being the
+// displacement x − x* and f(u) what an iteration makes of it,
+//
+//   û_k = f(u_k),   u_k+1 = û_k + k/(k + 3)·(û_k − û_k−1)        (Nesterov)
+//
+// and u_k is put back to û_k−1, and k to 0, where Σ E has risen. With either of the two, particles are kept
+// out of the solids in every iteration.
 #pragma once
 
 #include <optional>
@@ -32,12 +40,12 @@ struct EnumNames<StepLength> {
       EnumName{"global", "One for all particles, which keeps displacements of pairs opposite."}};
 };
 
-enum class Acceleration { kNone, kChebyshev };
+enum class Acceleration { kNone, kNesterov };
 template <>
 struct EnumNames<Acceleration> {
   static constexpr std::array<EnumName, 2> kNames{
       EnumName{"none", "As in the paper."},
-      EnumName{"chebyshev", "Chebyshev's semi-iterative method; it starts anew where the objective rises."}};
+      EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."}};
 };
 
 class SemiImplicitSolver final : public FluidModule {
@@ -47,22 +55,23 @@ class SemiImplicitSolver final : public FluidModule {
       "Keeps the fluid incompressible by semi-implicit successive substitution."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  Param<int> iterations{*this,
-                        "iterations",
-                        3,
-                        {.min = 1,
-                         .max = 10000,
-                         .live = true,
-                         .doc = "Iterations a step; neighbours are kept, densities are recomputed in each. "
-                                "The most of them where a tolerance is given."}};
+  Param<int> iterations{
+      *this,
+      "iterations",
+      3,
+      {.min = 1,
+       .max = 10000,
+       .live = true,
+       .doc = "Iterations a step; neighbours are kept, densities are recomputed in each. "
+              "The most of them, after each search for neighbours, where a tolerance is given."}};
   Param<std::optional<float>> tolerance{
       *this,
       "tolerance",
       {},
       {.min = 1e-6,
        .max = 1,
-       .live = true,
-       .doc = "Iterate until the mean compression, that of max(λ - 1, 0), is not above this."}};
+       .doc = "Iterate until the mean compression, that of max(λ - 1, 0), is not above this. With pressure p "
+              "it cannot fall below p/bulk_modulus."}};
   Param<bool> conservative{
       *this,
       "conservative",
@@ -86,13 +95,15 @@ class SemiImplicitSolver final : public FluidModule {
       *this, "step_length", StepLength::kFull, {.doc = "How far along its direction an update goes."}};
   Param<Acceleration> acceleration{
       *this, "acceleration", Acceleration::kNone, {.doc = "How iterations build on earlier ones."}};
-  Param<float> spectralRadius{*this,
-                              "spectral_radius",
-                              0.9f,
-                              {.min = 0,
-                               .max = 0.95,
-                               .doc = "For chebyshev: the part of the error that a plain iteration leaves. "
-                                      "Too high a value overshoots."}};
+  Param<std::optional<int>> neighborSearches{
+      *this,
+      "neighbor_searches",
+      std::nullopt,
+      {.min = 1,
+       .max = 100,
+       .doc = "How often neighbours are found in a step: at the predicted positions, and then again where "
+              "the iterations have led, which go on from there. If it is left out, 3 with a tolerance and 1 "
+              "without. Steps in which particles move less than a quarter of a spacing need only 1."}};
   Param<bool> recordObjective{*this,
                               "record_objective",
                               false,
@@ -116,24 +127,40 @@ class SemiImplicitSolver final : public FluidModule {
 
   /// What decides on the device how the iterations go on, so that nobody waits for it.
   struct Control {
-    int done = 0;          // of this step: whether the tolerance is met
+    int done = 0;          // of this step: whether to make no more iterations
+    int met = 0;           // whether the tolerance is met
     int iterations = 0;    // of this step
     int sinceRestart = 0;  // of the acceleration
-    float omega = 1;       // its weight
-    double objective = 0;  // before the last iteration
+    int takesBack = 0;     // whether this iteration takes the last one's momentum back
+    float momentum = 0;    // share of the last change that the next one goes on with
+    double objective = 0;  // the least so far
     // Of all steps.
-    std::int64_t steps = 0, total = 0;
+    std::int64_t steps = 0, passes = 0, total = 0;
     int most = 0;
+    int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
   };
 
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
+  /// The paper's iterations, and no more.
+  template <class Backend>
+  void substitute(Backend& device, FluidStep& fluid);
+  /// With what tolerance, acceleration and step-length search add.
+  template <class Backend>
+  void iterate(Backend& device, FluidStep& fluid);
+  /// Moves particles out of solids; only where iterations are controlled.
+  template <class Backend>
+  void contain(Backend& device, FluidStep& fluid);
+  /// Finds neighbours where the particles are now.
+  template <class Backend>
+  void searchAgain(Backend& device, FluidStep& fluid);
   void reserve(FluidStep& fluid);
   /// As far as the host has heard of it, without waiting.
-  bool toleranceWasMet();
+  bool isDone();
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
-  bool accelerated() const { return acceleration == Acceleration::kChebyshev; }
+  bool accelerated() const { return acceleration == Acceleration::kNesterov; }
+  int passes() const { return neighborSearches.get().value_or(tolerance.get() ? 3 : 1); }
   bool searches() const { return stepLength != StepLength::kFull; }
 
   /// Where the iterations have come to, if that is recorded.
@@ -144,14 +171,16 @@ class SemiImplicitSolver final : public FluidModule {
   // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;
-  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement one iteration earlier.
+  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update.
   Array<float> excess_;
   Array<Vec4f> proposal_;
-  Array<Vec3f> earlier_;
+  Array<Vec3f> plain_;
+  Array<float> plainShare_;
+  Array<Vec3f>* carried_ = nullptr;  // the displacement, as an attribute that sorting puts into its order
   Array<Sums> sums_;
   Array<Control> control_;
   std::optional<Readback<Control>> controlSeen_;
-  std::int64_t steps_ = 0;  // begun, as Control::steps
+  std::int64_t passes_ = 0;  // begun, as Control::passes
 };
 
 }  // namespace weir

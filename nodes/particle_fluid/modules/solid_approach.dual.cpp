@@ -29,7 +29,7 @@ template <class Backend>
 void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
-  walls.fit(positions.size);
+  walls.fit(fluid.particles);
   parallelFor(
       device, "approach", fluid.particles.count(),
       StopOnTheWay{walls.views.view(), kSolidGap * fluid.constants.spacing, static_cast<float>(fluid.time.dt),

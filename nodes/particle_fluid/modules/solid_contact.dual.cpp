@@ -71,16 +71,17 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
   const float dt = static_cast<float>(fluid.time.dt), mass = fluid.constants.particleMass;
-  parallelFor(device, "contact", fluid.particles.count(),
-              Contact{walls.views.view(), kSolidGap * fluid.constants.spacing, dt,
-                      0.5f * fluid.constants.calibration, walls.stride, walls.legal.view(), walls.each.view(),
-                      walls.share.view(), positions, fluid.particles.velocities().view(), walls.kick.view()});
+  parallelFor(
+      device, "contact", fluid.particles.count(),
+      Contact{walls.views.view(), kSolidGap * fluid.constants.spacing, dt, 0.5f * fluid.constants.calibration,
+              walls.stride, walls.legal.view(), walls.each.view(), walls.share->view(), positions,
+              fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     const ContactImpulse contact{static_cast<int>(k),
                                  walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt), mass, positions,
                                  walls.kick.view()};
     const TotalImpulse total{contact, mass / dt, static_cast<std::int64_t>(k) * walls.stride,
-                             walls.each.view(), walls.share.view()};
+                             walls.each.view(), walls.share->view()};
     reduce(device, "impulse", fluid.particles.count(), SolidImpulse{}, total, AddImpulses{},
            walls.impulse.data());
     parallelFor(device, "add impulse", 1,

@@ -31,7 +31,7 @@ struct FindIntegrals {
   std::int64_t stride;
   ArrayView<const Vec3f> positions;
   ArrayView<Vec4f> each, total;  // total is empty where there is one solid
-  ArrayView<float> d, share;
+  ArrayView<float> d;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
@@ -46,7 +46,6 @@ struct FindIntegrals {
     }
     if (total.size > 0) total[i] = {gradient.x, gradient.y, gradient.z, phi};
     d[i] = sumOfD;
-    share[i] = 0;
   }
 };
 
@@ -55,15 +54,14 @@ struct FindIntegrals {
 template <class Backend>
 void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  walls.fit(fluid.particles.positions().size());
+  walls.fit(fluid.particles);
   const bool several = walls.solids.size() > 1;
-  device.copy(walls.legal.data(), fluid.particles.positions().data(),
-              static_cast<std::size_t>(walls.stride) * sizeof(Vec3f));
-  parallelFor(
-      device, "wall integrals", fluid.particles.count(),
-      FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.calibration,
-                    walls.stride, fluid.particles.positions().view(), walls.each.view(),
-                    several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.share.view()});
+  walls.keepLegal(fluid.particles.positions());
+  walls.base = {};
+  parallelFor(device, "wall integrals", fluid.particles.count(),
+              FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.calibration,
+                            walls.stride, fluid.particles.positions().view(), walls.each.view(),
+                            several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view()});
 }
 
 template void WallIntegrals::findOn(ThisBackend&, FluidStep&);

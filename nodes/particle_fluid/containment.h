@@ -1,0 +1,51 @@
+// Solids as constraints of a solver that iterates: no particle nearer to a solid than half a spacing.
+//
+// Moving particles out after each iteration, and not only after the last, lets walls carry pressure: a floor
+// holds the fluid on it within the step, however long the step is.
+#pragma once
+
+#include "nodes/particle_fluid/displacement.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+/// p, moved out of solids that are nearer than `radius`.
+WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f p) {
+  constexpr int kMostContacts = 4;  // in a corner, leaving one wall may mean entering another
+  for (int contacts = 0; contacts < kMostContacts; ++contacts) {
+    const BoundaryHit hit = boundaryQuery(boundary, p);
+    if (!(hit.distance < radius)) break;
+    p += (radius - hit.distance) * hit.normal;
+  }
+  return p;
+}
+
+/// Changes displacements so that no particle is nearer to a solid than `radius`.
+struct Contain {
+  BoundaryView boundary;
+  float radius;
+  ArrayView<const Vec3f> predicted;
+  ArrayView<Vec3f> displacement;
+  ArrayView<Vec4f> state;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = xyz(state[i]);
+    const Vec3f q = movedOut(boundary, radius, p);
+    if (p == q) return;
+    displacement[i] = q - predicted[i];
+    state[i] = {q.x, q.y, q.z, 0};
+  }
+};
+
+/// v of a particle that a wall holds, with what the wall does beside holding it. `approach` is the speed
+/// [m/s] towards the wall with which the step began, a part of which is given back; `held` is the wall's
+/// push, as a change of speed [m/s]. Friction is Coulomb's: its push is at most that, times a coefficient.
+WEIR_HD inline Vec3f heldByWall(const Vec3f& v, const BoundaryHit& wall, float approach, float held) {
+  const Vec3f tangential = v - dot(v, wall.normal) * wall.normal;
+  const float slip = length(tangential);
+  const float kept = slip > 0 ? 1 - wall.friction * held / slip : 0.0f;
+  const float bounce = approach > 0 ? wall.restitution * approach : 0.0f;
+  return bounce * wall.normal + (kept > 0 ? kept : 0.0f) * tangential;
+}
+
+}  // namespace weir

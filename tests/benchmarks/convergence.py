@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""Settles one dam break at several spacings and time steps, to a tolerance and otherwise, and prints a Markdown table.
+
+  convergence.py PROGRAM [--device D] [--threads N] [--spacings 0.04,0.02] [--steps-ms 1,2,5,10]
+                 [--duration S] [--short S] [--tolerance T] [--bulk-modulus PA]
+
+Of every spacing and step it runs, over --duration:
+  the solver with a tolerance and momentum       iterations a step, steps that did not meet it, compression, height
+  the solver as it is without any setting        compression, height
+  position based fluids                          compression, height; as many iterations as the first on average
+and, over --short alone, the first with and without momentum, which compares their iterations. These start from a lattice
+at rest density (calibration: lattice): one that must expand first takes the most iterations in either way.
+Height is twice that of the centre of mass over the volume's own, so 1 is fluid at rest that kept its volume.
+"""
+import argparse
+import json
+import os
+import subprocess
+import tempfile
+
+SCENE = os.path.join(os.path.dirname(__file__), "../../resources/scenes/paper/convergence_dam_break.json")
+
+
+class Runner:
+    def __init__(self, arguments, folder):
+        self.arguments = arguments
+        self.folder = folder
+        with open(SCENE, encoding="utf-8") as file:
+            self.scene = json.load(file)
+        box = self.scene["nodes"]["tank"]["params"]
+        self.area = (box["max"][0] - box["min"][0]) * (box["max"][2] - box["min"][2])
+
+    def run(self, spacing, dt, duration, solver, calibration="packing"):
+        """What the fluid reports at the end; None if the run failed."""
+        scene = json.loads(json.dumps(self.scene))
+        scene["nodes"]["water"]["modules"] = {"solver": solver}
+        scene["nodes"]["water"]["params"]["bulk_modulus"] = self.arguments.bulk_modulus
+        scene["nodes"]["water"]["params"]["calibration"] = calibration
+        scene_file = os.path.join(self.folder, "scene.json")
+        stats_file = os.path.join(self.folder, "stats.json")
+        with open(scene_file, "w", encoding="utf-8") as file:
+            json.dump(scene, file)
+        command = [self.arguments.program, "run", scene_file, "--quiet", "--stats", stats_file,
+                   "--device", self.arguments.device, "--duration", str(duration),
+                   "--set", f"water.spacing={spacing}", "--set", f"world.dt={dt}"]
+        if self.arguments.threads:
+            command += ["--threads", str(self.arguments.threads)]
+        if subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
+            return None
+        with open(stats_file, encoding="utf-8") as file:
+            return json.load(file)["nodes"]["water"]
+
+    def row(self, spacing, dt):
+        a = self.arguments
+        tolerant = {"iterations": a.most, "tolerance": a.tolerance}
+        momentum = tolerant | {"acceleration": "nesterov"}
+        settled = self.run(spacing, dt, a.duration, {"params": momentum})
+        plain = self.run(spacing, dt, a.short, {"params": tolerant}, "lattice")
+        quick = self.run(spacing, dt, a.short, {"params": momentum}, "lattice")
+        untuned = self.run(spacing, dt, a.duration, {})
+        count = max(1, round(settled["solver_iterations"]["mean"])) if settled else 3
+        pbf = self.run(spacing, dt, a.duration, {"type": "Pbf", "params": {"iterations": count}})
+        return " | ".join([f"| {spacing:g} | {1000 * dt:g}", iterations(plain), iterations(quick), iterations(settled),
+                           unmet(settled), self.outcome(settled), self.outcome(untuned), self.outcome(pbf)]) + " |"
+
+    def outcome(self, water):
+        """Mean compression in per cent, and height."""
+        if water is None:
+            return "failed | failed"
+        height = 2 * water["center_of_mass"][1] / (water["fluid_volume"] / self.area)
+        return f"{100 * water['compression']['mean']:.3f} | {height:.4f}"
+
+
+def iterations(water):
+    return f"{water['solver_iterations']['mean']:.1f}" if water else "failed"
+
+
+def unmet(water):
+    return str(water["solver_iterations"]["unmet"]) if water else "failed"
+
+
+def numbers(text):
+    return [float(part) for part in text.split(",")]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", help="the program weir")
+    parser.add_argument("--device", default="auto")
+    parser.add_argument("--threads", type=int)
+    parser.add_argument("--spacings", type=numbers, default=numbers("0.04,0.02,0.015,0.01"), metavar="M,…")
+    parser.add_argument("--steps-ms", type=numbers, default=numbers("1,2,5,10"), metavar="MS,…")
+    parser.add_argument("--duration", type=float, default=4, metavar="S")
+    parser.add_argument("--short", type=float, default=0.2, metavar="S")
+    parser.add_argument("--tolerance", type=float, default=0.001)
+    parser.add_argument("--most", type=int, default=2000, help="iterations after each search for neighbours")
+    parser.add_argument("--bulk-modulus", type=float, default=1e7, metavar="PA")
+    arguments = parser.parse_args()
+    print("| d (m) | dt (ms) | iterations, plain, first part | with momentum, first part | with momentum, all | "
+          "steps not met | compression (%) | height | untuned: compression (%) | height | "
+          "PBF: compression (%) | height |")
+    print("|" + "---:|" * 12)
+    with tempfile.TemporaryDirectory() as folder:
+        runner = Runner(arguments, folder)
+        for spacing in arguments.spacings:
+            for step in arguments.steps_ms:
+                print(runner.row(spacing, step / 1000), flush=True)
+
+
+if __name__ == "__main__":
+    main()
