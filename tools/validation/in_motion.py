@@ -2,11 +2,11 @@
 
 import math
 
+from lab import GRAVITY, SCENES, Chart, Outcome, Row, exported  # first: it finds those of tools/paper
+from at_rest import volume_of_revolution
 import figures
 import quantities
 import scene as scenes
-from at_rest import volume_of_revolution
-from lab import GRAVITY, SCENES, Chart, Outcome, Row, exported, node
 
 # Martin and Moyce 1952, "An Experimental Study of the Collapse of Liquid Columns on a Rigid Horizontal Plane", read off
 # their Fig. 3 for n² = 2, a = 2.25 in: t·sqrt(2g/a) and the front's place by a.
@@ -26,79 +26,87 @@ def interpolated(x, xs, ys):
     return float(numpy.interp(x, xs, ys))
 
 
+def surface(positions, spacing, radius):
+    """Where the water's surface is, as arrays r and y: the top of the highest particle of each square column, one and a
+    half spacings wide, that is wholly within this radius of the axis."""
+    import numpy
+    width = 1.5 * spacing
+    cells = numpy.floor(positions[:, [0, 2]] / width).astype(int)
+    order = numpy.argsort(positions[:, 1])  # so that later writes are higher
+    top = {tuple(cells[i]): positions[i] for i in order}
+    points = numpy.array([p for (i, k), p in top.items()
+                          if math.hypot(max(abs(i), abs(i + 1)), max(abs(k), abs(k + 1))) * width < radius])
+    return numpy.hypot(points[:, 0], points[:, 2]), points[:, 1] + spacing / 2
+
+
 def rotating_tank(lab):
-    """With walls that water sticks to, all of it turns with the tank in the end, and its surface is z0 + ω²r²/2g. The
-    surface's height above a ring is the volume of the particles there over the ring's area."""
+    """With walls that water sticks to, all of it turns with the tank in the end, and its surface is z0 + ω²r²/2g."""
     import numpy
     scene = scenes.read(SCENES / "validation" / "rotating_tank.json")
     omega, radius = scenes.parameter(scene, "walls.angular_velocity")[1], scenes.parameter(scene, "tank.profile")[1][0]
     spacing = lab.scale(0.0075, 0.004)
-    result = lab.run("rotating_tank", "validation/rotating_tank", {"water.spacing": str(spacing)}, export=True,
-                     pictures=True)
-    particles = exported(result.folder, -1)
-    x, _, z = particles.positions.T
-    turning = (z * particles.velocities[:, 0] - x * particles.velocities[:, 2]).sum() / (x * x + z * z).sum()
-    edges = radius * numpy.sqrt(numpy.linspace(0, 1, 9))  # rings of equal area
-    inside, _ = numpy.histogram(numpy.hypot(x, z), edges)
-    heights = inside * spacing ** 3 / (math.pi * radius ** 2 / 8)
-    squares = (edges[:-1] ** 2 + edges[1:] ** 2) / 2
-    slope, bottom = line(squares, heights)
-    rows = [Row("angular velocity of the water", float(turning), "rad/s", omega, 0.03),
-            Row("curvature of the surface, dh/d(r²)", slope, "1/m", omega ** 2 / (2 * GRAVITY), 0.05)]
-    shape = ("ω²r²/2g", [0, radius], None, "-")
-    fine = numpy.linspace(0, radius, 40)
-    level = heights.mean() - omega ** 2 * radius ** 2 / (4 * GRAVITY)
-    curve = (shape[0], fine, level + omega ** 2 * fine ** 2 / (2 * GRAVITY), "-")
-    chart = Chart("Surface of turning water", "r (m)", "height (m)", (curve, ("water", numpy.sqrt(squares), heights, "o")))
-    return Outcome(rows, (chart,), result.picture(10 ** 6))
+    rows, curves = [], []
+    for ratio in (1.5, 2.0):
+        result = lab.run(f"rotating_tank/{ratio}", "validation/rotating_tank",
+                         {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+        particles = exported(result.folder, -1)
+        x, _, z = particles.positions.T
+        turning = (z * particles.velocities[:, 0] - x * particles.velocities[:, 2]).sum() / (x * x + z * z).sum()
+        r, heights = surface(particles.positions, spacing, radius)
+        slope, _ = line(r * r, heights)
+        rows += [Row(f"angular velocity of the water, H = {ratio}d", float(turning), "rad/s", omega, 0.03),
+                 Row(f"curvature of the surface against ω²/2g of the water, dh/d(r²), H = {ratio}d", slope, "1/m",
+                     float(turning) ** 2 / (2 * GRAVITY), 0.1)]
+        curves.append((f"surface, H = {ratio}d", r, heights, "." if ratio == 1.5 else "x"))
+        if ratio == 1.5:
+            fine = numpy.linspace(0, radius, 40)
+            level = heights.mean() + omega ** 2 * (fine ** 2 - (r * r).mean()) / (2 * GRAVITY)
+            curves.append(("ω²r²/2g", fine, level, "-"))
+    return Outcome(rows, (Chart("Surface of turning water", "r (m)", "height (m)", tuple(curves)),))
 
 
 def efflux(lab):
-    """A round tank with a sharp-edged hole in its bottom. Where the jet has contracted, one diameter below the hole, the
-    speed is that of a fall from the level above, √(2g·depth). The level is the volume of the water in the tank over its
-    area; its root falls linearly with time."""
+    """A round tank with a sharp-edged hole in its bottom, eight spacings wide. Where the jet has contracted, one diameter
+    below the hole, the speed is that of a fall from the surface above, √(2g·depth). The root of the level, which is the
+    water in the tank over its area, falls linearly with time; its slope and the jet's flux give the same coefficient of
+    discharge, 0.6 to 0.65 for a sharp edge. Particles keep a distance from the edge, which narrows the hole."""
     import numpy
     scene = scenes.read(SCENES / "validation" / "efflux.json")
     (hole, _), (outer, _), _ = scenes.parameter(scene, "vessel.profile")
     floor = scenes.parameter(scene, "vessel.thickness")
     inner = outer - floor
-    rows, curves, falls = [], [], []
-    for spacing in lab.scale((0.01,), (0.01, 0.005)):
-        result = lab.run(f"efflux/{spacing}", "validation/efflux", {"water.spacing": str(spacing)}, export=True,
-                         pictures=True)
-        times, levels, speeds, expected, flux = [], [], [], [], []
+    rows, speeds, levels = [], [], []
+    for spacing, ratio in lab.scale(((0.01, 1.5), (0.01, 2.0)),
+                                    ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4))):
+        result = lab.run(f"efflux/{spacing}_{ratio}", "validation/efflux",
+                         {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+        table = []  # time, level, speed of the jet and of a free fall, flux
         for k, frame in enumerate(result.series):
+            if frame["time"] < 0.3:
+                continue
             particles = exported(result.folder, k)
-            y = particles.positions[:, 1]
-            level = floor + (y > floor).sum() * spacing ** 3 / (math.pi * inner ** 2)
+            y, velocity = particles.positions[:, 1], particles.velocities
+            top = surface(particles.positions[y > floor], spacing, inner)[1].mean()
             jet = (y < -1.5 * hole) & (y > -2.5 * hole)
-            times.append(frame["time"])
-            levels.append(level)
-            if frame["time"] > 0.25 and jet.any():
-                speeds.append(numpy.linalg.norm(particles.velocities[jet], axis=1).mean())
-                expected.append(numpy.sqrt(2 * GRAVITY * (level - y[jet])).mean())
-                flux.append(-particles.velocities[jet, 1].sum() * spacing ** 3 / hole)
-                curves.append((frame["time"], speeds[-1], expected[-1]))
-        steady = [k for k, t in enumerate(times) if t > 0.25]
-        roots = [math.sqrt(levels[k]) for k in steady]
-        slope, root0 = line([times[k] for k in steady], roots)
-        off = max(abs(root - root0 - slope * times[k]) for k, root in zip(steady, roots)) / roots[0]
-        label = f"d = {1000 * spacing:g} mm"
-        discharge = -slope * (inner / hole) ** 2 / math.sqrt(GRAVITY / 2)
-        rows += [Row(f"speed of the contracted jet, mean over time, {label}", float(numpy.mean(speeds)), "m/s",
-                     float(numpy.mean(expected)), 0.05),
-                 Row(f"largest deviation of √level from a straight line, as a share, {label}", off, below=0.02),
-                 Row(f"discharge coefficient, from the fall of the level, {label}", discharge,
-                     note="0.6 to 0.65 for a sharp edge"),
-                 Row(f"the same, from the flux of the jet, {label}",
-                     float(numpy.mean(flux) / (math.pi * hole ** 2) / numpy.mean(
-                         [math.sqrt(2 * GRAVITY * levels[k]) for k in steady])))]
-        falls.append((f"level, {label}", times, levels, "-"))
-    speed = Chart("Jet, one diameter below the hole", "time (s)", "speed (m/s)",
-                  (("√(2g·depth)", [c[0] for c in curves], [c[2] for c in curves], "-"),
-                   ("measured", [c[0] for c in curves], [c[1] for c in curves], ".")))
-    return Outcome(rows, (speed, Chart("Level in the tank", "time (s)", "height (m)", tuple(falls))),
-                   result.picture(30))
+            table.append((frame["time"], floor + (y > floor).sum() * spacing ** 3 / (math.pi * inner ** 2),
+                          numpy.linalg.norm(velocity[jet], axis=1).mean(),
+                          numpy.sqrt(2 * GRAVITY * (top - y[jet])).mean(),
+                          -velocity[jet, 1].sum() * spacing ** 3 / hole))
+        times, level, speed, fall, flux = numpy.array(table).T
+        slope, start = line(times, numpy.sqrt(level))
+        label = f"d = {1000 * spacing:g} mm, H = {ratio}d"
+        ideal = math.pi * hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
+        rows += [Row(f"speed of the contracted jet, mean from 0.3 s on, {label}", float(speed.mean()), "m/s",
+                     float(fall.mean()), 0.05),
+                 Row(f"deviation of √level from a straight line, {label}",
+                     float(abs(numpy.sqrt(level) - start - slope * times).max() / start), below=0.02),
+                 Row(f"coefficient of discharge by the fall of the level, {label}",
+                     -slope * (inner / hole) ** 2 / math.sqrt(GRAVITY / 2)),
+                 Row(f"the same by the flux of the jet, {label}", float((flux / ideal).mean()))]
+        speeds += [(f"jet, H = {ratio}d", times, speed, "."), (f"√(2g·depth), H = {ratio}d", times, fall, "-")]
+        levels.append((label, times, level, "-"))
+    return Outcome(rows, (Chart("Jet, one diameter below the hole", "time (s)", "speed (m/s)", tuple(speeds)),
+                          Chart("Level in the tank", "time (s)", "height (m)", tuple(levels))))
 
 
 def dam_front(lab):
@@ -136,7 +144,7 @@ def full_goblet(lab):
     import numpy
     scene = scenes.read(SCENES / "validation" / "full_goblet.json")
     profile = scenes.parameter(scene, "goblet.profile")
-    spacing = lab.scale(0.01, 0.005)
+    spacing = lab.scale(0.0125, 0.006)
     rows, charts = [], []
     for name, settings in (("walls of 10 mm", {}),
                            ("a single layer", {"goblet.thickness": "null", "goblet.caps": "false"})):
@@ -149,7 +157,6 @@ def full_goblet(lab):
                          export=True, pictures=not settings)
         last = result.series[-1]
         removed = sum(part["particles_removed"] for part in last["nodes"].values() if part["type"] == "Sink")
-        r, y = numpy.hypot(*exported(result.folder, -1).positions[:, ::2].T), None
         positions = exported(result.folder, -1).positions
         r, y = numpy.hypot(positions[:, 0], positions[:, 2]), positions[:, 1]
         wall = numpy.interp(y, [p[1] for p in profile], [p[0] for p in profile], left=0)

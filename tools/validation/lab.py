@@ -83,7 +83,7 @@ class Lab:
     def __init__(self, weir, out, device, threads, full, say):
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
         self.full, self._say = full, say
-        self.seconds = 0.0
+        self.seconds = 0.0  # of simulation, those of runs that were there already too
         self.machine = device
 
     def scale(self, quick, full):
@@ -95,8 +95,8 @@ class Lab:
         options.setdefault("pictures", False)
         result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
                                       threads=self.threads, **options)
-        self.seconds += seconds
         if result.stats:
+            self.seconds += result.stats["wall_seconds"]
             self.machine = result.stats["device"]["description"]
         self._say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
         return result

@@ -64,3 +64,9 @@ def draw(charts, file):
         axis.set_ylabel(chart.y)
         axis.legend(fontsize=7)
     plots.finish(drawing, file)
+
+
+def shrink(picture, file):
+    """A picture of the program as a small JPEG."""
+    import plots
+    plots.plt.imsave(file, plots.plt.imread(picture)[..., :3].copy(order="C"), pil_kwargs={"quality": 85})

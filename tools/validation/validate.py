@@ -5,7 +5,6 @@ import math
 import shlex
 import shutil
 import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
@@ -15,6 +14,9 @@ import at_rest
 import in_motion
 import program
 import report
+
+
+MARKER = "<!-- The rest is made by ./dev validate --docs -->"
 
 
 @dataclass(frozen=True)
@@ -56,12 +58,16 @@ def arguments(argv):
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "validation", metavar="DIR",
                         help="where all is written; runs that are there already are not repeated")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
+    parser.add_argument("--docs", action="store_true",
+                        help="write the table and the pictures into docs/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
     parsed = parser.parse_args(argv)
     wanted = [key.strip() for key in parsed.only.split(",") if key.strip()]
     unknown = set(wanted) - {check.key for check in CHECKS}
     if unknown:
         parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
+    if wanted and parsed.docs:
+        parser.error("--docs: the page shows all checks, so --only cannot be given with it")
     parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
     return parsed
 
@@ -77,12 +83,26 @@ def outcome_of(check, lab):
 def pictures_of(check, outcome, out):
     names = []
     if outcome.picture is not None:
-        names.append(f"{check.key}.png")
-        shutil.copy(outcome.picture, out / names[-1])
+        names.append(f"{check.key}.jpg")
+        report.shrink(outcome.picture, out / names[-1])
     if outcome.charts:
         names.append(f"{check.key}_plot.png")
         report.draw(outcome.charts, out / names[-1])
     return names
+
+
+def write_docs(results, done, out):
+    """Replaces what follows the marker in docs/validation.md, and the pictures of that page."""
+    page, images = ROOT / "docs" / "validation.md", ROOT / "docs" / "images" / "validation"
+    text = page.read_text(encoding="utf-8")
+    if MARKER not in text:
+        raise program.RunFailed(f"{page} has no line {MARKER}")
+    results = results.replace("](", "](images/validation/")
+    page.write_text(text[:text.index(MARKER)] + MARKER + "\n\n" + results, encoding="utf-8")
+    images.mkdir(parents=True, exist_ok=True)
+    for _, _, names in done:
+        for name in names:
+            shutil.copy(out / name, images / name)
 
 
 def main(argv):
@@ -94,17 +114,19 @@ def main(argv):
         print(text, file=sys.stderr, flush=True)
 
     lab = Lab(options.weir, out, options.device, options.threads, options.scale == "full", say)
-    done, started = [], time.monotonic()
+    done = []
     for check in options.checks:
         say(check.title)
         outcome = outcome_of(check, lab)
         for row in outcome.rows:
             say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
         done.append((check, outcome, pictures_of(check, outcome, out)))
-    seconds = time.monotonic() - started
     command = shlex.join(["./dev", "validate", *argv[2:]])
-    (out / "README.md").write_text("# Validation\n\n" + report.markdown(done, command, lab.machine, seconds))
-    (out / "results.json").write_text(report.as_json(done, command, lab.machine))
+    results = report.markdown(done, command, lab.machine, lab.seconds)
+    (out / "README.md").write_text("# Validation\n\n" + results, encoding="utf-8")
+    if options.docs:
+        write_docs(results, done, out)
+    (out / "results.json").write_text(report.as_json(done, command, lab.machine), encoding="utf-8")
     print(out / "README.md")
     return 1 if any(row.passed is False for _, outcome, _ in done for row in outcome.rows) else 0
 
