@@ -1,5 +1,6 @@
 """Where checks are made: runs scenes through the weir program and reads what it wrote."""
 
+import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,9 +79,11 @@ def exported(folder, frame):
 
 
 class Lab:
-    """Runs of all checks; results that are there already are not repeated."""
+    """Runs of all checks. With `reuse`, results of the very same command are taken where they are there already: they
+    may be another build's."""
 
-    def __init__(self, weir, out, device, threads, full, say):
+    def __init__(self, weir, out, device, threads, full, say, reuse=False):
+        self.reuse = reuse
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
         self.full, self._say = full, say
         self.seconds = 0.0  # of simulation, those of runs that were there already too
@@ -93,6 +96,8 @@ class Lab:
     def run(self, name, scene, settings=None, **options):
         """The results of a scene in resources/scenes, with settings for --set."""
         options.setdefault("pictures", False)
+        if not self.reuse:
+            shutil.rmtree(self.out / name, ignore_errors=True)
         result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
                                       threads=self.threads, **options)
         if result.stats:

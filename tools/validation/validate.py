@@ -56,7 +56,9 @@ def arguments(argv):
     parser.add_argument("--device", default="auto", metavar="D", help="auto, cpu, cuda or cuda:N")
     parser.add_argument("--only", default="", metavar="CHECKS", help="some checks, such as efflux,drop")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "validation", metavar="DIR",
-                        help="where all is written; runs that are there already are not repeated")
+                        help="where all is written")
+    parser.add_argument("--reuse", action="store_true",
+                        help="do not repeat runs that are there already, maybe by another build")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
     parser.add_argument("--docs", action="store_true",
                         help="write the table and the pictures into docs/validation.md, too; needs all checks")
@@ -113,7 +115,7 @@ def main(argv):
     def say(text):
         print(text, file=sys.stderr, flush=True)
 
-    lab = Lab(options.weir, out, options.device, options.threads, options.scale == "full", say)
+    lab = Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse)
     done = []
     for check in options.checks:
         say(check.title)

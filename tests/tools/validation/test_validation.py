@@ -126,8 +126,15 @@ class Checks(unittest.TestCase):
             self.assertIn("water.spacing=0.02", seen)
             self.assertEqual(seen[seen.index("--export") + 1], str(Path(folder) / "out" / "drop/1" / "particles.vtkhdf"))
             self.assertNotIn("--images", seen)
+            left = Path(folder) / "out" / "drop/1" / "left"
+            left.touch()
+            lab.reuse = True
             lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True)
+            self.assertTrue(left.exists())
             self.assertEqual(lab.seconds, 4)  # found again, and counted
+            lab.reuse = False
+            lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True)
+            self.assertFalse(left.exists())
             self.assertEqual(lab.machine, "none")
 
 
