@@ -46,7 +46,7 @@ double CircleEmitter::layerSize(float spacing) const {
   return std::max(1.0, std::round(area() / (double(spacing) * spacing)));
 }
 
-Emitter::Layer CircleEmitter::makeLayer(const SetupContext&, float spacing) const {
+Emitter::Layer CircleEmitter::makeLayer(const SetupContext& context, float spacing) const {
   const auto count = static_cast<std::size_t>(layerSize(spacing));
   // Of the two centred lattices the rounder one: its outermost node is nearer to the centre.
   std::vector<LatticeNode> nodes = nearestNodes(0, count, double(radius) / spacing);
@@ -56,7 +56,7 @@ Emitter::Layer CircleEmitter::makeLayer(const SetupContext&, float spacing) cons
   for (const LatticeNode& node : nodes)
     points.push_back(
         {0.5f * spacing * static_cast<float>(node.x), 0, 0.5f * spacing * static_cast<float>(node.z)});
-  return layerOf(std::move(points));
+  return layersOf(context, points);
 }
 
 }  // namespace weir

@@ -63,6 +63,7 @@ void Emitter::reset(const SetupContext& context) {
   const Layer layer = makeLayer(context, spacing_);
   points_ = Array<Vec3f>(context.device, layer.points);
   directions_ = Array<Vec3f>(context.device, layer.directions);
+  inLayer_ = points_.size() / layer.layers;
   travel_ = layers_ = 0;
   emitted_ = 0;
   particles->count = 0;
@@ -88,7 +89,7 @@ void Emitter::step(const StepContext& context) {
   // Layer k leaves when the flow has travelled k spacings.
   const double travelled = travel_ + flowSpeed * (end - begin);
   const double layersAfter = std::ceil(travelled / spacing_);
-  double wanted = (layersAfter - layers_) * static_cast<double>(points_.size());
+  double wanted = (layersAfter - layers_) * static_cast<double>(inLayer_);
   if (maxParticles.get()) wanted = std::min(wanted, static_cast<double>(*maxParticles.get() - emitted_));
   if (!(wanted <= std::numeric_limits<int>::max()))
     throw simulationError(fmt::format("{:.3g} particles would be emitted in one step", wanted),

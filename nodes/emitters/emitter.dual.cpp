@@ -14,6 +14,7 @@ struct PlaceLayers {
   float jitter;  // m
   std::uint64_t seed;
   std::int64_t firstNumber;  // of the first particle, among all that are emitted
+  std::int64_t inLayer;
   ArrayView<Vec3f> positions, velocities;
 
   WEIR_HD Vec3f turned(const Vec3f& v) const { return v.x * xAxis + v.y * yAxis + v.z * zAxis; }
@@ -25,10 +26,10 @@ struct PlaceLayers {
   }
 
   WEIR_HD void operator()(std::int64_t k) const {
-    const auto layer = static_cast<float>(k / points.size);
-    const std::int64_t inLayer = k % points.size;
-    const Vec3f p = points[inLayer];
-    const Vec3f direction = turned(directions[inLayer]);
+    const auto layer = static_cast<float>(k / inLayer);
+    const std::int64_t point = (firstNumber + k) % points.size;
+    const Vec3f p = points[point];
+    const Vec3f direction = turned(directions[point]);
     Vec3f position =
         origin + p.x * xAxis + p.y * yAxis + p.z * zAxis - (firstOffset + layer * spacing) * direction;
     if (jitter > 0) position += displacement(firstNumber + k);
@@ -45,7 +46,7 @@ void Emitter::emitOn(Backend& device, std::int64_t count, double firstOffset, fl
   parallelFor(device, "emit", count,
               PlaceLayers{f.origin, f.xAxis, f.yAxis, f.zAxis, points_.view(), directions_.view(), spacing_,
                           flowSpeed, static_cast<float>(firstOffset), jitter * spacing_, seed_, emitted_,
-                          particles->positions.view(), particles->velocities.view()});
+                          inLayer_, particles->positions.view(), particles->velocities.view()});
 }
 
 template void Emitter::emitOn(ThisBackend&, std::int64_t, double, float);

@@ -51,9 +51,11 @@ class Emitter : public Node {
   void report(NodeReport& report) final;
 
  protected:
-  /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes().
+  /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes(). Or
+  /// those of several layers, equally many each, that follow one another again and again.
   struct Layer {
     std::vector<Vec3f> points, directions;
+    int layers = 1;
   };
   /// Where a layer's own axes are in the scene.
   struct Frame {
@@ -66,6 +68,8 @@ class Emitter : public Node {
   virtual Layer makeLayer(const SetupContext& context, float spacing) const = 0;
   /// Asked in each step.
   virtual Frame axes() const { return {}; }
+  /// Of the fluid below; there is one when makeLayer() is called.
+  ParticleBatch::Request request() const { return *particles.requested(); }
   virtual double mostInLayer() const { return 1e7; }
 
  private:
@@ -76,7 +80,8 @@ class Emitter : public Node {
 
   float spacing_ = 0;
   std::uint64_t seed_ = 0;
-  Array<Vec3f> points_, directions_;  // of a layer
+  Array<Vec3f> points_, directions_;  // of all layers that differ
+  std::int64_t inLayer_ = 0;          // points
   double travel_ = 0;                 // m that the flow has moved since it started
   double layers_ = 0;                 // that have left, a whole number
   std::int64_t emitted_ = 0;          // particles that have left

@@ -3,9 +3,14 @@
 // The nozzle spans the node's local x and z axes around its position; the jet leaves along local -y. Turning
 // it moves its points rigidly, so their distances stay the fluid's spacing. Where keyframes move it,
 // particles leave with the speed of the jet alone: that of the nozzle is not added.
+//
+// A layer is a square lattice with the outline of the nozzle. For a fluid whose rest state is disordered, its
+// particles are moved from there, differently in each layer, as in a RelaxedTile: the jet is then a piece of
+// fluid at rest, where layers of lattices would be too dense and spray.
 #pragma once
 
 #include "nodes/emitters/emitter.h"
+#include "nodes/particles/arrangement.h"
 
 namespace weir {
 
@@ -21,16 +26,19 @@ class NozzleEmitter : public Emitter {
                             .animated = true,
                             .doc = "Turns the nozzle; without it the jet points down (-y)."}};
 
+  Param<std::optional<Arrangement>> arrangement{
+      *this,
+      "arrangement",
+      std::nullopt,
+      {.doc = "If it is left out: relaxed for fluids with the calibration `packing`, else lattice."}};
+
  protected:
   Frame axes() const final {
     const Quatf q = rotation->toQuaternion();
     return {position, rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
   }
-  /// A layer of points (x, 0, z).
-  static Layer layerOf(std::vector<Vec3f> points) {
-    std::vector<Vec3f> directions(points.size(), Vec3f{0, -1, 0});
-    return {std::move(points), std::move(directions)};
-  }
+  /// Layers with particles at or near the nodes (x, 0, z) of a square lattice.
+  Layer layersOf(const SetupContext& context, const std::vector<Vec3f>& nodes) const;
 };
 
 }  // namespace weir

@@ -17,7 +17,7 @@ double SquareEmitter::layerSize(float spacing) const {
   return particlesAlong(width, spacing) * particlesAlong(height, spacing);
 }
 
-Emitter::Layer SquareEmitter::makeLayer(const SetupContext&, float spacing) const {
+Emitter::Layer SquareEmitter::makeLayer(const SetupContext& context, float spacing) const {
   const int columns = static_cast<int>(particlesAlong(width, spacing));
   const int rows = static_cast<int>(particlesAlong(height, spacing));
   std::vector<Vec3f> points;
@@ -26,7 +26,7 @@ Emitter::Layer SquareEmitter::makeLayer(const SetupContext&, float spacing) cons
     for (int column = 0; column < columns; ++column)
       points.push_back({(static_cast<float>(column) - 0.5f * static_cast<float>(columns - 1)) * spacing, 0,
                         (static_cast<float>(row) - 0.5f * static_cast<float>(rows - 1)) * spacing});
-  return layerOf(std::move(points));
+  return layersOf(context, points);
 }
 
 }  // namespace weir

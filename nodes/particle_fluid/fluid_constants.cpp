@@ -22,30 +22,22 @@ double latticeCalibration(double supportRatio) {
 
 namespace {
 
-/// Ratio of the packing to the lattice calibration, measured by letting columns settle.
-struct PackingPoint {
-  double supportRatio, factor;
-};
-constexpr PackingPoint kPackingCurve[] = {
-    {1.1, 1.020}, {1.2, 1.023}, {1.5, 1.030}, {2.0, 1.045}, {3.0, 1.045}};
+/// Ratio of the packing to the lattice calibration at support ratios of 1.1, 1.15, … 3. It waves because the
+/// shells of the lattice enter the support one after another; `weir_packing_curve table` prints it.
+constexpr double kFirstRatio = 1.1, kRatioStep = 0.05;
+constexpr double kPackingCurve[] = {
+    1.0041, 1.0108, 1.0192, 1.0273, 1.0333, 1.0360, 1.0350, 1.0305, 1.0235, 1.0166, 1.0103, 1.0054, 1.0019,
+    0.9996, 0.9984, 0.9981, 0.9986, 1.0000, 1.0017, 1.0035, 1.0054, 1.0070, 1.0080, 1.0082, 1.0078, 1.0069,
+    1.0057, 1.0044, 1.0029, 1.0017, 1.0007, 1.0001, 0.9999, 0.9999, 1.0001, 1.0004, 1.0008, 1.0011, 1.0014};
 
 }  // namespace
 
 double packingCalibration(double supportRatio) {
-  const auto after =
-      std::upper_bound(std::begin(kPackingCurve), std::end(kPackingCurve), supportRatio,
-                       [](double ratio, const PackingPoint& p) { return ratio < p.supportRatio; });
-  double factor;
-  if (after == std::begin(kPackingCurve)) {
-    factor = after->factor;
-  } else if (after == std::end(kPackingCurve)) {
-    factor = std::prev(after)->factor;
-  } else {
-    const PackingPoint& a = *std::prev(after);
-    const double t = (supportRatio - a.supportRatio) / (after->supportRatio - a.supportRatio);
-    factor = a.factor + t * (after->factor - a.factor);
-  }
-  return latticeCalibration(supportRatio) * factor;
+  constexpr int kLast = static_cast<int>(std::size(kPackingCurve)) - 1;
+  const double at = std::clamp((supportRatio - kFirstRatio) / kRatioStep, 0.0, double(kLast));
+  const int below = std::min(static_cast<int>(at), kLast - 1);
+  const double t = at - below;
+  return latticeCalibration(supportRatio) * ((1 - t) * kPackingCurve[below] + t * kPackingCurve[below + 1]);
 }
 
 double wallRadiusRatio(double supportRatio) {

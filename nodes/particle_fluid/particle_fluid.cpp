@@ -15,6 +15,7 @@
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
+#include "nodes/particle_fluid/rest_state.h"
 #include "nodes/particles/flight.h"
 
 namespace weir {
@@ -46,8 +47,9 @@ Aabb ParticleFluid::domain() const {
 }
 
 void ParticleFluid::configure(const SetupContext&) {
-  initial.request({spacing});
-  emitters.request({spacing});
+  const ParticleBatch::Request request{spacing, supportRatio, calibration == Calibration::kPacking};
+  initial.request(request);
+  emitters.request(request);
   boundaries.request({spacing});
   sinks.request({spacing});
 }
@@ -68,10 +70,25 @@ void ParticleFluid::reset(const SetupContext& context) {
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
+  comeToRest(context);
   FluidStep step = fluidStep(start);
   for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
   frame(start);
   warnOfSettings(context);
+}
+
+void ParticleFluid::comeToRest(const SetupContext& context) {
+  Log silent;  // the modules are reset again for the simulation, and speak then
+  const StepContext start{context.device, silent, context.gravity, 0, context.dt, 0};
+  FluidStep step = fluidStep(start);
+  std::vector<const ParticleBatch*> batches;
+  for (std::size_t i = 0; i < initial.size(); ++i) batches.push_back(&initial[i]);
+  RestState rest(step, batches);
+  state_->restSteps = 0;
+  if (restSteps == 0 || !rest.wanted()) return;
+  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
+  frame(start);
+  state_->restSteps = rest.reach(restSteps, [&] { runPipeline(step); });
 }
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
@@ -94,8 +111,12 @@ void ParticleFluid::step(const StepContext& context) {
   for (std::size_t i = 0; i < emitters.size(); ++i) state_->particles.append(emitters[i]);
   if (state_->particles.bound() == 0) return;
   FluidStep step = fluidStep(context);
+  runPipeline(step);
+}
+
+void ParticleFluid::runPipeline(FluidStep& step) {
   pipeline_.forEachEnabled([&](FluidModule& module) {
-    const ProfileScope scope(context.device.profiler(), module.name());
+    const ProfileScope scope(step.device.profiler(), module.name());
     module.step(step);
   });
 }
@@ -149,6 +170,7 @@ void ParticleFluid::report(NodeReport& report) {
   State& state = *state_;
   state.particles.refreshCount();
   writeFluidStatistics(state.particles, state.neighbors, constants_, state.gravity, report.statistics);
+  report.statistics["rest_steps"] = state.restSteps;
   report.statistics["neighbors_truncated"] = state.events.truncated;
   report.statistics["particles_escaped"] = state.events.escaped;
   report.statistics["particles_not_finite"] = state.events.nonFinite;

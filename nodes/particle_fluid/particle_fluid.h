@@ -65,6 +65,12 @@ class ParticleFluid final : public Node {
                                  "calibration",
                                  Calibration::kPacking,
                                  {.doc = "Which arrangement of particles has rest density."}};
+  Param<int> restSteps{*this,
+                       "rest_steps",
+                       500,
+                       {.min = 0,
+                        .doc = "At most so many damped steps bring relaxed initial particles to rest in "
+                               "their regions before the start; 0 leaves them as they were sampled."}};
   Param<std::optional<Vec3f>> domainMin{
       *this,
       "domain_min",
@@ -114,10 +120,12 @@ class ParticleFluid final : public Node {
     Array<SinkPiece> sinks;
     Vec3f gravity{};
     NeighborEvents events;
-    std::int64_t appended = 0;
+    std::int64_t restSteps = 0;  // taken before the start
   };
 
   FluidStep fluidStep(const StepContext& time);
+  void comeToRest(const SetupContext& context);
+  void runPipeline(FluidStep& step);
   Aabb domain() const;
   void checkEvents();
   void warnOfSettings(const SetupContext& context);

@@ -43,7 +43,9 @@ struct CellGrid {
   }
 };
 
-/// A grid of at most `mostCells` cells whose shape follows a bounding box.
-CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells);
+/// A grid of at most `mostCells` cells whose shape follows a bounding box. Where the box has fewer than
+/// `fewestCells`, the grid is larger than it, up to about that number.
+CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells,
+                        std::int64_t fewestCells = 27);
 
 }  // namespace weir

@@ -26,14 +26,21 @@ void NeighborList::configure(float radius, int capacity) {
 }
 
 void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
+  box_ = box;
   // About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
   constexpr std::int64_t kCellsPerParticle = 4;
   constexpr std::int64_t kFewestCells = 1 << 12;
   constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
-  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells));
+  // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
+  // different places that share storage do not hold many particles.
+  constexpr std::int64_t kParticlesPerCell = 4;
+  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells),
+                         particles / kParticlesPerCell);
+  fittedFor_ = particles;
 }
 
 void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
+  if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
   dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain, sinks); });
 }
 

@@ -46,7 +46,8 @@ class NeighborList {
 
   /// Radius in m, and the longest list.
   void configure(float radius, int capacity);
-  /// The shape of the grid; any shape gives the same neighbours.
+  /// The shape of the grid; any shape gives the same neighbours. Where the particles have become twice as
+  /// many, build() makes it larger by itself.
   void fitGrid(const Aabb& box, std::int64_t particles);
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
@@ -68,6 +69,8 @@ class NeighborList {
   int capacity_ = 0;
   int shift_ = 0;
   CellGrid grid_;
+  Aabb box_;                    // that the grid was fitted to
+  std::int64_t fittedFor_ = 0;  // particles
   CellSort sort_;
   Array<int> entries_, counts_;
   Array<int> kept_;    // one number: the particles that a sort left

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 
 namespace weir {
+
+struct Boundary;
 
 /// The first `count` elements of both arrays are particles, on the scene's device. A sampler fills it in
 /// reset(); an emitter refills it in every step with the particles born in that step, placed where they are
@@ -17,13 +20,20 @@ struct ParticleBatch {
 
   /// What a fluid asks of its sources.
   struct Request {
-    float spacing = 0;  ///< m
+    float spacing = 0;        ///< m
+    float supportRatio = 0;   ///< H/d
+    bool disordered = false;  ///< settled fluid has rest density, not a cubic lattice
     friend bool operator==(const Request&, const Request&) = default;
   };
 
   std::int64_t count = 0;
   Array<Vec3f> positions;   ///< m
   Array<Vec3f> velocities;  ///< m/s
+
+  /// Where the fluid may rest until the simulation starts, as RestState makes it; nowhere if it is null.
+  std::shared_ptr<const Boundary> container;
+  float contact = 0;        ///< m, distance that particles keep from it
+  bool weightless = false;  ///< rests without gravity
 
   /// Replaces the contents by host data of equal length.
   void assign(Device& device, std::span<const Vec3f> hostPositions, std::span<const Vec3f> hostVelocities) {

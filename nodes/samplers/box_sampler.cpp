@@ -18,8 +18,17 @@ void BoxSampler::validate() const {
 
 void BoxSampler::reset(const SetupContext& context) {
   const float spacing = requestedSpacing();
-  fill(context, Lattice::inBox({min, max}, spacing));
   const Vec3f lo = min, hi = max;
+  const Lattice lattice = Lattice::inBox({lo, hi}, spacing);
+  fill(context, lattice, [&] {
+    // The box that the whole particles fill: its faces are half a spacing from the outer nodes.
+    Shape box;
+    box.position = 0.5f * (lo + hi);
+    box.halfSize = 0.5f * spacing *
+                   Vec3f{static_cast<float>(lattice.count.x), static_cast<float>(lattice.count.y),
+                         static_cast<float>(lattice.count.z)};
+    return regionOf(context, box);
+  });
   const double volume = (double(hi.x) - lo.x) * (double(hi.y) - lo.y) * (double(hi.z) - lo.z);
   warnOfRounding(context, volume, spacing);
   const Vec3f size = hi - lo;

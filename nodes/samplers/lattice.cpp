@@ -32,13 +32,18 @@ struct Sampling {
   const Lattice& lattice;
   const Jitter& jitter;
   const std::function<bool(const Vec3f&)>& inside;
+  const Displacement& displacement;
   std::vector<std::vector<Vec3f>> chunks{};
   static constexpr std::int64_t kChunk = 16384;  // nodes
 
-  Vec3f position(std::int64_t index) const {
+  Vec3<std::int64_t> node(std::int64_t index) const {
     const Vec3<std::int64_t>& n = lattice.count;
-    Vec3d at{static_cast<double>(index % n.x), static_cast<double>(index / n.x % n.y),
-             static_cast<double>(index / (n.x * n.y))};
+    return {index % n.x, index / n.x % n.y, index / (n.x * n.y)};
+  }
+
+  Vec3f position(std::int64_t index) const {
+    const Vec3<std::int64_t> n = node(index);
+    Vec3d at{static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
     if (jitter.share > 0)
       for (int axis = 0; axis < 3; ++axis)
         at[axis] += jitter.share * noise(jitter.seed, static_cast<std::uint64_t>(3 * index + axis));
@@ -46,12 +51,18 @@ struct Sampling {
     return {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
   }
 
+  Vec3f displaced(std::int64_t index, const Vec3f& from) const {
+    if (!displacement) return from;
+    const Vec3<std::int64_t> n = node(index);
+    return from + static_cast<float>(lattice.spacing) * displacement(n.x, n.y, n.z);
+  }
+
   void fill(std::int64_t chunk) {
     std::vector<Vec3f>& points = chunks[static_cast<std::size_t>(chunk)];
     const std::int64_t end = std::min((chunk + 1) * kChunk, lattice.size());
     for (std::int64_t i = chunk * kChunk; i < end; ++i) {
       const Vec3f p = position(i);
-      if (!inside || inside(p)) points.push_back(p);
+      if (!inside || inside(p)) points.push_back(displaced(i, p));
     }
   }
 };
@@ -72,8 +83,9 @@ Lattice Lattice::around(const Vec3f& center, float reach, float spacing) {
 }
 
 std::vector<Vec3f> sampleLattice(const Lattice& lattice, const Jitter& jitter, int threads,
-                                 const std::function<bool(const Vec3f&)>& inside) {
-  Sampling sampling{lattice, jitter, inside};
+                                 const std::function<bool(const Vec3f&)>& inside,
+                                 const Displacement& displacement) {
+  Sampling sampling{lattice, jitter, inside, displacement};
   const std::int64_t chunks = (lattice.size() + Sampling::kChunk - 1) / Sampling::kChunk;
   sampling.chunks.resize(static_cast<std::size_t>(chunks));
   CpuThreads(threads).run(

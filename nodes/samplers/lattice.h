@@ -34,9 +34,14 @@ struct Jitter {
   std::uint64_t seed = 0;
 };
 
+/// How far the particle of node (x, y, z) is from it, in spacings.
+using Displacement = std::function<Vec3f(std::int64_t x, std::int64_t y, std::int64_t z)>;
+
 /// The nodes, each moved by its jitter, that `inside` accepts (all without it), x running fastest. `inside`
 /// is called from `threads` threads (0 is one for every core); the result is the same for any number.
+/// With a displacement the nodes decide what is inside, and their particles may be outside.
 std::vector<Vec3f> sampleLattice(const Lattice& lattice, const Jitter& jitter, int threads,
-                                 const std::function<bool(const Vec3f&)>& inside = {});
+                                 const std::function<bool(const Vec3f&)>& inside = {},
+                                 const Displacement& displacement = {});
 
 }  // namespace weir

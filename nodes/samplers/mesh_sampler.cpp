@@ -28,10 +28,27 @@ void MeshSampler::reset(const SetupContext& context) {
     return sign * query.windingNumber(p) > kHalf &&
            (margin == 0 || query.closestDistance(p, 2 * margin) >= margin);
   };
-  fill(context, Lattice::inBox(box, spacing), inside);
+  const auto region = [&] { return regionOf(context, mesh, spacing); };
+  fill(context, Lattice::inBox(box, spacing), region, inside);
   const Vec3f size = box.hi - box.lo;
   warnOfThinness(context, std::min({size.x, size.y, size.z}), spacing);
   if (diagnosis.closed() && margin == 0) warnOfRounding(context, std::abs(mesh.volume()), spacing);
+}
+
+Sampler::Region MeshSampler::regionOf(const SetupContext& context, const TriangleMesh& mesh,
+                                      float spacing) const {
+  std::vector<std::string> known;  // reset() has said what is wrong with the mesh
+  const float contact = margin + 0.5f * spacing;
+  auto sdf =
+      std::make_shared<const MeshSdf>(context.device, mesh, 0.5f * spacing, contact + 2 * spacing, known);
+  auto outside = std::make_shared<Boundary>();
+  BoundaryPiece piece;
+  piece.isMesh = true;
+  piece.mesh = sdf->view(true);
+  outside->pieces.push_back(piece);
+  outside->meshes.push_back(std::move(sdf));
+  outside->onDevice = Array<BoundaryPiece>(context.device, outside->pieces);
+  return {std::move(outside), contact};
 }
 
 }  // namespace weir

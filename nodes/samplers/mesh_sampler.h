@@ -17,6 +17,9 @@ class MeshSampler final : public Sampler {
   Input<TriangleMesh> surface{*this, "surface", "The mesh to fill; small holes do no harm."};
 
   void reset(const SetupContext& context) override;
+
+ private:
+  Region regionOf(const SetupContext& context, const TriangleMesh& mesh, float spacing) const;
 };
 
 }  // namespace weir

@@ -17,16 +17,46 @@ float Sampler::requestedSpacing() const {
   return request->spacing;
 }
 
-void Sampler::fill(const SetupContext& context, const Lattice& lattice,
+bool Sampler::relaxed() const {
+  return isRelaxed(arrangement, *particles.requested());
+}
+
+void Sampler::fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
                    const std::function<bool(const Vec3f&)>& inside) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
-  const Jitter moved{jitter, static_cast<std::uint64_t>(context.seed) ^ hashOf(name())};
-  const std::vector<Vec3f> positions = sampleLattice(lattice, moved, cpu ? cpu->threads() : 0, inside);
+  const int threads = cpu ? cpu->threads() : 0;
+  const std::uint64_t seed = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
+  std::optional<RelaxedTile> tile;
+  Displacement displacement;
+  if (relaxed()) {
+    tile.emplace(tileOfSource(*particles.requested(), seed, context.device));
+    displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      return tile->displacement(x, y, z);
+    };
+  }
+  const std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, seed}, threads, inside, displacement);
   if (positions.empty())
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
                      "a region that is several spacings thick");
   particles->assign(context.device, positions, std::vector<Vec3f>(positions.size(), velocity.get()));
+  particles->container.reset();
+  if (relaxed()) putInside(context, region());
   sampled_ = particles->count;
+}
+
+void Sampler::putInside(const SetupContext& context, const Region& region) {
+  dispatch(context.device, [&](auto& device) { putInsideOn(device, region); });
+  particles->container = region.outside;
+  particles->contact = region.contact;
+  particles->weightless = pressure == StartPressure::kNone;
+}
+
+Sampler::Region Sampler::regionOf(const SetupContext& context, Shape shape) const {
+  shape.inverted = true;
+  auto outside = std::make_shared<Boundary>();
+  outside->pieces.push_back({.shape = shape});
+  outside->onDevice = Array<BoundaryPiece>(context.device, outside->pieces);
+  return {std::move(outside), 0.5f * requestedSpacing()};
 }
 
 void Sampler::warnOfRounding(const SetupContext& context, double volume, float spacing) const {
@@ -52,6 +82,7 @@ void Sampler::step(const StepContext& context) {
   particles->count = 0;
   particles->positions = Array<Vec3f>(context.device);
   particles->velocities = Array<Vec3f>(context.device);
+  particles->container.reset();
 }
 
 void Sampler::report(NodeReport& report) {

@@ -1,14 +1,35 @@
 // What all samplers have in common: they fill a region with particles at the spacing of the fluid below.
+//
+// A region has as many particles as a cubic lattice has nodes in it. Where the fluid's rest state is
+// disordered, their arrangement is that of fluid at rest: the lattice's nodes are moved as in a RelaxedTile,
+// and what would be outside is mirrored at the region's surface. The fluid then lets them come to rest in the
+// region, as if that were a container, before the simulation starts (see RestState).
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "framework/graph/node.h"
+#include "nodes/particles/arrangement.h"
 #include "nodes/particles/particle_batch.h"
 #include "nodes/samplers/lattice.h"
+#include "nodes/static_boundary/boundary.h"
 
 namespace weir {
 
+enum class StartPressure { kHydrostatic, kNone };
+template <>
+struct EnumNames<StartPressure> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"hydrostatic", "That of fluid which stands in the region as in a container."},
+      EnumName{"none", "That of fluid in the air."}};
+};
+
 class Sampler : public Node {
  public:
+  explicit Sampler(StartPressure usual = StartPressure::kHydrostatic)
+      : pressure(*this, "pressure", usual, {.doc = "Of a relaxed arrangement at the start."}) {}
+
   Param<Vec3f> velocity{*this, "velocity", {}, {.unit = "m/s", .doc = "Of all particles at the start."}};
   Param<float> jitter{*this,
                       "jitter",
@@ -17,6 +38,12 @@ class Sampler : public Node {
                        .max = 0.5,
                        .doc = "Moves each particle at random by up to this share of the spacing along each "
                               "axis."}};
+  Param<std::optional<Arrangement>> arrangement{
+      *this,
+      "arrangement",
+      std::nullopt,
+      {.doc = "If it is left out: relaxed for fluids with the calibration `packing`, else lattice."}};
+  Param<StartPressure> pressure;
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};
 
@@ -25,11 +52,21 @@ class Sampler : public Node {
   void report(NodeReport& report) final;
 
  protected:
+  /// The region: the outside of it as a solid, and how far from it particles are at least.
+  struct Region {
+    std::shared_ptr<Boundary> outside;
+    float contact = 0;  // m
+  };
+
   /// What the fluid below asks for; throws a scene Error if there is none.
   float requestedSpacing() const;
-  /// Puts out the nodes of the lattice that are inside; throws a scene Error if there are none.
-  void fill(const SetupContext& context, const Lattice& lattice,
+  bool relaxed() const;
+  /// Puts out the particles of the nodes that are inside; throws a scene Error if there are none. `region` is
+  /// asked for a relaxed arrangement alone.
+  void fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
             const std::function<bool(const Vec3f&)>& inside = {});
+  /// The region of a shape, whose particles are half a spacing from its surface.
+  Region regionOf(const SetupContext& context, Shape shape) const;
   /// Warns if the particles put out fill much more or less than `volume` m³.
   void warnOfRounding(const SetupContext& context, double volume, float spacing) const;
 
@@ -37,6 +74,10 @@ class Sampler : public Node {
   void warnOfThinness(const SetupContext& context, double thickness, float spacing) const;
 
  private:
+  void putInside(const SetupContext& context, const Region& region);
+  template <class Backend>
+  void putInsideOn(Backend& device, const Region& region);
+
   std::int64_t sampled_ = 0;
 };
 

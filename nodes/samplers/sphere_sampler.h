@@ -9,6 +9,7 @@ class SphereSampler final : public Sampler {
  public:
   static constexpr NodeInfo kInfo{"SphereSampler", "Fills a sphere with particles."};
   const NodeInfo& info() const override { return kInfo; }
+  SphereSampler() : Sampler(StartPressure::kNone) {}
 
   Param<Vec3f> center{
       *this, "center", {0, 0.5f, 0}, {.unit = "m", .doc = "Its centre, where a particle is."}};

@@ -15,9 +15,9 @@ namespace weir::test {
 template <class E>
 class Jet {
  public:
-  Jet(Device& device, float spacing, const Value& parameters)
+  Jet(Device& device, float spacing, const Value& parameters, const char* calibration = "lattice")
       : scene_(
-            device, {}, {}, object({{"spacing", spacing}}),
+            device, {}, {}, object({{"spacing", spacing}, {"calibration", calibration}}),
             object({{"solver", object({{"enabled", false}})}, {"viscosity", object({{"enabled", false}})}})) {
     emitter_ = static_cast<E*>(&scene_.graph().add(std::make_unique<E>(), "nozzle"));
     emitter_->assignAll(parameters, {"test", "", ""});

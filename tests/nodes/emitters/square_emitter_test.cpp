@@ -23,6 +23,40 @@ TEST(SquareEmitter, FluxIsExactWhateverTheStep) {
   }
 }
 
+TEST(SquareEmitter, ARelaxedJetHasTheSameFluxNoOrderAndRestDensity) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    constexpr float kSpacing = 0.01f;
+    const auto jetOf = [&](const char* calibration) {
+      return std::make_unique<Nozzle>(
+          *device, kSpacing, object({{"width", 0.08}, {"height", 0.06}, {"speed", 1.37}}), calibration);
+    };
+    const auto relaxed = jetOf("packing"), lattice = jetOf("lattice");
+    // Steps of less and of more than a layer, over many periods of the tile.
+    for (const auto& [dt, steps] : {std::pair{1e-3, 371}, {0.05, 8}}) {
+      const std::vector<Vec3f> p = relaxed->after(dt, steps), q = lattice->after(dt, steps);
+      ASSERT_EQ(p.size(), q.size()) << name;
+      double moved = 0;
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        EXPECT_LT(length(p[i] - q[i]), 1.6f * kSpacing);
+        moved += length(p[i] - q[i]);
+      }
+      EXPECT_GT(moved / double(p.size()), 0.15 * kSpacing) << name;
+      // Neighbours of one layer or of two that follow each other, whichever step they left in.
+      EXPECT_GT(leastDistance(p), 0.4 * kSpacing) << name;
+    }
+    const double compressionOfLattice = [&] {
+      Nozzle dense(*device, kSpacing, object({{"width", 0.08}, {"height", 0.06}, {"arrangement", "lattice"}}),
+                   "packing");
+      dense.after(1e-3, 200);
+      return dense.scene().report().statistics["compression"]["mean"].asDouble();
+    }();
+    relaxed->after(1e-3, 200);
+    EXPECT_LT(relaxed->scene().report().statistics["compression"]["mean"].asDouble(),
+              0.5 * compressionOfLattice);
+  }
+}
+
 TEST(SquareEmitter, LayersAreOneSpacingApartAndLeaveDownwards) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);

@@ -16,15 +16,15 @@ constexpr const char* kGood = R"({
   "weir": 1,
   "world": { "dt": 0.001, "frame_rate": 10, "duration": 0.1 },
   "nodes": {
-    "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.5, 0.2] } },
-    "ball": { "type": "SphereSampler", "params": { "center": [0.5, 0.5, 0.1], "radius": 0.081 } },
+    "block": { "type": "BoxSampler", "params": { "arrangement": "lattice", "min": [0, 0, 0], "max": [0.2, 0.5, 0.2] } },
+    "ball": { "type": "SphereSampler", "params": { "arrangement": "lattice", "center": [0.5, 0.5, 0.1], "radius": 0.081 } },
     "nozzle": { "type": "SquareEmitter",
                 "params": { "position": [0.5, 0.9, 0.1], "width": 0.12, "height": 0.12, "speed": 2 } },
     "wall": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0.3, 0, 0], "max": [0.34, 0.2, 0.2] } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } }
   },
   "links": [ "block.particles -> water.initial", "ball.particles -> water.initial",
              "nozzle.particles -> water.emitters", "wall.boundary -> tank.boundaries",
@@ -70,7 +70,7 @@ double compressionOfDamBreak(double dt, int iterations) {
   constexpr const char* kDam = R"({
     "weir": 1, "world": { "frame_rate": 50, "duration": 0.6 },
     "nodes": {
-      "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.4, 0.2] } },
+      "block": { "type": "BoxSampler", "params": { "arrangement": "lattice", "min": [0, 0, 0], "max": [0.4, 0.4, 0.2] } },
       "tank": { "type": "StaticBoundary",
                 "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true } },
       "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } } },
@@ -184,7 +184,7 @@ TEST(SettingWarnings, UnnormalizedStepsAtAnUnfitSpacing) {
   const auto with = [](double spacing) {
     CpuDevice device(1);
     std::string text = R"({"weir": 1, "world": {"dt": 0.001, "gravity": [0, 0, 0]}, "nodes": {
-      "block": {"type": "BoxSampler", "params": {"max": [2, 2, 2], "min": [0, 0, 0]}},
+      "block": {"type": "BoxSampler", "params": { "arrangement": "lattice","max": [2, 2, 2], "min": [0, 0, 0]}},
       "water": {"type": "ParticleFluid", "params": {"spacing": SPACING}, "modules":
                 {"solver": {"type": "Pbf", "params": {"form": "unnormalized"}}}}},
       "links": ["block.particles -> water.initial"]})";

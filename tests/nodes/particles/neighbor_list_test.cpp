@@ -131,6 +131,14 @@ TEST(CellGrid, ShapeFollowsTheBoxWithinTheLimit) {
   EXPECT_GE(std::min({wide.cells.x, wide.cells.y, wide.cells.z}), CellGrid::kLeastCells);
 }
 
+TEST(CellGrid, HasAsManyCellsAsParticlesNeedThatLeaveTheBox) {
+  for (const Aabb& box : {Aabb{}, Aabb{{0, 0, 0}, {1, 0.1f, 0.1f}}}) {
+    const CellGrid grid = chooseCellGrid(box, 0.1f, 1 << 20, 30000);
+    EXPECT_GE(grid.cellCount(), 15000);
+    EXPECT_LE(grid.cellCount(), 60000);
+  }
+}
+
 TEST(CellGrid, CellsRepeatInAllDirections) {
   CellGrid grid;
   grid.inverseCellSize = 2;

@@ -1,6 +1,7 @@
 // The inside of meshes against closed forms and ray counting.
 #include "nodes/samplers/mesh_sampler.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -117,6 +118,19 @@ TEST(MeshSampler, TheMarginKeepsParticlesFromTheSurface) {
   const double expected =
       std::numbers::pi * (r - margin) * (r - margin) * (h - 2 * margin) / std::pow(spacing, 3);
   EXPECT_NEAR(double(p.size()) / expected, 1, 0.07);
+}
+
+TEST(MeshSampler, FluidWithoutOrderKeepsItsCountAndItsDistanceFromTheSurface) {
+  const TriangleMesh mesh = box({0, 0, 0}, {1, 0.8f, 0.6f});
+  Filled filled(mesh, 0.05f);
+  const std::size_t count = filled.positions().size();
+  filled.asker().disordered = true;
+  const std::vector<Vec3f> p = filled.positions();
+  EXPECT_EQ(p.size(), count);
+  for (const Vec3f& q : p) {
+    EXPECT_GE(std::min({q.x, q.y, q.z}), 0.025 - 0.005);
+    EXPECT_LE(std::max({q.x - 1, q.y - 0.8f, q.z - 0.6f}), -0.025 + 0.005);
+  }
 }
 
 TEST(MeshSampler, MeshesWithFaultsAreFilledWithAWarning) {

@@ -23,7 +23,9 @@ class Asker final : public Node {
   const NodeInfo& info() const override { return kInfo; }
   Inputs<ParticleBatch> in{*this, "in", "Particles."};
   float spacing = 0.1f;
-  void configure(const SetupContext&) override { in.request({spacing}); }
+  float supportRatio = 1.5f;
+  bool disordered = false;
+  void configure(const SetupContext&) override { in.request({spacing, supportRatio, disordered}); }
   void reset(const SetupContext&) override {}
 };
 
@@ -33,11 +35,13 @@ class Sampled {
   explicit Sampled(const Value& parameters, float spacing, const std::string& device = "cpu", int threads = 0)
       : device_(openDevice(device, threads)) {
     node_ = static_cast<S*>(&graph_.add(std::make_unique<S>(), "block"));
-    static_cast<Asker&>(graph_.add(std::make_unique<Asker>(), "asker")).spacing = spacing;
+    asker_ = static_cast<Asker*>(&graph_.add(std::make_unique<Asker>(), "asker"));
+    asker_->spacing = spacing;
     graph_.link(SceneGraph::parseLink("block.particles -> asker.in"));
     node_->assignAll(parameters, {});
   }
   S& node() { return *node_; }
+  Asker& asker() { return *asker_; }
   SceneGraph& graph() { return graph_; }
   std::vector<Vec3f> positions(std::int64_t seed = 1) {
     warnings.clear();
@@ -57,6 +61,7 @@ class Sampled {
   Registry registry_;
   SceneGraph graph_;
   S* node_;
+  Asker* asker_;
 };
 
 }  // namespace weir::test

@@ -89,6 +89,40 @@ TEST(BoxSampler, JitterStaysInItsBoundsAndDependsOnTheSeedAlone) {
   EXPECT_EQ(p, (Sampled<BoxSampler>(parameters, 0.1f, "cpu", 3).positions(1)));
 }
 
+TEST(BoxSampler, FluidWithoutOrderGetsAsManyParticlesWithoutOrderInsideTheBox) {
+  for (const std::string& device : availableDevices()) {
+    const Value parameters = object({{"min", Value::Array{0, 0, 0}}, {"max", Value::Array{1.5, 1, 0.7}}});
+    Sampled<BoxSampler> block(parameters, 0.1f, device);
+    const std::vector<Vec3f> lattice = block.positions();
+    EXPECT_EQ(block.node().particles->container, nullptr);
+    block.asker().disordered = true;
+    const std::vector<Vec3f> p = block.positions();
+    ASSERT_EQ(p.size(), 15u * 10 * 7);
+    ASSERT_NE(block.node().particles->container, nullptr);
+    double moved = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      moved += length(p[i] - lattice[i]) / double(p.size());
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(p[i][axis], 0.05 - 1e-6);
+        EXPECT_LE(p[i][axis], (Vec3f{1.45f, 0.95f, 0.65f}[axis]) + 1e-6);
+      }
+    }
+    EXPECT_GT(moved, 0.02);
+    block.node().assignAll(object({{"arrangement", "lattice"}}), {});
+    EXPECT_EQ(block.positions(), lattice);
+  }
+}
+
+TEST(SphereSampler, FluidWithoutOrderStaysInsideAndHasNoPressure) {
+  Sampled<SphereSampler> drop(object({{"radius", 0.4}}), 0.05f);
+  const std::size_t count = drop.positions().size();
+  drop.asker().disordered = true;
+  const std::vector<Vec3f> p = drop.positions();
+  EXPECT_EQ(p.size(), count);
+  EXPECT_TRUE(drop.node().particles->weightless);
+  for (const Vec3f& q : p) EXPECT_LE(length(q - Vec3f{0, 0.5f, 0}), 0.375 + 1e-5);
+}
+
 TEST(BoxSampler, TheParticlesAreThereInTheFirstStepOnly) {
   Sampled<BoxSampler> block(Value::object(), 0.1f);
   for (int run = 0; run < 2; ++run) {

@@ -1,0 +1,43 @@
+// Lets a fluid's initial particles come to rest before the simulation starts.
+//
+// A sampler gives each batch a container, the region that it fills. Steps of the fluid's own pipeline, with
+// its gravity, boundaries and solver, are taken with velocities damped and every particle kept in its batch's
+// container, until the fluid is at rest there: its pressure is hydrostatic, and its layers at walls are those
+// that the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
+// container stay where they are meanwhile.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particles/particle_batch.h"
+
+namespace weir {
+
+class RestState {
+ public:
+  /// The batches that the fluid's particles came from, in their order, all of them and nothing else.
+  RestState(FluidStep& fluid, std::vector<const ParticleBatch*> batches);
+
+  /// Whether there is a container at all.
+  bool wanted() const;
+  /// Takes at most `most` steps, by calling `step`; says how many.
+  int reach(int most, const std::function<void()>& step);
+
+ private:
+  template <class Backend>
+  void dampOn(Backend& device, float kept);
+  template <class Backend>
+  void containOn(Backend& device);
+  template <class Backend>
+  void releaseOn(Backend& device);
+  template <class Backend>
+  double meanSquareSpeedOn(Backend& device);
+
+  FluidStep& fluid_;
+  std::vector<const ParticleBatch*> batches_;
+  Array<double> sum_;
+};
+
+}  // namespace weir

@@ -1,0 +1,29 @@
+// How the particles of a source lie before the fluid moves them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "framework/graph/param_types.h"
+#include "nodes/particles/particle_batch.h"
+#include "nodes/particles/relaxed_tile.h"
+
+namespace weir {
+
+class Device;
+
+enum class Arrangement { kRelaxed, kLattice };
+template <>
+struct EnumNames<Arrangement> {
+  static constexpr std::array<EnumName, 2> kNames{EnumName{"relaxed", "Disordered, as in fluid at rest."},
+                                                  EnumName{"lattice", "A cubic lattice."}};
+};
+
+/// Whether a source shall use a tile: as it is told, or else as its fluid's rest state is.
+bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Request& request);
+
+/// The tile of sources: small and quickly made, as more of either changes nothing that can be seen.
+RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device);
+
+}  // namespace weir
