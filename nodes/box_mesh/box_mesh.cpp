@@ -5,25 +5,27 @@
 namespace weir {
 
 void BoxMesh::validate() const {
-  const Vec3f s = size;
-  if (!(s.x > 0 && s.y > 0 && s.z > 0))
-    throw sceneError(fmt::format("size is [{}, {}, {}]", s.x, s.y, s.z), "three lengths above 0");
+  const Vec3f size = max.get() - min.get();
+  if (!(size.x > 0 && size.y > 0 && size.z > 0))
+    throw sceneError(fmt::format("the box has sides of {} x {} x {} m", size.x, size.y, size.z),
+                     "max above min along every axis")
+        .inParameter(max.name());
 }
 
 void BoxMesh::reset(const SetupContext&) {
-  TriangleMesh mesh;
-  const Vec3f half = 0.5f * size.get();
+  // Vertex i lies above the centre along x, y and z where bits 0, 1 and 2 of i are set.
+  const Vec3f centre = 0.5f * (min.get() + max.get()), half = 0.5f * (max.get() - min.get());
+  surface->vertices.clear();
   for (int i = 0; i < 8; ++i)
-    mesh.vertices.push_back({i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z});
-  // Each face by its corners, counter-clockwise seen from outside.
-  constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (const auto& f : kFaces) {
-    mesh.triangles.push_back({f[0], f[1], f[2]});
-    mesh.triangles.push_back({f[0], f[2], f[3]});
+    surface->vertices.push_back(
+        {i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z});
+  surface->triangles.clear();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int a = 1 << axis, b = 1 << (axis + 1) % 3, c = 1 << (axis + 2) % 3;
+    const std::vector<Vec3i> sides{{0, c, b}, {b, c, b + c}, {a, a + b, a + c}, {a + b, a + b + c, a + c}};
+    surface->triangles.insert(surface->triangles.end(), sides.begin(), sides.end());
   }
-  mesh.transform(1, rotation->toQuaternion(), position);
-  *surface = std::move(mesh);
+  surface->transform(1, rotation->toQuaternion(), centre);
 }
 
 }  // namespace weir

@@ -1,4 +1,4 @@
-// A box as a mesh: plates, paddles, steps and tanks for whatever takes meshes.
+// A box as a triangle mesh: a block, a wall, a paddle, or a tank where it is linked as a container.
 #pragma once
 
 #include "framework/graph/node.h"
@@ -8,14 +8,15 @@ namespace weir {
 
 class BoxMesh final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"BoxMesh", "A box as a mesh, such as a plate or a paddle."};
+  static constexpr NodeInfo kInfo{"BoxMesh", "A box as a mesh: a block, a wall, a paddle or a tank."};
   const NodeInfo& info() const override { return kInfo; }
 
-  Param<Vec3f> size{*this, "size", {1, 1, 1}, {.unit = "m", .doc = "Lengths of its edges, above 0."}};
-  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Where its middle is."}};
-  Param<Rotation> rotation{*this, "rotation", {}, {.unit = "degrees", .doc = "Turns it about its middle."}};
+  Param<Vec3f> min{*this, "min", {-0.5f, 0, -0.5f}, {.unit = "m", .doc = "Lower corner."}};
+  Param<Vec3f> max{*this, "max", {0.5f, 1, 0.5f}, {.unit = "m", .doc = "Upper corner."}};
+  Param<Rotation> rotation{
+      *this, "rotation", {}, {.unit = "degrees", .doc = "Turns the box about its centre."}};
 
-  Output<TriangleMesh> surface{*this, "surface", "The surface, facing outwards."};
+  Output<TriangleMesh> surface{*this, "surface", "The surface of 12 triangles, facing outwards."};
 
   void validate() const override;
   void reset(const SetupContext& context) override;

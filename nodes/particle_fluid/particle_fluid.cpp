@@ -70,25 +70,31 @@ void ParticleFluid::reset(const SetupContext& context) {
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
-  comeToRest(context);
   FluidStep step = fluidStep(start);
-  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
-  frame(start);
+  resetModules(step);
+  refresh(start);
   warnOfSettings(context);
+  state.restDt = context.dt;
 }
 
-void ParticleFluid::comeToRest(const SetupContext& context) {
-  Log silent;  // the modules are reset again for the simulation, and speak then
-  const StepContext start{context.device, silent, context.gravity, 0, context.dt, 0};
+void ParticleFluid::resetModules(FluidStep& step) {
+  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
+}
+
+void ParticleFluid::comeToRest(const StepContext& context) {
+  Log silent;  // the modules have been reset before, and have said what they had to say
+  const StepContext start{context.device, silent, context.gravity, 0, *state_->restDt, 0};
+  state_->restDt.reset();
   FluidStep step = fluidStep(start);
   std::vector<const ParticleBatch*> batches;
   for (std::size_t i = 0; i < initial.size(); ++i) batches.push_back(&initial[i]);
   RestState rest(step, batches);
-  state_->restSteps = 0;
   if (restSteps == 0 || !rest.wanted()) return;
-  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
-  frame(start);
+  state_->walls.still = true;
   state_->restSteps = rest.reach(restSteps, [&] { runPipeline(step); });
+  state_->walls.still = false;
+  for (Solid* solid : state_->walls.solids) solid->impulse().fillZero();
+  resetModules(step);
 }
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
@@ -108,6 +114,7 @@ double ParticleFluid::largestSpeed(Device& onDevice) {
 }
 
 void ParticleFluid::step(const StepContext& context) {
+  if (state_->restDt) comeToRest(context);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   if (state_->particles.bound() == 0) return;
   FluidStep step = fluidStep(context);
@@ -135,6 +142,11 @@ void ParticleFluid::give(const ParticleBatch& born, double time) {
 }
 
 void ParticleFluid::frame(const StepContext& context) {
+  if (state_->restDt) comeToRest(context);
+  refresh(context);
+}
+
+void ParticleFluid::refresh(const StepContext& context) {
   State& state = *state_;
   state.gravity = context.gravity;
   if (state.particles.refreshCount() > 0) {

@@ -124,11 +124,15 @@ class ParticleFluid final : public Node {
     Array<int> bornCount;
     Vec3f gravity{};
     NeighborEvents events;
-    std::int64_t restSteps = 0;  // taken before the start
+    std::int64_t restSteps = 0;    // taken before the start
+    std::optional<double> restDt;  // s, of those steps; empty once they are taken
   };
 
   FluidStep fluidStep(const StepContext& time);
-  void comeToRest(const SetupContext& context);
+  void resetModules(FluidStep& step);
+  /// Before anyone looks and before the first step, when all solids are there.
+  void comeToRest(const StepContext& context);
+  void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;
   void checkEvents();

@@ -4,7 +4,7 @@ namespace weir {
 
 void WallField::place(double time, double dt) {
   placed_.clear();
-  for (Solid* solid : solids) placed_.push_back(solid->view(time, dt));
+  for (Solid* solid : solids) placed_.push_back(solid->view(time, still ? 0 : dt));
   views.assign(placed_);
 }
 

@@ -58,6 +58,7 @@ struct WallField {
   Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
   Array<SolidImpulse> impulse;  ///< one, scratch
   std::int64_t stride = 0;
+  bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
 
   bool empty() const { return solids.empty(); }
   WallFieldView view() {

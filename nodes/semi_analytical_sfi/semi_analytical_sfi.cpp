@@ -129,20 +129,16 @@ std::int64_t SemiAnalyticalSFI::carve(Fluid& from) {
   dispatch(device, [&](auto& backend) { markInsideOn(backend, from, onDevice, inside); });
 
   const std::vector<int> marks = inside.toHost();
-  const std::vector<Vec3f> positions = particles.positions().toHost(count),
-                           velocities = particles.velocities().toHost(count);
-  std::vector<Vec3f> keptPositions, keptVelocities;
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    if (marks[i] != 0) continue;
-    keptPositions.push_back(positions[i]);
-    keptVelocities.push_back(velocities[i]);
-  }
-  const auto removed = count - static_cast<std::int64_t>(keptPositions.size());
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i] == 0) kept.push_back(static_cast<int>(i));
+  const std::int64_t removed = count - static_cast<std::int64_t>(kept.size());
   if (removed == 0) return 0;
-  ParticleBatch kept;
-  kept.assign(device, keptPositions, keptVelocities);
-  particles.clear();
-  particles.append(kept);
+  const int left = static_cast<int>(kept.size());
+  device.upload(particles.counter(), &left, sizeof(int));
+  const Array<int> order(device, kept);
+  particles.permute(order.view());
+  particles.refreshCount();
   return removed;
 }
 

@@ -1,6 +1,6 @@
 """Calls the weir program and reads what it wrote. Results of a run lie in one folder:
 
-  frames/frame_00000.png …   stats.json   series.jsonl   command.txt   error.txt (if it failed)
+  frames/frame_00000.png …   stats.json   series.jsonl   particles.vtkhdf   command.txt   error.txt (if it failed)
 """
 
 import hashlib
@@ -47,7 +47,8 @@ class Result:
         return pictures[min(frame, len(pictures) - 1)] if pictures else None
 
 
-def command_line(weir, scene, folder, settings, device, pictures=True, frames=None, threads=None):
+def command_line(weir, scene, folder, settings, device, pictures=True, frames=None, threads=None,
+                 export=False):
     command = [str(weir), "run", str(scene), "--device", device, "--quiet"]
     for path, value in settings.items():
         command += ["--set", f"{path}={value}"]
@@ -57,6 +58,8 @@ def command_line(weir, scene, folder, settings, device, pictures=True, frames=No
         command += ["--threads", str(threads)]
     if pictures:
         command += ["--images", str(folder / "frames")]
+    if export:
+        command += ["--export", str(folder / "particles.vtkhdf")]
     return command + ["--stats", str(folder / "stats.json"), "--series", str(folder / "series.jsonl")]
 
 

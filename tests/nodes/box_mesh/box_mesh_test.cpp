@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/graph/registry.h"
+#include "framework/graph/scene_graph.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fluid_scene.h"
@@ -10,31 +10,34 @@
 namespace weir::test {
 namespace {
 
-TEST(BoxMesh, IsAClosedBoxWhereItIsAsked) {
-  CpuDevice device;
-  const Registry registry;
-  Log log([](LogLevel, std::string_view) {});
-  BoxMesh box;
-  box.assignAll(object({{"size", Value::Array{2, 0.5, 3}},
-                        {"position", Value::Array{1, 2, 3}},
-                        {"rotation", Value::Array{0, 0, 90}}}),
-                {"test", "", ""});
-  box.reset({device, log, registry});
-  const TriangleMesh& mesh = *box.surface;
-  EXPECT_TRUE(diagnose(mesh).good()) << diagnose(mesh).message();
-  EXPECT_NEAR(mesh.volume(), 3, 1e-5);
-  EXPECT_NEAR(mesh.area(), 2 * (2 * 0.5 + 2 * 3 + 0.5 * 3), 1e-5);
-  // Turned about z, it is 0.5 wide and 2 high.
-  const Aabb bounds = mesh.bounds();
-  EXPECT_LT(length(bounds.lo - Vec3f{0.75f, 1, 1.5f}), 1e-5f);
-  EXPECT_LT(length(bounds.hi - Vec3f{1.25f, 3, 4.5f}), 1e-5f);
+TEST(BoxMesh, IsClosedFacesOutwardsAndTurnsAboutItsCentre) {
+  const auto device = openDevice("cpu");
+  Log log;
+  Registry registry;
+  SceneGraph graph;
+  auto& node = static_cast<BoxMesh&>(graph.add(std::make_unique<BoxMesh>(), "box"));
+  node.assignAll(object({{"min", Value::Array{1, 2, 3}},
+                         {"max", Value::Array{2, 4, 6}},
+                         {"rotation", Value::Array{0, 0, 90}}}),
+                 {});
+  for (int again = 0; again < 2; ++again) graph.reset({*device, log, registry, {}, 1e-3, 1});
+  EXPECT_TRUE(diagnose(*node.surface).good()) << diagnose(*node.surface).message();
+  EXPECT_EQ(node.surface->triangles.size(), 12u);
+  EXPECT_NEAR(node.surface->volume(), 6, 1e-5);
+  EXPECT_NEAR(node.surface->area(), 22, 1e-5);
+  const Aabb bounds = node.surface->bounds();  // its sides along x and y have changed places
+  EXPECT_NEAR(bounds.lo.x, 0.5, 1e-6);
+  EXPECT_NEAR(bounds.hi.x, 2.5, 1e-6);
+  EXPECT_NEAR(bounds.lo.y, 2.5, 1e-6);
+  EXPECT_NEAR(bounds.hi.z, 6, 1e-6);
 }
 
-TEST(BoxMesh, RefusesABoxWithoutVolume) {
-  BoxMesh box;
-  const Error error =
-      errorOf([&] { box.assignAll(object({{"size", Value::Array{1, 0, 1}}}), {"test", "", ""}); });
-  EXPECT_CONTAINS(error.message(), "size is [1, 0, 1]");
+TEST(BoxMesh, SaysThatItHasNoVolume) {
+  BoxMesh node;
+  const Error e = errorOf([&] { node.assignAll(object({{"max", Value::Array{1, 0, 1}}}), {}); });
+  EXPECT_EQ(e.kind(), ErrorKind::kScene);
+  EXPECT_EQ(e.location().parameter, "max");
+  EXPECT_CONTAINS(e.what(), "1.5 x 0 x 1.5");
 }
 
 }  // namespace

@@ -272,7 +272,7 @@ TEST(SemiAnalyticalSFI, StepsFollowTheSolids) {
     "world": { "gravity": [0, 0, 0], "dt": 0.5, "cfl": 0.5, "frame_rate": 2, "duration": 1 },
     "nodes": {
       "block": { "type": "BoxSampler", "params": { "min": [9, 9, 9], "max": [9.2, 9.2, 9.2] } },
-      "box": { "type": "BoxMesh", "params": { "size": [0.2, 0.4, 0.6] } },
+      "box": { "type": "BoxMesh", "params": { "min": [-0.1, -0.2, -0.3], "max": [0.1, 0.2, 0.3] } },
       "contact": { "type": "SemiAnalyticalSFI", "params": {
         "velocity": [0.1, 0, 0], "angular_velocity": [0, 1, 0.5], "pivot": [0.1, 0, 0],
         "position": { "keyframes": [[0, [0, 0, 0]], [0.3, [0, 0.6, 0]], [0.7, [0, 0.6, 0]]] },

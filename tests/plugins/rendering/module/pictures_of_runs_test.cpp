@@ -107,7 +107,7 @@ std::string plateScene(const std::string& plate, const std::string& motion) {
     "world": { "dt": 0.01, "duration": 0.1, "frame_rate": 10, "gravity": [0, 0, 0] },
     "nodes": {
       "block": { "type": "BoxSampler", "params": { "min": [-1, -1, -1], "max": [-0.9, -0.9, -0.9] } },
-      "plate": { "type": "BoxMesh", "params": { "size": [0.8, 0.3, 0.1])" +
+      "plate": { "type": "BoxMesh", "params": { )" +
          plate + R"( } },
       "motion": { "type": "SemiAnalyticalSFI", "params": { )" +
          motion + R"( } },
@@ -131,10 +131,13 @@ double difference(const rendering::Picture& a, const rendering::Picture& b) {
 
 TEST_F(PicturesOfRuns, SolidsAreShownWhereTheyMoved) {
   const std::string moving =
-      folder.write("moving.json", plateScene("", R"("velocity": [3, 0, 0], "angular_velocity": [0, 0, 5])"));
+      folder.write("moving.json", plateScene(R"("min": [-0.4, -0.15, -0.05], "max": [0.4, 0.15, 0.05])",
+                                             R"("velocity": [3, 0, 0], "angular_velocity": [0, 0, 5])"));
   // Where it is after 0.1 s; half a radian is 28.6479 degrees.
-  const std::string there =
-      folder.write("there.json", plateScene(R"(, "position": [0.3, 0, 0], "rotation": [0, 0, 28.6479])", ""));
+  const std::string there = folder.write(
+      "there.json",
+      plateScene(R"("min": [-0.1, -0.15, -0.05], "max": [0.7, 0.15, 0.05], "rotation": [0, 0, 28.6479])",
+                 ""));
   for (const std::string& file : {moving, there}) {
     const ChildResult result = runWeir({"run", file, "--images", file + ".images"});
     ASSERT_EQ(result.code, 0) << result.err;

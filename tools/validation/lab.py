@@ -1,0 +1,124 @@
+"""Where checks are made: runs scenes through the weir program and reads what it wrote."""
+
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools" / "paper"))
+
+import program  # noqa: E402
+
+SCENES = ROOT / "resources" / "scenes"
+GRAVITY, DENSITY = 9.8, 1000.0  # of all scenes
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number of a check. Without a limit it is only reported."""
+
+    what: str
+    measured: float
+    unit: str = ""
+    expected: float | None = None
+    within: float | None = None  # allowed deviation from what is expected, as a share of it
+    below: float | None = None
+    above: float | None = None
+    note: str = ""
+
+    @property
+    def deviation(self):
+        return (self.measured - self.expected) / self.expected if self.expected else None
+
+    @property
+    def passed(self):
+        """None where nothing is demanded. What is no number passes nothing."""
+        demands = []
+        if self.within is not None:
+            demands.append(abs(self.deviation) <= self.within)
+        if self.below is not None:
+            demands.append(self.measured < self.below)
+        if self.above is not None:
+            demands.append(self.measured > self.above)
+        return all(demands) if demands else None
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Curves of a check: (label, xs, ys, style) each; the style is matplotlib's, such as "-" or "o"."""
+
+    title: str
+    x: str
+    y: str
+    curves: tuple
+
+
+@dataclass(frozen=True)
+class Outcome:
+    rows: list
+    charts: tuple = ()
+    picture: Path | None = None
+
+
+class Particles:
+    """Positions (m) and velocities (m/s) of one frame, as arrays of shape (n, 3)."""
+
+    def __init__(self, positions, velocities):
+        self.positions, self.velocities = positions, velocities
+
+
+def exported(folder, frame):
+    """The particles of a frame of a run that was exported; -1 is the last one."""
+    import h5py  # slow to load, and needed by some checks only
+    with h5py.File(folder / "particles.vtkhdf") as file:
+        root = file["VTKHDF"]
+        count, first = root["NumberOfPoints"][frame], root["Steps/PointOffsets"][frame]
+        part = slice(first, first + count)
+        return Particles(root["Points"][part].astype(float), root["PointData/velocity"][part].astype(float))
+
+
+class Lab:
+    """Runs of all checks. With `reuse`, results of the very same command are taken where they are there already: they
+    may be another build's."""
+
+    def __init__(self, weir, out, device, threads, full, say, reuse=False):
+        self.reuse = reuse
+        self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
+        self.full, self._say = full, say
+        self.seconds = 0.0  # of simulation, those of runs that were there already too
+        self.machine = device
+
+    def scale(self, quick, full):
+        """What to take at this scale."""
+        return full if self.full else quick
+
+    def run(self, name, scene, settings=None, **options):
+        """The results of a scene in resources/scenes, with settings for --set."""
+        options.setdefault("pictures", False)
+        if not self.reuse:
+            shutil.rmtree(self.out / name, ignore_errors=True)
+        result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
+                                      threads=self.threads, **options)
+        if result.stats:
+            self.seconds += result.stats["wall_seconds"]
+            self.machine = result.stats["device"]["description"]
+        self._say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
+        return result
+
+
+def node(frame, name):
+    """What a node reported at a frame of a series."""
+    return frame["nodes"][name]
+
+
+def mean(values):
+    values = list(values)
+    return sum(values) / len(values)
+
+
+def mean_force(series, name, after):
+    """Mean force on each solid of a SemiAnalyticalSFI after a time, {solid: [x, y, z]} in N."""
+    frames = [node(frame, name)["solids"] for frame in series if frame["time"] > after + 1e-9]
+    return {solid["solid"]: [mean(f[k]["force"][axis] for f in frames) for axis in range(3)]
+            for k, solid in enumerate(frames[0])}

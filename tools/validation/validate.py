@@ -1,0 +1,142 @@
+"""Runs scenes whose answers are known and compares: see ./dev validate --help."""
+
+import argparse
+import math
+import shlex
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+from lab import ROOT, Lab, Outcome, Row
+import at_rest
+import in_motion
+import program
+import report
+
+
+MARKER = "<!-- The rest is made by ./dev validate --docs -->"
+
+
+@dataclass(frozen=True)
+class Check:
+    key: str
+    title: str
+    run: Callable
+
+    @property
+    def about(self):
+        return " ".join(self.run.__doc__.split())
+
+
+CHECKS = [
+    Check("settled_volume", "Settled volume", at_rest.settled_volume),
+    Check("block_at_rest", "A block at rest", at_rest.block_at_rest),
+    Check("wall_force", "Hydrostatic pressure", at_rest.wall_force),
+    Check("held_sphere", "Buoyancy", at_rest.held_sphere),
+    Check("moving_tank", "A tank that moves", at_rest.moving_tank),
+    Check("sloshing", "Energy", at_rest.sloshing),
+    Check("rotating_tank", "A tank that turns", in_motion.rotating_tank),
+    Check("efflux", "Efflux from a hole", in_motion.efflux),
+    Check("dam_front", "The front of a dam break", in_motion.dam_front),
+    Check("full_goblet", "A full goblet", in_motion.full_goblet),
+    Check("drop", "A drop", in_motion.drop),
+    Check("momentum", "Momentum", in_motion.momentum),
+]
+
+
+def arguments(argv):
+    keys = ", ".join(check.key for check in CHECKS)
+    parser = argparse.ArgumentParser(
+        prog="./dev validate", description="Run scenes whose answers are known, and compare. Exit code 1 if one differs.",
+        epilog=f"The checks: {keys}.")
+    parser.add_argument("--scale", choices=("quick", "full"), default="quick",
+                        help="quick: minutes on a CPU, the default; full: finer, for a GPU")
+    parser.add_argument("--device", default="auto", metavar="D", help="auto, cpu, cuda or cuda:N")
+    parser.add_argument("--only", default="", metavar="CHECKS", help="some checks, such as efflux,drop")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "validation", metavar="DIR",
+                        help="where all is written")
+    parser.add_argument("--reuse", action="store_true",
+                        help="do not repeat runs that are there already, maybe by another build")
+    parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
+    parser.add_argument("--docs", action="store_true",
+                        help="write the table and the pictures into docs/validation.md, too; needs all checks")
+    parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
+    parsed = parser.parse_args(argv)
+    wanted = [key.strip() for key in parsed.only.split(",") if key.strip()]
+    unknown = set(wanted) - {check.key for check in CHECKS}
+    if unknown:
+        parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
+    if wanted and parsed.docs:
+        parser.error("--docs: the page shows all checks, so --only cannot be given with it")
+    parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
+    return parsed
+
+
+def outcome_of(check, lab):
+    """A run that diverged, or a result that cannot be told, is a failed check and no end of the others."""
+    try:
+        return check.run(lab)
+    except (KeyError, IndexError, ValueError, ZeroDivisionError) as e:
+        return Outcome([Row(f"the results cannot be judged ({type(e).__name__}: {e})", math.nan, below=0)])
+
+
+def pictures_of(check, outcome, out):
+    names = []
+    if outcome.picture is not None:
+        names.append(f"{check.key}.jpg")
+        report.shrink(outcome.picture, out / names[-1])
+    if outcome.charts:
+        names.append(f"{check.key}_plot.png")
+        report.draw(outcome.charts, out / names[-1])
+    return names
+
+
+def write_docs(results, done, out):
+    """Replaces what follows the marker in docs/validation.md, and the pictures of that page."""
+    page, images = ROOT / "docs" / "validation.md", ROOT / "docs" / "images" / "validation"
+    text = page.read_text(encoding="utf-8")
+    if MARKER not in text:
+        raise program.RunFailed(f"{page} has no line {MARKER}")
+    results = results.replace("](", "](images/validation/")
+    page.write_text(text[:text.index(MARKER)] + MARKER + "\n\n" + results, encoding="utf-8")
+    images.mkdir(parents=True, exist_ok=True)
+    for _, _, names in done:
+        for name in names:
+            shutil.copy(out / name, images / name)
+
+
+def main(argv):
+    options = arguments(argv)
+    out = options.out.resolve() / options.scale
+    out.mkdir(parents=True, exist_ok=True)
+
+    def say(text):
+        print(text, file=sys.stderr, flush=True)
+
+    lab = Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse)
+    done = []
+    for check in options.checks:
+        say(check.title)
+        outcome = outcome_of(check, lab)
+        for row in outcome.rows:
+            say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
+        done.append((check, outcome, pictures_of(check, outcome, out)))
+    command = shlex.join(["./dev", "validate", *argv[2:]])
+    results = report.markdown(done, command, lab.machine, lab.seconds)
+    (out / "README.md").write_text("# Validation\n\n" + results, encoding="utf-8")
+    if options.docs:
+        write_docs(results, done, out)
+    (out / "results.json").write_text(report.as_json(done, command, lab.machine), encoding="utf-8")
+    print(out / "README.md")
+    return 1 if any(row.passed is False for _, outcome, _ in done for row in outcome.rows) else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except program.RunFailed as failure:
+        sys.exit(f"validate: {failure}")
+    except KeyboardInterrupt:
+        sys.exit(130)
