@@ -60,7 +60,11 @@ void ParticleFluid::reset(const SetupContext& context) {
                                   mu.get() ? *mu.get() / volume : bulkModulus.get(), calibration);
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
-  state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});
+  state.density = &state.particles.add<float>({.name = "density",
+                                               .type = AttributeType::kFloat,
+                                               .unit = "kg/m^3",
+                                               .doc = "Density.",
+                                               .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)
