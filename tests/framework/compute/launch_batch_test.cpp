@@ -8,7 +8,7 @@ namespace {
 
 class LaunchBatchTest : public OnDevice {
  protected:
-  /// The squares of 0 … n-1, asked for in one batch.
+  /// The squares of 0 … n-1 and one more each, asked for in one batch.
   void ask(Array<std::int64_t>& squares) {
     LaunchBatch batch(*device);
     squares.fillZero();
@@ -18,7 +18,7 @@ class LaunchBatchTest : public OnDevice {
   static void expectSquares(const Array<std::int64_t>& squares) {
     const std::vector<std::int64_t> values = squares.toHost();
     for (std::size_t i = 0; i < values.size(); ++i)
-      ASSERT_EQ(values[i], static_cast<std::int64_t>(i * i)) << i << " of " << values.size();
+      ASSERT_EQ(values[i], static_cast<std::int64_t>(i * i + 1)) << i << " of " << values.size();
   }
 };
 WEIR_ON_EVERY_DEVICE(LaunchBatchTest);
