@@ -111,20 +111,61 @@ using Sums = SemiImplicitSolver::Sums;
 
 struct BeginStep {
   Control* control;
+  const float* farthest;  // null where all is gone at once
+  float dt;
+  float stage;  // m, the longest way of a stage
+  int most;     // stages
 
   WEIR_HD void operator()(std::int64_t) const {
     if (control->steps > 0 && !control->met) ++control->unmet;
     control->iterations = 0;
     ++control->steps;
+    control->pass = 0;
+    const float stages = farthest != nullptr ? ceilf(sqrtf(*farthest) / stage) : 1.0f;
+    control->stages = stages > float(most) ? most : stages > 1 ? int(stages) : 1;
+    control->stride = dt / float(control->stages);
+    control->staged += control->stages;
+    if (control->stages > control->mostStages) control->mostStages = control->stages;
+  }
+};
+
+struct SquareOfWay {
+  float dt;
+  ArrayView<const Vec3f> velocities;
+
+  WEIR_HD float operator()(std::int64_t i) const {
+    const Vec3f way = dt * velocities[i];
+    return isFinite(way) ? dot(way, way) : 0.0f;
+  }
+};
+
+struct Larger {
+  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
+};
+
+/// From the predicted positions back to where the first stage goes.
+struct GoBack {
+  const Control* control;
+  ArrayView<const Vec3f> velocities;
+  ArrayView<Vec3f> positions;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    if (control->stages > 1) positions[i] -= float(control->stages - 1) * control->stride * velocities[i];
   }
 };
 
 /// With the neighbours of a new search.
 struct BeginPass {
   Control* control;
+  int passes;  // without stages
 
   WEIR_HD void operator()(std::int64_t) const {
-    control->done = 0;
+    // Where there are stages, the lists of the first pass, made at the predicted positions, are of no use.
+    const bool staged = control->stages > 1;
+    const bool idle = staged && control->pass == 0;
+    const bool over = control->pass >= passes + (staged ? control->stages : 0);
+    control->done = idle || over ? 1 : 0;
+    ++control->pass;
     control->sinceRestart = 0;
     control->takesBack = 0;
     control->momentum = 0;
@@ -133,14 +174,18 @@ struct BeginPass {
   }
 };
 
-/// To where the search shall look for neighbours.
+/// To where the search shall look for neighbours: to the next stage, too.
 struct MoveOut {
-  ArrayView<const Vec3f> displacement;
+  const Control* control;
+  ArrayView<const Vec3f> displacement, velocities;
   ArrayView<Vec3f> carried, positions;
 
   WEIR_HD void operator()(std::int64_t i) const {
     carried[i] = displacement[i];
     positions[i] += displacement[i];
+    // `pass` are over, the first of which was idle if there are stages.
+    if (control->pass > 1 && control->pass <= control->stages)
+      positions[i] += control->stride * velocities[i];
   }
 };
 
@@ -359,14 +404,14 @@ template <class Backend>
 void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid);
   const Count count = fluid.particles.count();
+  beginStep(device, fluid);
   parallelFor(device, "start", count,
               StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
-  if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
   fluid.walls.forgetShares();
   contain(device, fluid);
   if (recordObjective) objective_.begin(fluid, passes() * iterations + 1);
   record(fluid);
-  for (int pass = 0; pass < passes(); ++pass) {
+  for (int pass = 0; pass < passesOf(fluid); ++pass) {
     if (pass > 0) searchAgain(device, fluid);
     if (controlled() || searches())
       iterate(device, fluid);
@@ -385,6 +430,24 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                 MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
                           kTouching * radiusOf(fluid), inverseDt, fluid.particles.positions().view(),
                           displacement_.view(), velocities});
+}
+
+template <class Backend>
+void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
+  if (!controlled()) return;
+  const Count count = fluid.particles.count();
+  const float dt = static_cast<float>(fluid.time.dt);
+  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
+  stages_ = 0;
+  if (staged(fluid))
+    reduce(device, "farthest", count, 0.0f, SquareOfWay{dt, velocities}, Larger{}, farthest_.data());
+  constexpr float kStage = 1;  // spacings
+  parallelFor(device, "begin", 1,
+              BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,
+                        kStage * fluid.constants.spacing, pathStages});
+  if (staged(fluid))
+    parallelFor(device, "go back", count,
+                GoBack{control_.data(), velocities, fluid.particles.positions().view()});
 }
 
 template <class Backend>
@@ -419,7 +482,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
       predicted, displacement_.view(), state_.view()};
   Judge judge{control_.data(), sums_.data(), count, double(tolerance.get().value_or(-1.0f)),
               accelerated(),   false};
-  if (controlled()) parallelFor(device, "begin", 1, BeginPass{control_.data()});
+  if (controlled()) parallelFor(device, "begin", 1, BeginPass{control_.data(), passes()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     parallelFor(device, "density", count, derivative);
@@ -456,7 +519,8 @@ void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
 template <class Backend>
 void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
   parallelFor(device, "move", fluid.particles.count(),
-              MoveOut{displacement_.view(), carried_->view(), fluid.particles.positions().view()});
+              MoveOut{control_.data(), displacement_.view(), fluid.particles.velocities().view(),
+                      carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
   WallIntegrals::find(fluid);
   // The sort has put the particles, and what is carried, into another order and other memory.

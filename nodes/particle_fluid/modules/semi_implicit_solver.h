@@ -20,6 +20,12 @@
 //
 // and u_k is put back to û_k−1, and k to 0, where Σ E has risen. With either of the two, particles are kept
 // out of the solids in every iteration.
+//
+// With a tolerance, particles that fly further than a spacing are led to x* in stages: the same problem is
+// solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
+// and with neighbours of its own. The last of them is the step's own problem. Started at x* itself, fluid
+// that flies at a wall would lie flat on it, layer upon layer, and come apart in another order: a minimum of
+// the objective, too, but none that a flow leads to.
 #pragma once
 
 #include <optional>
@@ -104,6 +110,14 @@ class SemiImplicitSolver final : public FluidModule {
        .doc = "How often neighbours are found in a step: at the predicted positions, and then again where "
               "the iterations have led, which go on from there. If it is left out, 3 with a tolerance and 1 "
               "without. Steps in which particles move less than a quarter of a spacing need only 1."}};
+  Param<int> pathStages{
+      *this,
+      "path_stages",
+      16,
+      {.min = 1,
+       .max = 100,
+       .doc = "At most so many stages, of a spacing each, on the way to predicted positions that are further "
+              "away; only with a tolerance, and where the fluid meets no meshes. With 1 there are none."}};
   Param<bool> recordObjective{*this,
                               "record_objective",
                               false,
@@ -138,11 +152,20 @@ class SemiImplicitSolver final : public FluidModule {
     std::int64_t steps = 0, passes = 0, total = 0;
     int most = 0;
     int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
+    // Of the way to the predicted positions, see the class comment.
+    int stages = 1;           // of this step
+    int pass = 0;             // of this step, from 0 on
+    float stride = 0;         // s; what a stage goes on by, over the velocity
+    int mostStages = 1;       // of all steps
+    std::int64_t staged = 0;  // stages of all steps
   };
 
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
+  /// Counts, and finds the stages of the way to the predicted positions.
+  template <class Backend>
+  void beginStep(Backend& device, FluidStep& fluid);
   /// The paper's iterations, and no more.
   template <class Backend>
   void substitute(Backend& device, FluidStep& fluid);
@@ -160,6 +183,11 @@ class SemiImplicitSolver final : public FluidModule {
   bool isDone();
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration == Acceleration::kNesterov; }
+  /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
+  /// changing their velocities, which then do not lead back along it.
+  bool staged(const FluidStep& fluid) const;
+  /// Of this step, as far as the host knows.
+  int passesOf(const FluidStep& fluid) const;
   int passes() const { return neighborSearches.get().value_or(tolerance.get() ? 3 : 1); }
   bool searches() const { return stepLength != StepLength::kFull; }
 
@@ -181,6 +209,8 @@ class SemiImplicitSolver final : public FluidModule {
   Array<Control> control_;
   std::optional<Readback<Control>> controlSeen_;
   std::int64_t passes_ = 0;  // begun, as Control::passes
+  Array<float> farthest_;    // one number: the largest square of a displacement to a predicted position, m²
+  int stages_ = 0;           // of this step, once the host has heard of it; 0 before
 };
 
 }  // namespace weir
