@@ -92,19 +92,23 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
 bool SemiImplicitSolver::isDone() {
   if (!tolerance.get()) return false;
   const std::optional<Control> seen = controlSeen_->poll();
-  if (!seen || seen->passes != passes_) return false;
-  stages_ = seen->stages;
-  return seen->done != 0;
+  if (!seen || seen->passes != passes_ || seen->done == 0) return false;
+  over_ = seen->over != 0;
+  return true;
 }
 
 bool SemiImplicitSolver::staged(const FluidStep& fluid) const {
   return tolerance.get() && pathStages > 1 && fluid.walls.empty();
 }
 
-int SemiImplicitSolver::passesOf(const FluidStep& fluid) const {
-  if (!staged(fluid)) return passes();
-  const int stages = stages_ > 0 ? stages_ : pathStages.get();
-  return passes() + (stages > 1 ? stages : 0);
+int SemiImplicitSolver::mostRepeats() const {
+  constexpr int kMost = 10;
+  return tolerance.get() && !neighborSearches.get() ? kMost : 0;
+}
+
+int SemiImplicitSolver::mostPasses() const {
+  // One may be idle, see BeginPass.
+  return tolerance.get() ? 1 + pathStages * (1 + mostRepeats()) + passes() : passes();
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {

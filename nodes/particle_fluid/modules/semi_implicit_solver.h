@@ -25,7 +25,7 @@
 // solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
 // and with neighbours of its own. The last of them is the step's own problem. Started at x* itself, fluid
 // that flies at a wall would lie flat on it, layer upon layer, and come apart in another order: a minimum of
-// the objective, too, but none that a flow leads to.
+// the objective, too, but none that a flow leads to. n is found on the device.
 #pragma once
 
 #include <optional>
@@ -107,9 +107,12 @@ class SemiImplicitSolver final : public FluidModule {
       std::nullopt,
       {.min = 1,
        .max = 100,
-       .doc = "How often neighbours are found in a step: at the predicted positions, and then again where "
-              "the iterations have led, which go on from there. If it is left out, 3 with a tolerance and 1 "
-              "without. Steps in which particles move less than a quarter of a spacing need only 1."}};
+       .doc =
+           "How often neighbours are found in a step: at the predicted positions, and then again where "
+           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance, and "
+           "with "
+           "one 3, and more (at most 10 in each stage) as long as a particle has been moved by more than a "
+           "quarter of a spacing since the last."}};
   Param<int> pathStages{
       *this,
       "path_stages",
@@ -134,9 +137,10 @@ class SemiImplicitSolver final : public FluidModule {
   }
   void report(NodeReport& report) override;
 
-  /// Over all particles: of max(λ − 1, 0), of E, of |g·Δx|.
+  /// Over all particles: sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last
+  /// search, m².
   struct Sums {
-    double compression = 0, objective = 0, slope = 0;
+    double compression = 0, objective = 0, slope = 0, farthest = 0;
   };
 
   /// What decides on the device how the iterations go on, so that nobody waits for it.
@@ -154,8 +158,13 @@ class SemiImplicitSolver final : public FluidModule {
     int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
     // Of the way to the predicted positions, see the class comment.
     int stages = 1;           // of this step
-    int pass = 0;             // of this step, from 0 on
     float stride = 0;         // s; what a stage goes on by, over the velocity
+    int stage = 1;            // of this step, from 1 on
+    int repeats = 0;          // of this stage, because particles have come far since the search
+    int finals = 0;           // passes that the last stage has had, without repeats
+    int begun = 0;            // passes of this step
+    int advance = 0;          // whether the next pass is another stage
+    int over = 0;             // whether there is no next pass
     int mostStages = 1;       // of all steps
     std::int64_t staged = 0;  // stages of all steps
   };
@@ -171,7 +180,7 @@ class SemiImplicitSolver final : public FluidModule {
   void substitute(Backend& device, FluidStep& fluid);
   /// With what tolerance, acceleration and step-length search add.
   template <class Backend>
-  void iterate(Backend& device, FluidStep& fluid);
+  void iterate(Backend& device, FluidStep& fluid, int pass);
   /// Moves particles out of solids; only where iterations are controlled.
   template <class Backend>
   void contain(Backend& device, FluidStep& fluid);
@@ -186,8 +195,10 @@ class SemiImplicitSolver final : public FluidModule {
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
   /// changing their velocities, which then do not lead back along it.
   bool staged(const FluidStep& fluid) const;
-  /// Of this step, as far as the host knows.
-  int passesOf(const FluidStep& fluid) const;
+  /// Of a stage, where its iterations lead so far that their neighbours no longer hold.
+  int mostRepeats() const;
+  /// The most of a step.
+  int mostPasses() const;
   int passes() const { return neighborSearches.get().value_or(tolerance.get() ? 3 : 1); }
   bool searches() const { return stepLength != StepLength::kFull; }
 
@@ -210,7 +221,7 @@ class SemiImplicitSolver final : public FluidModule {
   std::optional<Readback<Control>> controlSeen_;
   std::int64_t passes_ = 0;  // begun, as Control::passes
   Array<float> farthest_;    // one number: the largest square of a displacement to a predicted position, m²
-  int stages_ = 0;           // of this step, once the host has heard of it; 0 before
+  bool over_ = false;        // whether the host knows that a step makes no other pass
 };
 
 }  // namespace weir
