@@ -92,9 +92,21 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
 bool SemiImplicitSolver::isDone() {
   if (!tolerance.get()) return false;
   const std::optional<Control> seen = controlSeen_->poll();
-  if (!seen || seen->passes != passes_ || seen->done == 0) return false;
+  if (!seen || seen->passes != passes_) return false;
   over_ = seen->over != 0;
-  return true;
+  return seen->done != 0;
+}
+
+void SemiImplicitSolver::endPass() {
+  if (!tolerance.get()) return;
+  if (!recordObjective) {
+    isDone();
+    return;
+  }
+  // Passes of which the device makes nothing must not be recorded.
+  if (controlSeen_->pending()) controlSeen_->wait();
+  controlSeen_->request(control_.data());
+  over_ = controlSeen_->wait().over != 0;
 }
 
 bool SemiImplicitSolver::staged(const FluidStep& fluid) const {

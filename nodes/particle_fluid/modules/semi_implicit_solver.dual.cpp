@@ -435,7 +435,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
               StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
   fluid.walls.forgetShares();
   contain(device, fluid);
-  if (recordObjective) objective_.begin(fluid, passes() * iterations + 1);
+  if (recordObjective) objective_.begin(fluid, mostPasses() * iterations + 1);
   record(fluid);
   for (int pass = 0; pass < mostPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, fluid);
@@ -544,6 +544,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                             displacement_.view(), fluid.walls.view().share, state_.view()});
     contain(device, fluid);
   }
+  endPass();
 }
 
 template <class Backend>

@@ -190,6 +190,8 @@ class SemiImplicitSolver final : public FluidModule {
   void reserve(FluidStep& fluid);
   /// As far as the host has heard of it, without waiting.
   bool isDone();
+  /// Hears whether there is another pass; waits only where each iteration is recorded.
+  void endPass();
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration == Acceleration::kNesterov; }
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
