@@ -92,7 +92,7 @@ def held_sphere(lab):
     ball = scenes.parameter(scene, "ball.profile")
     expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
     rows = []
-    for spacing, fillings in lab.scale(((0.02, 4), (0.013, 2)), ((0.02, 8), (0.013, 4), (0.005, 1))):
+    for spacing, fillings in lab.scale(((0.02, 8), (0.013, 4)), ((0.02, 8), (0.013, 8), (0.005, 1))):
         forces = []
         for seed in range(1, fillings + 1):
             result = lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
