@@ -53,7 +53,17 @@ struct TriangleTreeView {
   /// near to p as `radius`: of all whose boxes are. Misses none; each comes once, in an order that depends on
   /// the mesh alone.
   template <class F>
-  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const;
+  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
+    whileTriangleNear(p, radius, [&](int i) {
+      const detail::TreeTriangle& t = triangles[i];
+      f(t.a, t.b, t.c);
+      return true;
+    });
+  }
+
+  /// The same with the places of the triangles in `triangles`, until visit(i) returns false.
+  template <class Visit>
+  WEIR_HD void whileTriangleNear(const Vec3f& p, float radius, Visit&& visit) const;
 
   /// The point of the mesh that is nearest to p, found faster the smaller `atMost` (m, may be infinite) is.
   /// If nothing is nearer than `atMost`, the triangle is −1 and the distance `atMost`. Distances are exact up
@@ -131,20 +141,56 @@ constexpr float kEpsilon = 1.1920929e-7f;  // of floats
 
 }  // namespace detail
 
+/// The nearest of the triangles that it is asked about.
+class NearestTriangle {
+ public:
+  /// To p, of those nearer than `atMost` (m, may be infinite).
+  WEIR_HD NearestTriangle(const Vec3f& p, float atMost) : p_(p), closest_{.squared = atMost * atMost} {}
+
+  /// The square of the distance within which triangles still matter.
+  WEIR_HD float squared() const { return closest_.squared; }
+
+  /// About triangle i, in the order of the leaves.
+  WEIR_HD void ask(const TriangleTreeView& tree, int i) {
+    const detail::TreeTriangle t = tree.triangles[i];
+    const detail::ClosestPoint candidate = detail::closestOnTriangle(
+        t.a - p_, t.b - p_, t.c - p_, tree.normals[i].normals[PseudoNormals::kFace], closest_.squared);
+    if (candidate.squared < closest_.squared) closest_ = candidate, best_ = i;
+  }
+
+  /// `atMost` as it was.
+  WEIR_HD SurfacePoint found(const TriangleTreeView& tree, float atMost) const {
+    SurfacePoint point{.distance = atMost};
+    if (best_ < 0) return point;
+    point.position = p_ + closest_.position;
+    point.normal = tree.normals[best_].normals[closest_.feature];
+    point.distance = std::sqrt(closest_.squared);
+    point.triangle = tree.indices[best_];
+    const float height = -dot(closest_.position, point.normal);
+    const float rounding = 4 * detail::kEpsilon * (detail::largestCoordinate(p_) + point.distance);
+    point.side = height > rounding ? 1 : (height < -rounding ? -1 : 0);
+    return point;
+  }
+
+ private:
+  Vec3f p_;
+  detail::ClosestPoint closest_;
+  int best_ = -1;
+};
+
 WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMost) const {
-  SurfacePoint found{.distance = atMost};
-  if (empty()) return found;
+  NearestTriangle search(p, atMost);
+  if (empty()) return search.found(*this, atMost);
   struct Pending {
     int node;
     float squared;
   };
   Pending stack[BoxTree::kDepth + 1];
-  int size = 0, best = -1;
-  detail::ClosestPoint closest{.squared = atMost * atMost};
+  int size = 0;
   stack[size++] = {0, detail::squaredDistanceToBox(bounds.lo, bounds.hi, p)};
   while (size > 0) {
     const Pending next = stack[--size];
-    if (!(next.squared < closest.squared)) continue;
+    if (!(next.squared < search.squared())) continue;
     const detail::TreeNode node = nodes[next.node];
     if (node.link > 0) {
       const detail::TreeNode one = nodes[node.link], two = nodes[node.link + 1];
@@ -155,26 +201,13 @@ WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMo
       stack[size++] = firstIsNearer ? first : second;
       continue;
     }
-    for (int i = node.first; i < node.first - node.link; ++i) {
-      const detail::TreeTriangle t = triangles[i];
-      const detail::ClosestPoint candidate = detail::closestOnTriangle(
-          t.a - p, t.b - p, t.c - p, normals[i].normals[PseudoNormals::kFace], closest.squared);
-      if (candidate.squared < closest.squared) closest = candidate, best = i;
-    }
+    for (int i = node.first; i < node.first - node.link; ++i) search.ask(*this, i);
   }
-  if (best < 0) return found;
-  found.position = p + closest.position;
-  found.normal = normals[best].normals[closest.feature];
-  found.distance = std::sqrt(closest.squared);
-  found.triangle = indices[best];
-  const float height = -dot(closest.position, found.normal);
-  const float rounding = 4 * detail::kEpsilon * (detail::largestCoordinate(p) + found.distance);
-  found.side = height > rounding ? 1 : (height < -rounding ? -1 : 0);
-  return found;
+  return search.found(*this, atMost);
 }
 
-template <class F>
-WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
+template <class Visit>
+WEIR_HD void TriangleTreeView::whileTriangleNear(const Vec3f& p, float radius, Visit&& visit) const {
   if (empty()) return;
   // The squares are off by a few roundings; what is within them is reported.
   const float reach = radius * radius * (1 + 1e-6f);
@@ -191,8 +224,9 @@ WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius,
     }
     for (int i = node.first; i < node.first - node.link; ++i) {
       const detail::TreeTriangle t = triangles[i];
-      if (detail::squaredDistanceToBox(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c), p) <= reach)
-        f(t.a, t.b, t.c);
+      if (detail::squaredDistanceToBox(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c), p) <= reach &&
+          !visit(i))
+        return;
     }
   }
 }
