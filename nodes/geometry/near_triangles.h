@@ -21,10 +21,7 @@ class NearTriangles {
     const float low = detail::largestCoordinate(tree.bounds.lo),
                 high = detail::largestCoordinate(tree.bounds.hi);
     const float slack = 32 * detail::kEpsilon * ((low > high ? low : high) + radius);
-    tree.whileTriangleNear(center, radius + slack, [this](int i) {
-      if (count_ < kMost) index_[count_] = i;
-      return ++count_ <= kMost;
-    });
+    count_ = WalkNear(tree, center, radius + slack).next(index_, kMost + 1);
   }
 
   /// As TriangleTreeView::nearest.
@@ -67,8 +64,8 @@ class NearTriangles {
   const TriangleTreeView& tree_;
   Vec3f center_;
   float radius_;
-  int count_ = 0;  // kMost + 1 if there are more
-  int index_[kMost];
+  int count_;  // kMost + 1 if there are more
+  int index_[kMost + 1];
 };
 
 }  // namespace weir

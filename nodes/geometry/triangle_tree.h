@@ -53,17 +53,7 @@ struct TriangleTreeView {
   /// near to p as `radius`: of all whose boxes are. Misses none; each comes once, in an order that depends on
   /// the mesh alone.
   template <class F>
-  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
-    whileTriangleNear(p, radius, [&](int i) {
-      const detail::TreeTriangle& t = triangles[i];
-      f(t.a, t.b, t.c);
-      return true;
-    });
-  }
-
-  /// The same with the places of the triangles in `triangles`, until visit(i) returns false.
-  template <class Visit>
-  WEIR_HD void whileTriangleNear(const Vec3f& p, float radius, Visit&& visit) const;
+  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const;
 
   /// The point of the mesh that is nearest to p, found faster the smaller `atMost` (m, may be infinite) is.
   /// If nothing is nearer than `atMost`, the triangle is −1 and the distance `atMost`. Distances are exact up
@@ -206,29 +196,62 @@ WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMo
   return search.found(*this, atMost);
 }
 
-template <class Visit>
-WEIR_HD void TriangleTreeView::whileTriangleNear(const Vec3f& p, float radius, Visit&& visit) const {
-  if (empty()) return;
-  // The squares are off by a few roundings; what is within them is reported.
-  const float reach = radius * radius * (1 + 1e-6f);
-  int stack[BoxTree::kDepth + 1];
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const detail::TreeNode node = nodes[stack[--size]];
-    if (detail::squaredDistanceToBox(node.lo, node.hi, p) > reach) continue;
-    if (node.link > 0) {
-      stack[size++] = node.link + 1;
-      stack[size++] = node.link;
-      continue;
-    }
-    for (int i = node.first; i < node.first - node.link; ++i) {
-      const detail::TreeTriangle t = triangles[i];
-      if (detail::squaredDistanceToBox(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c), p) <= reach &&
-          !visit(i))
-        return;
+/// A walk down the tree to all triangles that may be as near to p as `radius`: of all whose boxes are. It
+/// finds some at a time, so that the lanes of a GPU that work on what they found do it side by side, and not
+/// while others still walk.
+class WalkNear {
+ public:
+  WEIR_HD WalkNear(const TriangleTreeView& tree, const Vec3f& p, float radius)
+      // The squares are off by a few roundings; what is within them is reported.
+      : tree_(tree), p_(p), reach_(radius * radius * (1 + 1e-6f)) {
+    if (!tree.empty()) stack_[size_++] = 0;
+  }
+
+  /// Writes the next triangles, in the order of the leaves, and returns how many: fewer than `most` at the
+  /// end.
+  WEIR_HD int next(int* found, int most) {
+    int count = 0;
+    while (true) {
+      for (; leaf_ < leafEnd_ && count < most; ++leaf_) {
+        const detail::TreeTriangle t = tree_.triangles[leaf_];
+        if (isNear(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c))) found[count++] = leaf_;
+      }
+      if (count == most || size_ == 0) return count;
+      const detail::TreeNode node = tree_.nodes[stack_[--size_]];
+      if (!isNear(node.lo, node.hi)) continue;
+      if (node.link > 0) {
+        stack_[size_++] = node.link + 1;
+        stack_[size_++] = node.link;
+      } else {
+        leaf_ = node.first, leafEnd_ = node.first - node.link;
+      }
     }
   }
+
+ private:
+  WEIR_HD bool isNear(const Vec3f& lo, const Vec3f& hi) const {
+    return detail::squaredDistanceToBox(lo, hi, p_) <= reach_;
+  }
+
+  const TriangleTreeView& tree_;
+  Vec3f p_;
+  float reach_;
+  int stack_[BoxTree::kDepth + 1];
+  int size_ = 0, leaf_ = 0, leafEnd_ = 0;
+};
+
+template <class F>
+WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
+  constexpr int kAtOnce = 16;
+  int found[kAtOnce], count;
+  WalkNear walk(*this, p, radius);
+  do {
+    count = walk.next(found, kAtOnce);
+    for (int k = 0; k < count; ++k) {
+      const detail::TreeTriangle t = triangles[found[k]];
+      f(t.a, t.b, t.c);
+    }
+  } while (count == kAtOnce);
 }
 
 }  // namespace weir
