@@ -32,7 +32,7 @@ ClearanceGrid::ClearanceGrid(Device& device, const TriangleTreeView& tree, float
 }
 
 ClearanceView ClearanceGrid::view() const {
-  return {bounds_, cell_, step_, cells_, steps_.view()};
+  return {bounds_, cell_, 1 / cell_, step_, cells_, steps_.view()};
 }
 
 }  // namespace weir

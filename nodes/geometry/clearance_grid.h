@@ -10,10 +10,11 @@ namespace weir {
 
 /// Plain data for kernels; valid as long as its ClearanceGrid. An empty one knows nothing.
 struct ClearanceView {
-  Aabb bounds;           ///< of the mesh, covered by the cells
-  float cell = 0;        ///< edge of a cell, m
-  float step = 0;        ///< m
-  Vec3i cells{0, 0, 0};  ///< along each axis
+  Aabb bounds;            ///< of the mesh, covered by the cells
+  float cell = 0;         ///< edge of a cell, m
+  float inverseCell = 0;  ///< 1/m
+  float step = 0;         ///< m
+  Vec3i cells{0, 0, 0};   ///< along each axis
   /// From the middle of a cell nothing is nearer than so many steps; x runs fastest.
   ArrayView<const std::uint8_t> steps;
 
@@ -21,7 +22,7 @@ struct ClearanceView {
   /// a number where p is none.
   WEIR_HD float at(const Vec3f& p) const {
     if (steps.size == 0) return 0;
-    const Vec3f inside = min(max(p, bounds.lo), bounds.hi), from = (inside - bounds.lo) / cell;
+    const Vec3f inside = min(max(p, bounds.lo), bounds.hi), from = inverseCell * (inside - bounds.lo);
     const int x = index(from.x, cells.x), y = index(from.y, cells.y), z = index(from.z, cells.z);
     const Vec3f middle = bounds.lo + cell * Vec3f{x + 0.5f, y + 0.5f, z + 0.5f};
     const float stored = steps[(std::int64_t{z} * cells.y + y) * cells.x + x];
@@ -35,8 +36,9 @@ struct ClearanceView {
 
   /// Whether certainly nothing is as near to the segment from p to q as `margin`.
   WEIR_HD bool clears(const Vec3f& p, const Vec3f& q, float margin) const {
-    // The distance changes by no more than the way.
-    return at(p) + at(q) > length(q - p) + 2 * margin;
+    // The distance changes by no more than the way. Mostly the first look-up is enough.
+    const float way = length(q - p), clear = at(q);
+    return clear > way + margin || clear + at(p) > way + 2 * margin;
   }
 
  private:

@@ -72,6 +72,10 @@ class SegmentReach {
            std::abs(c.x * d.y - c.y * d.x) <= e.x * s.y + e.y * s.x;
   }
 
+  WEIR_HD bool meets(const TreeTriangle& t) const {
+    return meets(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c));
+  }
+
   /// Whether a box's middle comes earlier along the segment than another's.
   WEIR_HD bool earlier(const TreeNode& one, const TreeNode& two) const {
     return dot(one.lo + one.hi, half_) <= dot(two.lo + two.hi, half_);
@@ -123,8 +127,7 @@ WEIR_HD void forEachTriangleAlong(const TriangleTreeView& tree, const SegmentRea
       continue;
     }
     for (int i = node.first; i < node.first - node.link; ++i) {
-      const TreeTriangle t = tree.triangles[i];
-      if (reach.meets(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c)) && !visit(i)) return;
+      if (reach.meets(tree.triangles[i]) && !visit(i)) return;
     }
   }
 }

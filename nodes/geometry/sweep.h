@@ -3,7 +3,7 @@
 #pragma once
 
 #include "nodes/geometry/clearance_grid.h"
-#include "nodes/geometry/segment_hit.h"
+#include "nodes/geometry/near_triangles.h"
 
 namespace weir {
 
@@ -23,29 +23,29 @@ class Sweep {
   static constexpr int kPushes = 4;    // a corner of three faces needs three
   static constexpr int kHalvings = 3;  // of a motion that ends where there is no room
 
-  WEIR_HD Sweep(const TriangleTreeView& tree, float thickness, float rounding)
-      : tree_(tree), thickness_(thickness), rounding_(rounding) {}
+  WEIR_HD Sweep(const NearTriangles& mesh, float thickness, float rounding)
+      : mesh_(mesh), thickness_(thickness), rounding_(rounding) {}
 
   WEIR_HD SweepResult run(const Vec3f& from, const Vec3f& to, const Vec3f& towards) {
     const float way = length(to - from);
-    const SurfacePoint nearest = tree_.nearest(from, way + thickness_ + rounding_);
+    const SurfacePoint nearest = mesh_.nearest(from, way + thickness_ + rounding_);
     if (nearest.triangle < 0) return {to};
     const bool onSurface = nearest.distance < rounding_;
     Vec3f p = onSurface ? offSurface(nearest, towards) : from;
-    const float atStart = onSurface ? tree_.nearest(p, thickness_).distance : nearest.distance;
+    const float atStart = onSurface ? mesh_.nearest(p, thickness_).distance : nearest.distance;
     least_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
     Vec3f target = to, before;
     for (int slide = 0; slide < kSlides; ++slide) {
-      const SegmentHit hit = firstHit(tree_, p, target);
+      const SegmentHit hit = mesh_.firstHit(p, target);
       if (!hit.found()) {
-        goTowards(target, p);
+        goTowards(target, p, true);
         break;
       }
       // Back to where the height above the plane is the thickness.
       const float share =
           hit.height > thickness_ ? static_cast<float>(hit.fraction * (1 - thickness_ / hit.height)) : 0;
       const Vec3f rest = target - p;
-      goTowards(p + share * rest, p);
+      goTowards(p + share * rest, p, false);
       target = p + along(hit.normal, before, (1 - share) * rest);
       before = hit.normal;
     }
@@ -68,7 +68,7 @@ class Sweep {
     const bool front = hinted ? dot(towards, near.normal) >= 0 : near.side >= 0;
     const Vec3f normal = front ? near.normal : -near.normal;
     const Vec3f start = near.position + 2 * rounding_ * normal, target = near.position + thickness_ * normal;
-    const SegmentHit hit = firstHit(tree_, start, target);
+    const SegmentHit hit = mesh_.firstHit(start, target);
     return hit.found() ? start + 0.5f * static_cast<float>(hit.fraction) * (target - start) : target;
   }
 
@@ -83,37 +83,36 @@ class Sweep {
     return dot(rest, crease) * crease;
   }
 
-  /// Moves p to `target`, or as far as there is room.
-  WEIR_HD void goTowards(Vec3f target, Vec3f& p) {
+  /// Moves p to `target`, or as far as there is room. `open` if it is known that nothing is in between.
+  WEIR_HD void goTowards(Vec3f target, Vec3f& p, bool open) {
     for (int k = 0; k <= kHalvings; ++k) {
       Vec3f q = target;
-      if (settle(p, q)) {
+      if ((open || !mesh_.firstHit(p, q).found()) && settle(q)) {
         p = q;
         return;
       }
       hit_ = true;
+      open = false;
       target = p + 0.5f * (target - p);
     }
   }
 
-  /// Pushes q away from what is nearer than the thickness. False if that does not give it room, or if q
-  /// cannot be reached from p without passing through something.
-  WEIR_HD bool settle(const Vec3f& p, Vec3f& q) {
-    if (firstHit(tree_, p, q).found()) return false;
+  /// Pushes q away from what is nearer than the thickness. False if that does not give it room.
+  WEIR_HD bool settle(Vec3f& q) {
     for (int k = 0; k < kPushes; ++k) {
-      const SurfacePoint near = tree_.nearest(q, kNear * thickness_);
+      const SurfacePoint near = mesh_.nearest(q, kNear * thickness_);
       if (near.triangle < 0) return true;
       if (near.distance <= rounding_) return false;
       const Vec3f away = (q - near.position) / near.distance;
       const Vec3f pushed = near.position + thickness_ * away;
-      if (firstHit(tree_, q, pushed).found()) break;
+      if (mesh_.firstHit(q, pushed).found()) break;
       addContact(away, thickness_ - near.distance);
       q = pushed;
     }
-    return !(tree_.nearest(q, least_).distance < least_);
+    return !(mesh_.nearest(q, least_).distance < least_);
   }
 
-  const TriangleTreeView& tree_;
+  const NearTriangles& mesh_;
   float thickness_, rounding_;
   float least_ = 0;  // distance of any place to stay
   Vec3f contact_;
@@ -126,6 +125,22 @@ class Sweep {
 /// that.
 WEIR_HD inline float leastThickness(float coordinate) {
   return 32 * detail::kEpsilon * coordinate;
+}
+
+namespace detail {
+
+WEIR_HD inline float largestCoordinate(const TriangleTreeView& tree, const Vec3f& p) {
+  return largestCoordinate(max(max(p, -p), max(tree.bounds.hi, -tree.bounds.lo)));
+}
+
+}  // namespace detail
+
+/// Whether two look-ups are enough to know that `sweep` will not change this motion.
+WEIR_HD inline bool isClear(const TriangleTreeView& tree, const ClearanceView& clearance, const Vec3f& from,
+                            const Vec3f& to, float thickness) {
+  if (tree.empty() || !isFinite(from) || !isFinite(to)) return true;
+  const float least = leastThickness(detail::largestCoordinate(tree, from));
+  return clearance.clears(from, to, thickness > least ? thickness : least);
 }
 
 /// Moves a point from `from` straight to `to` against a mesh, both in the mesh's frame (for a mesh that
@@ -150,13 +165,13 @@ WEIR_HD inline float leastThickness(float coordinate) {
 WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const ClearanceView& clearance,
                                  const Vec3f& from, const Vec3f& to, float thickness,
                                  const Vec3f& towards = {}) {
-  if (tree.empty() || !isFinite(from) || !isFinite(to)) return {to};
-  const float coordinate =
-      detail::largestCoordinate(max(max(from, -from), max(tree.bounds.hi, -tree.bounds.lo)));
-  const float least = leastThickness(coordinate);
+  if (isClear(tree, clearance, from, to, thickness)) return {to};
+  const float least = leastThickness(detail::largestCoordinate(tree, from));
   thickness = thickness > least ? thickness : least;
-  if (clearance.clears(from, to, thickness) || !mayComeNear(tree, from, to, thickness)) return {to};
-  return detail::Sweep(tree, thickness, 0.125f * least).run(from, to, towards);
+  // No contact takes it farther than its way, and pushes are of a thickness at most.
+  const NearTriangles mesh(tree, from, length(to - from) + 3 * thickness);
+  if (!mesh.mayComeNear(from, to, thickness)) return {to};
+  return detail::Sweep(mesh, thickness, 0.125f * least).run(from, to, towards);
 }
 
 }  // namespace weir

@@ -131,20 +131,56 @@ constexpr float kEpsilon = 1.1920929e-7f;  // of floats
 
 }  // namespace detail
 
+/// The nearest of the triangles that it is asked about.
+class NearestTriangle {
+ public:
+  /// To p, of those nearer than `atMost` (m, may be infinite).
+  WEIR_HD NearestTriangle(const Vec3f& p, float atMost) : p_(p), closest_{.squared = atMost * atMost} {}
+
+  /// The square of the distance within which triangles still matter.
+  WEIR_HD float squared() const { return closest_.squared; }
+
+  /// About triangle i, in the order of the leaves.
+  WEIR_HD void ask(const TriangleTreeView& tree, int i) {
+    const detail::TreeTriangle t = tree.triangles[i];
+    const detail::ClosestPoint candidate = detail::closestOnTriangle(
+        t.a - p_, t.b - p_, t.c - p_, tree.normals[i].normals[PseudoNormals::kFace], closest_.squared);
+    if (candidate.squared < closest_.squared) closest_ = candidate, best_ = i;
+  }
+
+  /// `atMost` as it was.
+  WEIR_HD SurfacePoint found(const TriangleTreeView& tree, float atMost) const {
+    SurfacePoint point{.distance = atMost};
+    if (best_ < 0) return point;
+    point.position = p_ + closest_.position;
+    point.normal = tree.normals[best_].normals[closest_.feature];
+    point.distance = std::sqrt(closest_.squared);
+    point.triangle = tree.indices[best_];
+    const float height = -dot(closest_.position, point.normal);
+    const float rounding = 4 * detail::kEpsilon * (detail::largestCoordinate(p_) + point.distance);
+    point.side = height > rounding ? 1 : (height < -rounding ? -1 : 0);
+    return point;
+  }
+
+ private:
+  Vec3f p_;
+  detail::ClosestPoint closest_;
+  int best_ = -1;
+};
+
 WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMost) const {
-  SurfacePoint found{.distance = atMost};
-  if (empty()) return found;
+  NearestTriangle search(p, atMost);
+  if (empty()) return search.found(*this, atMost);
   struct Pending {
     int node;
     float squared;
   };
   Pending stack[BoxTree::kDepth + 1];
-  int size = 0, best = -1;
-  detail::ClosestPoint closest{.squared = atMost * atMost};
+  int size = 0;
   stack[size++] = {0, detail::squaredDistanceToBox(bounds.lo, bounds.hi, p)};
   while (size > 0) {
     const Pending next = stack[--size];
-    if (!(next.squared < closest.squared)) continue;
+    if (!(next.squared < search.squared())) continue;
     const detail::TreeNode node = nodes[next.node];
     if (node.link > 0) {
       const detail::TreeNode one = nodes[node.link], two = nodes[node.link + 1];
@@ -155,46 +191,67 @@ WEIR_HD inline SurfacePoint TriangleTreeView::nearest(const Vec3f& p, float atMo
       stack[size++] = firstIsNearer ? first : second;
       continue;
     }
-    for (int i = node.first; i < node.first - node.link; ++i) {
-      const detail::TreeTriangle t = triangles[i];
-      const detail::ClosestPoint candidate = detail::closestOnTriangle(
-          t.a - p, t.b - p, t.c - p, normals[i].normals[PseudoNormals::kFace], closest.squared);
-      if (candidate.squared < closest.squared) closest = candidate, best = i;
+    for (int i = node.first; i < node.first - node.link; ++i) search.ask(*this, i);
+  }
+  return search.found(*this, atMost);
+}
+
+/// A walk down the tree to all triangles that may be as near to p as `radius`: of all whose boxes are. It
+/// finds some at a time, so that the lanes of a GPU that work on what they found do it side by side, and not
+/// while others still walk.
+class WalkNear {
+ public:
+  WEIR_HD WalkNear(const TriangleTreeView& tree, const Vec3f& p, float radius)
+      // The squares are off by a few roundings; what is within them is reported.
+      : tree_(tree), p_(p), reach_(radius * radius * (1 + 1e-6f)) {
+    if (!tree.empty()) stack_[size_++] = 0;
+  }
+
+  /// Writes the next triangles, in the order of the leaves, and returns how many: fewer than `most` at the
+  /// end.
+  WEIR_HD int next(int* found, int most) {
+    int count = 0;
+    while (true) {
+      for (; leaf_ < leafEnd_ && count < most; ++leaf_) {
+        const detail::TreeTriangle t = tree_.triangles[leaf_];
+        if (isNear(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c))) found[count++] = leaf_;
+      }
+      if (count == most || size_ == 0) return count;
+      const detail::TreeNode node = tree_.nodes[stack_[--size_]];
+      if (!isNear(node.lo, node.hi)) continue;
+      if (node.link > 0) {
+        stack_[size_++] = node.link + 1;
+        stack_[size_++] = node.link;
+      } else {
+        leaf_ = node.first, leafEnd_ = node.first - node.link;
+      }
     }
   }
-  if (best < 0) return found;
-  found.position = p + closest.position;
-  found.normal = normals[best].normals[closest.feature];
-  found.distance = std::sqrt(closest.squared);
-  found.triangle = indices[best];
-  const float height = -dot(closest.position, found.normal);
-  const float rounding = 4 * detail::kEpsilon * (detail::largestCoordinate(p) + found.distance);
-  found.side = height > rounding ? 1 : (height < -rounding ? -1 : 0);
-  return found;
-}
+
+ private:
+  WEIR_HD bool isNear(const Vec3f& lo, const Vec3f& hi) const {
+    return detail::squaredDistanceToBox(lo, hi, p_) <= reach_;
+  }
+
+  const TriangleTreeView& tree_;
+  Vec3f p_;
+  float reach_;
+  int stack_[BoxTree::kDepth + 1];
+  int size_ = 0, leaf_ = 0, leafEnd_ = 0;
+};
 
 template <class F>
 WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
-  if (empty()) return;
-  // The squares are off by a few roundings; what is within them is reported.
-  const float reach = radius * radius * (1 + 1e-6f);
-  int stack[BoxTree::kDepth + 1];
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const detail::TreeNode node = nodes[stack[--size]];
-    if (detail::squaredDistanceToBox(node.lo, node.hi, p) > reach) continue;
-    if (node.link > 0) {
-      stack[size++] = node.link + 1;
-      stack[size++] = node.link;
-      continue;
+  constexpr int kAtOnce = 16;
+  int found[kAtOnce], count;
+  WalkNear walk(*this, p, radius);
+  do {
+    count = walk.next(found, kAtOnce);
+    for (int k = 0; k < count; ++k) {
+      const detail::TreeTriangle t = triangles[found[k]];
+      f(t.a, t.b, t.c);
     }
-    for (int i = node.first; i < node.first - node.link; ++i) {
-      const detail::TreeTriangle t = triangles[i];
-      if (detail::squaredDistanceToBox(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c), p) <= reach)
-        f(t.a, t.b, t.c);
-    }
-  }
+  } while (count == kAtOnce);
 }
 
 }  // namespace weir

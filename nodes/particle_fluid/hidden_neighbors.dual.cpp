@@ -11,11 +11,12 @@ namespace {
 struct TakeOutHidden {
   ArrayView<const SolidView> solids;
   std::int64_t stride;
-  ArrayView<const int> sides;
+  ArrayView<const int> near, sides;
   ArrayView<const Vec3f> positions;
   NeighborEditor neighbors;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD void operator()(std::int64_t n) const {
+    const int i = near[n];
     bool any = false;
     for (std::int64_t k = 0; k < solids.size; ++k) {
       const int seen = sides[k * stride + i];
@@ -47,8 +48,9 @@ struct TakeOutHidden {
 template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  parallelFor(device, "hidden neighbours", fluid.particles.count(),
-              TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.sides).view(),
+  parallelFor(device, "hidden neighbours", walls.nearCount(),
+              TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
+                            std::as_const(walls.sides).view(),
                             std::as_const(fluid.particles).positions().view(), fluid.neighbors.editor()});
 }
 

@@ -33,6 +33,17 @@ struct StoppedParticle {
   int solid = -1;  ///< the last one that stopped it
 };
 
+/// Whether nothing of any solid can be near a particle's way; the same start and position as of stopAtSolids.
+WEIR_HD inline bool isClearOfSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
+                                    const Vec3f& start, const Vec3f& position) {
+  for (std::int64_t k = 0; k < solids.size; ++k) {
+    const SolidView& solid = solids[k];
+    const Vec3f from = (atEnd ? solid.end : solid.begin).toBody(start);
+    if (!isClear(solid.tree, solid.clearance, from, solid.end.toBody(position), gap)) return false;
+  }
+  return true;
+}
+
 /// From `start`, as it was when the solids were at their `begin` (or their `end`, if `atEnd`), to the
 /// particle's position at their end.
 WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
@@ -65,11 +76,14 @@ struct AddImpulses {
   WEIR_HD SolidImpulse operator()(SolidImpulse a, const SolidImpulse& b) const { return a += b; }
 };
 
-/// Adds one sum to another.
+/// Adds some sums to another.
 struct AddImpulse {
   SolidImpulse* to;
   const SolidImpulse* from;
-  WEIR_HD void operator()(std::int64_t) const { *to += *from; }
+  int sums;
+  WEIR_HD void operator()(std::int64_t) const {
+    for (int k = 0; k < sums; ++k) *to += from[k];
+  }
 };
 
 WEIR_HD inline SolidImpulse impulseAt(const Vec3f& impulse, const Vec3f& arm) {
@@ -77,19 +91,34 @@ WEIR_HD inline SolidImpulse impulseAt(const Vec3f& impulse, const Vec3f& arm) {
   return {j, cross(r, j)};
 }
 
-/// What solid k feels of particle i's contact.
+/// What solid k feels of the contact of particle met[i].
 struct ContactImpulse {
   int solid;
   Vec3f pivot;
   float mass;
+  ArrayView<const int> met;
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> kick;
 
   WEIR_HD SolidImpulse operator()(std::int64_t i) const {
     const Vec4f at = kick[i];
     if (static_cast<int>(at.w) != solid) return {};
-    return impulseAt(-mass * xyz(at), positions[i] - pivot);
+    return impulseAt(-mass * xyz(at), positions[met[i]] - pivot);
   }
 };
+
+/// Sums what solid k feels of contact into walls.impulse[0].
+template <class Backend>
+ContactImpulse sumContact(Backend& device, FluidStep& fluid, std::size_t k) {
+  WallField& walls = fluid.walls;
+  const ContactImpulse contact{static_cast<int>(k),
+                               walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt),
+                               fluid.constants.particleMass,
+                               std::as_const(walls.met).view(),
+                               std::as_const(fluid.particles).positions().view(),
+                               std::as_const(walls.kick).view()};
+  reduce(device, "impulse", walls.metCount(), SolidImpulse{}, contact, AddImpulses{}, walls.impulse.data());
+  return contact;
+}
 
 }  // namespace weir

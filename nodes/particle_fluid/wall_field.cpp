@@ -15,6 +15,9 @@ void WallField::fit(ParticleSet& particles) {
   d.resizeDiscarding(stride);
   sides.resizeDiscarding(each.size());
   legal.resizeDiscarding(stride);
+  marks.resizeDiscarding(stride);
+  near.resizeDiscarding(stride);
+  met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
   share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
                                  "Displacement by solids in the last step, over the gradient of Φ."});

@@ -7,10 +7,11 @@
 // solids get its opposite.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "framework/compute/array.h"
+#include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
@@ -44,8 +45,13 @@ struct WallField {
         d(device),
         sides(device),
         legal(device),
+        marks(device),
+        near(device),
+        nearCounter(device, 1),
+        met(device),
+        metCounter(device, 1),
         kick(device),
-        impulse(device, 1) {}
+        impulse(device, 2) {}
 
   std::vector<Solid*> solids;
   Array<SolidView> views;    ///< of the solids, in this step
@@ -55,8 +61,15 @@ struct WallField {
   ArrayView<const Vec3f> base;    ///< see WallFieldView
   Array<int> sides;    ///< of solid k that particle i sees, laid out as `each`; see hidden_neighbors.h
   Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
-  Array<Vec4f> kick;   ///< change of velocity by contact, m/s, and the number of the solid, -1 for none
-  Array<SolidImpulse> impulse;  ///< one, scratch
+  /// Particles that are near solids are few, so they are listed, and what is costly is done for them alone.
+  Array<std::uint8_t> marks;  ///< of those that are to be listed; scratch
+  Array<int> near;            ///< that may have a solid within the support radius
+  Array<int> nearCounter;     ///< one: how many
+  Array<int> met;             ///< that may have met a solid on their way; scratch
+  Array<int> metCounter;      ///< one: how many
+  /// Of met[k]: change of velocity by contact, m/s, and the number of the solid, -1 for none.
+  Array<Vec4f> kick;
+  Array<SolidImpulse> impulse;  ///< two, scratch
   std::int64_t stride = 0;
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
 
@@ -66,6 +79,12 @@ struct WallField {
     return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share->view(),
             base};
   }
+  /// Lists the particles i, of `count`, for which is(i) holds.
+  template <class Backend, class Is>
+  void list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
+            Array<int>& counter);
+  Count nearCount() const { return {stride, nearCounter.data()}; }
+  Count metCount() const { return {stride, metCounter.data()}; }
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
   void place(double time, double dt);
   /// Takes the present positions for legal ones.
@@ -82,5 +101,30 @@ struct WallField {
  private:
   std::vector<SolidView> placed_;  // what `views` holds
 };
+
+namespace detail {
+
+template <class Is>
+struct Mark {
+  Is is;
+  ArrayView<std::uint8_t> marks;
+  WEIR_HD void operator()(std::int64_t i) const { marks[i] = is(i) ? 1 : 0; }
+};
+
+struct IsMarked {
+  ArrayView<const std::uint8_t> marks;
+  WEIR_HD bool operator()(std::int64_t i) const { return marks[i] != 0; }
+};
+
+}  // namespace detail
+
+// What a compaction asks twice had better be cheap, so the answers are kept.
+template <class Backend, class Is>
+void WallField::list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
+                     Array<int>& counter) {
+  parallelFor(device, name, count, detail::Mark<Is>{is, marks.view()});
+  compact(device, "list", count, detail::IsMarked{std::as_const(marks).view()}, indices.view(),
+          counter.data());
+}
 
 }  // namespace weir

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "nodes/geometry/simplified_mesh.h"
 #include "nodes/particles/flight.h"
 
 namespace weir {
@@ -87,6 +88,15 @@ SolidKind SemiAnalyticalSFI::kindOf(const TriangleMesh& mesh, const std::string&
   return SolidKind::kSheet;
 }
 
+TriangleMesh SemiAnalyticalSFI::simplifiedMesh(const TriangleMesh& mesh, const std::string& from,
+                                               float spacing, Log& log) const {
+  SimplifiedMesh coarse = simplified(mesh, double(simplify) * spacing);
+  if (coarse.mesh.triangles.size() < mesh.triangles.size())
+    log.info(fmt::format("node '{}': {} of the {} triangles from '{}' do, off by at most {:.2g} m", name(),
+                         coarse.mesh.triangles.size(), mesh.triangles.size(), from, coarse.deviation));
+  return std::move(coarse.mesh);
+}
+
 void SemiAnalyticalSFI::reset(const SetupContext& context) {
   parts_.clear();
   forces->solids.clear();
@@ -103,7 +113,8 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
                                .approximate = integrals == WallIntegralForm::kApproximate,
                                .friction = friction,
                                .noSlip = noSlip};
-    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], surface, *this, detail));
+    const TriangleMesh mesh = simplifiedMesh(solids[k], from, detail, context.log);
+    parts_.push_back(std::make_unique<Solid>(context.device, mesh, surface, *this, detail));
     forces->solids.push_back({from, {}, {}});
   }
   for (std::size_t i = 0; i < fluid.size(); ++i) {

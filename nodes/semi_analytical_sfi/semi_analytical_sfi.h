@@ -82,6 +82,16 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
                      {},
                      {.unit = "m", .doc = "The point about which the solids turn and torques are counted."}};
 
+  Param<float> simplify{
+      *this,
+      "simplify",
+      0.01f,
+      {.unit = "d",
+       .min = 0,
+       .max = 0.05f,
+       .doc = "Largest deviation, in particle spacings, of the coarser meshes that take the "
+              "place of fine ones; 0 keeps every triangle."}};
+
   Inputs<Fluid> fluid{*this, "fluid", "The fluids that meet the solids.", true};
   Inputs<TriangleMesh> solids{*this, "solids", "The solids' surfaces, in their places at time 0.", true};
   Output<SolidForces> forces{*this, "forces", "What the fluids do to the solids."};
@@ -99,6 +109,8 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
 
  private:
   SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;
+  TriangleMesh simplifiedMesh(const TriangleMesh& mesh, const std::string& from, float spacing,
+                              Log& log) const;
   std::int64_t carve(Fluid& from);
   template <class Backend>
   void markInsideOn(Backend& device, const Fluid& in, const Array<SolidView>& views, Array<int>& inside);

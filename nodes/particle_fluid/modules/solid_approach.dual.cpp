@@ -6,17 +6,30 @@ namespace weir {
 
 namespace {
 
+struct MayMeet {
+  ArrayView<const SolidView> solids;
+  float gap, dt;
+  ArrayView<const Vec3f> positions, velocities;
+
+  WEIR_HD bool operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    return !isClearOfSolids(solids, false, gap, p - dt * velocities[i], p);
+  }
+};
+
 struct StopOnTheWay {
   ArrayView<const SolidView> solids;
   float gap, dt;
+  ArrayView<const int> met;
   ArrayView<Vec3f> positions, velocities;
   ArrayView<Vec4f> kick;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD void operator()(std::int64_t k) const {
+    const int i = met[k];
     const Vec3f p = positions[i], v = velocities[i];
     const StoppedParticle after = stopAtSolids(solids, false, gap, p - dt * v, p, v);
     const Vec3f change = after.velocity - v;
-    kick[i] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
+    kick[k] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
     if (after.solid < 0) return;
     positions[i] = after.position;
     velocities[i] = after.velocity;
@@ -28,20 +41,20 @@ struct StopOnTheWay {
 template <class Backend>
 void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  const ArrayView<Vec3f> positions = fluid.particles.positions().view();
   walls.fit(fluid.particles);
-  parallelFor(
-      device, "approach", fluid.particles.count(),
-      StopOnTheWay{walls.views.view(), kSolidGap * fluid.constants.spacing, static_cast<float>(fluid.time.dt),
-                   positions, fluid.particles.velocities().view(), walls.kick.view()});
+  const ArrayView<const SolidView> solids = walls.views.view();
+  const ArrayView<Vec3f> positions = fluid.particles.positions().view(),
+                         velocities = fluid.particles.velocities().view();
+  const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
+  walls.list(device, "may meet", fluid.particles.count(), MayMeet{solids, gap, dt, positions, velocities},
+             walls.met, walls.metCounter);
+  parallelFor(device, "approach", walls.metCount(),
+              StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
+                           walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
-    const ContactImpulse contact{static_cast<int>(k),
-                                 walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt),
-                                 fluid.constants.particleMass, positions, walls.kick.view()};
-    reduce(device, "impulse", fluid.particles.count(), SolidImpulse{}, contact, AddImpulses{},
-           walls.impulse.data());
+    sumContact(device, fluid, k);
     parallelFor(device, "add impulse", 1,
-                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data()});
+                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data(), 1});
   }
 }
 

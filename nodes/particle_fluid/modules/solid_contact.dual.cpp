@@ -1,29 +1,45 @@
 #include "nodes/particle_fluid/modules/solid_contact.h"
 
+#include <algorithm>
+
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
 
 namespace {
 
+/// Particles that may have been pushed into a solid, or that a solid may rub.
+struct MayTouch {
+  ArrayView<const SolidView> solids;
+  float gap;
+  ArrayView<const Vec3f> legal, positions;
+  ArrayView<const float> d;  // empty where no solid rubs
+
+  WEIR_HD bool operator()(std::int64_t i) const {
+    return (d.size > 0 && d[i] > 0) || !isClearOfSolids(solids, true, gap, legal[i], positions[i]);
+  }
+};
+
 struct Contact {
   ArrayView<const SolidView> solids;
   float gap, dt;
   float contactPhi;  // Φ of what touches a plane
   std::int64_t stride;
+  ArrayView<const int> met;
   ArrayView<const Vec3f> legal;
   ArrayView<const Vec4f> each;
   ArrayView<const float> share;
   ArrayView<Vec3f> positions, velocities;
   ArrayView<Vec4f> kick;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD void operator()(std::int64_t m) const {
+    const int i = met[m];
     const Vec3f v = velocities[i];
     StoppedParticle after = stopAtSolids(solids, true, gap, legal[i], positions[i], v);
     if (after.solid >= 0) positions[i] = after.position;
     for (std::int64_t k = 0; k < solids.size; ++k) rub(i, k, after);
     const Vec3f change = after.velocity - v;
-    kick[i] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
+    kick[m] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
     if (after.solid >= 0) velocities[i] = after.velocity;
   }
 
@@ -48,19 +64,21 @@ struct Contact {
   }
 };
 
-/// What solid k feels of particle i by contact and by pressure.
-struct TotalImpulse {
-  ContactImpulse contact;
+/// What a solid feels of the pressure of particle near[n].
+struct PressureImpulse {
+  Vec3f pivot;
   float massPerDt;  // kg/s
   std::int64_t first;
+  ArrayView<const int> near;
+  ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> each;
   ArrayView<const float> share;
 
-  WEIR_HD SolidImpulse operator()(std::int64_t i) const {
-    SolidImpulse sum = contact(i);
+  WEIR_HD SolidImpulse operator()(std::int64_t n) const {
+    const int i = near[n];
     const float s = share[i];
-    if (s != 0) sum += impulseAt(-massPerDt * s * xyz(each[first + i]), contact.positions[i] - contact.pivot);
-    return sum;
+    if (s == 0) return {};
+    return impulseAt(-massPerDt * s * xyz(each[first + i]), positions[i] - pivot);
   }
 };
 
@@ -69,23 +87,30 @@ struct TotalImpulse {
 template <class Backend>
 void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
+  const ArrayView<const SolidView> solids = walls.views.view();
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
-  const float dt = static_cast<float>(fluid.time.dt), mass = fluid.constants.particleMass;
-  parallelFor(
-      device, "contact", fluid.particles.count(),
-      Contact{walls.views.view(), kSolidGap * fluid.constants.spacing, dt, 0.5f * fluid.constants.calibration,
-              walls.stride, walls.legal.view(), walls.each.view(), walls.share->view(), positions,
-              fluid.particles.velocities().view(), walls.kick.view()});
+  const ArrayView<const Vec3f> legal = std::as_const(walls.legal).view();
+  const ArrayView<const Vec4f> each = std::as_const(walls.each).view();
+  const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
+  const bool rubs = std::any_of(walls.solids.begin(), walls.solids.end(), [](const Solid* solid) {
+    return solid->surface().friction > 0 || solid->surface().noSlip > 0;
+  });
+  walls.list(device, "may touch", fluid.particles.count(),
+             MayTouch{solids, gap, legal, positions,
+                      rubs ? std::as_const(walls.d).view() : ArrayView<const float>{}},
+             walls.met, walls.metCounter);
+  parallelFor(device, "contact", walls.metCount(),
+              Contact{solids, gap, dt, 0.5f * fluid.constants.calibration, walls.stride,
+                      std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
+                      fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
-    const ContactImpulse contact{static_cast<int>(k),
-                                 walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt), mass, positions,
-                                 walls.kick.view()};
-    const TotalImpulse total{contact, mass / dt, static_cast<std::int64_t>(k) * walls.stride,
-                             walls.each.view(), walls.share->view()};
-    reduce(device, "impulse", fluid.particles.count(), SolidImpulse{}, total, AddImpulses{},
-           walls.impulse.data());
+    const ContactImpulse contact = sumContact(device, fluid, k);
+    reduce(device, "pressure impulse", walls.nearCount(), SolidImpulse{},
+           PressureImpulse{contact.pivot, contact.mass / dt, static_cast<std::int64_t>(k) * walls.stride,
+                           std::as_const(walls.near).view(), contact.positions, each, walls.share->view()},
+           AddImpulses{}, walls.impulse.data() + 1);
     parallelFor(device, "add impulse", 1,
-                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data()});
+                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data(), 2});
   }
 }
 

@@ -41,16 +41,31 @@ WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius
   return found;
 }
 
+struct IsNear {
+  ArrayView<const SolidView> solids;
+  float reach;
+  ArrayView<const Vec3f> positions;
+
+  WEIR_HD bool operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    for (std::int64_t k = 0; k < solids.size; ++k)
+      if (!(solids[k].clearance.at(solids[k].end.toBody(p)) > reach)) return true;
+    return false;
+  }
+};
+
 struct FindIntegrals {
   ArrayView<const SolidView> solids;
   float radius, reach, calibration;
   std::int64_t stride;
+  ArrayView<const int> near;
   ArrayView<const Vec3f> positions;
   ArrayView<Vec4f> each, total;  // total is empty where there is one solid
   ArrayView<float> d;
   ArrayView<int> sides;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD void operator()(std::int64_t n) const {
+    const int i = near[n];
     const Vec3f p = positions[i];
     Vec3f gradient{};
     float phi = 0, sumOfD = 0;
@@ -77,11 +92,21 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   const bool several = walls.solids.size() > 1;
   walls.keepLegal(fluid.particles.positions());
   walls.base = {};
-  parallelFor(device, "wall integrals", fluid.particles.count(),
-              FindIntegrals{walls.views.view(), fluid.constants.wallRadius, fluid.constants.supportRadius,
-                            fluid.constants.calibration, walls.stride, fluid.particles.positions().view(),
-                            walls.each.view(), several ? walls.total.view() : ArrayView<Vec4f>{},
-                            walls.d.view(), walls.sides.view()});
+  const ArrayView<const SolidView> solids = walls.views.view();
+  const ArrayView<const Vec3f> positions = std::as_const(fluid.particles).positions().view();
+  const float reach = fluid.constants.supportRadius;
+  walls.list(device, "near solids", fluid.particles.count(), IsNear{solids, reach, positions}, walls.near,
+             walls.nearCounter);
+  // All others feel nothing and see nothing.
+  walls.each.fillZero();
+  if (several) walls.total.fillZero();
+  walls.d.fillZero();
+  walls.sides.fillZero();
+  parallelFor(
+      device, "wall integrals", walls.nearCount(),
+      FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.calibration, walls.stride,
+                    std::as_const(walls.near).view(), positions, walls.each.view(),
+                    several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.sides.view()});
   takeOutHiddenNeighbors(device, fluid);
 }
 
