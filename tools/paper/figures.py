@@ -69,7 +69,7 @@ def milliseconds(dt):
 
 
 def same_stiffness(spacings, of=0.01):
-    """Ours with mu in proportion to d^5: the relative stiffness (c·dt/d)² is that of `of` with mu = 1."""
+    """Ours with mu in proportion to d^5: the relative stiffness (c·dt/d)² is that of ours with mu = 1 and `of`."""
     return tuple(Run(f"scaled_{d}", f"ours, same (c·dt/d)², {millimetres(d)}",
                      {"water.spacing": str(d), "water.mu": f"{(d / of) ** 5:.6g}"}, column=column)
                  for column, d in enumerate(spacings))
@@ -149,7 +149,7 @@ FIGURES = [
         "contrast to our method, the convergence speed of the PBF method is significantly influenced by the "
         "particle size.",
         by_method(("ours", "pbf", "pbf_code", "pbf_textbook"), (0.005, 0.0075, 0.01), "water.spacing", millimetres)
-        + same_stiffness((0.005, 0.0075, 0.01)),
+        + same_stiffness((0.005, 0.0075)),
         reduced=0.004, pictures=False, plot="convergence"),
     Figure(
         "fig9", "fig9_fountain.json",

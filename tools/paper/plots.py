@@ -94,7 +94,7 @@ def spacing_of(run):
 
 def convergence(figure, results, file):
     """Figure 8: relative error by iteration for three spacings, by method; and of ours for all three together, with
-    one mu and with one relative stiffness."""
+    one mu and with one relative stiffness, which are the same at 10 mm."""
     columns = sorted({run.column for run in figure.runs})
     drawing, axes = panels(len(columns) + 1, columns=2)
     for run in figure.runs:
@@ -103,9 +103,10 @@ def convergence(figure, results, file):
         if method != "scaled":
             draw_errors(axes[run.column], objective, run.title.rsplit(", ", 1)[0], color=COLORS[method])
         if method in ("ours", "scaled"):
-            same = "(c·dt/d)² = 10" if method == "scaled" else "mu = 1"
+            both = run.column == columns[-1]
+            same = "both" if both else "(c·dt/d)² = 10" if method == "scaled" else "mu = 1"
             draw_errors(axes[-1], objective, f"{same}, {spacing_of(run)}", color=SPACING_COLORS[run.column],
-                        linestyle="-" if method == "scaled" else ":")
+                        linestyle=":" if same == "mu = 1" else "-")
     for axis, column in zip(axes, columns):
         convergence_axis(axis, f"({'abc'[column]}) " + next(spacing_of(r) for r in figure.runs if r.column == column))
     convergence_axis(axes[-1], "ours: one mu, or one relative stiffness")

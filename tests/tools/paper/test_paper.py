@@ -84,9 +84,8 @@ class Figures(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "fig99.*allowed: fig1"):
             figures.find(["fig99"])
 
-
     def test_the_same_relative_stiffness_at_every_spacing(self):
-        for run in figures.same_stiffness((0.005, 0.0075, 0.01)):
+        for run in figures.same_stiffness((0.005, 0.0075, 0.01, 0.02)):
             d, mu = float(run.settings["water.spacing"]), float(run.settings["water.mu"])
             self.assertAlmostEqual(mu * 0.001 ** 2 / (1000 * d ** 5), 10, places=3)  # K = mu/d³, c² = K/ρ0, dt = 1 ms
 
