@@ -155,7 +155,7 @@ FIGURES = [
         "fig9", "fig9_fountain.json",
         "Fountain. This scenario consists of 2.5 million fluid particles and 1.5 million boundary triangle meshes, "
         "the particle sizes are set to 0.01m.",
-        (Run("ours", ""),), reduced=0.03, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 8.0),
+        (Run("ours", ""),), reduced=0.03, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 4.0),
         timed="ours", reduced_settings={"fountain.segments": "128"}),
     Figure(
         "fig10", "fig10_goblet.json",
