@@ -14,6 +14,8 @@ METHODS = {
 }
 # Away from all walls: a tank around the block, which nothing reaches.
 FREE = {"world.gravity": "[0, 0, 0]", "block.jitter": "0.1", "tank.min": "[-2, -2, -2]", "tank.max": "[3, 3, 3]"}
+# Figure 6's 70,000 particles as a layer of 15, not a block of 35.
+SHALLOW = {"block.max": "[0.6, 0.15, 0.78]", "tank.max": "[1.2, 0.7, 0.78]", "render.camera.target": "[0.6, 0.2, 0.39]"}
 BOX = ("block.min", "block.max", "tank.min", "tank.max", "render.camera.eye", "render.camera.target")
 
 
@@ -21,10 +23,11 @@ BOX = ("block.min", "block.max", "tank.min", "tank.max", "render.camera.eye", "r
 class Run:
     name: str  # of its folder
     title: str
-    settings: dict = field(default_factory=dict)
+    settings: dict = field(default_factory=dict)  # lengths of the figure at full size
     frames: int | None = None
     row: int = 0  # in the montage
     column: int = 0
+    variant: str = ""  # end of its name, where methods are there more than once
     shown: bool = True  # in the montage
 
 
@@ -45,19 +48,31 @@ class Figure:
     reduced_settings: dict = field(default_factory=dict)  # where the scale is below 1
 
 
-def by_method(methods, values, setting, label):
-    """Every method with every value: a row for a method, a column for a value."""
+def by_method(methods, values, setting, label, first_row=0, variant="", variant_label="", common=None):
+    """Every method with every value: a row for a method, a column for a value. A variant is a name and settings in
+    common, so that methods may be there more than once."""
     runs = []
-    for row, method in enumerate(methods):
+    for row, method in enumerate(methods, first_row):
         name, settings = METHODS[method]
         for column, value in enumerate(values):
-            runs.append(Run(f"{method}_{value}", f"{name}, {label(value)}",
-                            {**settings, setting: str(value)}, row=row, column=column))
+            runs.append(Run(f"{method}{variant}_{value}", f"{name}{variant_label}, {label(value)}",
+                            {**settings, **(common or {}), setting: str(value)}, row=row, column=column, variant=variant))
     return tuple(runs)
 
 
 def millimetres(spacing):
     return f"d = {1000 * spacing:g} mm"
+
+
+def milliseconds(dt):
+    return f"dt = {1000 * dt:g} ms"
+
+
+def same_stiffness(spacings, of=0.01):
+    """Ours with mu in proportion to d^5: the relative stiffness (c·dt/d)² is that of ours with mu = 1 and `of`."""
+    return tuple(Run(f"scaled_{d}", f"ours, same (c·dt/d)², {millimetres(d)}",
+                     {"water.spacing": str(d), "water.mu": f"{(d / of) ** 5:.6g}"}, column=column)
+                 for column, d in enumerate(spacings))
 
 
 FIGURES = [
@@ -83,7 +98,7 @@ FIGURES = [
         reduced=0.05, times=(0.8, 1.6), timed="ours",
         lengths=("sea.min", "sea.max", "wave.min", "wave.max", "tank.min", "tank.max", "shore.size", "shore.profile",
                  "shore.roughness", "shore.thickness", "shore.feature_size", "shore.rock_size", "shore.rock_range",
-                 "render.camera.eye", "render.camera.target")),
+                 "water.domain_min", "water.domain_max", "render.camera.eye", "render.camera.target")),
     Figure(
         "fig4", "fig4_momentum.json",
         "A comparison illustrating momentum conservation using (a) the conservative scheme described in Equation "
@@ -114,7 +129,9 @@ FIGURES = [
         "0.01m. The smoothing lengths are uniform at 1.2dx, equivalent to 0.012m. Both our method and the PBF "
         "method employed 3 iterations. The strengths of the artificial viscosity solver (XSPH) are identically "
         "set at 0.3.",
-        by_method(("ours", "pbf", "pbf_code"), (0.001, 0.005, 0.01), "world.dt", lambda dt: f"dt = {1000 * dt:g} ms"),
+        by_method(("ours", "pbf", "pbf_code"), (0.001, 0.005, 0.01), "world.dt", milliseconds)
+        + by_method(("ours", "pbf"), (0.001, 0.005, 0.01), "world.dt", milliseconds, first_row=3, variant="_shallow",
+                    variant_label=", shallow", common=SHALLOW),
         reduced=0.3, times=(0.4, 0.8), plot="energy_and_compression"),
     Figure(
         "fig7", "fig7_spacings.json",
@@ -131,13 +148,14 @@ FIGURES = [
         "relative errors for both our method and the PBF method using Equation 18. It is observed that, in "
         "contrast to our method, the convergence speed of the PBF method is significantly influenced by the "
         "particle size.",
-        by_method(("ours", "pbf", "pbf_code", "pbf_textbook"), (0.005, 0.0075, 0.01), "water.spacing", millimetres),
+        by_method(("ours", "pbf", "pbf_code", "pbf_textbook"), (0.005, 0.0075, 0.01), "water.spacing", millimetres)
+        + same_stiffness((0.005, 0.0075)),
         reduced=0.004, pictures=False, plot="convergence"),
     Figure(
         "fig9", "fig9_fountain.json",
         "Fountain. This scenario consists of 2.5 million fluid particles and 1.5 million boundary triangle meshes, "
         "the particle sizes are set to 0.01m.",
-        (Run("ours", ""),), reduced=0.03, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 8.0),
+        (Run("ours", ""),), reduced=0.03, scaling="spacing", times=(6.0, 20.0), reduced_times=(2.0, 4.0),
         timed="ours", reduced_settings={"fountain.segments": "128"}),
     Figure(
         "fig10", "fig10_goblet.json",

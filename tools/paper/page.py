@@ -9,14 +9,15 @@ def cell(value, form="{:.3g}"):
 
 def numbers(figure, results):
     """A table of all runs of a figure."""
-    lines = ["| run | particles | mean step (ms) | max speed (m/s) | mean compression | ended |",
-             "|---|---:|---:|---:|---:|---|"]
+    lines = ["| run | particles | mean step (ms) | max speed (m/s) | mean compression | most energy / initial | ended |",
+             "|---|---:|---:|---:|---:|---:|---|"]
     for run in figure.runs:
         stats = results[run.name].stats
         water = stats.get("nodes", {}).get("water", {})
         lines.append(" | ".join((
             "| " + run.title, str(stats.get("particles", "–")), cell(stats.get("step_ms", {}).get("mean")),
             cell(water.get("max_speed")), cell(water.get("compression", {}).get("mean")),
+            cell(quantities.energy_gain(results[run.name].series) if figure.plot == "energy_and_compression" else None),
             stats.get("end", "–") + " |")))
     return lines
 
@@ -38,8 +39,9 @@ def convergence_numbers(figure, results):
     return lines
 
 
-def write(file, command, device, done, times):
-    """`done`: (figure, scale, results, names of pictures) each; `times`: (figure, particles, ms)."""
+def write(file, command, device, done, times, drawn=True):
+    """`done`: (figure, scale, results, names of pictures) each; `times`: (figure, particles, ms); `drawn`:
+    whether there are montages and plots."""
     lines = ["# The paper's figures", "", f"Made by `{command}` on {device}.", ""]
     for figure, scale, results, pictures in done:
         lines += [f"## Figure {figure.key[3:]}", "", "> " + figure.caption, "",
@@ -48,7 +50,8 @@ def write(file, command, device, done, times):
         of_iterations = figure.plot in ("bulk_energies", "convergence")
         lines += (convergence_numbers if of_iterations else numbers)(figure, results) + [""]
     if times:
-        lines += ["## Table 1", "", "> Statistics and timings per timestep for all examples.", "",
-                  "![Times](table1.png)", "", "| figure | particles | mean step (ms) |", "|---|---:|---:|"]
+        lines += ["## Table 1", "", "> Statistics and timings per timestep for all examples.", ""]
+        lines += ["![Times](table1.png)", ""] if drawn else []
+        lines += ["| figure | particles | mean step (ms) |", "|---|---:|---:|"]
         lines += [f"| {key} | {particles} | {ms:.3g} |" for key, particles, ms in times]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,6 +1,7 @@
 """Runs the paper's figures and writes pictures, plots and a page: see ./dev paper --help."""
 
 import argparse
+import importlib.util
 import math
 import shlex
 import sys
@@ -8,6 +9,7 @@ import time
 from pathlib import Path
 
 import figures
+import page
 import program
 import quantities
 import scene as scenes
@@ -26,6 +28,9 @@ def arguments(argv):
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "paper", metavar="DIR",
                         help="where all is written; runs that are there already are not repeated")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
+    parser.add_argument("--no-plots", action="store_true",
+                        help="run and write numbers only; the same command without this draws later, on any machine "
+                             "that has the folder, and repeats no run")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
     parsed = parser.parse_args(argv)
     if parsed.scale is not None and not 0 < parsed.scale <= 1:
@@ -57,7 +62,7 @@ def run_figure(figure, options, say):
         common.update(figure.reduced_settings)
     results = {}
     for run in figure.runs:
-        settings = {**common, **run.settings}
+        settings = {**common, **scenes.scaled_overrides(run.settings, figure.scaling, scale, figure.lengths)}
         spacing = run.settings.get("water.spacing")
         if spacing is not None and figure.scaling == "spacing":
             settings["water.spacing"] = scenes.text(float(spacing) / scale ** (1 / 3))
@@ -99,6 +104,10 @@ def draw(figure, results, frames, out):
     return names
 
 
+def can_draw():
+    return importlib.util.find_spec("matplotlib") is not None
+
+
 def main(argv):
     options = arguments(argv)
     options.out = options.out.resolve()
@@ -108,21 +117,23 @@ def main(argv):
     def say(text):
         print(text, file=sys.stderr, flush=True)
 
-    import page
-    import plots
+    drawn = not options.no_plots and can_draw()
+    if not drawn and not options.no_plots:
+        say("paper: Python has no matplotlib here, so nothing is drawn; the same command draws where there is one")
     done, times, device = [], [], options.device
     for figure in options.figures:
         scale, results, frames = run_figure(figure, options, say)
-        done.append((figure, scale, results, draw(figure, results, frames, options.out)))
+        done.append((figure, scale, results, draw(figure, results, frames, options.out) if drawn else []))
         for run in figure.runs:
             stats = results[run.name].stats
             if figure.timed and run.name.startswith(figure.timed) and stats.get("end") == "finished":
                 times.append((figure.key, *quantities.step_time(stats)))
                 device = stats["device"]["description"]
-    if times:
+    if times and drawn:
+        import plots
         plots.step_times(times, device, options.out / "table1.png")
     command = shlex.join(["./dev", "paper", *argv[2:]])
-    page.write(options.out / "README.md", command, device, done, times)
+    page.write(options.out / "README.md", command, device, done, times, drawn)
     say(f"{time.monotonic() - started:.0f} s in all")
     print(options.out / "README.md")
 

@@ -14,6 +14,7 @@ TABLE_1 = (("Fig. 1", 23.0e6, 1670), ("Fig. 1", 831e3, 82.7), ("Fig. 1", 195e3, 
            ("Fig. 10", 20e3, 11.2))
 
 COLORS = {"ours": "#1f77b4", "stiff": "#17becf", "pbf": "#d62728", "pbf_code": "#9467bd", "pbf_textbook": "#ff7f0e"}
+SPACING_COLORS = ("#1f77b4", "#2ca02c", "#d62728")
 STYLES = ("-", "--", ":", "-.")
 
 
@@ -87,34 +88,48 @@ def bulk_energies(figure, results, file):
     finish(drawing, file)
 
 
+def spacing_of(run):
+    return run.title.rsplit(", ", 1)[1]
+
+
 def convergence(figure, results, file):
-    """Figure 8: relative error by iteration for three spacings, by method."""
+    """Figure 8: relative error by iteration for three spacings, by method; and of ours for all three together, with
+    one mu and with one relative stiffness, which are the same at 10 mm."""
     columns = sorted({run.column for run in figure.runs})
-    drawing, axes = panels(len(columns))
+    drawing, axes = panels(len(columns) + 1, columns=2)
     for run in figure.runs:
         method = run.name.rsplit("_", 1)[0]
         objective = quantities.last_objective(results[run.name].series)
-        label = run.title.rsplit(", ", 1)[0]
-        draw_errors(axes[run.column], objective, label, color=COLORS[method])
+        if method != "scaled":
+            draw_errors(axes[run.column], objective, run.title.rsplit(", ", 1)[0], color=COLORS[method])
+        if method in ("ours", "scaled"):
+            both = run.column == columns[-1]
+            same = "both" if both else "(c·dt/d)² = 10" if method == "scaled" else "mu = 1"
+            draw_errors(axes[-1], objective, f"{same}, {spacing_of(run)}", color=SPACING_COLORS[run.column],
+                        linestyle=":" if same == "mu = 1" else "-")
     for axis, column in zip(axes, columns):
-        spacing = next(run.title for run in figure.runs if run.column == column).rsplit(", ", 1)[1]
-        convergence_axis(axis, f"({'abcd'[column]}) {spacing}")
+        convergence_axis(axis, f"({'abc'[column]}) " + next(spacing_of(r) for r in figure.runs if r.column == column))
+    convergence_axis(axes[-1], "ours: one mu, or one relative stiffness")
     finish(drawing, file)
 
 
 def energy_and_compression(figure, results, file):
-    """For Figures 6 and 7: what tells whether a run is stable, by method and setting."""
-    drawing, axes = panels(2, 3.6)
+    """For Figures 6 and 7: what tells whether a run is stable, by method and setting; a variant has a row of its own."""
+    variants = sorted({run.variant for run in figure.runs})
+    drawing, axes = panels(2 * len(variants), 3.6, columns=2)
     for run in figure.runs:
-        method = run.name.rsplit("_", 1)[0]
+        at = 2 * variants.index(run.variant)
+        method = run.name.rsplit("_", 1)[0].removesuffix(run.variant)
         style = {"color": COLORS[method], "linestyle": STYLES[run.column], "label": run.title}
         series = results[run.name].series[1:]
-        axes[0].semilogy(*quantities.over_time(series, quantities.kinetic), **style)
-        axes[1].semilogy(*quantities.over_time(series, lambda r: max(quantities.compression(r), 1e-7)), **style)
-    for axis, title in zip(axes, ("kinetic energy / mass (J/kg)", "mean compression, max(λ − 1, 0)")):
-        axis.set_title(title, fontsize=10)
-        axis.set_xlabel("time (s)")
-    axes[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        axes[at].semilogy(*quantities.over_time(series, quantities.kinetic), **style)
+        axes[at + 1].semilogy(*quantities.over_time(series, lambda r: max(quantities.compression(r), 1e-7)), **style)
+    for row, variant in enumerate(variants):
+        name = variant.replace("_", " ")
+        for axis, title in zip(axes[2 * row:], ("kinetic energy / mass (J/kg)", "mean compression, max(λ − 1, 0)")):
+            axis.set_title(title + (f",{name}" if name else ""), fontsize=10)
+            axis.set_xlabel("time (s)")
+        axes[2 * row + 1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     finish(drawing, file)
 
 

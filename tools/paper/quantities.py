@@ -41,6 +41,13 @@ def compression(report):
     return report["compression"]["mean"]
 
 
+def energy_gain(series):
+    """The most of kinetic and potential energy (above y = 0) at any frame, by that at the start: above 1 where a
+    solver adds energy. None without frames, or where the energy at the start is not above 0."""
+    energies = [report["kinetic_energy"] + report["potential_energy"] for report in map(fluid, series) if report]
+    return max(energies) / energies[0] if energies and energies[0] > 0 else None
+
+
 def last_objective(series):
     """ψ by iteration of the last frame's step."""
     for frame in reversed(series):

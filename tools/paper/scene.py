@@ -58,6 +58,15 @@ def scaled(scene, scaling, scale, lengths=()):
     raise ValueError(f"no scaling is called {scaling!r}")
 
 
+def scaled_overrides(settings, scaling, scale, lengths=()):
+    """Settings of one run, {path: text}, with those that are lengths made smaller like the scene's."""
+    if scaling != "size" or scale == 1:
+        return settings
+    factor = scale ** (1 / 3)
+    return {path: text(multiplied(json.loads(value), factor)) if path in lengths else value
+            for path, value in settings.items()}
+
+
 def time_factor(scaling, scale):
     """How much earlier the same things happen, and how much slower: as the square root of a height."""
     return scale ** (1 / 6) if scaling == "size" else 1.0

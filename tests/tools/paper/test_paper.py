@@ -2,7 +2,9 @@
 stand-in for the program. Called by ctest with the folder of the sources; needs nothing but Python."""
 
 import os
+import shutil
 import stat
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -45,6 +47,13 @@ class Scale(unittest.TestCase):
         self.assertEqual(scenes.time_factor("spacing", 0.125), 1)
         self.assertEqual(scenes.scaled(SMALL, "size", 1 / 64, ())["render.color.range"], "[0, 1]")
 
+    def test_lengths_that_a_run_sets_shrink_too(self):
+        settings = {"block.max": "[0.4, 0.2, 0]", "water.spacing": "0.02"}
+        scaled = scenes.scaled_overrides(settings, "size", 0.125, ("block.max",))
+        self.assertEqual(scaled, {"block.max": "[0.2, 0.1, 0]", "water.spacing": "0.02"})
+        self.assertEqual(scenes.scaled_overrides(settings, "spacing", 0.125, ("block.max",)), settings)
+        self.assertEqual(scenes.scaled_overrides(settings, "size", 1, ("block.max",)), settings)
+
     def test_wrong_scales_and_paths_are_refused(self):
         for scale in (0, -1, 1.5):
             self.assertRaises(ValueError, scenes.scaled, SMALL, "size", scale)
@@ -75,6 +84,11 @@ class Figures(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "fig99.*allowed: fig1"):
             figures.find(["fig99"])
 
+    def test_the_same_relative_stiffness_at_every_spacing(self):
+        for run in figures.same_stiffness((0.005, 0.0075, 0.01, 0.02)):
+            d, mu = float(run.settings["water.spacing"]), float(run.settings["water.mu"])
+            self.assertAlmostEqual(mu * 0.001 ** 2 / (1000 * d ** 5), 10, places=3)  # K = mu/d³, c² = K/ρ0, dt = 1 ms
+
 
 class Montages(unittest.TestCase):
     def test_a_montage_a_moment_or_one_of_all_moments_of_a_single_run(self):
@@ -84,7 +98,7 @@ class Montages(unittest.TestCase):
             return [(name, len(panels)) for name, panels in paper.montages(figure, results, frames)]
 
         self.assertEqual(made("fig2", [1, 5]), [("fig2.jpg", 2)])
-        self.assertEqual(made("fig6", [4, 8]), [("fig6_1.jpg", 9), ("fig6_2.jpg", 9)])
+        self.assertEqual(made("fig6", [4, 8]), [("fig6_1.jpg", 15), ("fig6_2.jpg", 15)])
         self.assertEqual(made("fig4", [9]), [("fig4.jpg", 2)])  # the free blobs are not shown
         self.assertEqual(made("fig8", []), [])
 
@@ -127,6 +141,17 @@ class Program(unittest.TestCase):
         self.run_it(a="2")
         self.assertEqual(count(), 3)
 
+    def test_results_from_another_place_and_program_are_not_repeated(self):
+        self.stand_in("")
+        self.run_it(a="1")
+        elsewhere = Path(self.folder.name) / "elsewhere"
+        (elsewhere / "scenes").mkdir(parents=True)
+        shutil.copytree(self.out, elsewhere / "out")
+        shutil.copy(self.scene, elsewhere / "scenes")
+        result, seconds = program.run(elsewhere / "no_program", elsewhere / "scenes" / self.scene.name,
+                                      elsewhere / "out", {"a": "1"}, "cpu", pictures=False, threads=2)
+        self.assertEqual((result.folder, seconds), (elsewhere / "out", 0.0))
+
     def test_a_simulation_that_diverges_is_a_result_other_failures_are_not(self):
         self.stand_in("echo 'error: it diverged' >&2\nexit 4\n")
         result, _ = self.run_it()
@@ -161,6 +186,15 @@ class Quantities(unittest.TestCase):
         self.assertAlmostEqual(quantities.mean_velocity(report), 2.5)
         self.assertAlmostEqual(quantities.kinetic(report), 4)
 
+    def test_the_energy_that_was_gained(self):
+        def frame(kinetic, potential):
+            return {"nodes": {"water": {"linear_momentum": [0, 0, 0], "kinetic_energy": kinetic,
+                                        "potential_energy": potential}}}
+
+        self.assertEqual(quantities.energy_gain([frame(0, 4), frame(6, 2), frame(1, 1)]), 2)
+        self.assertIsNone(quantities.energy_gain([frame(0, 0), frame(1, 0)]))
+        self.assertIsNone(quantities.energy_gain([]))
+
     def test_over_time_leaves_out_frames_without_fluid(self):
         series = [{"time": 0.0, "nodes": {"water": {"type": "ParticleFluid"}}},
                   {"time": 0.5, "nodes": {"water": {"linear_momentum": [1, 0, 0], "objective_by_iteration": [2, 1]}}}]
@@ -168,6 +202,32 @@ class Quantities(unittest.TestCase):
         self.assertEqual(quantities.last_objective(series), [2, 1])
         self.assertIsNone(quantities.last_objective(series[:1]))
 
+
+class WithoutDrawing(unittest.TestCase):
+    def test_a_page_of_numbers_needs_no_matplotlib(self):
+        """The stand-in writes statistics; matplotlib must not even be looked for."""
+        with tempfile.TemporaryDirectory() as folder:
+            weir, out = Path(folder) / "weir", Path(folder) / "out"
+            weir.write_text(STATISTICS_WRITER)
+            weir.chmod(0o755)
+            blocked = {**os.environ, "PYTHONPATH": str(Path(folder) / "blocked")}
+            (Path(folder) / "blocked").mkdir()
+            (Path(folder) / "blocked" / "matplotlib.py").write_text("raise RuntimeError('it was imported')")
+            done = subprocess.run(
+                [sys.executable, str(ROOT / "tools" / "paper" / "paper.py"), "--weir", str(weir), "--no-plots",
+                 "--only", "fig1", "--out", str(out)], env=blocked, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            page = (out / "README.md").read_text()
+            self.assertIn("| d = 10 mm | 7 |", page)
+            self.assertNotIn("![", page)
+
+
+STATISTICS_WRITER = """#!/bin/sh
+while [ $# -gt 0 ]; do
+  [ "$1" = --stats ] && echo '{"particles": 7, "end": "finished", "step_ms": {"mean": 2}, "device": {"description": "x"}}' > "$2"
+  shift
+done
+"""
 
 if __name__ == "__main__":
     unittest.main()
