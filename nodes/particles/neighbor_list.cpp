@@ -11,6 +11,7 @@ NeighborList::NeighborList(Device& device)
       sort_(device),
       entries_(device),
       counts_(device),
+      columns_(device),
       kept_(device, 1),
       events_(device) {
   events_.resize(3);
@@ -22,6 +23,8 @@ void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(capacity > 0);
   radius_ = radius;
   capacity_ = capacity;
+  constexpr int kLanes = 8;
+  room_ = shift_ == 0 ? (capacity + kLanes - 1) / kLanes * kLanes : capacity;
   grid_ = chooseCellGrid({}, radius, 0);
 }
 
@@ -45,7 +48,7 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 }
 
 NeighborView NeighborList::view() const {
-  return {entries_.data(), counts_.data(), capacity_, shift_};
+  return {entries_.data(), counts_.data(), room_, shift_};
 }
 
 NeighborEditor NeighborList::editor() {
