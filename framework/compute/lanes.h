@@ -91,14 +91,44 @@ struct Lanes {
   Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
   Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
 
-  friend LaneMask operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }
-  friend LaneMask operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }
-  friend LaneMask operator==(const Lanes& a, const Lanes& b) { return {a.v == b.v}; }
-
+#ifdef __AVX2__
+  // By name, because compilers for AVX-512 would make masks of comparisons and lanes of masks again.
+  friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return mask(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ));
+  }
+  friend LaneMask operator>(const Lanes& a, const Lanes& b) {
+    return b < a;
+  }
+  friend LaneMask operator==(const Lanes& a, const Lanes& b) {
+    return mask(_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ));
+  }
+  friend Lanes select(const LaneMask& condition, const Lanes& ifTrue, const Lanes& ifFalse) {
+    return Vector(_mm256_blendv_ps(ifFalse.v, ifTrue.v, reinterpret_cast<__m256>(condition.v)));
+  }
+  friend Lanes positivePart(const Lanes& t) {
+    return Vector(_mm256_max_ps(t.v, _mm256_setzero_ps()));
+  }
+#else
+  friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return {a.v < b.v};
+  }
+  friend LaneMask operator>(const Lanes& a, const Lanes& b) {
+    return {a.v > b.v};
+  }
+  friend LaneMask operator==(const Lanes& a, const Lanes& b) {
+    return {a.v == b.v};
+  }
   friend Lanes select(const LaneMask& condition, const Lanes& ifTrue, const Lanes& ifFalse) {
     return condition.v ? ifTrue.v : ifFalse.v;
   }
-  friend Lanes positivePart(const Lanes& t) { return select(t > Lanes(0.0f), t, Lanes(0.0f)); }
+  friend Lanes positivePart(const Lanes& t) {
+    return select(t > Lanes(0.0f), t, Lanes(0.0f));
+  }
+#endif
+  /// Zero where the condition does not hold.
+  friend Lanes keptWhere(const LaneMask& condition, const Lanes& a) {
+    return reinterpret_cast<Vector>(condition.v & reinterpret_cast<LaneMask::Vector>(a.v));
+  }
   friend Lanes sqrtf(const Lanes& a) {
 #ifdef __AVX2__
     return Vector(_mm256_sqrt_ps(a.v));
@@ -108,6 +138,13 @@ struct Lanes {
     return root;
 #endif
   }
+
+#ifdef __AVX2__
+ private:
+  static LaneMask mask(__m256 bits) {
+    return {reinterpret_cast<LaneMask::Vector>(bits)};
+  }
+#endif
 };
 
 namespace detail {
@@ -166,7 +203,14 @@ inline HalfLanes rowOf(const Vec4f& element) {
   return row;
 }
 inline HalfLanes rowOf(const Vec3f& element) {
+#ifdef __AVX2__
+  // Two numbers and one: reading four would leave the array at its end.
+  const __m128 z = _mm_load_ss(&element.z);
+  return HalfLanes(
+      _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(&element.x))), z));
+#else
   return HalfLanes{element.x, element.y, element.z, 0};
+#endif
 }
 
 /// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.

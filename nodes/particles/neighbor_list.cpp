@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nodes/particles/neighbor_sum.h"
+
 namespace weir {
 
 static_assert(sizeof(NeighborEvents) == 3 * sizeof(int));
@@ -23,8 +25,7 @@ void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(capacity > 0);
   radius_ = radius;
   capacity_ = capacity;
-  constexpr int kLanes = 8;
-  room_ = shift_ == 0 ? (capacity + kLanes - 1) / kLanes * kLanes : capacity;
+  room_ = shift_ == 0 ? (capacity + kListPiece - 1) / kListPiece * kListPiece : capacity;
   grid_ = chooseCellGrid({}, radius, 0);
 }
 

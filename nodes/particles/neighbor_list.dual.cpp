@@ -1,5 +1,5 @@
 #include "nodes/particles/neighbor_list.h"
-#include "framework/compute/lanes.h"
+#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
@@ -145,8 +145,8 @@ struct FindNeighborsInLanes {
       }
     });
     writer.finish(i, found);
-    // So that entries up to a multiple of eight may be followed.
-    for (int k = found; k % Lanes::kCount != 0 && k < writer.room; ++k) list[k] = self;
+    // So that the entries of a whole piece may be followed.
+    for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
   }
 
   int append(int* list, int found, const LaneInts& index, unsigned bits) const {

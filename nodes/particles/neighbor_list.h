@@ -12,7 +12,7 @@ namespace weir {
 
 /// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i
 /// & mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines. On
-/// the CPU (shift 0) the capacity is a multiple of eight, and so is the number of entries of each list that
+/// the CPU (shift 0) the capacity is a multiple of sixteen, and so is the number of entries of each list that
 /// are indices of particles: those behind the neighbours mean nothing, but may be followed.
 struct NeighborView {
   const int* entries = nullptr;

@@ -6,6 +6,16 @@
 
 namespace weir {
 
+/// On the CPU lists are read in pieces of so many entries: most particles have one piece, so the processor
+/// guesses right how the loop over them ends, and two groups of lanes are at work at a time.
+inline constexpr int kListPiece = 16;
+
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+#define WEIR_SUMS_IN_LANES
+#endif
+
+namespace detail {
+
 WEIR_HD inline void addTo(float& sum, float term) {
   sum += term;
 }
@@ -13,31 +23,57 @@ WEIR_HD inline void addTo(Vec4f& sum, const Vec4f& term) {
   sum = {sum.x + term.x, sum.y + term.y, sum.z + term.z, sum.w + term.w};
 }
 
-#ifdef WEIR_HAS_LANES
-
-namespace detail {
+#ifdef WEIR_SUMS_IN_LANES
 
 template <class T>
 struct SumInLanes;
 template <>
 struct SumInLanes<float> {
   Lanes total;
-  void add(const LaneMask& counted, const Lanes& term) { total += select(counted, term, Lanes()); }
+  void add(const LaneMask& counted, const Lanes& term) { total += keptWhere(counted, term); }
 };
 template <>
 struct SumInLanes<Vec4f> {
   Vec4<Lanes> total;
   void add(const LaneMask& counted, const Vec4<Lanes>& term) {
-    total.x += select(counted, term.x, Lanes());
-    total.y += select(counted, term.y, Lanes());
-    total.z += select(counted, term.z, Lanes());
-    total.w += select(counted, term.w, Lanes());
+    total.x += keptWhere(counted, term.x);
+    total.y += keptWhere(counted, term.y);
+    total.z += keptWhere(counted, term.z);
+    total.w += keptWhere(counted, term.w);
   }
 };
 
-}  // namespace detail
+template <class T, class F, class... Element>
+T sumInLanes(const int* entry, int count, const F& f, const Element*... elements) {
+  SumInLanes<T> sum;
+  const auto addEight = [&](int k) {
+    LaneInts j;
+    __builtin_memcpy(&j.v, entry + k, sizeof j.v);
+    sum.add(LaneInts::from(k) < count, f(j, gatherLanes(elements, entry + k)...));
+  };
+  // The entries of a piece may all be followed, see NeighborView.
+  for (int k = 0; k < count; k += kListPiece) {
+    addEight(k);
+    addEight(k + Lanes::kCount);
+  }
+  return sumOfLanes(sum.total);
+}
 
 #endif
+
+/// The same sum one by one, bit for bit, for processors to which eight lanes are too wide.
+template <class T, class F, class... Element>
+T sumAsInLanes(const int* entry, int count, const F& f, const Element*... elements) {
+  constexpr int kLanes = 8;
+  T sums[kLanes] = {};
+  for (int k = 0; k < count; ++k) addTo(sums[k % kLanes], f(entry[k], elements[entry[k]]...));
+  for (int width = kLanes / 2; width > 0; width /= 2) {
+    for (int l = 0; l < width; ++l) addTo(sums[l], sums[l + width]);
+  }
+  return sums[0];
+}
+
+}  // namespace detail
 
 /// Σ f(j, elements[j]…) over the neighbours j of particle i, for any number of arrays of Vec3f or Vec4f. T,
 /// what is summed, is float or Vec4f.
@@ -50,19 +86,14 @@ WEIR_HD inline T sumOverNeighbors(std::int64_t i, const NeighborView& list, cons
                                   const ArrayView<const Element>&... elements) {
   const int count = list.counts[i];
   const int* entry = list.entries + list.first(i);
-#ifdef WEIR_HAS_LANES
-  detail::SumInLanes<T> sum;
-  // Lists are filled up to a multiple of eight with entries that may be read (see NeighborView).
-  for (int k = 0; k < count; k += Lanes::kCount) {
-    LaneInts j;
-    __builtin_memcpy(&j.v, entry + k, sizeof j.v);
-    sum.add(LaneInts::from(k) < count, f(j, gatherLanes(elements.data, entry + k)...));
-  }
-  return sumOfLanes(sum.total);
+#if defined(WEIR_SUMS_IN_LANES)
+  return detail::sumInLanes<T>(entry, count, f, elements.data...);
+#elif !defined(__CUDACC__)
+  return detail::sumAsInLanes<T>(entry, count, f, elements.data...);
 #else
   T sum{};
   const int stride = 1 << list.shift;
-  for (int k = 0; k < count; ++k, entry += stride) addTo(sum, f(*entry, elements[*entry]...));
+  for (int k = 0; k < count; ++k, entry += stride) detail::addTo(sum, f(*entry, elements[*entry]...));
   return sum;
 #endif
 }

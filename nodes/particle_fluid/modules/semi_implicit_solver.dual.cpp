@@ -49,7 +49,8 @@ struct PushOf {
   WallFieldView walls;
   ArrayView<const Vec4f> weighted;
 
-  WEIR_HD Push operator()(std::int64_t i) const {
+  // Inline, so that what is the same for all particles is prepared once for all.
+  [[gnu::always_inline]] WEIR_HD Push operator()(std::int64_t i) const {
     const Vec4f s = weighted[i];
     const int self = static_cast<int>(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
