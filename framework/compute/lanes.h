@@ -215,7 +215,7 @@ inline HalfLanes rowOf(const Vec3f& element) {
 
 /// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.
 template <class Element>
-Vec4<Lanes> transposed(const Element* elements, const int* index) {
+[[gnu::always_inline]] inline Vec4<Lanes> transposed(const Element* elements, const int* index) {
   const auto rows = [&](int l) {
     return __builtin_shufflevector(rowOf(elements[index[l]]), rowOf(elements[index[l + 4]]), 0, 1, 2, 3, 4, 5,
                                    6, 7);
@@ -233,11 +233,12 @@ Vec4<Lanes> transposed(const Element* elements, const int* index) {
 
 }  // namespace detail
 
-/// Elements index[0] to index[7] of an array, as eight lanes of each component.
-inline Vec4<Lanes> gatherLanes(const Vec4f* elements, const int* index) {
+/// Elements index[0] to index[7] of an array, as eight lanes of each component. Inline, because lanes that
+/// are returned go through memory.
+[[gnu::always_inline]] inline Vec4<Lanes> gatherLanes(const Vec4f* elements, const int* index) {
   return detail::transposed(elements, index);
 }
-inline Vec3<Lanes> gatherLanes(const Vec3f* elements, const int* index) {
+[[gnu::always_inline]] inline Vec3<Lanes> gatherLanes(const Vec3f* elements, const int* index) {
   const Vec4<Lanes> columns = detail::transposed(elements, index);
   return {columns.x, columns.y, columns.z};
 }

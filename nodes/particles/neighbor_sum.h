@@ -44,9 +44,10 @@ struct SumInLanes<Vec4f> {
 };
 
 template <class T, class F, class... Element>
-T sumInLanes(const int* entry, int count, const F& f, const Element*... elements) {
+[[gnu::always_inline]] inline T sumInLanes(const int* entry, int count, const F& f,
+                                           const Element*... elements) {
   SumInLanes<T> sum;
-  const auto addEight = [&](int k) {
+  const auto addEight = [&](int k) __attribute__((always_inline)) {
     LaneInts j;
     __builtin_memcpy(&j.v, entry + k, sizeof j.v);
     sum.add(LaneInts::from(k) < count, f(j, gatherLanes(elements, entry + k)...));
