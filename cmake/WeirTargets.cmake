@@ -28,6 +28,11 @@ function(weir_configure_target target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND warnings -Wno-restrict)
   endif()
+  # Vectors wider than the processor's registers (framework/compute/lanes.h) only pass between inline functions,
+  # so how they are passed does not matter.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    list(APPEND warnings -Wno-psabi)
+  endif()
   # No contraction of a*b+c on the CPU: results must not depend on which instructions a build may use.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${warnings};-ffp-contract=off;-fno-math-errno>)
   if(WEIR_HAS_CUDA)
@@ -48,7 +53,8 @@ function(weir_configure_target target)
 endfunction()
 
 # Adds the sources below `directory` to the target, by what their names say:
-#   *.dual.cpp   compiled by the host compiler for the CPU, and again by nvcc for CUDA
+#   *.dual.cpp   compiled by the host compiler for the CPU, for each of its instruction sets (see WeirCpuIsas),
+#                and again by nvcc for CUDA
 #   *.cu         compiled by nvcc, in builds with CUDA
 #   *.cpp        compiled by the host compiler
 function(weir_add_sources target directory)
@@ -56,6 +62,15 @@ function(weir_add_sources target directory)
   file(GLOB_RECURSE dual_sources CONFIGURE_DEPENDS ${directory}/*.dual.cpp)
   file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS ${directory}/*.cu)
   target_sources(${target} PRIVATE ${host_sources})
+  foreach(isa ${WEIR_CPU_ISAS})
+    foreach(source ${dual_sources})
+      file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${source})
+      set(wrapper ${CMAKE_BINARY_DIR}/isa/${isa}/${relative})
+      file(CONFIGURE OUTPUT ${wrapper} CONTENT "#include \"${source}\"\n" @ONLY)
+      set_source_files_properties(${wrapper} PROPERTIES COMPILE_OPTIONS "${WEIR_CPU_ISA_OPTIONS_${isa}}")
+      target_sources(${target} PRIVATE ${wrapper})
+    endforeach()
+  endforeach()
   if(WEIR_HAS_CUDA)
     target_sources(${target} PRIVATE ${cuda_sources})
     foreach(source ${dual_sources})

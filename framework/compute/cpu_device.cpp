@@ -63,33 +63,38 @@ struct Launch {
 
 }  // namespace
 
-struct CpuDevice::Impl {
+struct CpuBackend::Impl {
   explicit Impl(int threadCount) : threads(threadCount) {}
 
   CpuThreads threads;
   MemoryPool pool{allocateOnHost, [](void* memory, std::size_t) { ::operator delete(memory, kAlignment); }};
 };
 
-CpuDevice::CpuDevice(int threads) : Device(DeviceKind::kCpu, "cpu") {
+CpuBackend::CpuBackend(int threads, CpuIsa isa) : Device(DeviceKind::kCpu, "cpu"), isa_(isa) {
   WEIR_CHECK(threads >= 0);
   impl_ = std::make_unique<Impl>(threads);
   profiler_ = std::make_unique<CpuProfiler>();
 }
 
-CpuDevice::~CpuDevice() = default;
+CpuBackend::~CpuBackend() = default;
 
-int CpuDevice::threads() const {
+CpuDevice::CpuDevice(int threads, CpuIsa isa) : CpuAvx512(threads, isa) {
+  WEIR_CHECK(isUsable(isa));
+}
+
+int CpuBackend::threads() const {
   return impl_->threads.count();
 }
 
-std::string CpuDevice::description() const {
+std::string CpuBackend::description() const {
   const std::string model = procValue("/proc/cpuinfo", "model name");
   constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
-  return fmt::format("{}, {} thread{}, {:.0f} GiB", model.empty() ? "CPU" : model, threads(),
-                     threads() == 1 ? "" : "s", static_cast<double>(memoryInfo("MemTotal")) / kGiB);
+  return fmt::format("{}, {} thread{}, {}, {:.0f} GiB", model.empty() ? "CPU" : model, threads(),
+                     threads() == 1 ? "" : "s", cpuIsaName(isa()),
+                     static_cast<double>(memoryInfo("MemTotal")) / kGiB);
 }
 
-void* CpuDevice::allocate(std::size_t bytes) {
+void* CpuBackend::allocate(std::size_t bytes) {
   void* memory = impl_->pool.allocate(bytes);
   if (memory == nullptr && bytes > 0) {
     throw simulationError(fmt::format("out of memory: {} were asked for, {} are free", describeBytes(bytes),
@@ -99,33 +104,33 @@ void* CpuDevice::allocate(std::size_t bytes) {
   return memory;
 }
 
-void CpuDevice::release(void* memory, std::size_t bytes) noexcept {
+void CpuBackend::release(void* memory, std::size_t bytes) noexcept {
   impl_->pool.release(memory, bytes);
 }
 
-MemoryUse CpuDevice::memoryUse() const {
+MemoryUse CpuBackend::memoryUse() const {
   return impl_->pool.use();
 }
 
-void CpuDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
+void CpuBackend::upload(void* to, const void* fromHost, std::size_t bytes) {
   copy(to, fromHost, bytes);
 }
 
-void CpuDevice::download(void* toHost, const void* from, std::size_t bytes) {
+void CpuBackend::download(void* toHost, const void* from, std::size_t bytes) {
   ++blockingReadbacks_;
   copy(toHost, from, bytes);
 }
 
-void CpuDevice::copy(void* to, const void* from, std::size_t bytes) {
+void CpuBackend::copy(void* to, const void* from, std::size_t bytes) {
   if (bytes > 0) std::memcpy(to, from, bytes);
 }
 
-void CpuDevice::fillBytes(void* to, int byte, std::size_t bytes) {
+void CpuBackend::fillBytes(void* to, int byte, std::size_t bytes) {
   if (bytes > 0) std::memset(to, byte, bytes);
 }
 
-void CpuDevice::forRanges(std::int64_t n, std::int64_t grain,
-                          void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context) {
+void CpuBackend::forRanges(std::int64_t n, std::int64_t grain,
+                           void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context) {
   WEIR_CHECK(grain > 0);
   if (n <= 0) return;
   const std::int64_t ranges = (n - 1) / grain + 1;

@@ -1,8 +1,8 @@
 // The machine that a simulation runs on: its memory, its clock of work, and how kernels reach it.
 //
 // A Device is an object that is passed, never a global. CpuDevice and CudaDevice are the two back ends; code
-// that launches kernels is a template over them (see parallel.h) and is compiled once by the host compiler
-// and once by nvcc. Everything else speaks to Device alone.
+// that launches kernels is a template over them (see parallel.h) and is compiled by the host compiler, once
+// for each instruction set (cpu_isa.h), and once by nvcc. Everything else speaks to Device alone.
 //
 // One thread at a time uses a device; allocate, release and memoryUse alone may be called by any thread.
 #pragma once
@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/compute/cpu_isa.h"
 #include "framework/compute/profiler.h"
 
 struct CUstream_st;  // cudaStream_t is a pointer to it; named here so that no host file needs CUDA's headers
@@ -92,12 +93,11 @@ class Device {
   bool deterministic_ = true;
 };
 
-/// Runs on the host's cores through oneTBB. Results do not depend on the number of threads.
-class CpuDevice final : public Device {
+/// What all kernels on the CPU share, whatever instructions they are compiled for. Runs on the host's cores
+/// through oneTBB. Results depend neither on the number of threads nor on the instructions.
+class CpuBackend : public Device {
  public:
-  /// `threads` 0 means one for every core the process may use; there may be more threads than cores.
-  explicit CpuDevice(int threads = 0);
-  ~CpuDevice() override;
+  ~CpuBackend() override;
 
   std::string description() const override;
   void* allocate(std::size_t bytes) override;
@@ -110,15 +110,40 @@ class CpuDevice final : public Device {
   void synchronize() override {}
 
   int threads() const;
+  /// The instructions that `dispatch` chooses kernels for.
+  CpuIsa isa() const { return isa_; }
 
   /// Calls body(context, begin, end) for consecutive ranges that cover [0, n), on all threads. The ranges are
   /// [k*grain, min(n, (k+1)*grain)): they depend on n and grain alone.
   void forRanges(std::int64_t n, std::int64_t grain,
                  void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context);
 
+ protected:
+  CpuBackend(int threads, CpuIsa isa);
+
  private:
   struct Impl;
+  CpuIsa isa_;
   std::unique_ptr<Impl> impl_;
+};
+
+// The CPU as the kernels of one instruction set know it: types by which templates over the back end are told
+// apart. A CpuDevice is all of them, and `dispatch` passes it as the one that it was opened for.
+class CpuAvx2 : public CpuBackend {
+ protected:
+  using CpuBackend::CpuBackend;
+};
+class CpuAvx512 : public CpuAvx2 {
+ protected:
+  using CpuAvx2::CpuAvx2;
+};
+
+/// The CPU; as a back end, the one of kernels for any processor.
+class CpuDevice final : public CpuAvx512 {
+ public:
+  /// `threads` 0 means one for every core the process may use; there may be more threads than cores. `isa` is
+  /// one of usableCpuIsas().
+  explicit CpuDevice(int threads = 0, CpuIsa isa = chosenCpuIsa());
 };
 
 /// Runs on one CUDA device, all work on one stream. Exists in every build; only builds with WEIR_HAS_CUDA can
@@ -192,13 +217,22 @@ decltype(auto) dispatch(Device& device, F&& f) {
 #ifdef WEIR_HAS_CUDA
   if (device.kind() == DeviceKind::kCuda) return f(static_cast<CudaDevice&>(device));
 #endif
-  return f(static_cast<CpuDevice&>(device));
+  CpuDevice& cpu = static_cast<CpuDevice&>(device);
+#ifdef WEIR_HAS_CPU_ISAS
+  if (cpu.isa() == CpuIsa::kAvx512) return f(static_cast<CpuAvx512&>(cpu));
+  if (cpu.isa() == CpuIsa::kAvx2) return f(static_cast<CpuAvx2&>(cpu));
+#endif
+  return f(cpu);
 }
 
 /// The back end that this translation unit is being compiled for: a source file that is compiled twice ends
 /// with explicit instantiations for it.
-#ifdef __CUDACC__
+#if defined(__CUDACC__)
 using ThisBackend = CudaDevice;
+#elif defined(WEIR_FOR_AVX512)
+using ThisBackend = CpuAvx512;
+#elif defined(WEIR_FOR_AVX2)
+using ThisBackend = CpuAvx2;
 #else
 using ThisBackend = CpuDevice;
 #endif

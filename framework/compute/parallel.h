@@ -35,7 +35,7 @@ struct Count {
 /// Calls f(i) for every i in [0, count). The calls are independent: none reads what another writes, except
 /// through atomicAdd.
 template <class F>
-void parallelFor(CpuDevice& device, std::string_view name, Count count, const F& f);
+void parallelFor(CpuBackend& device, std::string_view name, Count count, const F& f);
 template <class F>
 void parallelFor(CudaDevice& device, std::string_view name, Count count, const F& f);
 
@@ -51,7 +51,7 @@ inline constexpr int kMostScratch = 384;  // numbers
 /// Calls f(i, scratch) for every i in [0, count), with `numbers` (at most kMostScratch) of scratch memory
 /// each.
 template <class F>
-void parallelForWithScratch(CpuDevice& device, std::string_view name, Count count, int numbers, const F& f);
+void parallelForWithScratch(CpuBackend& device, std::string_view name, Count count, int numbers, const F& f);
 template <class F>
 void parallelForWithScratch(CudaDevice& device, std::string_view name, Count count, int numbers, const F& f);
 
@@ -60,28 +60,30 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
 /// result depends on the exact count and the values alone: not on the bound, the number of threads, or the
 /// run.
 template <class T, class F, class Op>
-void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
+void reduce(CpuBackend& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result);
 template <class T, class F, class Op>
 void reduce(CudaDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result);
 
 /// out[i] = in[0] + … + in[i-1]; in and out may be the same. `n` elements.
-void exclusiveScan(CpuDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
+void exclusiveScan(CpuBackend& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
 void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n);
 
 /// Sorts n pairs by ascending key; equal keys keep their order.
-void stableSortByKey(CpuDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CpuBackend& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
+                     std::int64_t n);
 void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
                      std::int64_t n);
-void stableSortByKey(CpuDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values, std::int64_t n);
+void stableSortByKey(CpuBackend& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
+                     std::int64_t n);
 void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
                      std::int64_t n);
 
 /// indices[k] = the k-th i in [0, count) with keep(i); *kept (device memory) = how many; it may stand where
 /// the exact count does. Needs indices.size >= bound. keep(i) is asked twice and must give the same answer.
 template <class Keep>
-void compact(CpuDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
+void compact(CpuBackend& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
              int* kept);
 template <class Keep>
 void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,

@@ -24,7 +24,7 @@ inline std::int64_t cpuGrain(std::int64_t n, int threads) {
 /// body(begin, end) on all threads; the body is a template argument, so its loop stays visible to the
 /// optimiser.
 template <class Body>
-void forRanges(CpuDevice& device, std::int64_t n, std::int64_t grain, const Body& body) {
+void forRanges(CpuBackend& device, std::int64_t n, std::int64_t grain, const Body& body) {
   device.forRanges(
       n, grain,
       [](void* context, std::int64_t begin, std::int64_t end) {
@@ -53,7 +53,7 @@ T reduceRange(std::int64_t begin, std::int64_t end, const T& identity, const F& 
 }  // namespace detail
 
 template <class F>
-void parallelFor(CpuDevice& device, std::string_view name, Count count, const F& f) {
+void parallelFor(CpuBackend& device, std::string_view name, Count count, const F& f) {
   const KernelScope scope(device.profiler(), name);
   const std::int64_t n = count.get();
   detail::forRanges(device, n, detail::cpuGrain(n, device.threads()),
@@ -70,7 +70,7 @@ void parallelFor(CpuDevice& device, std::string_view name, Count count, const F&
 }
 
 template <class F>
-void parallelForWithScratch(CpuDevice& device, std::string_view name, Count count, int numbers, const F& f) {
+void parallelForWithScratch(CpuBackend& device, std::string_view name, Count count, int numbers, const F& f) {
   WEIR_CHECK(numbers <= kMostScratch);
   parallelFor(device, name, count, [&f](std::int64_t i) {
     int scratch[kMostScratch];
@@ -79,7 +79,7 @@ void parallelForWithScratch(CpuDevice& device, std::string_view name, Count coun
 }
 
 template <class T, class F, class Op>
-void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
+void reduce(CpuBackend& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result) {
   const KernelScope scope(device.profiler(), name);
   const std::int64_t n = count.get();
@@ -102,7 +102,7 @@ void reduce(CpuDevice& device, std::string_view name, Count count, T identity, c
 }
 
 template <class Keep>
-void compact(CpuDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
+void compact(CpuBackend& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
              int* kept) {
   const KernelScope scope(device.profiler(), name);
   WEIR_CHECK(indices.size >= count.bound);

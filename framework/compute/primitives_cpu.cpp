@@ -20,7 +20,7 @@ std::int64_t sortGrain(std::int64_t n, int threads) {
 /// Places of one digit's values: counts by block, and then where each block's next key of that digit goes.
 class DigitPlaces {
  public:
-  DigitPlaces(CpuDevice& device, std::int64_t n)
+  DigitPlaces(CpuBackend& device, std::int64_t n)
       : grain_(sortGrain(n, device.threads())),
         blocks_((n - 1) / grain_ + 1),
         place_(device, blocks_ * kDigits) {}
@@ -49,7 +49,7 @@ class DigitPlaces {
 
 /// Least significant digit first; every pass is stable.
 template <class Key>
-void radixSort(CpuDevice& device, ArrayView<Key> keys, ArrayView<int> values, std::int64_t n) {
+void radixSort(CpuBackend& device, ArrayView<Key> keys, ArrayView<int> values, std::int64_t n) {
   WEIR_CHECK(keys.size >= n);
   WEIR_CHECK(values.size >= n);
   if (n <= 1) return;
@@ -84,7 +84,7 @@ void radixSort(CpuDevice& device, ArrayView<Key> keys, ArrayView<int> values, st
 
 }  // namespace
 
-void exclusiveScan(CpuDevice& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n) {
+void exclusiveScan(CpuBackend& device, ArrayView<const int> in, ArrayView<int> out, std::int64_t n) {
   const KernelScope scope(device.profiler(), "exclusiveScan");
   WEIR_CHECK(in.size >= n);
   WEIR_CHECK(out.size >= n);
@@ -105,13 +105,13 @@ void exclusiveScan(CpuDevice& device, ArrayView<const int> in, ArrayView<int> ou
   });
 }
 
-void stableSortByKey(CpuDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
+void stableSortByKey(CpuBackend& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,
                      std::int64_t n) {
   const KernelScope scope(device.profiler(), "stableSortByKey");
   radixSort(device, keys, values, n);
 }
 
-void stableSortByKey(CpuDevice& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
+void stableSortByKey(CpuBackend& device, ArrayView<std::uint64_t> keys, ArrayView<int> values,
                      std::int64_t n) {
   const KernelScope scope(device.profiler(), "stableSortByKey");
   radixSort(device, keys, values, n);

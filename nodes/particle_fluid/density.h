@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "nodes/particle_fluid/fluid_constants.h"
-#include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
@@ -19,6 +19,17 @@ WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbo
     sum += kernel.value(sqrtf(dot(d, d)));
   });
   return particleVolume * sum;
+}
+
+/// The same with positions that are the first three numbers of `state`, eight neighbours at a time.
+WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbors, const SpikyKernel& kernel,
+                                     float particleVolume, const ArrayView<const Vec4f>& state) {
+  const Vec4f s = state[i];
+  const auto value = [&]<class T>(const auto&, const Vec4<T>& t) {
+    const Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
+    return kernel.value(sqrtf(dot(d, d)));
+  };
+  return particleVolume * (kernel.value0 + sumOverNeighbors<float>(i, neighbors, value, state));
 }
 
 }  // namespace weir

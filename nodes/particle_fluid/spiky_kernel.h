@@ -5,7 +5,7 @@
 // where s is the calibration of the rest state, see fluid_constants.h.
 #pragma once
 
-#include "framework/base/host_device.h"
+#include "framework/compute/lanes.h"
 
 namespace weir {
 
@@ -20,24 +20,26 @@ struct SpikyKernel {
         value0(calibration * 15 / (kPi * radius * radius * radius)),
         slope0(calibration * 45 / (kPi * radius * radius * radius * radius)) {}
 
-  /// W at distance r in [0, H].
-  WEIR_HD float value(float r) const {
-    const float t = clampedRest(r);
+  /// W at distance r in [0, H], or at eight of them.
+  template <class T>
+  WEIR_HD T value(const T& r) const {
+    const T t = clampedRest(r);
     return value0 * t * t * t;
   }
   /// |W'| at distance r in [0, H].
-  WEIR_HD float slope(float r) const {
-    const float t = clampedRest(r);
+  template <class T>
+  WEIR_HD T slope(const T& r) const {
+    const T t = clampedRest(r);
     return slope0 * t * t;
   }
 
  private:
   static constexpr float kPi = 3.14159265358979f;
 
-  WEIR_HD float clampedRest(float r) const {
-    const float t = 1 - r * inverseRadius;
+  template <class T>
+  WEIR_HD T clampedRest(const T& r) const {
     // A neighbour found at the predicted positions may leave the support during the iterations.
-    return t > 0 ? t : 0;
+    return positivePart(1 - r * inverseRadius);
   }
 };
 

@@ -38,7 +38,9 @@ struct CellGrid {
     constexpr float kFarthest = 1e9f;  // cells; keeps the conversion to int defined for far-away particles
     float cell = floorf(x * inverseCellSize);
     cell = cell > kFarthest ? kFarthest : (cell < -kFarthest ? -kFarthest : cell);
-    const int m = static_cast<int>(cell) % n;
+    const int c = static_cast<int>(cell);
+    if (c >= 0 && c < n) return c;  // division takes long
+    const int m = c % n;
     return m < 0 ? m + n : m;
   }
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nodes/particles/neighbor_sum.h"
+
 namespace weir {
 
 static_assert(sizeof(NeighborEvents) == 3 * sizeof(int));
@@ -11,6 +13,8 @@ NeighborList::NeighborList(Device& device)
       sort_(device),
       entries_(device),
       counts_(device),
+      columns_(device),
+      points_(device),
       events_(device) {
   events_.resize(3);
   events_.fillZero();
@@ -21,6 +25,7 @@ void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(capacity > 0);
   radius_ = radius;
   capacity_ = capacity;
+  room_ = shift_ == 0 ? (capacity + kListPiece - 1) / kListPiece * kListPiece : capacity;
   grid_ = chooseCellGrid({}, radius, 0);
 }
 
@@ -44,7 +49,7 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 }
 
 NeighborView NeighborList::view() const {
-  return {entries_.data(), counts_.data(), capacity_, shift_};
+  return {entries_.data(), counts_.data(), room_, shift_};
 }
 
 NeighborEditor NeighborList::editor() {

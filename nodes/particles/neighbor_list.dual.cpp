@@ -1,4 +1,5 @@
 #include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
@@ -28,72 +29,166 @@ struct CellKey {
   }
 };
 
-class FindNeighbors {
- public:
-  ArrayView<const Vec3f> positions;
-  ArrayView<const int> cellStart;
-  CellGrid grid;
-  float radiusSquared;
+/// Calls f(begin, end) for ranges of sorted places that hold all particles near a point.
+template <class F>
+WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayView<const int>& cellStart,
+                              const F& f) {
+  const Vec3i cell = grid.cellOf(p);
+  const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
+  for (int dz = -1; dz <= 1; ++dz) {
+    const int z = CellGrid::step(cell.z, dz, grid.cells.z);
+    for (int dy = -1; dy <= 1; ++dy) {
+      const int y = CellGrid::step(cell.y, dy, grid.cells.y);
+      const int row = (z * grid.cells.y + y) * grid.cells.x;
+      if (inside) {
+        // The three cells of a row stand side by side.
+        f(cellStart[row + cell.x - 1], cellStart[row + cell.x + 2]);
+      } else {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
+          f(cellStart[c], cellStart[c + 1]);
+        }
+      }
+    }
+  }
+}
+
+/// Where lists go.
+struct ListWriter {
   int capacity;
+  int room;
   int shift;
   int* entries;
   int* counts;
   int* truncated;
 
+  WEIR_HD int* list(std::int64_t i) const {
+    return entries + NeighborView{nullptr, nullptr, room, shift}.first(i);
+  }
+  WEIR_HD void finish(std::int64_t i, int found) const {
+    if (found > capacity) {
+      atomicAdd(truncated, 1);
+      found = capacity;
+    }
+    counts[i] = found;
+  }
+};
+
+/// Positions padded to four numbers.
+struct FillPoints {
+  ArrayView<const Vec3f> positions;
+  ArrayView<Vec4f> points;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    points[i] = {p.x, p.y, p.z, 0};
+  }
+};
+
+/// Point is Vec3f or Vec4f.
+template <class Point>
+struct FindNeighbors {
+  ArrayView<const Point> points;
+  ArrayView<const int> cellStart;
+  CellGrid grid;
+  float radiusSquared;
+  ListWriter writer;
+
   /// Straight into the list.
-  WEIR_HD void operator()(std::int64_t i) const { counts[i] = find(i, Scratch{listOf(i), 1 << shift}); }
+  WEIR_HD void operator()(std::int64_t i) const {
+    writer.finish(i, find(i, Scratch{writer.list(i), 1 << writer.shift}));
+  }
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
-    const int count = find(i, scratch);
-    int* list = listOf(i);
-    for (int k = 0; k < count; ++k) list[k << shift] = scratch[k];
-    counts[i] = count;
-  }
-
- private:
-  WEIR_HD int* listOf(std::int64_t i) const {
-    return entries + NeighborView{nullptr, nullptr, capacity, shift}.first(i);
+    const int found = find(i, scratch);
+    int* list = writer.list(i);
+    const int stride = 1 << writer.shift;
+    for (int k = 0; k < found && k < writer.capacity; ++k) list[k * stride] = scratch[k];
+    writer.finish(i, found);
   }
 
   WEIR_HD int find(std::int64_t i, const Scratch& list) const {
-    const Vec3f p = positions[i];
-    const Vec3i cell = grid.cellOf(p);
+    const Point p = points[i];
     int found = 0;
-    for (int dz = -1; dz <= 1; ++dz) {
-      const int z = CellGrid::step(cell.z, dz, grid.cells.z);
-      for (int dy = -1; dy <= 1; ++dy) {
-        const int y = CellGrid::step(cell.y, dy, grid.cells.y);
-        const int row = (z * grid.cells.y + y) * grid.cells.x;
-        if (cell.x > 0 && cell.x + 1 < grid.cells.x) {
-          // The three cells of a row stand side by side.
-          scan(i, p, cellStart[row + cell.x - 1], cellStart[row + cell.x + 2], list, found);
-        } else {
-          for (int dx = -1; dx <= 1; ++dx) {
-            const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
-            scan(i, p, cellStart[c], cellStart[c + 1], list, found);
-          }
-        }
-      }
-    }
-    if (found <= capacity) return found;
-    atomicAdd(truncated, 1);
-    return capacity;
-  }
-
-  WEIR_HD void scan(std::int64_t i, const Vec3f& p, int begin, int end, const Scratch& list,
-                    int& found) const {
+    forEachRangeNear({p.x, p.y, p.z}, grid, cellStart, [&](int begin, int end) {
 #ifdef __CUDA_ARCH__
 #pragma unroll 4  // so that several positions are under way at once
 #endif
-    for (int j = begin; j < end; ++j) {
-      const Vec3f d = positions[j] - p;
-      if (dot(d, d) >= radiusSquared || j == i) continue;
-      if (found < capacity) list[found] = j;
-      ++found;
-    }
+      for (int j = begin; j < end; ++j) {
+        const Point q = points[j];
+        const Vec3f d{q.x - p.x, q.y - p.y, q.z - p.z};
+        if (dot(d, d) >= radiusSquared || j == i) continue;
+        if (found < writer.capacity) list[found] = j;
+        ++found;
+      }
+    });
+    return found;
   }
 };
+
+#ifdef WEIR_HAS_LANES
+
+/// The coordinates of particles in columns, so that eight candidates are tested at a time. Behind each column
+/// there is room for eight more.
+struct Columns {
+  float* x;
+  float* y;
+  float* z;
+
+  Columns(Array<float>& memory, std::int64_t particles) {
+    const std::int64_t height = (particles + 2 * Lanes::kCount - 1) / Lanes::kCount * Lanes::kCount;
+    memory.resizeDiscarding(3 * height);
+    x = memory.data(), y = x + height, z = y + height;
+  }
+};
+
+struct FillColumns {
+  ArrayView<const Vec3f> positions;
+  Columns columns;
+
+  void operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    columns.x[i] = p.x, columns.y[i] = p.y, columns.z[i] = p.z;
+  }
+};
+
+struct FindNeighborsInLanes {
+  Columns columns;
+  ArrayView<const int> cellStart;
+  CellGrid grid;
+  float radiusSquared;
+  ListWriter writer;
+
+  void operator()(std::int64_t i) const {
+    const Vec3f p{columns.x[i], columns.y[i], columns.z[i]};
+    const int self = static_cast<int>(i);
+    int* list = writer.list(i);
+    int found = 0;
+    forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
+      for (int j = begin; j < end; j += Lanes::kCount) {
+        const Vec3<Lanes> d{Lanes::load(columns.x + j) - p.x, Lanes::load(columns.y + j) - p.y,
+                            Lanes::load(columns.z + j) - p.z};
+        const LaneInts index = LaneInts::from(j);
+        const LaneMask near = (dot(d, d) < Lanes(radiusSquared)) & (index < end) & (index != self);
+        found += append(list, found, index, near.bits());
+      }
+    });
+    writer.finish(i, found);
+    // So that the entries of a whole piece may be followed.
+    for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
+  }
+
+  int append(int* list, int found, const LaneInts& index, unsigned bits) const {
+    if (found + Lanes::kCount <= writer.room) return storeChosen(list + found, index, bits);
+    int chosen[Lanes::kCount];
+    const int count = storeChosen(chosen, index, bits);
+    for (int k = 0; k < count && found + k < writer.room; ++k) list[found + k] = chosen[k];
+    return count;
+  }
+};
+
+#endif
 
 }  // namespace
 
@@ -110,25 +205,37 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
     particles.permute(sort_.order());
   }
   const ProfileScope scope(device.profiler(), "list");
+  listOn(device, particles);
+}
+
+template <class Backend>
+void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const std::int64_t lanes = std::int64_t{1} << shift_;
   const std::int64_t padded = (particles.positions().size() + lanes - 1) / lanes * lanes;
   counts_.resize(padded);
-  entries_.resize(padded * capacity_);
-  const FindNeighbors find{particles.positions().view(),
-                           sort_.start(),
-                           grid_,
-                           radius_ * radius_,
-                           capacity_,
-                           shift_,
-                           entries_.data(),
-                           counts_.data(),
-                           events};
+  entries_.resize(padded * room_);
+  const ListWriter writer{capacity_, room_, shift_, entries_.data(), counts_.data(), events_.data()};
+  const Count count = particles.count();
+  const ArrayView<const Vec3f> positions = particles.positions().view();
+  const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
-  // Lists that are not interleaved are written whole anyway.
-  if (shift_ > 0 && capacity_ <= kMostScratch)
-    parallelForWithScratch(device, kName, particles.count(), capacity_, find);
+#if defined(__CUDACC__)
+  points_.resizeDiscarding(positions.size);
+  parallelFor(device, "points", count, FillPoints{positions, points_.view()});
+  const FindNeighbors<Vec4f> find{points_.view(), sort_.start(), grid_, radiusSquared, writer};
+  if (capacity_ <= kMostScratch)
+    parallelForWithScratch(device, kName, count, capacity_, find);
   else
-    parallelFor(device, kName, particles.count(), find);
+    parallelFor(device, kName, count, find);
+#elif defined(WEIR_HAS_LANES)
+  const Columns columns(columns_, positions.size);
+  parallelFor(device, "columns", count, FillColumns{positions, columns});
+  parallelFor(device, kName, count,
+              FindNeighborsInLanes{columns, sort_.start(), grid_, radiusSquared, writer});
+#else
+  parallelFor(device, kName, count,
+              FindNeighbors<Vec3f>{positions, sort_.start(), grid_, radiusSquared, writer});
+#endif
 }
 
 template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);

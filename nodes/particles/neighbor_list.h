@@ -11,7 +11,9 @@
 namespace weir {
 
 /// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i
-/// & mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines.
+/// & mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines. On
+/// the CPU (shift 0) the capacity is a multiple of sixteen, and so is the number of entries of each list that
+/// are indices of particles: those behind the neighbours mean nothing, but may be followed.
 struct NeighborView {
   const int* entries = nullptr;
   const int* counts = nullptr;
@@ -97,16 +99,21 @@ class NeighborList {
  private:
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
+  template <class Backend>
+  void listOn(Backend& device, const ParticleSet& particles);
 
   float radius_ = 0;
   int capacity_ = 0;
+  int room_ = 0;  // for a list; at least the capacity
   int shift_ = 0;
   CellGrid grid_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles
   CellSort sort_;
   Array<int> entries_, counts_;
-  Array<int> events_;  // NeighborEvents
+  Array<float> columns_;  // all x, all y, all z; on the CPU only
+  Array<Vec4f> points_;   // positions that one load fetches; on CUDA only
+  Array<int> events_;     // NeighborEvents
 };
 
 }  // namespace weir

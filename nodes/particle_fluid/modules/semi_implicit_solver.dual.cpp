@@ -22,8 +22,7 @@ struct EnergyDerivative {
   ArrayView<float> excess;  // empty where nobody asks for it
 
   WEIR_HD void operator()(std::int64_t i) const {
-    float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
-                                   [this](std::int64_t j) { return xyz(state[j]); });
+    float lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     if (!walls.empty()) lambda += walls.phi(i, displacement[i]);
     const float e = (tension || lambda > 1) ? lambda - 1 : 0.0f;
     const Vec4f s = state[i];
@@ -50,24 +49,22 @@ struct PushOf {
   WallFieldView walls;
   ArrayView<const Vec4f> weighted;
 
-  WEIR_HD Push operator()(std::int64_t i) const {
+  // Inline, so that what is the same for all particles is prepared once for all.
+  [[gnu::always_inline]] WEIR_HD Push operator()(std::int64_t i) const {
     const Vec4f s = weighted[i];
-    Vec3f push{};
-    float sum = 0;
-    forEachNeighbor(i, neighbors, [&](int j) {
-      const Vec4f t = weighted[j];
-      Vec3f d = xyz(t) - xyz(s);
-      float r = sqrtf(dot(d, d));
-      if (r < shortest) {
-        // Particles in one place would stay there for ever; the sign makes the two directions opposite.
-        if (r == 0) d.x = j > i ? shortest : -shortest;
-        r = shortest;
-      }
-      const float a = stiffness * kernel.slope(r) / r;
-      push -= (own * s.w + others * t.w) * a * d;
-      sum += a;
-    });
-    Push total{push, 1 + (own + others) * negativePart * sum, 0};
+    const int self = static_cast<int>(i);
+    const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
+      Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
+      T r = sqrtf(dot(d, d));
+      // Particles in one place would stay there for ever; the sign makes the two directions opposite.
+      d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
+      r = select(r < T(shortest), T(shortest), r);
+      const T a = stiffness * kernel.slope(r) / r;
+      const T b = (own * s.w + others * t.w) * a;
+      return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
+    };
+    const Vec4f sum = sumOverNeighbors<Vec4f>(i, neighbors, pairPush, weighted);
+    Push total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
     if (!walls.empty()) addWalls(i, s.w, total);
     return total;
   }

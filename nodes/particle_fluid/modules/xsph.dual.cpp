@@ -1,10 +1,26 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 
+#include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/scratch.h"
+#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
 namespace {
+
+/// Σ_j W(r_ij)·(v_j − v), and Σ_j W(r_ij).
+WEIR_HD inline Vec4f weightedDifferences(std::int64_t i, const NeighborView& neighbors,
+                                         const SpikyKernel& kernel, const Vec3f& v,
+                                         const ArrayView<const Vec3f>& positions,
+                                         const ArrayView<const Vec3f>& velocities) {
+  const Vec3f p = positions[i];
+  const auto difference = [&]<class T>(const auto&, const Vec3<T>& q, const Vec3<T>& u) {
+    const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
+    const T w = kernel.value(sqrtf(dot(d, d)));
+    return Vec4<T>{w * (u.x - v.x), w * (u.y - v.y), w * (u.z - v.z), w};
+  };
+  return sumOverNeighbors<Vec4f>(i, neighbors, difference, positions, velocities);
+}
 
 struct SmoothVelocity {
   NeighborView neighbors;
@@ -14,13 +30,8 @@ struct SmoothVelocity {
   ArrayView<Vec3f> smoothed;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i], v = velocities[i];
-    Vec3f sum{};
-    forEachNeighbor(i, neighbors, [&](int j) {
-      const Vec3f d = positions[j] - p;
-      sum += kernel.value(sqrtf(dot(d, d))) * (velocities[j] - v);
-    });
-    smoothed[i] = v + weight * sum;
+    const Vec3f v = velocities[i];
+    smoothed[i] = v + weight * xyz(weightedDifferences(i, neighbors, kernel, v, positions, velocities));
   }
 };
 
@@ -33,16 +44,9 @@ struct ApproachMean {
   ArrayView<Vec3f> next;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i], v = initial[i];
-    Vec3f sum{};
-    float weights = 0;
-    forEachNeighbor(i, neighbors, [&](int j) {
-      const Vec3f d = positions[j] - p;
-      const float w = kernel.value(sqrtf(dot(d, d)));
-      sum += w * (present[j] - v);
-      weights += w;
-    });
-    next[i] = weights > 0 ? v + (share / weights) * sum : v;
+    const Vec3f v = initial[i];
+    const Vec4f sum = weightedDifferences(i, neighbors, kernel, v, positions, present);
+    next[i] = sum.w > 0 ? v + (share / sum.w) * xyz(sum) : v;
   }
 };
 

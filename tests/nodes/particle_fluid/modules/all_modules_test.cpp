@@ -48,6 +48,18 @@ TEST(AllModules, CpuIsBitwiseTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST(AllModules, CpuIsBitwiseTheSameForAllItsInstructions) {
+  std::vector<Vec3f> expected;
+  for (const CpuIsa isa : usableCpuIsas()) {
+    CpuDevice device(2, isa);
+    FluidScene scene = everythingOn(device);
+    scene.reset(1e-3);
+    for (int frame = 0; frame < 3; ++frame) scene.step(10), scene.frame();
+    if (expected.empty()) expected = scene.positions();
+    EXPECT_EQ(scene.positions(), expected) << cpuIsaName(isa);
+  }
+}
+
 TEST(AllModules, AResetStartsAgain) {
   const auto device = openDevice("cpu");
   FluidScene scene = everythingOn(*device);

@@ -1,0 +1,24 @@
+# Decides for which instruction sets, beside those of the whole build, the kernels of the CPU are compiled.
+#
+# Sets WEIR_CPU_ISAS, empty where there is nothing to choose (other processors, other compilers), and for each
+# of them WEIR_CPU_ISA_OPTIONS_<isa>.
+#
+# An inline function of a header that is compiled with such options must not become the one that the linker
+# keeps for everybody, or programs would die on processors without them. -fno-weak, which only GCC has, makes
+# all inline functions and templates of such a source local to it. It warns of every inline constant, which then
+# has several copies; -w, because warnings that matter come from the baseline's compilation of the same source.
+
+set(WEIR_CPU_ISAS "")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  include(CheckCXXSourceCompiles)
+  set(CMAKE_REQUIRED_FLAGS "-march=x86-64-v4 -fno-weak")
+  check_cxx_source_compiles(
+    "int main() { return __builtin_cpu_supports(\"x86-64-v3\") + __builtin_cpu_supports(\"x86-64-v4\"); }"
+    WEIR_COMPILER_HAS_CPU_ISAS)
+  unset(CMAKE_REQUIRED_FLAGS)
+  if(WEIR_COMPILER_HAS_CPU_ISAS)
+    set(WEIR_CPU_ISAS avx2 avx512)
+    set(WEIR_CPU_ISA_OPTIONS_avx2 -march=x86-64-v3 -fno-weak -w -DWEIR_FOR_AVX2)
+    set(WEIR_CPU_ISA_OPTIONS_avx512 -march=x86-64-v4 -fno-weak -w -DWEIR_FOR_AVX512)
+  endif()
+endif()

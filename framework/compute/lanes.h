@@ -1,0 +1,272 @@
+// Eight numbers at a time, for the inner loops of kernels on the CPU.
+//
+// Lanes is to be used like a float: a lambda that takes `auto` works on one neighbour as well as on eight.
+// There are eight lanes on every processor, in registers of whatever width it has, so sums are added up in
+// the same order everywhere. Made of the vector extensions of GCC and Clang; WEIR_HAS_LANES says whether they
+// are there. Kernels of CUDA know only the overloads for one number.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "framework/base/vec.h"
+
+#if defined(__GNUC__) && !defined(__CUDACC__) && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define WEIR_HAS_LANES
+#endif
+#endif
+
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+namespace weir {
+
+template <class T>
+WEIR_HD T select(bool condition, const T& ifTrue, const T& ifFalse) {
+  return condition ? ifTrue : ifFalse;
+}
+
+/// t where it is above zero, otherwise (also where it is no number) zero.
+WEIR_HD inline float positivePart(float t) {
+  return t > 0 ? t : 0;
+}
+
+#ifdef WEIR_HAS_LANES
+
+/// What comparisons of Lanes give.
+struct LaneMask {
+  using Vector = std::int32_t __attribute__((vector_size(32)));
+  Vector v;  // all bits of a lane are alike
+
+  friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return {a.v & b.v}; }
+
+  /// Bit l is that of lane l.
+  unsigned bits() const {
+#ifdef __AVX2__
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(v)));
+#else
+    unsigned bits = 0;
+    for (int l = 0; l < 8; ++l) bits |= (static_cast<unsigned>(v[l]) & 1u) << l;
+    return bits;
+#endif
+  }
+};
+
+/// Eight indices.
+struct LaneInts {
+  using Vector = std::int32_t __attribute__((vector_size(32)));
+  Vector v;
+
+  /// first, first + 1, …, first + 7
+  static LaneInts from(int first) { return {first + Vector{0, 1, 2, 3, 4, 5, 6, 7}}; }
+
+  friend LaneMask operator<(const LaneInts& a, int b) { return {a.v < b}; }
+  friend LaneMask operator>(const LaneInts& a, int b) { return {a.v > b}; }
+  friend LaneMask operator!=(const LaneInts& a, int b) { return {a.v != b}; }
+};
+
+struct Lanes {
+  static constexpr int kCount = 8;
+  using Vector = float __attribute__((vector_size(32)));
+  Vector v;
+
+  Lanes() : v{} {}
+  Lanes(const Vector& vector) : v(vector) {}
+  Lanes(float all) : v{all, all, all, all, all, all, all, all} {}
+  /// From any address.
+  static Lanes load(const float* from) {
+    Lanes lanes;
+    __builtin_memcpy(&lanes.v, from, sizeof(Vector));
+    return lanes;
+  }
+
+  friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.v + b.v; }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }
+  friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.v * b.v; }
+  friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.v / b.v; }
+  friend Lanes operator-(const Lanes& a) { return -a.v; }
+  Lanes& operator+=(const Lanes& b) { return *this = *this + b; }
+  Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
+  Lanes& operator*=(const Lanes& b) { return *this = *this * b; }
+
+#ifdef __AVX2__
+  // By name, because compilers for AVX-512 would make masks of comparisons and lanes of masks again.
+  friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return mask(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ));
+  }
+  friend LaneMask operator>(const Lanes& a, const Lanes& b) {
+    return b < a;
+  }
+  friend LaneMask operator==(const Lanes& a, const Lanes& b) {
+    return mask(_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ));
+  }
+  friend Lanes select(const LaneMask& condition, const Lanes& ifTrue, const Lanes& ifFalse) {
+    return Vector(_mm256_blendv_ps(ifFalse.v, ifTrue.v, reinterpret_cast<__m256>(condition.v)));
+  }
+  friend Lanes positivePart(const Lanes& t) {
+    return Vector(_mm256_max_ps(t.v, _mm256_setzero_ps()));
+  }
+#else
+  friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return {a.v < b.v};
+  }
+  friend LaneMask operator>(const Lanes& a, const Lanes& b) {
+    return {a.v > b.v};
+  }
+  friend LaneMask operator==(const Lanes& a, const Lanes& b) {
+    return {a.v == b.v};
+  }
+  friend Lanes select(const LaneMask& condition, const Lanes& ifTrue, const Lanes& ifFalse) {
+    return condition.v ? ifTrue.v : ifFalse.v;
+  }
+  friend Lanes positivePart(const Lanes& t) {
+    return select(t > Lanes(0.0f), t, Lanes(0.0f));
+  }
+#endif
+  /// Zero where the condition does not hold.
+  friend Lanes keptWhere(const LaneMask& condition, const Lanes& a) {
+    return reinterpret_cast<Vector>(condition.v & reinterpret_cast<LaneMask::Vector>(a.v));
+  }
+  friend Lanes sqrtf(const Lanes& a) {
+#ifdef __AVX2__
+    return Vector(_mm256_sqrt_ps(a.v));
+#else
+    Lanes root;
+    for (int l = 0; l < kCount; ++l) root.v[l] = __builtin_sqrtf(a.v[l]);
+    return root;
+#endif
+  }
+
+#ifdef __AVX2__
+ private:
+  static LaneMask mask(__m256 bits) {
+    return {reinterpret_cast<LaneMask::Vector>(bits)};
+  }
+#endif
+};
+
+namespace detail {
+
+using HalfLanes = float __attribute__((vector_size(16)));
+
+/// lane[l] + lane[l + 4]: the first step of every sum over lanes.
+inline HalfLanes foldLanes(const Lanes& a) {
+  return __builtin_shufflevector(a.v, a.v, 0, 1, 2, 3) + __builtin_shufflevector(a.v, a.v, 4, 5, 6, 7);
+}
+
+#if defined(__AVX2__) && !defined(__AVX512VL__)
+/// For each pattern of bits the lanes that it chooses, one a byte, the first of them in the lowest.
+struct ChosenFirst {
+  std::uint64_t lanes[256] = {};
+  constexpr ChosenFirst() {
+    for (unsigned bits = 0; bits < 256; ++bits) {
+      int count = 0;
+      for (std::uint64_t l = 0; l < 8; ++l) {
+        if ((bits >> l) & 1u) lanes[bits] |= l << (8 * count++);
+      }
+    }
+  }
+};
+inline constexpr ChosenFirst kChosenFirst;
+#endif
+
+}  // namespace detail
+
+/// The sum over the lanes.
+inline float sumOfLanes(const Lanes& a) {
+  const detail::HalfLanes h = detail::foldLanes(a);
+  return (h[0] + h[2]) + (h[1] + h[3]);
+}
+
+/// The same for all four at once, which costs less.
+inline Vec4f sumOfLanes(const Vec4<Lanes>& a) {
+  using detail::HalfLanes;
+  const HalfLanes x = detail::foldLanes(a.x), y = detail::foldLanes(a.y);
+  const HalfLanes z = detail::foldLanes(a.z), w = detail::foldLanes(a.w);
+  const HalfLanes xyLow = __builtin_shufflevector(x, y, 0, 4, 1, 5);
+  const HalfLanes xyHigh = __builtin_shufflevector(x, y, 2, 6, 3, 7);
+  const HalfLanes zwLow = __builtin_shufflevector(z, w, 0, 4, 1, 5);
+  const HalfLanes zwHigh = __builtin_shufflevector(z, w, 2, 6, 3, 7);
+  const HalfLanes xy = xyLow + xyHigh, zw = zwLow + zwHigh;  // both (l0 + l2, …, l1 + l3, …)
+  const HalfLanes sum =
+      __builtin_shufflevector(xy, zw, 0, 1, 4, 5) + __builtin_shufflevector(xy, zw, 2, 3, 6, 7);
+  return {sum[0], sum[1], sum[2], sum[3]};
+}
+
+namespace detail {
+
+inline HalfLanes rowOf(const Vec4f& element) {
+  HalfLanes row;
+  __builtin_memcpy(&row, &element, sizeof row);
+  return row;
+}
+inline HalfLanes rowOf(const Vec3f& element) {
+#ifdef __AVX2__
+  // Two numbers and one: reading four would leave the array at its end.
+  const __m128 z = _mm_load_ss(&element.z);
+  return HalfLanes(
+      _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(&element.x))), z));
+#else
+  return HalfLanes{element.x, element.y, element.z, 0};
+#endif
+}
+
+/// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.
+template <class Element>
+[[gnu::always_inline]] inline Vec4<Lanes> transposed(const Element* elements, const int* index) {
+  const auto rows = [&](int l) {
+    return __builtin_shufflevector(rowOf(elements[index[l]]), rowOf(elements[index[l + 4]]), 0, 1, 2, 3, 4, 5,
+                                   6, 7);
+  };
+  const Lanes::Vector a = rows(0), b = rows(1), c = rows(2), d = rows(3);
+  const Lanes::Vector abLow = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes::Vector abHigh = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Lanes::Vector cdLow = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes::Vector cdHigh = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  return {Lanes(__builtin_shufflevector(abLow, cdLow, 0, 1, 8, 9, 4, 5, 12, 13)),
+          Lanes(__builtin_shufflevector(abLow, cdLow, 2, 3, 10, 11, 6, 7, 14, 15)),
+          Lanes(__builtin_shufflevector(abHigh, cdHigh, 0, 1, 8, 9, 4, 5, 12, 13)),
+          Lanes(__builtin_shufflevector(abHigh, cdHigh, 2, 3, 10, 11, 6, 7, 14, 15))};
+}
+
+}  // namespace detail
+
+/// Elements index[0] to index[7] of an array, as eight lanes of each component. Inline, because lanes that
+/// are returned go through memory.
+[[gnu::always_inline]] inline Vec4<Lanes> gatherLanes(const Vec4f* elements, const int* index) {
+  return detail::transposed(elements, index);
+}
+[[gnu::always_inline]] inline Vec3<Lanes> gatherLanes(const Vec3f* elements, const int* index) {
+  const Vec4<Lanes> columns = detail::transposed(elements, index);
+  return {columns.x, columns.y, columns.z};
+}
+
+/// Writes the lanes whose bits are set, in their order, to `to` and behind, and returns how many they are.
+/// There must be room for all eight.
+inline int storeChosen(int* to, const LaneInts& values, unsigned bits) {
+#if defined(__AVX512VL__)
+  const __m256i chosen =
+      _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), reinterpret_cast<__m256i>(values.v));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
+  return __builtin_popcount(bits);
+#elif defined(__AVX2__)
+  const __m128i packed = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&detail::kChosenFirst.lanes[bits]));
+  const __m256i chosen =
+      _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(values.v), _mm256_cvtepu8_epi32(packed));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
+  return __builtin_popcount(bits);
+#else
+  int count = 0;
+  for (int l = 0; l < Lanes::kCount; ++l) {
+    to[count] = values.v[l];
+    count += static_cast<int>((bits >> l) & 1u);
+  }
+  return count;
+#endif
+}
+
+#endif
+
+}  // namespace weir

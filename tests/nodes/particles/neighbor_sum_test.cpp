@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "tests/nodes/particles/neighbor_sum_kernel.h"
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+constexpr int kParticles = 41;
+constexpr int kRoom = 48;
+
+/// Particle i has i neighbours, some of them in its own place; all other entries are its own index.
+struct Lists {
+  std::vector<Vec4f> weighted;
+  std::vector<Vec3f> positions;
+  std::vector<int> entries = std::vector<int>(kParticles * kRoom), counts;
+
+  Lists() {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> number(-1, 1);
+    for (int i = 0; i < kParticles; ++i) {
+      // Twos share a place.
+      const Vec3f p = i % 2 == 1 ? positions.back() : Vec3f{number(random), number(random), number(random)};
+      positions.push_back(p);
+      weighted.push_back({p.x, p.y, p.z, number(random)});
+      counts.push_back(i);
+      for (int k = 0; k < kRoom; ++k)
+        entries[static_cast<std::size_t>(i * kRoom + k)] = k < i ? (i + 1 + k) % kParticles : i;
+    }
+  }
+
+  std::vector<Vec4f> sums(Device& device) const {
+    const Array<Vec4f> w(device, weighted);
+    const Array<Vec3f> p(device, positions);
+    const Array<int> e(device, entries), c(device, counts);
+    Array<Vec4f> out(device, kParticles);
+    dispatch(device, [&](auto& d) {
+      sumPairs(d, {e.data(), c.data(), kRoom, 0}, w.view(), p.view(), out.view());
+    });
+    return out.toHost();
+  }
+
+  std::array<double, 4> expected(int i) const {
+    std::array<double, 4> sum{};
+    for (int k = 0; k < i; ++k) {
+      const auto a = static_cast<std::size_t>(i);
+      const auto j = static_cast<std::size_t>((i + 1 + k) % kParticles);
+      double d[3];
+      for (int axis = 0; axis < 3; ++axis) d[axis] = double(positions[j][axis]) - double(positions[a][axis]);
+      const double r = std::hypot(d[0], d[1], d[2]);
+      if (r == 0) d[0] = j > a ? 1 : -1;
+      for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += d[axis] * double(weighted[j].w);
+      sum[3] += r;
+    }
+    return sum;
+  }
+};
+
+TEST(NeighborSum, IsThatOfDoublePrecisionForListsOfAnyLength) {
+  const Lists lists;
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    const std::vector<Vec4f> sums = lists.sums(*device);
+    for (int i = 0; i < kParticles; ++i) {
+      const auto expected = lists.expected(i);
+      const Vec4f& sum = sums[static_cast<std::size_t>(i)];
+      EXPECT_NEAR(sum.x, expected[0], 1e-5) << name << ", " << i << " neighbours";
+      EXPECT_NEAR(sum.y, expected[1], 1e-5) << name << ", " << i << " neighbours";
+      EXPECT_NEAR(sum.z, expected[2], 1e-5) << name << ", " << i << " neighbours";
+      EXPECT_NEAR(sum.w, expected[3], 2e-5) << name << ", " << i << " neighbours";
+    }
+  }
+}
+
+TEST(NeighborSum, IsBitwiseTheSameForAllInstructionsOfTheCpu) {
+  const Lists lists;
+  CpuDevice baseline(1, CpuIsa::kBaseline);
+  const std::vector<Vec4f> expected = lists.sums(baseline);
+  for (const CpuIsa isa : usableCpuIsas()) {
+    CpuDevice device(2, isa);
+    EXPECT_EQ(lists.sums(device), expected) << cpuIsaName(isa);
+  }
+}
+
+}  // namespace
+}  // namespace weir::test
