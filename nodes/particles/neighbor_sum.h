@@ -82,9 +82,11 @@ T sumAsInLanes(const int* entry, int count, const F& f, const Element*... elemen
 /// f is a generic lambda: with an int and vectors of floats it returns a T, with LaneInts and vectors of
 /// Lanes the same of Lanes. Its body may use what both know: arithmetic, sqrtf, comparisons with select in
 /// place of branches, positivePart. The order of summation differs between CPU and CUDA and is fixed on each.
+///
+/// Inline, so that what f takes from its kernel is prepared once for all particles.
 template <class T, class F, class... Element>
-WEIR_HD inline T sumOverNeighbors(std::int64_t i, const NeighborView& list, const F& f,
-                                  const ArrayView<const Element>&... elements) {
+[[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(std::int64_t i, const NeighborView& list, const F& f,
+                                                         const ArrayView<const Element>&... elements) {
   const int count = list.counts[i];
   const int* entry = list.entries + list.first(i);
 #if defined(WEIR_SUMS_IN_LANES)
