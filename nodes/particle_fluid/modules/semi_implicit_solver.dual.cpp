@@ -217,13 +217,6 @@ struct Measure {
   }
 };
 
-struct Add {
-  WEIR_HD Sums operator()(const Sums& a, const Sums& b) const {
-    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
-            a.farthest > b.farthest ? a.farthest : b.farthest};
-  }
-};
-
 /// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
 struct Judge {
   Control* control;
@@ -292,6 +285,7 @@ struct Judge {
       return;
     }
     const int k = control->sinceRestart++;
+    control->entry = AndersonHistory::after(control->entry);
     control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
     control->objective = sums->objective;
   }
@@ -325,10 +319,12 @@ struct Update {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  AndersonHistory history;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (control != nullptr && (control->done || control->takesBack)) return;
     const Vec3f u = displacement[i];
+    if (!history.empty()) history.start(control->entry, i) = u;
     const Vec3f moved = u + step(i, u);
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
@@ -508,8 +504,8 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                         searches() ? proposal_.view() : ArrayView<Vec4f>{},
                         pass > 0 ? carried_->view() : ArrayView<Vec3f>{}};
   const Update update{
-      pushOf,    stepLength,           measure,      sums_.data(), controlled() ? control_.data() : nullptr,
-      predicted, displacement_.view(), state_.view()};
+      pushOf,    stepLength,           measure,       sums_.data(),  controlled() ? control_.data() : nullptr,
+      predicted, displacement_.view(), state_.view(), mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
   const double reach = kReach * fluid.constants.spacing;
   Judge judge{control_.data(),
@@ -528,7 +524,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     if (searches())
       parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
     if (controlled() || stepLength == StepLength::kGlobal)
-      reduce(device, "measure", count, Sums{}, measure, Add{}, sums_.data());
+      reduce(device, "measure", count, Sums{}, measure, AddSums{}, sums_.data());
     if (controlled()) {
       judge.last = k + 1 == iterations;
       parallelFor(device, "judge", 1, judge);
@@ -538,10 +534,13 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     contain(device, fluid);
     record(fluid);
     if (!accelerated()) continue;
-    parallelFor(device, "extrapolate", count,
-                Extrapolate{control_.data(), plain_.view(),
-                            fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
-                            displacement_.view(), fluid.walls.view().share, state_.view()});
+    if (mixes())
+      mixing_.mix(fluid, control_.data(), displacement_.view(), state_.view());
+    else
+      parallelFor(device, "extrapolate", count,
+                  Extrapolate{control_.data(), plain_.view(),
+                              fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
+                              displacement_.view(), fluid.walls.view().share, state_.view()});
     contain(device, fluid);
   }
   endPass();
