@@ -1,21 +1,19 @@
 #include "nodes/particle_fluid/modules/anderson.h"
 
-#include "nodes/particle_fluid/wall_field.h"
-
 namespace weir {
 
-void AndersonMixing::reserve(FluidStep& fluid) {
+void AndersonMixing::reserve(Device& device, std::int64_t particles, bool shares) {
   if (gram_.data() == nullptr) {
-    starts_ = Array<Vec3f>(fluid.device);
-    results_ = Array<Vec3f>(fluid.device);
-    shares_ = Array<float>(fluid.device);
-    gram_ = Array<AndersonGram>(fluid.device, 1);
-    weights_ = Array<AndersonWeights>(fluid.device, 1);
+    starts_ = Array<Vec3f>(device);
+    results_ = Array<Vec3f>(device);
+    shares_ = Array<float>(device);
+    gram_ = Array<AndersonGram>(device, 1);
+    weights_ = Array<AndersonWeights>(device, 1);
   }
-  const std::int64_t size = AndersonHistory::kEntries * fluid.particles.positions().size();
+  const std::int64_t size = AndersonHistory::kEntries * particles;
   starts_.resizeDiscarding(size);
   results_.resizeDiscarding(size);
-  shares_.resizeDiscarding(fluid.walls.empty() ? 0 : size);
+  shares_.resizeDiscarding(shares ? size : 0);
 }
 
 void AndersonMixing::release() {

@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "nodes/particle_fluid/modules/anderson.h"
-#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -108,24 +107,23 @@ struct Mix {
   const SolverControl* control;
   const AndersonWeights* weights;
   AndersonHistory history;
-  ArrayView<const Vec3f> predicted;
-  ArrayView<Vec3f> displacement;
-  ArrayView<float> share;
-  ArrayView<Vec4f> state;
+  AndersonIterate iterate;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (control->done) return;
     const int latest = control->entry;
-    if (history.shares.size > 0)
-      share[i] =
-          mixed(share[i], history.share(latest, i), [this, i](int entry) { return history.share(entry, i); });
-    const Vec3f u = displacement[i];
+    if (history.shares.size > 0) {
+      float& share = iterate.share[i];
+      share =
+          mixed(share, history.share(latest, i), [this, i](int entry) { return history.share(entry, i); });
+    }
+    const Vec3f u = iterate.displacement[i];
     const Vec3f next =
         mixed(u, history.result(latest, i), [this, i](int entry) { return history.result(entry, i); });
     if (next == u) return;
-    displacement[i] = next;
-    const Vec3f p = predicted[i] + next;
-    state[i] = {p.x, p.y, p.z, 0};
+    iterate.displacement[i] = next;
+    const Vec3f p = iterate.predicted[i] + next;
+    iterate.state[i] = {p.x, p.y, p.z, 0};
   }
 
   template <class T, class Earlier>
@@ -145,18 +143,14 @@ struct Mix {
 }  // namespace
 
 template <class Backend>
-void AndersonMixing::mixOn(Backend& device, FluidStep& fluid, const SolverControl* control,
-                           ArrayView<Vec3f> displacement, ArrayView<Vec4f> state) {
-  const Count count = fluid.particles.count();
-  reduce(device, "measure residuals", count, AndersonGram{}, MeasureResiduals{control, view(), displacement},
-         AddGrams{}, gram_.data());
+void AndersonMixing::mixOn(Backend& device, Count count, const SolverControl* control,
+                           const AndersonIterate& iterate) {
+  reduce(device, "measure residuals", count, AndersonGram{},
+         MeasureResiduals{control, view(), iterate.displacement}, AddGrams{}, gram_.data());
   parallelFor(device, "weigh", 1, SolveWeights{control, gram_.data(), weights_.data()});
-  parallelFor(device, "mix", count,
-              Mix{control, weights_.data(), view(), fluid.particles.positions().view(), displacement,
-                  fluid.walls.view().share, state});
+  parallelFor(device, "mix", count, Mix{control, weights_.data(), view(), iterate});
 }
 
-template void AndersonMixing::mixOn(ThisBackend&, FluidStep&, const SolverControl*, ArrayView<Vec3f>,
-                                    ArrayView<Vec4f>);
+template void AndersonMixing::mixOn(ThisBackend&, Count, const SolverControl*, const AndersonIterate&);
 
 }  // namespace weir

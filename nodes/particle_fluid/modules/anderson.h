@@ -13,7 +13,9 @@
 // the judgement whether an iterate is to be taken back are the solver's, see SolverControl.
 #pragma once
 
-#include "nodes/particle_fluid/fluid_module.h"
+#include "framework/base/vec.h"
+#include "framework/compute/device.h"
+#include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/modules/semi_implicit_control.h"
 
 namespace weir {
@@ -49,25 +51,31 @@ struct AndersonGram {
   double right[AndersonHistory::kEarlier] = {};
 };
 
+/// What is mixed.
+struct AndersonIterate {
+  ArrayView<Vec3f> displacement;
+  ArrayView<float> share;            ///< of walls; empty without them
+  ArrayView<const Vec3f> predicted;  ///< positions without displacement
+  ArrayView<Vec4f> state;            ///< positions with it, and 0
+};
+
 class AndersonMixing {
  public:
-  /// Memory for all particles: 96 bytes each, and 16 more where there are walls.
-  void reserve(FluidStep& fluid);
+  /// Memory for so many particles: 96 bytes each, and 16 more with shares of walls. Contents are undefined.
+  void reserve(Device& device, std::int64_t particles, bool shares);
   /// Gives it back.
   void release();
-  /// Its starts are for the solver to write: that of control's entry, before the plain iteration.
+  /// Empty if nothing is reserved. The solver writes the start of control's entry before its iteration.
   AndersonHistory view();
-  /// Puts the next iterate in place of the plain one in `displacement` and the walls' shares, or goes back to
-  /// the last plain one, and sets `state` to where that is. Waits for nothing, allocates nothing.
-  void mix(FluidStep& fluid, const SolverControl* control, ArrayView<Vec3f> displacement,
-           ArrayView<Vec4f> state) {
-    dispatch(fluid.device, [&](auto& device) { mixOn(device, fluid, control, displacement, state); });
+  /// Puts the next iterate in place of the plain one, or goes back to the last plain one, as `control` (on
+  /// the device) says. Waits for nothing, allocates nothing.
+  void mix(Device& device, Count count, const SolverControl* control, const AndersonIterate& iterate) {
+    dispatch(device, [&](auto& backend) { mixOn(backend, count, control, iterate); });
   }
 
  private:
   template <class Backend>
-  void mixOn(Backend& device, FluidStep& fluid, const SolverControl* control, ArrayView<Vec3f> displacement,
-             ArrayView<Vec4f> state);
+  void mixOn(Backend& device, Count count, const SolverControl* control, const AndersonIterate& iterate);
 
   Array<Vec3f> starts_, results_;
   Array<float> shares_;

@@ -126,7 +126,7 @@ int SemiImplicitSolver::mostPasses() const {
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, displacement_);
-  if (mixes()) mixing_.reserve(fluid);
+  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), !fluid.walls.empty());
   if (accelerated() && !mixes()) fitScratch(fluid, plain_);
   if (accelerated() && !mixes() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
   if (searches()) fitScratch(fluid, proposal_);

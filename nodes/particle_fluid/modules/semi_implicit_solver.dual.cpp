@@ -535,7 +535,8 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
-      mixing_.mix(fluid, control_.data(), displacement_.view(), state_.view());
+      mixing_.mix(device, count, control_.data(),
+                  {displacement_.view(), fluid.walls.view().share, predicted, state_.view()});
     else
       parallelFor(device, "extrapolate", count,
                   Extrapolate{control_.data(), plain_.view(),
