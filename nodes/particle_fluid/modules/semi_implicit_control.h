@@ -24,6 +24,7 @@ struct AddSums {
 struct SolverControl {
   int done = 0;          // of this step: whether to make no more iterations
   int met = 0;           // whether the tolerance is met
+  int metInARow = 0;     // iterations of this pass that have met it since one did not
   int iterations = 0;    // of this step
   int sinceRestart = 0;  // of the acceleration
   int takesBack = 0;     // whether this iteration takes back what acceleration made of the last

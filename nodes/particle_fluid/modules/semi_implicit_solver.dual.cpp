@@ -168,6 +168,7 @@ struct BeginPass {
     control->takesBack = 0;
     control->momentum = 0;
     control->objective = 0;
+    control->metInARow = 0;
     ++control->passes;
   }
 };
@@ -223,6 +224,7 @@ struct Judge {
   const Sums* sums;
   Count count;
   double tolerance;  // below 0: never done
+  int meetings;      // of the tolerance, one after another, that end a pass
   bool accelerated;
   double farthest;  // m², squared; from here on, lists no longer hold
   int mostRepeats;  // of a stage
@@ -270,9 +272,10 @@ struct Judge {
     const bool rose = sums->objective > (1 + kRounding) * control->objective;
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
     control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
+    control->metInARow = control->met ? control->metInARow + 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kFewest && (control->met || stalls)) {
+    if (control->iterations >= kFewest && (control->metInARow >= meetings || stalls)) {
       control->done = 1;
       return;
     }
@@ -507,11 +510,14 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       pushOf,    stepLength,           measure,       sums_.data(),  controlled() ? control_.data() : nullptr,
       predicted, displacement_.view(), state_.view(), mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
+  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
+  constexpr int kMeetingsOfMixtures = 3;
   const double reach = kReach * fluid.constants.spacing;
   Judge judge{control_.data(),
               sums_.data(),
               count,
               double(tolerance.get().value_or(-1.0f)),
+              mixes() ? kMeetingsOfMixtures : 1,
               accelerated(),
               reach * reach,
               mostRepeats(),

@@ -157,8 +157,8 @@ TEST(SolverTolerance, IsMetAndNoFurtherIterationIsMade) {
       EXPECT_GT(count, 3) << name;
       EXPECT_LT(count, 2000) << name;
       counts[k] = count;
-      // One iteration less does not meet it.
-      solver["iterations"] = count - 1;
+      // One iteration less does not meet it; mixtures must meet it three times.
+      solver["iterations"] = count - (k == 2 ? 3 : 1);
       FluidScene shorter = fluidWith(*device, positions, kSpacing, solver, {"bulk_modulus", 1e6});
       shorter.gravity = {};
       shorter.reset(kDt);
