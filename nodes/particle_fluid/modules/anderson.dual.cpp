@@ -26,7 +26,8 @@ struct MeasureResiduals {
     if (earlier == 0) return gram;
     const Vec3f now = displacement[i] - history.start(control->entry, i);
     Vec3f difference[kEarlier] = {};
-    for (int j = 0; j < earlier; ++j) {
+    for (int j = 0; j < kEarlier; ++j) {
+      if (j >= earlier) continue;  // a fixed number of turns is faster
       const int entry = AndersonHistory::before(control->entry, j + 1);
       difference[j] = now - (history.result(entry, i) - history.start(entry, i));
     }
