@@ -261,13 +261,13 @@ struct Judge {
     constexpr double kRounding = 1e-6;
     // Compression that no step touches because it is below the tolerance would gather over the steps.
     constexpr int kFewest = 3;
-    // With momentum, an objective that no longer falls is at its least, and the compression is what inertia
+    // With acceleration, an objective that no longer falls is at its least, and the compression is what inertia
     // and stiffness ask for.
     constexpr double kStall = 1e-5;
     constexpr int kOnTheWay = 3;
     const std::int64_t particles = count.get();
     const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
-    // Momentum that overshoots is taken back. It can also tear the fluid apart, so little compression alone
+    // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
     // does not mean that it is done.
     const bool rose = sums->objective > (1 + kRounding) * control->objective;
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;

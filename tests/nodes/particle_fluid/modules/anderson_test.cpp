@@ -166,6 +166,20 @@ TEST_P(AndersonMixingTest, IsPlainWhereThereIsNothingToSolve) {
   }
 }
 
+TEST_P(AndersonMixingTest, HoldsMemoryUntilItIsReleased) {
+  const std::size_t before = device->memoryUse().inUse;
+  AndersonMixing mixing;
+  EXPECT_TRUE(mixing.view().empty());
+  mixing.reserve(*device, kParticles, true);
+  EXPECT_GE(device->memoryUse().inUse, before + 112 * kParticles);
+  const std::uint64_t allocations = device->memoryUse().allocations;
+  mixing.reserve(*device, kParticles, true);
+  EXPECT_EQ(device->memoryUse().allocations, allocations);
+  mixing.release();
+  EXPECT_TRUE(mixing.view().empty());
+  EXPECT_EQ(device->memoryUse().inUse, before);
+}
+
 WEIR_ON_EVERY_DEVICE(AndersonMixingTest);
 
 }  // namespace
