@@ -261,8 +261,8 @@ struct Judge {
     constexpr double kRounding = 1e-6;
     // Compression that no step touches because it is below the tolerance would gather over the steps.
     constexpr int kFewest = 3;
-    // With acceleration, an objective that no longer falls is at its least, and the compression is what inertia
-    // and stiffness ask for.
+    // With acceleration, an objective that no longer falls is at its least, and the compression is what
+    // inertia and stiffness ask for.
     constexpr double kStall = 1e-5;
     constexpr int kOnTheWay = 3;
     const std::int64_t particles = count.get();
