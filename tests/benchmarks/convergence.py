@@ -3,12 +3,13 @@
 
   convergence.py PROGRAM [--device D] [--threads N] [--spacings 0.04,0.02] [--steps-ms 1,2,5,10]
                  [--duration S] [--short S] [--tolerance T] [--most N] [--bulk-modulus PA] [--keep FILE]
+                 [--acceleration nesterov|anderson]
 
 Of every spacing and step it runs, over --duration:
-  the solver with a tolerance and momentum       iterations and stages a step, steps that did not meet it, compression, height
+  the solver with a tolerance and acceleration   iterations and stages a step, steps that did not meet it, compression, height
   the solver as it is without any setting        compression, height
   position based fluids                          compression, height; as many iterations as the first on average
-and, over --short alone, the first with and without momentum, which compares their iterations. These start from a lattice
+and, over --short alone, the first with and without acceleration, which compares their iterations. These start from a lattice
 at rest density (calibration: lattice): one that must expand first takes the most iterations in either way.
 Height is twice that of the centre of mass over the volume's own, so 1 is fluid at rest that kept its volume.
 
@@ -94,10 +95,10 @@ class Runner:
     def row(self, spacing, dt):
         a = self.arguments
         tolerant = {"iterations": a.most, "tolerance": a.tolerance}
-        momentum = tolerant | {"acceleration": "nesterov"}
-        settled = self.run(spacing, dt, a.duration, {"params": momentum})
+        accelerated = tolerant | {"acceleration": a.acceleration}
+        settled = self.run(spacing, dt, a.duration, {"params": accelerated})
         plain = self.run(spacing, dt, a.short, {"params": tolerant}, "lattice")
-        quick = self.run(spacing, dt, a.short, {"params": momentum}, "lattice")
+        quick = self.run(spacing, dt, a.short, {"params": accelerated}, "lattice")
         untuned = self.run(spacing, dt, a.duration, {})
         count = max(1, round(settled["solver_iterations"]["mean"])) if settled else 3
         pbf = self.run(spacing, dt, a.duration, {"type": "Pbf", "params": {"iterations": count}})
@@ -140,9 +141,10 @@ def main():
     parser.add_argument("--tolerance", type=float, default=0.001)
     parser.add_argument("--most", type=int, default=2000, help="iterations after each search for neighbours")
     parser.add_argument("--bulk-modulus", type=float, default=1e7, metavar="PA")
+    parser.add_argument("--acceleration", default="nesterov", choices=["nesterov", "anderson"])
     parser.add_argument("--keep", metavar="FILE", help="outcomes, to go on from in another call")
     arguments = parser.parse_args()
-    print("| d (m) | dt (ms) | iterations, plain, first part | with momentum, first part | with momentum, all | "
+    print("| d (m) | dt (ms) | iterations, plain, first part | accelerated, first part | accelerated, all | "
           "stages | steps not met | compression (%) | height | untuned: compression (%) | height | "
           "PBF: compression (%) | height |")
     print("|" + "---:|" * 13)

@@ -54,6 +54,7 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   farthest_.resize(1);
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
+  mixing_.release();
   carried_ = passes() > 1 || tolerance.get()
                  ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
                                                 "By pressure and walls, at the last search in a step."})
@@ -125,8 +126,9 @@ int SemiImplicitSolver::mostPasses() const {
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, displacement_);
-  if (accelerated()) fitScratch(fluid, plain_);
-  if (accelerated() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
+  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), !fluid.walls.empty());
+  if (accelerated() && !mixes()) fitScratch(fluid, plain_);
+  if (accelerated() && !mixes() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
   if (searches()) fitScratch(fluid, proposal_);
   if (controlled() || searches()) fitScratch(fluid, excess_);
 }

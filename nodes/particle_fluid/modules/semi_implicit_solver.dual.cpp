@@ -165,6 +165,7 @@ struct BeginPass {
     control->takesBack = 0;
     control->momentum = 0;
     control->objective = 0;
+    control->metInARow = 0;
     ++control->passes;
   }
 };
@@ -214,19 +215,13 @@ struct Measure {
   }
 };
 
-struct Add {
-  WEIR_HD Sums operator()(const Sums& a, const Sums& b) const {
-    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
-            a.farthest > b.farthest ? a.farthest : b.farthest};
-  }
-};
-
 /// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
 struct Judge {
   Control* control;
   const Sums* sums;
   Count count;
   double tolerance;  // below 0: never done
+  int meetings;      // of the tolerance, one after another, that end a pass
   bool accelerated;
   double farthest;  // m², squared; from here on, lists no longer hold
   int mostRepeats;  // of a stage
@@ -263,20 +258,21 @@ struct Judge {
     constexpr double kRounding = 1e-6;
     // Compression that no step touches because it is below the tolerance would gather over the steps.
     constexpr int kFewest = 3;
-    // With momentum, an objective that no longer falls is at its least, and the compression is what inertia
-    // and stiffness ask for.
+    // With acceleration, an objective that no longer falls is at its least, and the compression is what
+    // inertia and stiffness ask for.
     constexpr double kStall = 1e-5;
     constexpr int kOnTheWay = 3;
     const std::int64_t particles = count.get();
     const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
-    // Momentum that overshoots is taken back. It can also tear the fluid apart, so little compression alone
+    // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
     // does not mean that it is done.
     const bool rose = sums->objective > (1 + kRounding) * control->objective;
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
     control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
+    control->metInARow = control->met ? control->metInARow + 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kFewest && (control->met || stalls)) {
+    if (control->iterations >= kFewest && (control->metInARow >= meetings || stalls)) {
       control->done = 1;
       return;
     }
@@ -289,6 +285,7 @@ struct Judge {
       return;
     }
     const int k = control->sinceRestart++;
+    control->entry = AndersonHistory::after(control->entry);
     control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
     control->objective = sums->objective;
   }
@@ -322,10 +319,12 @@ struct Update {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  AndersonHistory history;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (control != nullptr && (control->done || control->takesBack)) return;
     const Vec3f u = displacement[i];
+    if (!history.empty()) history.start(control->entry, i) = u;
     const Vec3f moved = u + step(i, u);
     displacement[i] = moved;
     const Vec3f p = predicted[i] + moved;
@@ -505,14 +504,17 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                         searches() ? proposal_.view() : ArrayView<Vec4f>{},
                         pass > 0 ? carried_->view() : ArrayView<Vec3f>{}};
   const Update update{
-      pushOf,    stepLength,           measure,      sums_.data(), controlled() ? control_.data() : nullptr,
-      predicted, displacement_.view(), state_.view()};
+      pushOf,    stepLength,           measure,       sums_.data(),  controlled() ? control_.data() : nullptr,
+      predicted, displacement_.view(), state_.view(), mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
+  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
+  constexpr int kMeetingsOfMixtures = 3;
   const double reach = kReach * fluid.constants.spacing;
   Judge judge{control_.data(),
               sums_.data(),
               count,
               double(tolerance.get().value_or(-1.0f)),
+              mixes() ? kMeetingsOfMixtures : 1,
               accelerated(),
               reach * reach,
               mostRepeats(),
@@ -525,7 +527,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     if (searches())
       parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
     if (controlled() || stepLength == StepLength::kGlobal)
-      reduce(device, "measure", count, Sums{}, measure, Add{}, sums_.data());
+      reduce(device, "measure", count, Sums{}, measure, AddSums{}, sums_.data());
     if (controlled()) {
       judge.last = k + 1 == iterations;
       parallelFor(device, "judge", 1, judge);
@@ -535,10 +537,14 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     contain(device, fluid);
     record(fluid);
     if (!accelerated()) continue;
-    parallelFor(device, "extrapolate", count,
-                Extrapolate{control_.data(), plain_.view(),
-                            fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
-                            displacement_.view(), fluid.walls.view().share, state_.view()});
+    if (mixes())
+      mixing_.mix(device, count, control_.data(),
+                  {displacement_.view(), fluid.walls.view().share, predicted, state_.view()});
+    else
+      parallelFor(device, "extrapolate", count,
+                  Extrapolate{control_.data(), plain_.view(),
+                              fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
+                              displacement_.view(), fluid.walls.view().share, state_.view()});
     contain(device, fluid);
   }
   endPass();

@@ -18,8 +18,8 @@
 //
 //   û_k = f(u_k),   u_k+1 = û_k + k/(k + 3)·(û_k − û_k−1)        (Nesterov)
 //
-// and u_k is put back to û_k−1, and k to 0, where Σ E has risen. With either of the two, particles are kept
-// out of the solids in every iteration.
+// or Anderson's acceleration (anderson.h); and u_k is put back to û_k−1, and k to 0, where Σ E has risen.
+// With tolerance or acceleration, particles are kept out of the solids in every iteration.
 //
 // With a tolerance, particles that fly further than a spacing are led to x* in stages: the same problem is
 // solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
@@ -33,6 +33,8 @@
 #include "framework/compute/readback.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/modules/anderson.h"
+#include "nodes/particle_fluid/modules/semi_implicit_control.h"
 #include "nodes/particle_fluid/objective.h"
 
 namespace weir {
@@ -46,12 +48,14 @@ struct EnumNames<StepLength> {
       EnumName{"global", "One for all particles, which keeps displacements of pairs opposite."}};
 };
 
-enum class Acceleration { kNone, kNesterov };
+enum class Acceleration { kNone, kNesterov, kAnderson };
 template <>
 struct EnumNames<Acceleration> {
-  static constexpr std::array<EnumName, 2> kNames{
+  static constexpr std::array<EnumName, 3> kNames{
       EnumName{"none", "As in the paper."},
-      EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."}};
+      EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."},
+      EnumName{"anderson",
+               "The best mixture of the last four iterates, taken back where the objective would rise."}};
 };
 
 class SemiImplicitSolver final : public FluidModule {
@@ -137,37 +141,8 @@ class SemiImplicitSolver final : public FluidModule {
   }
   void report(NodeReport& report) override;
 
-  /// Over all particles: sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last
-  /// search, m².
-  struct Sums {
-    double compression = 0, objective = 0, slope = 0, farthest = 0;
-  };
-
-  /// What decides on the device how the iterations go on, so that nobody waits for it.
-  struct Control {
-    int done = 0;          // of this step: whether to make no more iterations
-    int met = 0;           // whether the tolerance is met
-    int iterations = 0;    // of this step
-    int sinceRestart = 0;  // of the acceleration
-    int takesBack = 0;     // whether this iteration takes the last one's momentum back
-    float momentum = 0;    // share of the last change that the next one goes on with
-    double objective = 0;  // the least so far
-    // Of all steps.
-    std::int64_t steps = 0, passes = 0, total = 0;
-    int most = 0;
-    int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
-    // Of the way to the predicted positions, see the class comment.
-    int stages = 1;           // of this step
-    float stride = 0;         // s; what a stage goes on by, over the velocity
-    int stage = 1;            // of this step, from 1 on
-    int repeats = 0;          // of this stage, because particles have come far since the search
-    int finals = 0;           // passes that the last stage has had, without repeats
-    int begun = 0;            // passes of this step
-    int advance = 0;          // whether the next pass is another stage
-    int over = 0;             // whether there is no next pass
-    int mostStages = 1;       // of all steps
-    std::int64_t staged = 0;  // stages of all steps
-  };
+  using Sums = SolverSums;
+  using Control = SolverControl;
 
  private:
   template <class Backend>
@@ -193,7 +168,8 @@ class SemiImplicitSolver final : public FluidModule {
   /// Hears whether there is another pass; waits only where each iteration is recorded.
   void endPass();
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
-  bool accelerated() const { return acceleration == Acceleration::kNesterov; }
+  bool accelerated() const { return acceleration != Acceleration::kNone; }
+  bool mixes() const { return acceleration == Acceleration::kAnderson; }
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
   /// changing their velocities, which then do not lead back along it.
   bool staged(const FluidStep& fluid) const;
@@ -212,11 +188,13 @@ class SemiImplicitSolver final : public FluidModule {
   // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;
-  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update.
+  // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update, for
+  // momentum.
   Array<float> excess_;
   Array<Vec4f> proposal_;
   Array<Vec3f> plain_;
   Array<float> plainShare_;
+  AndersonMixing mixing_;
   Array<Vec3f>* carried_ = nullptr;  // the displacement, as an attribute that sorting puts into its order
   Array<Sums> sums_;
   Array<Control> control_;

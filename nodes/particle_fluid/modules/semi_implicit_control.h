@@ -1,0 +1,51 @@
+// What SemiImplicitSolver's iterations report of themselves, and what decides on the device how they go on,
+// so that nobody waits for it.
+#pragma once
+
+#include <cstdint>
+
+#include "framework/base/host_device.h"
+
+namespace weir {
+
+/// Over all particles: sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last
+/// search, m².
+struct SolverSums {
+  double compression = 0, objective = 0, slope = 0, farthest = 0;
+};
+
+struct AddSums {
+  WEIR_HD SolverSums operator()(const SolverSums& a, const SolverSums& b) const {
+    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
+            a.farthest > b.farthest ? a.farthest : b.farthest};
+  }
+};
+
+struct SolverControl {
+  int done = 0;          // of this step: whether to make no more iterations
+  int met = 0;           // whether the tolerance is met
+  int metInARow = 0;     // iterations of this pass that have met it since one did not
+  int iterations = 0;    // of this step
+  int sinceRestart = 0;  // of the acceleration
+  int takesBack = 0;     // whether this iteration takes back what acceleration made of the last
+  float momentum = 0;    // share of the last change that the next one goes on with; 0: the next is plain
+  int entry = 0;         // of AndersonHistory, the latest
+  double objective = 0;  // the least so far
+  // Of all steps.
+  std::int64_t steps = 0, passes = 0, total = 0;
+  int most = 0;
+  int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
+  // Of the way to the predicted positions, see the class comment of SemiImplicitSolver.
+  int stages = 1;           // of this step
+  float stride = 0;         // s; what a stage goes on by, over the velocity
+  int stage = 1;            // of this step, from 1 on
+  int repeats = 0;          // of this stage, because particles have come far since the search
+  int finals = 0;           // passes that the last stage has had, without repeats
+  int begun = 0;            // passes of this step
+  int advance = 0;          // whether the next pass is another stage
+  int over = 0;             // whether there is no next pass
+  int mostStages = 1;       // of all steps
+  std::int64_t staged = 0;  // stages of all steps
+};
+
+}  // namespace weir
