@@ -27,12 +27,21 @@ struct FluidConstants {
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
-  float bulkModulus = 0;     ///< K, Pa
+  float bulkModulus = 0;     ///< K of the fluid, Pa
+  float response = 1;        ///< γ = dlnλ/dlnn of settled fluid; 1 with the lattice calibration
+  float stiffness = 0;       ///< K' = K/γ², Pa: what the energy per particle is in proportion to
   float calibration = 0;     ///< s
   SpikyKernel kernel;
 
-  /// Speed of sound squared, c² = K/ρ0, m²/s².
-  float soundSpeedSquared() const { return bulkModulus / restDensity; }
+  /// c² = K'/ρ0 of the solver, m²/s².
+  float soundSpeedSquared() const { return stiffness / restDensity; }
+  /// λ − 1 of fluid at rest under a pressure in Pa, p/(γ·K').
+  double excessUnder(double pressure) const { return pressure / (double(response) * stiffness); }
+  /// Takes K' as it is given, and K = γ²·K' from it.
+  void setStiffness(float pascal) {
+    stiffness = pascal;
+    bulkModulus = response * response * pascal;
+  }
 };
 
 /// s = 1 / Σ V0·W₁ over the cubic lattice of spacing d, centre included, for H = supportRatio·d.
@@ -42,15 +51,23 @@ double latticeCalibration(double supportRatio);
 /// factor, interpolated between support ratios 1.1 and 3.
 double packingCalibration(double supportRatio);
 
+/// γ = dlnλ/dlnn of settled fluid, n being particles per volume. Squeezed evenly by 1/n, fluid that rests at
+/// a support ratio q is fluid that rests at q·n^⅓ on a smaller scale, so γ = 1 − ⅓·dlns/dlnq, by differences
+/// of packingCalibration. Below q = 1.2, where it vanishes, that of 1.2.
+double settledResponse(double supportRatio);
+
 /// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
 /// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
-/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the lattice
-/// behind it would add, and ∇Φ is nearly so.
-double wallRadiusRatio(double supportRatio);
+/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
+/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; settled fluid is taken to
+/// add as much less as its neighbours add in the bulk.
+double wallRadiusRatio(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);
 
+/// With the packing calibration K is that of the settled fluid: under pressure λ − 1 = γ·δn/n, and the energy
+/// V0·K'/2·(λ − 1)² per particle makes p = n·K'·V0·(λ − 1)·dλ/dn = γ²·K'·δn/n. So K' = K/γ².
 FluidConstants makeFluidConstants(float spacing, float supportRatio, float restDensity, float bulkModulus,
                                   Calibration calibration);
 

@@ -56,8 +56,8 @@ void ParticleFluid::configure(const SetupContext&) {
 
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
-  constants_ = makeFluidConstants(spacing, supportRatio, restDensity,
-                                  mu.get() ? *mu.get() / volume : bulkModulus.get(), calibration);
+  constants_ = makeFluidConstants(spacing, supportRatio, restDensity, bulkModulus, calibration);
+  if (mu.get()) constants_.setStiffness(*mu.get() / volume);
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});

@@ -62,7 +62,7 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
   const FluidConstants& c = outlook.constants;
   if (tolerance.get()) {
     // The mean over a column of depth h, at rest: ρ0·g·h/(2·K).
-    const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
+    const double atRest = c.excessUnder(0.5 * outlook.pressure);
     if (atRest > *tolerance.get() * (1 + kSettingRounding))
       outlook.warn(*this,
                    fmt::format("a tolerance of {:.3g} cannot be met: at rest the fluid's mean compression is "
