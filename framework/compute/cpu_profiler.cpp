@@ -23,7 +23,7 @@ void CpuProfiler::pop() {
 }
 
 // A step that an error ended never reaches endStep, so beginning again is allowed.
-void CpuProfiler::beginStep() {
+void CpuProfiler::beginStep(bool) {
   stepStarted_ = Clock::now();
 }
 

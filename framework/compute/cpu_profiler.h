@@ -13,7 +13,7 @@ class CpuProfiler final : public Profiler {
   void push(std::string_view name) override;
   void pop() override;
   std::string currentPath() const override { return scopes_.currentPath(); }
-  void beginStep() override;
+  void beginStep(bool detailed) override;
   void endStep() override;
   void poll() override {}
   std::vector<ProfileEntry> entries() override { return scopes_.entries(); }

@@ -47,7 +47,17 @@ void CudaDevice::fillBytes(void*, int, std::size_t) {
 void CudaDevice::synchronize() {
   unreachable();
 }
+void CudaDevice::beginBatch() {
+  unreachable();
+}
+void CudaDevice::endBatch() {
+  unreachable();
+}
+void CudaDevice::dropBatch() noexcept {}
 CUstream_st* CudaDevice::stream() const {
+  unreachable();
+}
+detail::LaunchQueue& CudaDevice::launches() const {
   unreachable();
 }
 int CudaDevice::index() const {

@@ -7,6 +7,7 @@
 #include "framework/base/error.h"
 #include "framework/compute/cuda_profiler.h"
 #include "framework/compute/cuda_support.h"
+#include "framework/compute/launch_queue.h"
 #include "framework/compute/memory_pool.h"
 
 namespace weir {
@@ -24,6 +25,58 @@ std::size_t freeMemory() {
   return 0;
 }
 
+struct CopyCall {
+  void* to;
+  const void* from;
+  std::size_t bytes;
+};
+constexpr detail::CallKind kCopy{
+    [](const void* call, cudaStream_t stream) {
+      const auto& c = *static_cast<const CopyCall*>(call);
+      return cudaMemcpyAsync(c.to, c.from, c.bytes, cudaMemcpyDeviceToDevice, stream);
+    },
+    [](const void* call, cudaGraph_t graph, const cudaGraphNode_t* after, std::size_t afters,
+       cudaGraphNode_t* node) {
+      const auto& c = *static_cast<const CopyCall*>(call);
+      return cudaGraphAddMemcpyNode1D(node, graph, after, afters, c.to, c.from, c.bytes,
+                                      cudaMemcpyDeviceToDevice);
+    },
+    [](const void* call, cudaGraphExec_t graph, cudaGraphNode_t node) {
+      const auto& c = *static_cast<const CopyCall*>(call);
+      return cudaGraphExecMemcpyNodeSetParams1D(graph, node, c.to, c.from, c.bytes, cudaMemcpyDeviceToDevice);
+    }};
+
+struct FillCall {
+  void* to;
+  std::int64_t byte;
+  std::size_t bytes;
+
+  cudaMemsetParams parameters() const {
+    const bool words = bytes % sizeof(int) == 0;
+    cudaMemsetParams p{};
+    p.dst = to;
+    p.value = static_cast<unsigned>(byte & 0xff) * (words ? 0x01010101u : 1u);
+    p.elementSize = words ? sizeof(int) : 1;
+    p.width = bytes / p.elementSize;
+    p.height = 1;
+    return p;
+  }
+};
+constexpr detail::CallKind kFill{
+    [](const void* call, cudaStream_t stream) {
+      const auto& c = *static_cast<const FillCall*>(call);
+      return cudaMemsetAsync(c.to, static_cast<int>(c.byte), c.bytes, stream);
+    },
+    [](const void* call, cudaGraph_t graph, const cudaGraphNode_t* after, std::size_t afters,
+       cudaGraphNode_t* node) {
+      const cudaMemsetParams p = static_cast<const FillCall*>(call)->parameters();
+      return cudaGraphAddMemsetNode(node, graph, after, afters, &p);
+    },
+    [](const void* call, cudaGraphExec_t graph, cudaGraphNode_t node) {
+      const cudaMemsetParams p = static_cast<const FillCall*>(call)->parameters();
+      return cudaGraphExecMemsetNodeSetParams(graph, node, &p);
+    }};
+
 /// Shows whether this build holds code that the device can run.
 __global__ void probeKernel() {}
 
@@ -35,6 +88,7 @@ struct CudaDevice::Impl {
     if (makeCurrent() != cudaSuccess) static_cast<void>(cudaGetLastError());
     if (stream == nullptr) return;
     static_cast<void>(cudaStreamSynchronize(stream));
+    launches.reset();
     static_cast<void>(cudaStreamDestroy(std::exchange(stream, nullptr)));
   }
 
@@ -54,6 +108,7 @@ struct CudaDevice::Impl {
   // An idle block may still be in use by kernels that were launched before it was released.
   void systemFree(void* memory) const {
     static_cast<void>(makeCurrent());
+    if (launches) static_cast<void>(launches->flush());
     static_cast<void>(cudaStreamSynchronize(stream));
     static_cast<void>(cudaFree(memory));
   }
@@ -61,6 +116,7 @@ struct CudaDevice::Impl {
   int index;
   int multiprocessors = 0;
   cudaStream_t stream = nullptr;
+  std::unique_ptr<detail::LaunchQueue> launches;
   MemoryPool pool{[this](std::size_t bytes) { return systemAllocate(bytes); },
                   [this](void* memory, std::size_t) { systemFree(memory); }};
 };
@@ -74,6 +130,7 @@ CudaDevice::CudaDevice(int index)
   };
   require(impl_->makeCurrent());
   require(cudaStreamCreateWithFlags(&impl_->stream, cudaStreamNonBlocking));
+  impl_->launches = std::make_unique<detail::LaunchQueue>(impl_->stream);
   require(cudaDeviceGetAttribute(&impl_->multiprocessors, cudaDevAttrMultiProcessorCount, index));
   probeKernel<<<1, 1, 0, impl_->stream>>>();
   require(cudaGetLastError());
@@ -114,36 +171,53 @@ MemoryUse CudaDevice::memoryUse() const {
 void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "upload");
-  check(cudaMemcpyAsync(to, fromHost, bytes, cudaMemcpyHostToDevice, impl_->stream), "upload");
+  check(cudaMemcpyAsync(to, fromHost, bytes, cudaMemcpyHostToDevice, stream()), "upload");
 }
 
 void CudaDevice::download(void* toHost, const void* from, std::size_t bytes) {
   ++blockingReadbacks_;
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "download");
-  check(cudaMemcpyAsync(toHost, from, bytes, cudaMemcpyDeviceToHost, impl_->stream), "download");
+  check(cudaMemcpyAsync(toHost, from, bytes, cudaMemcpyDeviceToHost, stream()), "download");
   check(cudaStreamSynchronize(impl_->stream), "download");
 }
 
 void CudaDevice::copy(void* to, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "copy");
-  check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, impl_->stream), "copy");
+  check(impl_->launches->submit(kCopy, nullptr, CopyCall{to, from, bytes}), "copy");
 }
 
 void CudaDevice::fillBytes(void* to, int byte, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "fillBytes");
-  check(cudaMemsetAsync(to, byte, bytes, impl_->stream), "fillBytes");
+  check(impl_->launches->submit(kFill, nullptr, FillCall{to, byte, bytes}), "fillBytes");
 }
 
 void CudaDevice::synchronize() {
   check(impl_->makeCurrent(), "synchronize");
-  check(cudaStreamSynchronize(impl_->stream), "synchronize");
+  check(cudaStreamSynchronize(stream()), "synchronize");
+}
+
+void CudaDevice::beginBatch() {
+  impl_->launches->begin();
+}
+
+void CudaDevice::endBatch() {
+  check(impl_->makeCurrent(), "step");
+  check(impl_->launches->end(), "step");
+}
+
+void CudaDevice::dropBatch() noexcept {
+  impl_->launches->drop();
 }
 
 CUstream_st* CudaDevice::stream() const {
+  check(impl_->launches->flush(), "step");
   return impl_->stream;
+}
+detail::LaunchQueue& CudaDevice::launches() const {
+  return *impl_->launches;
 }
 int CudaDevice::index() const {
   return impl_->index;

@@ -73,7 +73,7 @@ void CudaProfiler::finish(int scope, cudaEvent_t begin) {
 void CudaProfiler::push(std::string_view name) {
   scopes_.open(name);
   beginRange(name);
-  begun_.push_back(recordEvent());
+  begun_.push_back(timesScopes_ ? recordEvent() : nullptr);
 }
 
 void CudaProfiler::pop() {
@@ -84,10 +84,11 @@ void CudaProfiler::pop() {
 }
 
 // A step that an error ended never reaches endStep, so beginning again is allowed.
-void CudaProfiler::beginStep() {
+void CudaProfiler::beginStep(bool detailed) {
   discard(stepBegun_);
   stepBegun_ = recordEvent();
   inStep_ = true;
+  timesScopes_ = detailed;
 }
 
 void CudaProfiler::endStep() {
@@ -95,6 +96,9 @@ void CudaProfiler::endStep() {
   finish(kStep, stepBegun_);
   stepBegun_ = nullptr;
   inStep_ = false;
+  ++steps_;
+  if (timesScopes_) ++detailedSteps_;
+  timesScopes_ = true;
   poll();
 }
 
@@ -122,7 +126,7 @@ void CudaProfiler::waitForAll() {
 
 std::vector<ProfileEntry> CudaProfiler::entries() {
   waitForAll();
-  return scopes_.entries();
+  return scopes_.entries(detailedSteps_ > 0 ? double(steps_) / double(detailedSteps_) : 1.0);
 }
 
 std::vector<double> CudaProfiler::stepMs() {
@@ -138,6 +142,7 @@ void CudaProfiler::clear() {
   measuring_.clear();
   scopes_.clear();
   stepMs_.clear();
+  steps_ = detailedSteps_ = 0;
 }
 
 }  // namespace weir

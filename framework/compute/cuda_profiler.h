@@ -18,7 +18,7 @@ class CudaProfiler final : public Profiler {
   void push(std::string_view name) override;
   void pop() override;
   std::string currentPath() const override { return scopes_.currentPath(); }
-  void beginStep() override;
+  void beginStep(bool detailed) override;
   void endStep() override;
   void poll() override;
   std::vector<ProfileEntry> entries() override;
@@ -44,6 +44,8 @@ class CudaProfiler final : public Profiler {
   std::vector<cudaEvent_t> begun_;  // of the open scopes
   cudaEvent_t stepBegun_ = nullptr;
   bool inStep_ = false;
+  bool timesScopes_ = true;
+  std::int64_t steps_ = 0, detailedSteps_ = 0;
   std::deque<Measurement> measuring_;  // in the order of their ends on the stream
   std::vector<cudaEvent_t> spare_;
   std::vector<double> stepMs_;

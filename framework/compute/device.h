@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "framework/compute/profiler.h"
@@ -19,6 +20,10 @@
 struct CUstream_st;  // cudaStream_t is a pointer to it; named here so that no host file needs CUDA's headers
 
 namespace weir {
+
+namespace detail {
+class LaunchQueue;
+}
 
 enum class DeviceKind { kCpu, kCuda };
 
@@ -58,6 +63,14 @@ class Device {
 
   /// Waits until all work so far is done; reports any error of that work.
   virtual void synchronize() = 0;
+
+  // From beginBatch() to endBatch() a device may hold back the work that it is asked for, and then do all of
+  // it as a whole, which is faster for work that is asked for again and again. What needs results (download,
+  // synchronize, a Readback) ends the batch by itself. dropBatch() forgets work that has not begun.
+  virtual void beginBatch() {}
+  virtual void endBatch() {}
+  virtual void dropBatch() noexcept {}
+
   std::uint64_t blockingReadbacks() const { return blockingReadbacks_; }
 
   /// Whether results must be bitwise the same from run to run (they always are on the CPU).
@@ -124,8 +137,14 @@ class CudaDevice final : public Device {
   void copy(void* to, const void* from, std::size_t bytes) override;
   void fillBytes(void* to, int byte, std::size_t bytes) override;
   void synchronize() override;
+  void beginBatch() override;
+  void endBatch() override;
+  void dropBatch() noexcept override;
 
+  /// What was asked for so far has been issued to it.
   CUstream_st* stream() const;
+  /// Through which kernels are launched (see launch_queue.h).
+  detail::LaunchQueue& launches() const;
   int index() const;
   int multiprocessors() const;
 
@@ -136,6 +155,21 @@ class CudaDevice final : public Device {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// Ends the batch that it began, or drops it where an error travels.
+class LaunchBatch {
+ public:
+  explicit LaunchBatch(Device& device) : device_(&device) { device.beginBatch(); }
+  ~LaunchBatch() {
+    if (device_ != nullptr) device_->dropBatch();
+  }
+  LaunchBatch(const LaunchBatch&) = delete;
+  LaunchBatch& operator=(const LaunchBatch&) = delete;
+  void end() { std::exchange(device_, nullptr)->endBatch(); }
+
+ private:
+  Device* device_;
 };
 
 /// What `weir info` prints and `--device auto` chooses from.

@@ -1,6 +1,6 @@
 // The parallel primitives, one signature for both back ends.
 //
-//   parallelFor      f(i) for every i
+//   parallelFor      f(i) for every i; parallelForWithScratch: f(i, scratch)
 //   reduce           op over f(i), the result stays on the device
 //   exclusiveScan    prefix sums of ints
 //   stableSortByKey  radix sort of (key, value) pairs
@@ -38,6 +38,22 @@ template <class F>
 void parallelFor(CpuDevice& device, std::string_view name, Count count, const F& f);
 template <class F>
 void parallelFor(CudaDevice& device, std::string_view name, Count count, const F& f);
+
+/// Numbers of one call's own in the fastest memory there is, undefined at first.
+struct Scratch {
+  int* data = nullptr;
+  int stride = 1;
+
+  WEIR_HD int& operator[](int k) const { return data[k * stride]; }
+};
+inline constexpr int kMostScratch = 384;  // numbers
+
+/// Calls f(i, scratch) for every i in [0, count), with `numbers` (at most kMostScratch) of scratch memory
+/// each.
+template <class F>
+void parallelForWithScratch(CpuDevice& device, std::string_view name, Count count, int numbers, const F& f);
+template <class F>
+void parallelForWithScratch(CudaDevice& device, std::string_view name, Count count, int numbers, const F& f);
 
 /// Writes op(identity, f(0), f(1), …) to *result (device memory). T is trivially copyable, op associative and
 /// commutative up to rounding, with identity its neutral element. The order of combination is fixed, so the

@@ -69,6 +69,15 @@ void parallelFor(CpuDevice& device, std::string_view name, Count count, const F&
                     });
 }
 
+template <class F>
+void parallelForWithScratch(CpuDevice& device, std::string_view name, Count count, int numbers, const F& f) {
+  WEIR_CHECK(numbers <= kMostScratch);
+  parallelFor(device, name, count, [&f](std::int64_t i) {
+    int scratch[kMostScratch];
+    f(i, Scratch{scratch, 1});
+  });
+}
+
 template <class T, class F, class Op>
 void reduce(CpuDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result) {

@@ -3,7 +3,10 @@
 
 #include <cuda_runtime.h>
 
+#include <bit>
 #include <limits>
+
+#include "framework/compute/launch_queue.h"
 
 namespace weir {
 namespace detail {
@@ -19,13 +22,27 @@ inline constexpr int kReduceBlocks = 1024;
 inline void beginLaunch(const CudaDevice& device, std::string_view name) {
   device.check(cudaSetDevice(device.index()), name);
 }
-inline void endLaunch(const CudaDevice& device, std::string_view name) {
-  device.check(cudaGetLastError(), name);
+
+/// Launches a kernel of kCudaBlock threads a block, now or with the batch that it is asked for in.
+template <class... P>
+void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
+            const std::type_identity_t<P>&... arguments) {
+  beginLaunch(device, name);
+  device.check(submitKernel(device.launches(), kernel, blocks, kCudaBlock, 0, arguments...), name);
+}
+
+/// Where the device knows how many there are, the bound decides on the size of a grid alone. It grows in
+/// steps, so that a fluid that grows asks for the same grid most of the time.
+inline Count steadyCount(Count count) {
+  if (count.exact == nullptr) return count;
+  const std::int64_t step =
+      std::max<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(count.bound)) / 16, kCudaBlock);
+  return {(count.bound + step - 1) / step * step, count.exact};
 }
 
 /// Blocks that give each of n elements a thread.
-inline unsigned blocksFor(std::int64_t n) {
-  const std::int64_t blocks = (n + kCudaBlock - 1) / kCudaBlock;
+inline unsigned blocksFor(std::int64_t n, std::int64_t threads = kCudaBlock) {
+  const std::int64_t blocks = (n + threads - 1) / threads;
   WEIR_CHECK(blocks <= std::numeric_limits<int>::max());
   return static_cast<unsigned>(blocks);
 }
@@ -34,6 +51,14 @@ template <class F>
 __global__ void __launch_bounds__(kCudaBlock) forEachKernel(Count count, const __grid_constant__ F f) {
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   if (i < count.get()) f(i);
+}
+
+template <class F>
+__global__ void __launch_bounds__(kCudaBlock)
+    forEachWithScratchKernel(Count count, const __grid_constant__ F f) {
+  extern __shared__ int scratch[];
+  const std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (i < count.get()) f(i, Scratch{scratch + threadIdx.x, static_cast<int>(blockDim.x)});
 }
 
 /// op over one value of every thread of the block, for thread 0. The order is a fixed tree.
@@ -110,31 +135,44 @@ template <class F>
 void parallelFor(CudaDevice& device, std::string_view name, Count count, const F& f) {
   if (count.bound <= 0) return;
   const KernelScope scope(device.profiler(), name);
+  const Count steady = detail::steadyCount(count);
+  detail::launch(device, name, detail::forEachKernel<F>, detail::blocksFor(steady.bound), steady, f);
+}
+
+template <class F>
+void parallelForWithScratch(CudaDevice& device, std::string_view name, Count count, int numbers, const F& f) {
+  constexpr unsigned kSharedBytes = 48 << 10;  // what any kernel may use
+  WEIR_CHECK(numbers <= kMostScratch);
+  if (count.bound <= 0) return;
+  const KernelScope scope(device.profiler(), name);
+  const unsigned bytes = static_cast<unsigned>(numbers) * sizeof(int);
+  unsigned threads = detail::kCudaBlock;
+  while (threads * bytes > kSharedBytes) threads /= 2;
+  const Count steady = detail::steadyCount(count);
   detail::beginLaunch(device, name);
-  detail::forEachKernel<<<detail::blocksFor(count.bound), detail::kCudaBlock, 0, device.stream()>>>(count, f);
-  detail::endLaunch(device, name);
+  device.check(
+      detail::submitKernel(device.launches(), detail::forEachWithScratchKernel<F>,
+                           detail::blocksFor(steady.bound, threads), threads, threads * bytes, steady, f),
+      name);
 }
 
 template <class T, class F, class Op>
 void reduce(CudaDevice& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result) {
   const KernelScope scope(device.profiler(), name);
-  detail::beginLaunch(device, name);
+  const Count steady = detail::steadyCount(count);
   const std::int64_t full =
-      std::min<std::int64_t>(count.bound, std::int64_t{detail::kReduceBlocks} * detail::kCudaBlock);
+      std::min<std::int64_t>(steady.bound, std::int64_t{detail::kReduceBlocks} * detail::kCudaBlock);
   const int blocks = std::max(1, static_cast<int>(detail::blocksFor(full)));
   if (blocks == 1) {
-    detail::reduceKernel<<<1, detail::kCudaBlock, 0, device.stream()>>>(count, identity, f, op, result);
-    detail::endLaunch(device, name);
+    detail::launch(device, name, detail::reduceKernel<T, F, Op>, 1, steady, identity, f, op, result);
     return;
   }
   Array<T> partials(device, blocks);
-  detail::reduceKernel<<<blocks, detail::kCudaBlock, 0, device.stream()>>>(count, identity, f, op,
-                                                                           partials.data());
-  detail::endLaunch(device, name);
-  detail::reducePartialsKernel<<<1, detail::kCudaBlock, 0, device.stream()>>>(blocks, identity, op,
-                                                                              partials.data(), result);
-  detail::endLaunch(device, name);
+  detail::launch(device, name, detail::reduceKernel<T, F, Op>, static_cast<unsigned>(blocks), steady,
+                 identity, f, op, partials.data());
+  detail::launch(device, name, detail::reducePartialsKernel<T, Op>, 1, blocks, identity, op, partials.data(),
+                 result);
 }
 
 template <class Keep>
@@ -146,15 +184,13 @@ void compact(CudaDevice& device, std::string_view name, Count count, const Keep&
     device.fillBytes(kept, 0, sizeof(int));
     return;
   }
-  const unsigned blocks = detail::blocksFor(count.bound);
+  const Count steady = detail::steadyCount(count);
+  const unsigned blocks = detail::blocksFor(steady.bound);
   Array<int> firsts(device, std::int64_t{blocks} + 1);
-  detail::beginLaunch(device, name);
-  detail::countKeptKernel<<<blocks, detail::kCudaBlock, 0, device.stream()>>>(count, keep, firsts.data());
-  detail::endLaunch(device, name);
+  detail::launch(device, name, detail::countKeptKernel<Keep>, blocks, steady, keep, firsts.data());
   exclusiveScan(device, firsts.view(), firsts.view(), firsts.size());
-  detail::writeKeptKernel<<<blocks, detail::kCudaBlock, 0, device.stream()>>>(count, keep, firsts.data(),
-                                                                              indices.data);
-  detail::endLaunch(device, name);
+  detail::launch(device, name, detail::writeKeptKernel<Keep>, blocks, steady, keep, firsts.data(),
+                 indices.data);
   // Last, because `kept` may be where the count stands that the kernels read.
   device.copy(kept, firsts.data() + blocks, sizeof(int));
 }

@@ -19,6 +19,27 @@ void runCub(CudaDevice& device, std::string_view name, const Run& run) {
   device.check(run(scratch.data(), bytes), name);
 }
 
+struct ScanCall {
+  const int* in;
+  int* out;
+  std::int64_t size;
+  unsigned char* scratch;
+  std::size_t scratchBytes;
+};
+
+cudaError_t scan(const ScanCall& call, void* scratch, std::size_t& bytes, cudaStream_t stream) {
+  return cub::DeviceScan::ExclusiveSum(scratch, bytes, call.in, call.out, static_cast<int>(call.size),
+                                       stream);
+}
+
+/// CUB's kernels are its own, so a graph gets them by capturing them.
+constexpr detail::CallKind kScan{[](const void* pointer, cudaStream_t stream) {
+                                   const auto& call = *static_cast<const ScanCall*>(pointer);
+                                   std::size_t bytes = call.scratchBytes;
+                                   return scan(call, call.scratch, bytes, stream);
+                                 },
+                                 nullptr, nullptr};
+
 int checkedSize(std::int64_t n) {
   WEIR_CHECK(n <= std::numeric_limits<int>::max());
   return static_cast<int>(n);
@@ -56,10 +77,14 @@ void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> o
   WEIR_CHECK(out.size >= n);
   if (n <= 0) return;
   const KernelScope scope(device.profiler(), kName);
-  const int size = checkedSize(n);
-  runCub(device, kName, [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceScan::ExclusiveSum(scratch, bytes, in.data, out.data, size, device.stream());
-  });
+  detail::beginLaunch(device, kName);
+  ScanCall call{in.data, out.data, checkedSize(n), nullptr, 0};
+  device.check(scan(call, nullptr, call.scratchBytes, nullptr), kName);
+  // CUB takes a null pointer for the question again, so there is always a byte.
+  Array<unsigned char> scratch(device,
+                               static_cast<std::int64_t>(std::max<std::size_t>(call.scratchBytes, 1)));
+  call.scratch = scratch.data();
+  device.check(device.launches().submit(kScan, nullptr, call), kName);
 }
 
 void stableSortByKey(CudaDevice& device, ArrayView<std::uint32_t> keys, ArrayView<int> values,

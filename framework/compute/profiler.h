@@ -33,13 +33,15 @@ class Profiler {
   /// The path of the scopes that are open now; errors quote it.
   virtual std::string currentPath() const = 0;
 
-  /// Marks one step; stepMs() holds the device time of each finished step in order.
-  virtual void beginStep() = 0;
+  /// Marks one step; stepMs() holds the device time of each finished step in order. In a step that is not
+  /// `detailed`, scopes may go without times, so that all of it can be handed over at once (LaunchBatch).
+  virtual void beginStep(bool detailed = true) = 0;
   virtual void endStep() = 0;
 
   /// Collects what the device has finished by now, without waiting for the rest.
   virtual void poll() = 0;
-  /// Totals so far, in order of first appearance. Waits for open measurements.
+  /// Totals so far, in order of first appearance; those of the detailed steps stand for all. Waits for open
+  /// measurements.
   virtual std::vector<ProfileEntry> entries() = 0;
   virtual std::vector<double> stepMs() = 0;
   virtual void clear() = 0;

@@ -1,5 +1,7 @@
 #include "framework/compute/scope_tree.h"
 
+#include <cmath>
+
 #include "framework/base/check.h"
 
 namespace weir {
@@ -37,10 +39,13 @@ std::string ScopeTree::currentPath() const {
   return current_ < 0 ? std::string() : scopes_[static_cast<std::size_t>(current_)].totals.path;
 }
 
-std::vector<ProfileEntry> ScopeTree::entries() const {
+std::vector<ProfileEntry> ScopeTree::entries(double scale) const {
   std::vector<ProfileEntry> result;
   for (const Scope& scope : scopes_) {
-    if (scope.totals.calls > 0) result.push_back(scope.totals);
+    if (scope.totals.calls == 0) continue;
+    ProfileEntry& entry = result.emplace_back(scope.totals);
+    entry.calls = static_cast<std::uint64_t>(std::llround(scale * static_cast<double>(entry.calls)));
+    entry.totalMs *= scale;
   }
   return result;
 }

@@ -19,8 +19,8 @@ class ScopeTree {
   void add(int scope, double ms);
 
   std::string currentPath() const;
-  /// The scopes that were measured, in order of first appearance.
-  std::vector<ProfileEntry> entries() const;
+  /// The scopes that were measured, in order of first appearance, with `scale` times their totals.
+  std::vector<ProfileEntry> entries(double scale = 1) const;
   /// Forgets the totals; open scopes stay open.
   void clear();
 

@@ -1,6 +1,7 @@
 #include "framework/run/simulation.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "framework/base/check.h"
 #include "framework/compute/profiler.h"
@@ -12,6 +13,9 @@ namespace {
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
+
+/// Modules are timed in one of so many steps.
+constexpr std::int64_t kStepsPerDetailed = 32;
 
 }  // namespace
 
@@ -99,10 +103,15 @@ void Simulation::step() {
   fresh_ = false;
   const WallClock::time_point start = WallClock::now();
   Profiler& profiler = device_.profiler();
-  profiler.beginStep();
+  // The first step is like no other, and may do much that comes once.
+  const bool detailed = profiler.timesKernels() || stepsDone_ % kStepsPerDetailed == 1;
+  profiler.beginStep(detailed);
   StepContext context = stepContext();
   if (stepsVary()) context.dt = chooseStep(context);
+  std::optional<LaunchBatch> batch;
+  if (!detailed && stepsDone_ > 0) batch.emplace(device_);
   scene_->graph.step(context);
+  if (batch) batch->end();
   profiler.endStep();
   profiler.poll();
   passStep(context.dt);

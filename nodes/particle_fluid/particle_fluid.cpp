@@ -60,7 +60,11 @@ void ParticleFluid::reset(const SetupContext& context) {
   if (mu.get()) constants_.setStiffness(*mu.get() / volume);
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
-  state.density = &state.particles.add<float>({"density", AttributeType::kFloat, "kg/m^3", "Density."});
+  state.density = &state.particles.add<float>({.name = "density",
+                                               .type = AttributeType::kFloat,
+                                               .unit = "kg/m^3",
+                                               .doc = "Density.",
+                                               .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)
@@ -83,7 +87,11 @@ void ParticleFluid::resetModules(FluidStep& step) {
 
 void ParticleFluid::comeToRest(const StepContext& context) {
   Log silent;  // the modules have been reset before, and have said what they had to say
-  const StepContext start{context.device, silent, context.gravity, 0, *state_->restDt, 0};
+  // Regions act only after the solver, so in long steps gravity would press fluid through their sides.
+  constexpr double kLongestFall = 0.05;  // spacings, g·dt²
+  const double pull = length(context.gravity);
+  const double longest = pull > 0 ? std::sqrt(kLongestFall * spacing / pull) : *state_->restDt;
+  const StepContext start{context.device, silent, context.gravity, 0, std::min(*state_->restDt, longest), 0};
   state_->restDt.reset();
   FluidStep step = fluidStep(start);
   std::vector<const ParticleBatch*> batches;

@@ -22,6 +22,13 @@ constexpr AttributeType attributeTypeOf<int>() {
   return AttributeType::kInt;
 }
 
+/// One attribute's elements, and where they go in another order.
+struct PermutedColumn {
+  const std::uint32_t* from = nullptr;
+  std::uint32_t* to = nullptr;
+  int words = 0;  // of 4 bytes, in an element
+};
+
 class AttributeStorage {
  public:
   explicit AttributeStorage(AttributeInfo info) : info_(std::move(info)) {}
@@ -29,8 +36,10 @@ class AttributeStorage {
 
   const AttributeInfo& info() const { return info_; }
   virtual void resize(std::int64_t size) = 0;
-  /// Element order[k] becomes element k, for k < count.
-  virtual void permute(Device& device, Count count, ArrayView<const int> order) = 0;
+  /// The present elements and room for them in another order, which finishPermutation() makes the present
+  /// one.
+  virtual PermutedColumn beginPermutation() = 0;
+  virtual void finishPermutation() = 0;
   /// Sets `amount` elements behind the first `*count` ones to zero.
   virtual void zeroBehind(Device& device, const int* count, std::int64_t amount) = 0;
 
@@ -45,9 +54,13 @@ class TypedStorage final : public AttributeStorage {
       : AttributeStorage(std::move(info)), values(device), spare_(device) {}
 
   void resize(std::int64_t size) override { values.resize(size); }
-  void permute(Device& device, Count count, ArrayView<const int> order) override {
-    dispatch(device, [&](auto& backend) { permuteOn(backend, count, order); });
+  PermutedColumn beginPermutation() override {
+    static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
+    spare_.resizeDiscarding(values.size());
+    return {reinterpret_cast<const std::uint32_t*>(values.data()),
+            reinterpret_cast<std::uint32_t*>(spare_.data()), sizeof(T) / sizeof(std::uint32_t)};
   }
+  void finishPermutation() override { values.swap(spare_); }
   void zeroBehind(Device& device, const int* count, std::int64_t amount) override {
     dispatch(device, [&](auto& backend) { zeroBehindOn(backend, count, amount); });
   }
@@ -55,8 +68,6 @@ class TypedStorage final : public AttributeStorage {
   Array<T> values;
 
  private:
-  template <class Backend>
-  void permuteOn(Backend& device, Count count, ArrayView<const int> order);
   template <class Backend>
   void zeroBehindOn(Backend& device, const int* count, std::int64_t amount);
 

@@ -11,7 +11,6 @@ NeighborList::NeighborList(Device& device)
       sort_(device),
       entries_(device),
       counts_(device),
-      kept_(device, 1),
       events_(device) {
   events_.resize(3);
   events_.fillZero();

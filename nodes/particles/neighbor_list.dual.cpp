@@ -28,7 +28,8 @@ struct CellKey {
   }
 };
 
-struct FindNeighbors {
+class FindNeighbors {
+ public:
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
@@ -39,11 +40,25 @@ struct FindNeighbors {
   int* counts;
   int* truncated;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  /// Straight into the list.
+  WEIR_HD void operator()(std::int64_t i) const { counts[i] = find(i, Scratch{listOf(i), 1 << shift}); }
+
+  /// By way of scratch memory, from which neighbouring threads write whole lines.
+  WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
+    const int count = find(i, scratch);
+    int* list = listOf(i);
+    for (int k = 0; k < count; ++k) list[k << shift] = scratch[k];
+    counts[i] = count;
+  }
+
+ private:
+  WEIR_HD int* listOf(std::int64_t i) const {
+    return entries + NeighborView{nullptr, nullptr, capacity, shift}.first(i);
+  }
+
+  WEIR_HD int find(std::int64_t i, const Scratch& list) const {
     const Vec3f p = positions[i];
     const Vec3i cell = grid.cellOf(p);
-    const NeighborView layout{nullptr, nullptr, capacity, shift};
-    int* list = entries + layout.first(i);
     int found = 0;
     for (int dz = -1; dz <= 1; ++dz) {
       const int z = CellGrid::step(cell.z, dz, grid.cells.z);
@@ -61,18 +76,20 @@ struct FindNeighbors {
         }
       }
     }
-    if (found > capacity) {
-      atomicAdd(truncated, 1);
-      found = capacity;
-    }
-    counts[i] = found;
+    if (found <= capacity) return found;
+    atomicAdd(truncated, 1);
+    return capacity;
   }
 
-  WEIR_HD void scan(std::int64_t i, const Vec3f& p, int begin, int end, int* list, int& found) const {
+  WEIR_HD void scan(std::int64_t i, const Vec3f& p, int begin, int end, const Scratch& list,
+                    int& found) const {
+#ifdef __CUDA_ARCH__
+#pragma unroll 4  // so that several positions are under way at once
+#endif
     for (int j = begin; j < end; ++j) {
       const Vec3f d = positions[j] - p;
       if (dot(d, d) >= radiusSquared || j == i) continue;
-      if (found < capacity) list[static_cast<std::int64_t>(found) << shift] = j;
+      if (found < capacity) list[found] = j;
       ++found;
     }
   }
@@ -89,8 +106,7 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
     sort_.sort(device, particles.count(), grid_.cellCount(),
                CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, sinks,
                        events + 1, events + 2},
-               kept_.data());
-    device.copy(particles.counter(), kept_.data(), sizeof(int));
+               particles.counter());
     particles.permute(sort_.order());
   }
   const ProfileScope scope(device.profiler(), "list");
@@ -98,9 +114,21 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
   const std::int64_t padded = (particles.positions().size() + lanes - 1) / lanes * lanes;
   counts_.resize(padded);
   entries_.resize(padded * capacity_);
-  parallelFor(device, "find neighbours", particles.count(),
-              FindNeighbors{particles.positions().view(), sort_.start(), grid_, radius_ * radius_, capacity_,
-                            shift_, entries_.data(), counts_.data(), events});
+  const FindNeighbors find{particles.positions().view(),
+                           sort_.start(),
+                           grid_,
+                           radius_ * radius_,
+                           capacity_,
+                           shift_,
+                           entries_.data(),
+                           counts_.data(),
+                           events};
+  constexpr std::string_view kName = "find neighbours";
+  // Lists that are not interleaved are written whole anyway.
+  if (shift_ > 0 && capacity_ <= kMostScratch)
+    parallelForWithScratch(device, kName, particles.count(), capacity_, find);
+  else
+    parallelFor(device, kName, particles.count(), find);
 }
 
 template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);

@@ -103,7 +103,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
 }
 
 void ParticleSet::permute(ArrayView<const int> order) {
-  for (const auto& storage : storages_) storage->permute(*device_, count(), order);
+  dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
 }
 
 void ParticleSet::clear() {

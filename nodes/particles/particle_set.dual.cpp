@@ -5,12 +5,22 @@ namespace weir {
 
 namespace {
 
-template <class T>
-struct GatherElements {
-  ArrayView<const T> from;
+/// All attributes at once, so that the order is read but once.
+struct Permute {
+  static constexpr int kMost = 8;  // columns in one launch
+
   ArrayView<const int> order;
-  ArrayView<T> to;
-  WEIR_HD void operator()(std::int64_t k) const { to[k] = from[order[k]]; }
+  detail::PermutedColumn columns[kMost];
+  int used = 0;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = order[k];
+    for (int c = 0; c < used; ++c) {
+      const detail::PermutedColumn& column = columns[c];
+      for (int w = 0; w < column.words; ++w)
+        column.to[column.words * k + w] = column.from[column.words * i + w];
+    }
+  }
 };
 
 template <class T>
@@ -48,21 +58,10 @@ namespace detail {
 
 template <class T>
 template <class Backend>
-void TypedStorage<T>::permuteOn(Backend& device, Count count, ArrayView<const int> order) {
-  spare_.resize(values.size());
-  parallelFor(device, "permute", count, GatherElements<T>{values.view(), order, spare_.view()});
-  values.swap(spare_);
-}
-
-template <class T>
-template <class Backend>
 void TypedStorage<T>::zeroBehindOn(Backend& device, const int* count, std::int64_t amount) {
   parallelFor(device, "zero", amount, ZeroBehind<T>{values.view(), count});
 }
 
-template void TypedStorage<float>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
-template void TypedStorage<Vec3f>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
-template void TypedStorage<int>::permuteOn(ThisBackend&, Count, ArrayView<const int>);
 template void TypedStorage<float>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
 template void TypedStorage<Vec3f>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
 template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
@@ -79,6 +78,24 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
 
+template <class Backend>
+void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
+  Permute permute{order, {}, 0};
+  const auto launch = [&] {
+    parallelFor(device, "permute", count(), permute);
+    permute.used = 0;
+  };
+  for (const auto& storage : storages_) {
+    if (storage->info().derived) continue;
+    permute.columns[permute.used++] = storage->beginPermutation();
+    if (permute.used == Permute::kMost) launch();
+  }
+  if (permute.used > 0) launch();
+  for (const auto& storage : storages_)
+    if (!storage->info().derived) storage->finishPermutation();
+}
+
+template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);
 template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&, const BatchSelection&);
 
 }  // namespace weir

@@ -21,6 +21,7 @@ struct AttributeInfo {
   AttributeType type = AttributeType::kFloat;
   std::string unit;
   std::string doc;
+  bool derived = false;  ///< made anew for every frame, so it does not travel with its particle in between
 };
 
 namespace detail {
@@ -81,6 +82,8 @@ class ParticleSet {
   void clear();
 
  private:
+  template <class Backend>
+  void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
   void reserve(std::int64_t capacity);

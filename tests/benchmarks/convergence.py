@@ -2,29 +2,56 @@
 """Settles one dam break at several spacings and time steps, to a tolerance and otherwise, and prints a Markdown table.
 
   convergence.py PROGRAM [--device D] [--threads N] [--spacings 0.04,0.02] [--steps-ms 1,2,5,10]
-                 [--duration S] [--short S] [--tolerance T] [--bulk-modulus PA]
+                 [--duration S] [--short S] [--tolerance T] [--most N] [--bulk-modulus PA] [--keep FILE]
 
 Of every spacing and step it runs, over --duration:
-  the solver with a tolerance and momentum       iterations a step, steps that did not meet it, compression, height
+  the solver with a tolerance and momentum       iterations and stages a step, steps that did not meet it, compression, height
   the solver as it is without any setting        compression, height
   position based fluids                          compression, height; as many iterations as the first on average
 and, over --short alone, the first with and without momentum, which compares their iterations. These start from a lattice
 at rest density (calibration: lattice): one that must expand first takes the most iterations in either way.
 Height is twice that of the centre of mass over the volume's own, so 1 is fluid at rest that kept its volume.
+
+With --keep, every run's outcome and its seconds are written to FILE as soon as they are there, and what FILE holds of
+earlier calls, with the same scene, settings and device, is not run again. It knows nothing of changes of the program:
+then delete it. Runs that fail are told of on stderr and not kept.
 """
 import argparse
 import json
 import os
 import subprocess
+import sys
 import tempfile
+import time
 
 SCENE = os.path.join(os.path.dirname(__file__), "../../resources/scenes/paper/convergence_dam_break.json")
+
+
+class Kept:
+    """Outcomes of runs by what decides them: in a file, if one is given."""
+
+    def __init__(self, path):
+        self.path = path
+        self.outcomes = {}
+        if path and os.path.exists(path):
+            with open(path, encoding="utf-8") as file:
+                self.outcomes = json.load(file)
+
+    def put(self, key, outcome):
+        self.outcomes[key] = outcome
+        if not self.path:
+            return
+        # Whole or not at all, so that a run that is cut off leaves the others.
+        with open(self.path + ".new", "w", encoding="utf-8") as file:
+            json.dump(self.outcomes, file, indent=1)
+        os.replace(self.path + ".new", self.path)
 
 
 class Runner:
     def __init__(self, arguments, folder):
         self.arguments = arguments
         self.folder = folder
+        self.kept = Kept(arguments.keep)
         with open(SCENE, encoding="utf-8") as file:
             self.scene = json.load(file)
         box = self.scene["nodes"]["tank"]["params"]
@@ -33,22 +60,36 @@ class Runner:
     def run(self, spacing, dt, duration, solver, calibration="packing"):
         """What the fluid reports at the end; None if the run failed."""
         scene = json.loads(json.dumps(self.scene))
+        scene["world"] |= {"dt": dt, "duration": duration}
         scene["nodes"]["water"]["modules"] = {"solver": solver}
-        scene["nodes"]["water"]["params"]["bulk_modulus"] = self.arguments.bulk_modulus
-        scene["nodes"]["water"]["params"]["calibration"] = calibration
+        scene["nodes"]["water"]["params"] |= {"spacing": spacing, "calibration": calibration,
+                                              "bulk_modulus": self.arguments.bulk_modulus}
+        key = json.dumps([self.arguments.device, scene], sort_keys=True)
+        if key not in self.kept.outcomes:
+            outcome = self.outcome_of(scene)
+            if outcome is None:
+                return None
+            self.kept.put(key, outcome)
+        return self.kept.outcomes[key]["water"]
+
+    def outcome_of(self, scene):
         scene_file = os.path.join(self.folder, "scene.json")
         stats_file = os.path.join(self.folder, "stats.json")
         with open(scene_file, "w", encoding="utf-8") as file:
             json.dump(scene, file)
         command = [self.arguments.program, "run", scene_file, "--quiet", "--stats", stats_file,
-                   "--device", self.arguments.device, "--duration", str(duration),
-                   "--set", f"water.spacing={spacing}", "--set", f"world.dt={dt}"]
+                   "--device", self.arguments.device]
         if self.arguments.threads:
             command += ["--threads", str(self.arguments.threads)]
-        if subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
+        began = time.monotonic()
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        seconds = round(time.monotonic() - began, 1)
+        if done.returncode:
+            print(f"spacing {scene['nodes']['water']['params']['spacing']:g}, dt {scene['world']['dt']:g}: "
+                  f"{done.stderr.strip()}", file=sys.stderr, flush=True)
             return None
         with open(stats_file, encoding="utf-8") as file:
-            return json.load(file)["nodes"]["water"]
+            return {"seconds": seconds, "water": json.load(file)["nodes"]["water"]}
 
     def row(self, spacing, dt):
         a = self.arguments
@@ -61,7 +102,7 @@ class Runner:
         count = max(1, round(settled["solver_iterations"]["mean"])) if settled else 3
         pbf = self.run(spacing, dt, a.duration, {"type": "Pbf", "params": {"iterations": count}})
         return " | ".join([f"| {spacing:g} | {1000 * dt:g}", iterations(plain), iterations(quick), iterations(settled),
-                           unmet(settled), self.outcome(settled), self.outcome(untuned), self.outcome(pbf)]) + " |"
+                           stages(settled), unmet(settled), self.outcome(settled), self.outcome(untuned), self.outcome(pbf)]) + " |"
 
     def outcome(self, water):
         """Mean compression in per cent, and height."""
@@ -73,6 +114,10 @@ class Runner:
 
 def iterations(water):
     return f"{water['solver_iterations']['mean']:.1f}" if water else "failed"
+
+
+def stages(water):
+    return f"{water['solver_stages']['mean']:.1f}" if water else "failed"
 
 
 def unmet(water):
@@ -95,11 +140,12 @@ def main():
     parser.add_argument("--tolerance", type=float, default=0.001)
     parser.add_argument("--most", type=int, default=2000, help="iterations after each search for neighbours")
     parser.add_argument("--bulk-modulus", type=float, default=1e7, metavar="PA")
+    parser.add_argument("--keep", metavar="FILE", help="outcomes, to go on from in another call")
     arguments = parser.parse_args()
     print("| d (m) | dt (ms) | iterations, plain, first part | with momentum, first part | with momentum, all | "
-          "steps not met | compression (%) | height | untuned: compression (%) | height | "
+          "stages | steps not met | compression (%) | height | untuned: compression (%) | height | "
           "PBF: compression (%) | height |")
-    print("|" + "---:|" * 12)
+    print("|" + "---:|" * 13)
     with tempfile.TemporaryDirectory() as folder:
         runner = Runner(arguments, folder)
         for spacing in arguments.spacings:

@@ -76,28 +76,31 @@ def efflux(lab):
     floor = scenes.parameter(scene, "vessel.thickness")
     inner = outer - floor
     rows, speeds, levels = [], [], []
-    for spacing, ratio in lab.scale(((0.01, 1.5), (0.01, 2.0)),
+    for spacing, ratio in lab.scale(((0.01, 1.5), (0.01, 2.0), (0.01, 2.4)),
                                     ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4))):
         result = lab.run(f"efflux/{spacing}_{ratio}", "validation/efflux",
                          {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
-        table = []  # time, level, speed of the jet and of a free fall, flux
+        table = []  # time, level, speed of the jet, in its core, and of a free fall, flux
         for k, frame in enumerate(result.series):
             if frame["time"] < 0.3:
                 continue
             particles = exported(result.folder, k)
-            y, velocity = particles.positions[:, 1], particles.velocities
+            (x, y, z), velocity = particles.positions.T, particles.velocities
             top = surface(particles.positions[y > floor], spacing, inner)[1].mean()
             jet = (y < -1.5 * hole) & (y > -2.5 * hole)
             table.append((frame["time"], floor + (y > floor).sum() * spacing ** 3 / (math.pi * inner ** 2),
                           numpy.linalg.norm(velocity[jet], axis=1).mean(),
+                          numpy.linalg.norm(velocity[jet & (numpy.hypot(x, z) < 0.4 * hole)], axis=1).mean(),
                           numpy.sqrt(2 * GRAVITY * (top - y[jet])).mean(),
                           -velocity[jet, 1].sum() * spacing ** 3 / hole))
-        times, level, speed, fall, flux = numpy.array(table).T
+        times, level, speed, core, fall, flux = numpy.array(table).T
         slope, start = line(times, numpy.sqrt(level))
         label = f"d = {1000 * spacing:g} mm, H = {ratio}d"
         ideal = math.pi * hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
         rows += [Row(f"speed of the contracted jet, mean from 0.3 s on, {label}", float(speed.mean()), "m/s",
                      float(fall.mean()), 0.05),
+                 Row(f"the same in the core of the jet, half as wide, {label}", float(core.mean()), "m/s",
+                     float(fall.mean())),
                  Row(f"deviation of √level from a straight line, {label}",
                      float(abs(numpy.sqrt(level) - start - slope * times).max() / start), below=0.02),
                  Row(f"coefficient of discharge by the fall of the level, {label}",

@@ -50,9 +50,11 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   control_.assign(std::vector<Control>{Control{}});
   sums_ = Array<Sums>(fluid.device);
   sums_.resize(1);
+  farthest_ = Array<float>(fluid.device);
+  farthest_.resize(1);
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
-  carried_ = passes() > 1
+  carried_ = passes() > 1 || tolerance.get()
                  ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
                                                 "By pressure and walls, at the last search in a step."})
                  : nullptr;
@@ -90,7 +92,35 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
 bool SemiImplicitSolver::isDone() {
   if (!tolerance.get()) return false;
   const std::optional<Control> seen = controlSeen_->poll();
-  return seen && seen->done != 0 && seen->passes == passes_;
+  if (!seen || seen->passes != passes_) return false;
+  over_ = seen->over != 0;
+  return seen->done != 0;
+}
+
+void SemiImplicitSolver::endPass() {
+  if (!tolerance.get()) return;
+  if (!recordObjective) {
+    isDone();
+    return;
+  }
+  // Passes of which the device makes nothing must not be recorded.
+  if (controlSeen_->pending()) controlSeen_->wait();
+  controlSeen_->request(control_.data());
+  over_ = controlSeen_->wait().over != 0;
+}
+
+bool SemiImplicitSolver::staged(const FluidStep& fluid) const {
+  return tolerance.get() && pathStages > 1 && fluid.walls.empty();
+}
+
+int SemiImplicitSolver::mostRepeats() const {
+  constexpr int kMost = 10;
+  return tolerance.get() && !neighborSearches.get() ? kMost : 0;
+}
+
+int SemiImplicitSolver::mostPasses() const {
+  // One may be idle, see BeginPass.
+  return tolerance.get() ? 1 + pathStages * (1 + mostRepeats()) + passes() : passes();
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
@@ -116,6 +146,11 @@ void SemiImplicitSolver::report(NodeReport& report) {
       control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
   used["max"] = control.most;
   used["last"] = control.iterations;
+  Value& stages = report.statistics["solver_stages"];
+  stages = Value::object();
+  stages["mean"] =
+      control.steps > 0 ? static_cast<double>(control.staged) / static_cast<double>(control.steps) : 0.0;
+  stages["max"] = control.mostStages;
   const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
   used["unmet"] = unmet;
   report.events.push_back({"steps ended with more compression than the solver's tolerance", unmet});

@@ -111,11 +111,47 @@ using Sums = SemiImplicitSolver::Sums;
 
 struct BeginStep {
   Control* control;
+  const float* farthest;  // null where all is gone at once
+  float dt;
+  float stage;  // m, the longest way of a stage
+  int most;     // stages
 
   WEIR_HD void operator()(std::int64_t) const {
     if (control->steps > 0 && !control->met) ++control->unmet;
     control->iterations = 0;
     ++control->steps;
+    control->stage = 1;
+    control->repeats = control->finals = control->begun = control->advance = control->over = 0;
+    const float stages = farthest != nullptr ? ceilf(sqrtf(*farthest) / stage) : 1.0f;
+    control->stages = stages > float(most) ? most : stages > 1 ? int(stages) : 1;
+    control->stride = dt / float(control->stages);
+    control->staged += control->stages;
+    if (control->stages > control->mostStages) control->mostStages = control->stages;
+  }
+};
+
+struct SquareOfWay {
+  float dt;
+  ArrayView<const Vec3f> velocities;
+
+  WEIR_HD float operator()(std::int64_t i) const {
+    const Vec3f way = dt * velocities[i];
+    return isFinite(way) ? dot(way, way) : 0.0f;
+  }
+};
+
+struct Larger {
+  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
+};
+
+/// From the predicted positions back to where the first stage goes.
+struct GoBack {
+  const Control* control;
+  ArrayView<const Vec3f> velocities;
+  ArrayView<Vec3f> positions;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    if (control->stages > 1) positions[i] -= float(control->stages - 1) * control->stride * velocities[i];
   }
 };
 
@@ -124,7 +160,10 @@ struct BeginPass {
   Control* control;
 
   WEIR_HD void operator()(std::int64_t) const {
-    control->done = 0;
+    // Where there are stages, the lists of the first pass, made at the predicted positions, are of no use.
+    const bool idle = control->stages > 1 && control->begun == 0;
+    control->done = idle || control->over ? 1 : 0;
+    ++control->begun;
     control->sinceRestart = 0;
     control->takesBack = 0;
     control->momentum = 0;
@@ -133,14 +172,16 @@ struct BeginPass {
   }
 };
 
-/// To where the search shall look for neighbours.
+/// To where the search shall look for neighbours: to the next stage, too.
 struct MoveOut {
-  ArrayView<const Vec3f> displacement;
+  const Control* control;
+  ArrayView<const Vec3f> displacement, velocities;
   ArrayView<Vec3f> carried, positions;
 
   WEIR_HD void operator()(std::int64_t i) const {
     carried[i] = displacement[i];
     positions[i] += displacement[i];
+    if (control->advance) positions[i] += control->stride * velocities[i];
   }
 };
 
@@ -165,18 +206,21 @@ struct Measure {
   ArrayView<const Vec3f> displacement;
   ArrayView<const float> excess;
   ArrayView<const Vec4f> proposal;  // may be empty
+  ArrayView<const Vec3f> searched;  // displacements at the search; all 0 if it is empty
 
   WEIR_HD Sums operator()(std::int64_t i) const {
     const Vec3f u = displacement[i];
     const float e = excess[i];
+    const Vec3f way = searched.size > 0 ? u - searched[i] : u;
     return {e > 0 ? double(e) : 0.0, 0.5 * double(dot(u, u)) + double(stiffness) * double(energy.value(e)),
-            proposal.size > 0 ? double(proposal[i].w) : 0.0};
+            proposal.size > 0 ? double(proposal[i].w) : 0.0, double(dot(way, way))};
   }
 };
 
 struct Add {
   WEIR_HD Sums operator()(const Sums& a, const Sums& b) const {
-    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope};
+    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
+            a.farthest > b.farthest ? a.farthest : b.farthest};
   }
 };
 
@@ -187,10 +231,37 @@ struct Judge {
   Count count;
   double tolerance;  // below 0: never done
   bool accelerated;
-  bool last;  // of the step: its outcome is not judged, so it is plain
+  double farthest;  // m², squared; from here on, lists no longer hold
+  int mostRepeats;  // of a stage
+  int passes;       // of the last stage
+  bool last;        // of the pass: its outcome is not judged, so it is plain
 
   WEIR_HD void operator()(std::int64_t) const {
     if (control->done) return;
+    judge();
+    if (control->done || last) plan();
+  }
+
+  /// What the next pass is.
+  WEIR_HD void plan() const {
+    const bool far = mostRepeats > 0 && sums->farthest > farthest;
+    if (far && control->repeats < mostRepeats) {
+      ++control->repeats;
+      control->advance = 0;
+      return;
+    }
+    control->advance = control->stage < control->stages ? 1 : 0;
+    if (control->advance) {
+      ++control->stage;
+      control->repeats = 0;
+      return;
+    }
+    control->over = ++control->finals >= passes ? 1 : 0;
+    // What lists that do not hold say of compression is not true.
+    if (far) control->met = 0;
+  }
+
+  WEIR_HD void judge() const {
     // The terms of the sum are floats; it may rise by rounding.
     constexpr double kRounding = 1e-6;
     // Compression that no step touches because it is below the tolerance would gather over the steps.
@@ -359,17 +430,17 @@ template <class Backend>
 void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid);
   const Count count = fluid.particles.count();
+  beginStep(device, fluid);
   parallelFor(device, "start", count,
               StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
-  if (controlled()) parallelFor(device, "begin", 1, BeginStep{control_.data()});
   fluid.walls.forgetShares();
   contain(device, fluid);
-  if (recordObjective) objective_.begin(fluid, passes() * iterations + 1);
+  if (recordObjective) objective_.begin(fluid, mostPasses() * iterations + 1);
   record(fluid);
-  for (int pass = 0; pass < passes(); ++pass) {
+  for (int pass = 0; pass < mostPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, fluid);
     if (controlled() || searches())
-      iterate(device, fluid);
+      iterate(device, fluid, pass);
     else
       substitute(device, fluid);
   }
@@ -385,6 +456,24 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                 MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
                           kTouching * radiusOf(fluid), inverseDt, fluid.particles.positions().view(),
                           displacement_.view(), velocities});
+}
+
+template <class Backend>
+void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
+  if (!controlled()) return;
+  const Count count = fluid.particles.count();
+  const float dt = static_cast<float>(fluid.time.dt);
+  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
+  over_ = false;
+  if (staged(fluid))
+    reduce(device, "farthest", count, 0.0f, SquareOfWay{dt, velocities}, Larger{}, farthest_.data());
+  constexpr float kStage = 1;  // spacings
+  parallelFor(device, "begin", 1,
+              BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,
+                        kStage * fluid.constants.spacing, pathStages});
+  if (staged(fluid))
+    parallelFor(device, "go back", count,
+                GoBack{control_.data(), velocities, fluid.particles.positions().view()});
 }
 
 template <class Backend>
@@ -404,7 +493,7 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
 }
 
 template <class Backend>
-void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
+void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const ArrayView<const Vec3f> predicted = fluid.particles.positions().view();
@@ -412,13 +501,26 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
   const EnergyDerivative derivative{
       fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_,   tension, fluid.walls.view(),
       displacement_.view(),   state_.view(), weighted_.view(), excess_.view()};
-  const Measure measure{bulkEnergy_, stiffnessOf(fluid), displacement_.view(), excess_.view(),
-                        searches() ? proposal_.view() : ArrayView<Vec4f>{}};
+  const Measure measure{bulkEnergy_,
+                        stiffnessOf(fluid),
+                        displacement_.view(),
+                        excess_.view(),
+                        searches() ? proposal_.view() : ArrayView<Vec4f>{},
+                        pass > 0 ? carried_->view() : ArrayView<Vec3f>{}};
   const Update update{
       pushOf,    stepLength,           measure,      sums_.data(), controlled() ? control_.data() : nullptr,
       predicted, displacement_.view(), state_.view()};
-  Judge judge{control_.data(), sums_.data(), count, double(tolerance.get().value_or(-1.0f)),
-              accelerated(),   false};
+  constexpr double kReach = 0.25;  // spacings
+  const double reach = kReach * fluid.constants.spacing;
+  Judge judge{control_.data(),
+              sums_.data(),
+              count,
+              double(tolerance.get().value_or(-1.0f)),
+              accelerated(),
+              reach * reach,
+              mostRepeats(),
+              passes(),
+              false};
   if (controlled()) parallelFor(device, "begin", 1, BeginPass{control_.data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
@@ -442,6 +544,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid) {
                             displacement_.view(), fluid.walls.view().share, state_.view()});
     contain(device, fluid);
   }
+  endPass();
 }
 
 template <class Backend>
@@ -456,7 +559,8 @@ void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
 template <class Backend>
 void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
   parallelFor(device, "move", fluid.particles.count(),
-              MoveOut{displacement_.view(), carried_->view(), fluid.particles.positions().view()});
+              MoveOut{control_.data(), displacement_.view(), fluid.particles.velocities().view(),
+                      carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
   WallIntegrals::find(fluid);
   // The sort has put the particles, and what is carried, into another order and other memory.

@@ -20,6 +20,12 @@
 //
 // and u_k is put back to û_k−1, and k to 0, where Σ E has risen. With either of the two, particles are kept
 // out of the solids in every iteration.
+//
+// With a tolerance, particles that fly further than a spacing are led to x* in stages: the same problem is
+// solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
+// and with neighbours of its own. The last of them is the step's own problem. Started at x* itself, fluid
+// that flies at a wall would lie flat on it, layer upon layer, and come apart in another order: a minimum of
+// the objective, too, but none that a flow leads to. n is found on the device.
 #pragma once
 
 #include <optional>
@@ -101,9 +107,20 @@ class SemiImplicitSolver final : public FluidModule {
       std::nullopt,
       {.min = 1,
        .max = 100,
-       .doc = "How often neighbours are found in a step: at the predicted positions, and then again where "
-              "the iterations have led, which go on from there. If it is left out, 3 with a tolerance and 1 "
-              "without. Steps in which particles move less than a quarter of a spacing need only 1."}};
+       .doc =
+           "How often neighbours are found in a step: at the predicted positions, and then again where "
+           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance, and "
+           "with "
+           "one 3, and more (at most 10 in each stage) as long as a particle has been moved by more than a "
+           "quarter of a spacing since the last."}};
+  Param<int> pathStages{
+      *this,
+      "path_stages",
+      16,
+      {.min = 1,
+       .max = 100,
+       .doc = "At most so many stages, of a spacing each, on the way to predicted positions that are further "
+              "away; only with a tolerance, and where the fluid meets no meshes. With 1 there are none."}};
   Param<bool> recordObjective{*this,
                               "record_objective",
                               false,
@@ -120,9 +137,10 @@ class SemiImplicitSolver final : public FluidModule {
   }
   void report(NodeReport& report) override;
 
-  /// Over all particles: of max(λ − 1, 0), of E, of |g·Δx|.
+  /// Over all particles: sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last
+  /// search, m².
   struct Sums {
-    double compression = 0, objective = 0, slope = 0;
+    double compression = 0, objective = 0, slope = 0, farthest = 0;
   };
 
   /// What decides on the device how the iterations go on, so that nobody waits for it.
@@ -138,17 +156,31 @@ class SemiImplicitSolver final : public FluidModule {
     std::int64_t steps = 0, passes = 0, total = 0;
     int most = 0;
     int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
+    // Of the way to the predicted positions, see the class comment.
+    int stages = 1;           // of this step
+    float stride = 0;         // s; what a stage goes on by, over the velocity
+    int stage = 1;            // of this step, from 1 on
+    int repeats = 0;          // of this stage, because particles have come far since the search
+    int finals = 0;           // passes that the last stage has had, without repeats
+    int begun = 0;            // passes of this step
+    int advance = 0;          // whether the next pass is another stage
+    int over = 0;             // whether there is no next pass
+    int mostStages = 1;       // of all steps
+    std::int64_t staged = 0;  // stages of all steps
   };
 
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
+  /// Counts, and finds the stages of the way to the predicted positions.
+  template <class Backend>
+  void beginStep(Backend& device, FluidStep& fluid);
   /// The paper's iterations, and no more.
   template <class Backend>
   void substitute(Backend& device, FluidStep& fluid);
   /// With what tolerance, acceleration and step-length search add.
   template <class Backend>
-  void iterate(Backend& device, FluidStep& fluid);
+  void iterate(Backend& device, FluidStep& fluid, int pass);
   /// Moves particles out of solids; only where iterations are controlled.
   template <class Backend>
   void contain(Backend& device, FluidStep& fluid);
@@ -158,8 +190,17 @@ class SemiImplicitSolver final : public FluidModule {
   void reserve(FluidStep& fluid);
   /// As far as the host has heard of it, without waiting.
   bool isDone();
+  /// Hears whether there is another pass; waits only where each iteration is recorded.
+  void endPass();
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration == Acceleration::kNesterov; }
+  /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
+  /// changing their velocities, which then do not lead back along it.
+  bool staged(const FluidStep& fluid) const;
+  /// Of a stage, where its iterations lead so far that their neighbours no longer hold.
+  int mostRepeats() const;
+  /// The most of a step.
+  int mostPasses() const;
   int passes() const { return neighborSearches.get().value_or(tolerance.get() ? 3 : 1); }
   bool searches() const { return stepLength != StepLength::kFull; }
 
@@ -181,6 +222,8 @@ class SemiImplicitSolver final : public FluidModule {
   Array<Control> control_;
   std::optional<Readback<Control>> controlSeen_;
   std::int64_t passes_ = 0;  // begun, as Control::passes
+  Array<float> farthest_;    // one number: the largest square of a displacement to a predicted position, m²
+  bool over_ = false;        // whether the host knows that a step makes no other pass
 };
 
 }  // namespace weir

@@ -1,0 +1,153 @@
+#include "framework/compute/launch_queue.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace weir::detail {
+
+struct LaunchQueue::Graph {
+  Calls calls;
+  cudaGraph_t graph = nullptr;
+  cudaGraphExec_t executable = nullptr;
+  std::vector<cudaGraphNode_t> nodes;  // of each call
+  std::uint64_t lastLaunch = 0;
+
+  ~Graph() {
+    if (executable != nullptr) static_cast<void>(cudaGraphExecDestroy(executable));
+    if (graph != nullptr) static_cast<void>(cudaGraphDestroy(graph));
+  }
+};
+
+LaunchQueue::LaunchQueue(cudaStream_t stream) : stream_(stream) {}
+LaunchQueue::~LaunchQueue() = default;
+
+void* LaunchQueue::note(const CallKind& kind, const void* what, std::size_t size) {
+  const std::size_t begin = (now_.bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
+  now_.bytes.resize(begin + size);
+  now_.list.push_back({&kind, what, begin, size});
+  return now_.bytes.data() + begin;
+}
+
+cudaError_t LaunchQueue::issueAll() {
+  cudaError_t error = cudaSuccess;
+  for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i)
+    error = now_.list[i].kind->issue(now_.at(i), stream_);
+  return error;
+}
+
+void LaunchQueue::drop() {
+  gathering_ = false;
+  now_.list.clear();
+  now_.bytes.clear();
+}
+
+cudaError_t LaunchQueue::flush() {
+  if (!gathering_) return cudaSuccess;
+  const cudaError_t error = issueAll();
+  drop();
+  return error;
+}
+
+cudaError_t LaunchQueue::end() {
+  if (!gathering_) return cudaSuccess;
+  const cudaError_t error = now_.list.empty() ? cudaSuccess : launch();
+  drop();
+  return error;
+}
+
+cudaError_t LaunchQueue::launch() {
+  std::size_t differing = 0;
+  Graph* graph = closest(differing);
+  // Most calls differ where arrays have been swapped: that comes again, and wants a graph of its own.
+  const bool another = graph == nullptr || 2 * differing > now_.list.size();
+  cudaError_t error = cudaSuccess;
+  if (another && graphs_.size() < kMostGraphs) {
+    // What no step did before may never come again.
+    if (before_ != now_.list) {
+      before_ = now_.list;
+      return issueAll();
+    }
+    graphs_.push_back(std::make_unique<Graph>());
+    graph = graphs_.back().get();
+    error = build(*graph);
+    if (error != cudaSuccess) {
+      graphs_.pop_back();
+      return error;
+    }
+  } else if (graph == nullptr) {
+    const auto oldest = std::min_element(graphs_.begin(), graphs_.end(), [](const auto& a, const auto& b) {
+      return a->lastLaunch < b->lastLaunch;
+    });
+    static_cast<void>(cudaStreamSynchronize(stream_));  // it may still be running
+    graphs_.erase(oldest);
+    before_ = now_.list;
+    return issueAll();
+  } else if (differing > 0) {
+    error = update(*graph);
+  }
+  if (error == cudaSuccess) error = cudaGraphLaunch(graph->executable, stream_);
+  graph->lastLaunch = ++launches_;
+  return error;
+}
+
+/// The graph of the same calls with the fewest parameters that differ; null if there is none.
+LaunchQueue::Graph* LaunchQueue::closest(std::size_t& differing) {
+  Graph* best = nullptr;
+  for (const auto& graph : graphs_) {
+    if (graph->calls.list != now_.list) continue;
+    std::size_t differs = 0;
+    bool fixed = true;
+    for (std::size_t i = 0; i < now_.list.size(); ++i) {
+      if (std::memcmp(graph->calls.at(i), now_.at(i), now_.list[i].size) == 0) continue;
+      ++differs;
+      fixed = fixed && now_.list[i].kind->update != nullptr;
+    }
+    if (!fixed || (best != nullptr && differs >= differing)) continue;
+    best = graph.get();
+    differing = differs;
+  }
+  return best;
+}
+
+cudaError_t LaunchQueue::build(Graph& graph) {
+  cudaError_t error = cudaGraphCreate(&graph.graph, 0);
+  for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i) error = addNode(graph, i);
+  if (error == cudaSuccess) error = cudaGraphInstantiate(&graph.executable, graph.graph, 0);
+  graph.calls = now_;
+  return error;
+}
+
+/// One after the other: modules build upon each other.
+cudaError_t LaunchQueue::addNode(Graph& graph, std::size_t call) {
+  const CallKind& kind = *now_.list[call].kind;
+  const cudaGraphNode_t* after = graph.nodes.empty() ? nullptr : &graph.nodes.back();
+  const std::size_t afters = graph.nodes.empty() ? 0 : 1;
+  cudaGraphNode_t node = nullptr;
+  cudaError_t error = cudaSuccess;
+  if (kind.add != nullptr) {
+    error = kind.add(now_.at(call), graph.graph, after, afters, &node);
+  } else {
+    cudaGraph_t part = nullptr;
+    error = cudaStreamBeginCapture(stream_, cudaStreamCaptureModeRelaxed);
+    if (error == cudaSuccess) error = kind.issue(now_.at(call), stream_);
+    const cudaError_t ended = cudaStreamEndCapture(stream_, &part);
+    if (error == cudaSuccess) error = ended;
+    if (error == cudaSuccess) error = cudaGraphAddChildGraphNode(&node, graph.graph, after, afters, part);
+    if (part != nullptr) static_cast<void>(cudaGraphDestroy(part));
+  }
+  graph.nodes.push_back(node);
+  return error;
+}
+
+cudaError_t LaunchQueue::update(Graph& graph) {
+  cudaError_t error = cudaSuccess;
+  for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i) {
+    const std::size_t size = now_.list[i].size;
+    if (std::memcmp(graph.calls.at(i), now_.at(i), size) == 0) continue;
+    error = now_.list[i].kind->update(now_.at(i), graph.executable, graph.nodes[i]);
+  }
+  std::swap(graph.calls, now_);
+  return error;
+}
+
+}  // namespace weir::detail

@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include "tests/framework/compute/kernels.h"
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+class LaunchBatchTest : public OnDevice {
+ protected:
+  /// The squares of 0 … n-1 and one more each, asked for in one batch.
+  void ask(Array<std::int64_t>& squares) {
+    LaunchBatch batch(*device);
+    squares.fillZero();
+    dispatch(*device, [&](auto& d) { writeSquares(d, squares.size(), squares.view()); });
+    batch.end();
+  }
+  static void expectSquares(const Array<std::int64_t>& squares) {
+    const std::vector<std::int64_t> values = squares.toHost();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      ASSERT_EQ(values[i], static_cast<std::int64_t>(i * i + 1)) << i << " of " << values.size();
+  }
+};
+WEIR_ON_EVERY_DEVICE(LaunchBatchTest);
+
+TEST_P(LaunchBatchTest, RepeatedWorkIsDoneEachTime) {
+  Array<std::int64_t> squares(*device, 1000);
+  for (int step = 0; step < 5; ++step) {
+    ask(squares);
+    expectSquares(squares);
+    squares.fillZero();
+  }
+}
+
+TEST_P(LaunchBatchTest, OtherArraysAndSizesAreSeen) {
+  Array<std::int64_t> a(*device, 1000), b(*device, 70000);
+  for (int step = 0; step < 12; ++step) {
+    a.swap(b);
+    ask(a);
+    expectSquares(a);
+    a.fillZero();
+    Array<std::int64_t> growing(*device, 500 * (step + 1));
+    ask(growing);
+    expectSquares(growing);
+  }
+}
+
+TEST_P(LaunchBatchTest, ResultsThatAreNeededEndTheBatch) {
+  Array<std::int64_t> squares(*device, 300), others(*device, 200);
+  for (int step = 0; step < 4; ++step) {
+    LaunchBatch batch(*device);
+    dispatch(*device, [&](auto& d) { writeSquares(d, squares.size(), squares.view()); });
+    expectSquares(squares);
+    dispatch(*device, [&](auto& d) { writeSquares(d, others.size(), others.view()); });
+    batch.end();
+    expectSquares(others);
+    squares.fillZero();
+    others.fillZero();
+  }
+}
+
+TEST_P(LaunchBatchTest, WhatIsDroppedLeavesTheDeviceUsable) {
+  Array<std::int64_t> squares(*device, 300);
+  try {
+    const LaunchBatch batch(*device);
+    dispatch(*device, [&](auto& d) { writeSquares(d, squares.size(), squares.view()); });
+    throw simulationError("stopped");
+  } catch (const Error&) {
+  }
+  ask(squares);
+  expectSquares(squares);
+}
+
+}  // namespace
+}  // namespace weir::test
