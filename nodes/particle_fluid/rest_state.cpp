@@ -22,19 +22,21 @@ float RestState::Resting::contact() const {
   return undecided() ? 0.5f * batch->contact : batch->contact;
 }
 
-bool RestState::liftUnheld() {
+bool RestState::liftUnheld(int steps) {
   constexpr double kMostCarried = 0.1;
   bool any = false;
   for (Resting& of : batches_)
-    if (of.undecided() && of.carried > kMostCarried) any = of.weightless = true;
+    if (of.undecided() && of.carried > kMostCarried * steps) any = of.weightless = true;
   return any;
 }
 
 int RestState::reach(int most, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  // Between two stops; sooner, an implicit step that has just begun to carry pressure looks like the peak.
+  constexpr int kLeastMotion = 8;
   double last = 0;
-  int taken = 0;
+  int taken = 0, stopped = 0;
   bool moving = true;
   while (taken < most && moving) {
     step();
@@ -46,10 +48,17 @@ int RestState::reach(int most, const std::function<void()>& step) {
     double square = 0;
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
     // Motion is stopped where it is fastest, which is where the forces vanish.
-    const bool fastest = square <= last;
-    moving = liftUnheld() || !(fastest && square <= atRest);
+    const bool fastest = square <= last && taken - stopped >= kLeastMotion;
+    const bool calm = fastest && square <= atRest;
+    // Before, pushes are those of particles on their way to where they will rest.
+    const bool lifted = (calm || (fastest && 2 * taken > most)) && liftUnheld(taken - stopped);
+    moving = lifted || !calm;
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
     last = fastest ? 0 : square;
+    if (fastest) {
+      stopped = taken;
+      for (Resting& of : batches_) of.carried = 0;
+    }
   }
   dispatch(fluid_.device, [&](auto& device) { releaseOn(device); });
   return taken;

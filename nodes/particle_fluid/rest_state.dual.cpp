@@ -119,15 +119,13 @@ void RestState::dampOn(Backend& device, float kept) {
 
 template <class Backend>
 void RestState::findCarriedOn(Backend& device) {
-  constexpr double kSteps = 50;  // that a mean is over, so that no single push decides
   ParticleSet& p = fluid_.particles;
   const double fall = length(fluid_.time.gravity) * fluid_.time.dt * fluid_.time.dt;
   forEachBatch(batches_, p, [&](Resting& of, const Batch& batch) {
     if (!of.batch->container || !of.undecided() || !(fall > 0)) return;
     reduce(device, "carried", p.count(), 0.0,
            Push{batch, of.batch->container->view(), of.contact(), p.positions().view()}, Plus{}, sum_.data());
-    const double share = sum_.toHost().front() / (fall * static_cast<double>(batch.size));
-    of.carried += (share - of.carried) / kSteps;
+    of.carried += sum_.toHost().front() / (fall * static_cast<double>(batch.size));
   });
 }
 

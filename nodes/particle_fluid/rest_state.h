@@ -40,14 +40,15 @@ class RestState {
   double meanSquareSpeedOn(Backend& device);
   template <class Backend>
   void findCarriedOn(Backend& device);
-  /// Lets go of the weight of batches that are not held; says whether there were any.
-  bool liftUnheld();
+  /// Lets go of the weight of batches that were not held during the last steps, of this number; says whether
+  /// there were any.
+  bool liftUnheld(int steps);
 
   /// A batch, and how it rests.
   struct Resting {
     const ParticleBatch* batch;
     bool weightless;
-    double carried = 0;  ///< share of its weight that its container carries, smoothed over steps
+    double carried = 0;  ///< share of its weight that its container carries, summed over steps since a stop
     bool undecided() const { return batch->pressure == StartPressure::kAuto && !weightless; }
     /// m, distance that particles keep from the container.
     float contact() const;
