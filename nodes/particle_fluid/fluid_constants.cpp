@@ -66,6 +66,12 @@ double settledResponse(double supportRatio) {
   return 1 - std::log(packingCalibration(high) / packingCalibration(low)) / (3 * std::log(high / low));
 }
 
+double stiffening(double supportRatio, Calibration calibration) {
+  constexpr double kUsual = 1.5;
+  if (calibration == Calibration::kLattice || supportRatio >= kUsual) return 1;
+  return std::pow(settledResponse(kUsual) / settledResponse(supportRatio), 2);
+}
+
 double wallRadiusRatio(double supportRatio, Calibration calibration) {
   // With s = 1. The half of the lattice whose first layer is one spacing away:
   double behind = ownDensity(supportRatio) * latticeSum(supportRatio, -1);
@@ -105,8 +111,6 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   c.particleVolume = spacing * spacing * spacing;
   c.particleMass = restDensity * c.particleVolume;
   c.bulkModulus = bulkModulus;
-  if (calibration == Calibration::kPacking) c.response = static_cast<float>(settledResponse(supportRatio));
-  c.stiffness = bulkModulus / (c.response * c.response);
   c.calibration = static_cast<float>(calibration == Calibration::kLattice ? latticeCalibration(supportRatio)
                                                                           : packingCalibration(supportRatio));
   c.kernel = SpikyKernel(c.supportRadius, c.calibration);

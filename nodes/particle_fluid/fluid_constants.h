@@ -27,21 +27,12 @@ struct FluidConstants {
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
-  float bulkModulus = 0;     ///< K of the fluid, Pa
-  float response = 1;        ///< γ = dlnλ/dlnn of settled fluid; 1 with the lattice calibration
-  float stiffness = 0;       ///< K' = K/γ², Pa: what the energy per particle is in proportion to
+  float bulkModulus = 0;     ///< K', Pa: what the energy per particle is in proportion to
   float calibration = 0;     ///< s
   SpikyKernel kernel;
 
-  /// c² = K'/ρ0 of the solver, m²/s².
-  float soundSpeedSquared() const { return stiffness / restDensity; }
-  /// λ − 1 of fluid at rest under a pressure in Pa, p/(γ·K').
-  double excessUnder(double pressure) const { return pressure / (double(response) * stiffness); }
-  /// Takes K' as it is given, and K = γ²·K' from it.
-  void setStiffness(float pascal) {
-    stiffness = pascal;
-    bulkModulus = response * response * pascal;
-  }
+  /// Speed of sound squared, c² = K'/ρ0, m²/s².
+  float soundSpeedSquared() const { return bulkModulus / restDensity; }
 };
 
 /// s = 1 / Σ V0·W₁ over the cubic lattice of spacing d, centre included, for H = supportRatio·d.
@@ -56,6 +47,12 @@ double packingCalibration(double supportRatio);
 /// of packingCalibration. Below q = 1.2, where it vanishes, that of 1.2.
 double settledResponse(double supportRatio);
 
+/// K'/K. Under pressure λ − 1 = γ·δn/n, and the energy V0·K'/2·(λ − 1)² per particle makes
+/// p = n·K'·V0·(λ − 1)·dλ/dn = γ²·K'·δn/n, so settled fluid yields like one of bulk modulus γ²·K'. With the
+/// packing calibration this factor, max(1, (γ(1.5)/γ)²), keeps fluid of small supports from being softer than
+/// that of the usual one; it is 1 from a support ratio of 1.5 on, and with the lattice calibration.
+double stiffening(double supportRatio, Calibration calibration);
+
 /// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
 /// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
 /// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
@@ -66,8 +63,6 @@ double wallRadiusRatio(double supportRatio, Calibration calibration);
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);
 
-/// With the packing calibration K is that of the settled fluid: under pressure λ − 1 = γ·δn/n, and the energy
-/// V0·K'/2·(λ − 1)² per particle makes p = n·K'·V0·(λ − 1)·dλ/dn = γ²·K'·δn/n. So K' = K/γ².
 FluidConstants makeFluidConstants(float spacing, float supportRatio, float restDensity, float bulkModulus,
                                   Calibration calibration);
 

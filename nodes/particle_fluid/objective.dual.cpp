@@ -49,7 +49,7 @@ void ObjectiveRecord::measureOn(Backend& device, FluidStep& fluid, const BulkEne
                                     c.kernel,
                                     c.particleVolume,
                                     c.particleMass / (2 * dt * dt),
-                                    double(c.stiffness) * c.particleVolume,
+                                    double(c.bulkModulus) * c.particleVolume,
                                     energy,
                                     tension,
                                     state,

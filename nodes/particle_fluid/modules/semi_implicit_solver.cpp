@@ -63,15 +63,15 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
 void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
   const FluidConstants& c = outlook.constants;
   if (tolerance.get()) {
-    // The mean over a column of depth h, at rest: γ·ρ0·g·h/(2·K).
-    const double atRest = c.excessUnder(0.5 * outlook.pressure);
+    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K').
+    const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
     if (atRest > *tolerance.get() * (1 + kSettingRounding))
       outlook.warn(*this,
                    fmt::format("a tolerance of {:.3g} cannot be met: at rest the fluid's mean compression is "
                                "{:.3g}, from its weight and bulk_modulus",
                                *tolerance.get(), atRest),
                    fmt::format("a tolerance of at least {:.2g}, or a bulk_modulus of at least {:.2g} Pa",
-                               atRest, 0.5 * outlook.pressure * c.response / *tolerance.get()));
+                               atRest, 0.5 * outlook.pressure / *tolerance.get()));
     return;
   }
   // Measured in dam breaks: a mean compression of about 0.01·(S/iterations)^0.8.

@@ -26,22 +26,13 @@ TEST_P(Response, IsThatOfSqueezedTiles) {
 
 INSTANTIATE_TEST_SUITE_P(SupportRatios, Response, testing::Values(1.2, 1.5, 2.0, 2.4));
 
-TEST(FluidConstants, KIsThatOfTheFluidAndMuThatOfAParticle) {
-  for (const float ratio : {1.2f, 1.5f, 2.4f}) {
-    FluidConstants c = makeFluidConstants(0.01f, ratio, 1000, 1e6f, Calibration::kLattice);
-    EXPECT_EQ(c.stiffness, 1e6f);
-    EXPECT_EQ(c.excessUnder(1e3), 1e-3);
-    c = makeFluidConstants(0.01f, ratio, 1000, 1e6f, Calibration::kPacking);
-    const double response = settledResponse(ratio);
-    EXPECT_EQ(c.bulkModulus, 1e6f);
-    EXPECT_NEAR(c.stiffness * response * response, 1e6, 1);
-    EXPECT_NEAR(c.excessUnder(1e3), 1e-3 * response, 1e-9);
-    c.setStiffness(2e6f);
-    EXPECT_EQ(c.stiffness, 2e6f);
-    EXPECT_NEAR(c.bulkModulus, 2e6 * response * response, 1);
-  }
-  EXPECT_EQ(settledResponse(1.1), settledResponse(1.2));
-  EXPECT_LT(settledResponse(3), 1);
+TEST(Stiffening, KeepsSmallSupportsAsStiffAsTheUsualOne) {
+  const double usual = std::pow(settledResponse(1.5), 2);
+  for (const double ratio : {1.2, 1.3, 1.4, 1.499})
+    EXPECT_NEAR(stiffening(ratio, Calibration::kPacking) * std::pow(settledResponse(ratio), 2), usual, 1e-9);
+  for (const double ratio : {1.5, 2.0, 2.4}) EXPECT_EQ(stiffening(ratio, Calibration::kPacking), 1);
+  for (const double ratio : {1.2, 1.5, 2.0}) EXPECT_EQ(stiffening(ratio, Calibration::kLattice), 1);
+  EXPECT_EQ(stiffening(1.1, Calibration::kPacking), stiffening(1.2, Calibration::kPacking));
 }
 
 TEST(WallRadius, IsLessWhereSettledFluidAddsLessThanALattice) {
