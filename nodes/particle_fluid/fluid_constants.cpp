@@ -66,20 +66,29 @@ double settledResponse(double supportRatio) {
   return 1 - std::log(packingCalibration(high) / packingCalibration(low)) / (3 * std::log(high / low));
 }
 
+namespace {
+
+/// Fluids of smaller supports are treated as this one, where walls and stiffness need no more.
+constexpr double kUsualRatio = 1.5;
+
+/// What the neighbours in settled fluid add, as a share of what those in a lattice add.
+double settledShare(double supportRatio) {
+  const double settled = 1 / (ownDensity(supportRatio) * packingCalibration(supportRatio)) - 1;
+  return settled / (latticeSum(supportRatio) - 1);
+}
+
+}  // namespace
+
 double stiffening(double supportRatio, Calibration calibration) {
-  constexpr double kUsual = 1.5;
-  if (calibration == Calibration::kLattice || supportRatio >= kUsual) return 1;
-  return std::pow(settledResponse(kUsual) / settledResponse(supportRatio), 2);
+  if (calibration == Calibration::kLattice || supportRatio >= kUsualRatio) return 1;
+  return std::pow(settledResponse(kUsualRatio) / settledResponse(supportRatio), 2);
 }
 
 double wallRadiusRatio(double supportRatio, Calibration calibration) {
   // With s = 1. The half of the lattice whose first layer is one spacing away:
   double behind = ownDensity(supportRatio) * latticeSum(supportRatio, -1);
-  if (calibration == Calibration::kPacking) {
-    const double inLattice = latticeSum(supportRatio) - 1;
-    const double settled = 1 / (ownDensity(supportRatio) * packingCalibration(supportRatio)) - 1;
-    behind *= settled / inLattice;
-  }
+  if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
+    behind *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
   const auto halfSpace = [](double radius) {
     const double q = 0.5 / radius;
     return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);

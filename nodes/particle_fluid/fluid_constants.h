@@ -56,8 +56,9 @@ double stiffening(double supportRatio, Calibration calibration);
 /// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
 /// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
 /// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
-/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; settled fluid is taken to
-/// add as much less as its neighbours add in the bulk.
+/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; with the packing calibration
+/// and a support ratio below 1.5 the settled fluid is taken to add less, as its neighbours in the bulk add
+/// less than those at 1.5.
 double wallRadiusRatio(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.

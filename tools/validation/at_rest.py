@@ -13,8 +13,8 @@ def height(frame):
 
 
 def settled_volume(lab):
-    """Blocks in disorder settle in tanks that they fill from wall to wall. 60 iterations carry the weight of 16 layers."""
-    spacing, iterations = lab.scale(("0.0125", "60"), ("0.005", "375"))
+    """Blocks in disorder settle in tanks that they fill from wall to wall. 90 iterations carry the weight of 16 layers."""
+    spacing, iterations = lab.scale(("0.0125", "90"), ("0.005", "563"))
     rows, curves = [], []
     for ratio in (1.2, 1.5, 2.0, 2.4):
         for calibration in ("packing", "lattice"):
