@@ -3,21 +3,39 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 namespace weir {
 
-double latticeCalibration(double supportRatio) {
-  // In units of the spacing; W₁ is the kernel with s = 1.
+namespace {
+
+/// Σ (1 − r/H)³ over the nodes of the cubic lattice with y ≤ top, the centre included if it is one; spacings.
+double latticeSum(double supportRatio, int top) {
   const int reach = static_cast<int>(std::ceil(supportRatio));
   double sum = 0;
   for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= reach; ++y)
+    for (int y = -reach; y <= std::min(top, reach); ++y)
       for (int z = -reach; z <= reach; ++z) {
         const double q = std::sqrt(double(x * x + y * y + z * z)) / supportRatio;
         if (q < 1) sum += std::pow(1 - q, 3);
       }
-  return std::numbers::pi * std::pow(supportRatio, 3) / (15 * sum);
+  return sum;
+}
+
+double latticeSum(double supportRatio) {
+  return latticeSum(supportRatio, std::numeric_limits<int>::max());
+}
+
+/// V0·W(0) with s = 1, in spacings.
+double ownDensity(double supportRatio) {
+  return 15 / (std::numbers::pi * std::pow(supportRatio, 3));
+}
+
+}  // namespace
+
+double latticeCalibration(double supportRatio) {
+  return 1 / (ownDensity(supportRatio) * latticeSum(supportRatio));
 }
 
 namespace {
@@ -40,16 +58,37 @@ double packingCalibration(double supportRatio) {
   return latticeCalibration(supportRatio) * ((1 - t) * kPackingCurve[below] + t * kPackingCurve[below + 1]);
 }
 
-double wallRadiusRatio(double supportRatio) {
-  // In units of the spacing, with s = 1: the half of the lattice whose first layer is one spacing away.
-  const int reach = static_cast<int>(std::ceil(supportRatio));
-  double behind = 0;
-  for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= -1; ++y)
-      for (int z = -reach; z <= reach; ++z) {
-        const double q = std::sqrt(double(x * x + y * y + z * z)) / supportRatio;
-        if (q < 1) behind += 15 / (std::numbers::pi * std::pow(supportRatio, 3)) * std::pow(1 - q, 3);
-      }
+double settledResponse(double supportRatio) {
+  constexpr double kLeast = 1.2;  // below, K' would be so large that the rounding of λ made noise
+  const double q =
+      std::clamp(supportRatio, kLeast, kFirstRatio + kRatioStep * (std::size(kPackingCurve) - 2));
+  const double low = q - kRatioStep, high = q + kRatioStep;
+  return 1 - std::log(packingCalibration(high) / packingCalibration(low)) / (3 * std::log(high / low));
+}
+
+namespace {
+
+/// Fluids of smaller supports are treated as this one, where walls and stiffness need no more.
+constexpr double kUsualRatio = 1.5;
+
+/// What the neighbours in settled fluid add, as a share of what those in a lattice add.
+double settledShare(double supportRatio) {
+  const double settled = 1 / (ownDensity(supportRatio) * packingCalibration(supportRatio)) - 1;
+  return settled / (latticeSum(supportRatio) - 1);
+}
+
+}  // namespace
+
+double stiffening(double supportRatio, Calibration calibration) {
+  if (calibration == Calibration::kLattice || supportRatio >= kUsualRatio) return 1;
+  return std::pow(settledResponse(kUsualRatio) / settledResponse(supportRatio), 2);
+}
+
+double wallRadiusRatio(double supportRatio, Calibration calibration) {
+  // With s = 1. The half of the lattice whose first layer is one spacing away:
+  double behind = ownDensity(supportRatio) * latticeSum(supportRatio, -1);
+  if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
+    behind *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
   const auto halfSpace = [](double radius) {
     const double q = 0.5 / radius;
     return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);
@@ -76,7 +115,7 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   FluidConstants c;
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
-  c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio)) * spacing;
+  c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio, calibration)) * spacing;
   c.restDensity = restDensity;
   c.particleVolume = spacing * spacing * spacing;
   c.particleMass = restDensity * c.particleVolume;

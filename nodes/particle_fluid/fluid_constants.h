@@ -27,11 +27,11 @@ struct FluidConstants {
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
-  float bulkModulus = 0;     ///< K, Pa
+  float bulkModulus = 0;     ///< K', Pa: what the energy per particle is in proportion to
   float calibration = 0;     ///< s
   SpikyKernel kernel;
 
-  /// Speed of sound squared, c² = K/ρ0, m²/s².
+  /// Speed of sound squared, c² = K'/ρ0, m²/s².
   float soundSpeedSquared() const { return bulkModulus / restDensity; }
 };
 
@@ -42,11 +42,24 @@ double latticeCalibration(double supportRatio);
 /// factor, interpolated between support ratios 1.1 and 3.
 double packingCalibration(double supportRatio);
 
+/// γ = dlnλ/dlnn of settled fluid, n being particles per volume. Squeezed evenly by 1/n, fluid that rests at
+/// a support ratio q is fluid that rests at q·n^⅓ on a smaller scale, so γ = 1 − ⅓·dlns/dlnq, by differences
+/// of packingCalibration. Below q = 1.2, where it vanishes, that of 1.2.
+double settledResponse(double supportRatio);
+
+/// K'/K. Under pressure λ − 1 = γ·δn/n, and the energy V0·K'/2·(λ − 1)² per particle makes
+/// p = n·K'·V0·(λ − 1)·dλ/dn = γ²·K'·δn/n, so settled fluid yields like one of bulk modulus γ²·K'. With the
+/// packing calibration this factor, max(1, (γ(1.5)/γ)²), keeps fluid of small supports from being softer than
+/// that of the usual one; it is 1 from a support ratio of 1.5 on, and with the lattice calibration.
+double stiffening(double supportRatio, Calibration calibration);
+
 /// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
 /// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
-/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the lattice
-/// behind it would add, and ∇Φ is nearly so.
-double wallRadiusRatio(double supportRatio);
+/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
+/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; with the packing calibration
+/// and a support ratio below 1.5 the settled fluid is taken to add less, as its neighbours in the bulk add
+/// less than those at 1.5.
+double wallRadiusRatio(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);

@@ -5,31 +5,60 @@
 
 namespace weir {
 
-RestState::RestState(FluidStep& fluid, std::vector<const ParticleBatch*> batches)
-    : fluid_(fluid), batches_(std::move(batches)), sum_(fluid.device, 1) {}
+RestState::RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches)
+    : fluid_(fluid), sum_(fluid.device, 1) {
+  for (const ParticleBatch* batch : batches)
+    batches_.push_back({batch, batch->pressure == StartPressure::kNone});
+}
 
 bool RestState::wanted() const {
   return std::any_of(batches_.begin(), batches_.end(),
-                     [](const ParticleBatch* b) { return b->container != nullptr; });
+                     [](const Resting& b) { return b.batch->container != nullptr; });
+}
+
+float RestState::Resting::contact() const {
+  // Mesh walls hold fluid at about half a spacing. Where a container did so too, nobody could tell which of
+  // them does, and what the container did would be missing when it vanishes.
+  return undecided() ? 0.5f * batch->contact : batch->contact;
+}
+
+bool RestState::liftUnheld(int steps) {
+  constexpr double kMostCarried = 0.1;
+  bool any = false;
+  for (Resting& of : batches_)
+    if (of.undecided() && of.carried > kMostCarried * steps) any = of.weightless = true;
+  return any;
 }
 
 int RestState::reach(int most, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  // Between two stops; sooner, an implicit step that has just begun to carry pressure looks like the peak.
+  constexpr int kLeastMotion = 8;
   double last = 0;
-  int taken = 0;
+  int taken = 0, stopped = 0;
   bool moving = true;
   while (taken < most && moving) {
     step();
-    dispatch(fluid_.device, [&](auto& device) { containOn(device); });
+    dispatch(fluid_.device, [&](auto& device) {
+      findCarriedOn(device);
+      containOn(device);
+    });
     ++taken;
     double square = 0;
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
     // Motion is stopped where it is fastest, which is where the forces vanish.
-    const bool fastest = square <= last;
-    moving = !(fastest && square <= atRest);
+    const bool fastest = square <= last && taken - stopped >= kLeastMotion;
+    const bool calm = fastest && square <= atRest;
+    // Before, pushes are those of particles on their way to where they will rest.
+    const bool lifted = (calm || (fastest && 2 * taken > most)) && liftUnheld(taken - stopped);
+    moving = lifted || !calm;
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
     last = fastest ? 0 : square;
+    if (fastest) {
+      stopped = taken;
+      for (Resting& of : batches_) of.carried = 0;
+    }
   }
   dispatch(fluid_.device, [&](auto& device) { releaseOn(device); });
   return taken;

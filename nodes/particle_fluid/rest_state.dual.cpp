@@ -48,6 +48,20 @@ struct Contain {
   }
 };
 
+/// By how much a container is to move each particle, m.
+struct Push {
+  Batch batch;
+  BoundaryView container;
+  float contact;
+  ArrayView<const Vec3f> positions;
+
+  WEIR_HD double operator()(std::int64_t i) const {
+    if (!batch.has(i)) return 0;
+    const float push = contact - boundaryQuery(container, positions[i]).distance;
+    return push > 0 ? push : 0;
+  }
+};
+
 struct Hold {
   Batch batch;
   ArrayView<const Vec3f> initial;
@@ -79,14 +93,14 @@ struct Plus {
   WEIR_HD double operator()(double a, double b) const { return a + b; }
 };
 
-/// Calls f(batch, its ids) for all batches.
-template <class F>
-void forEachBatch(const std::vector<const ParticleBatch*>& batches, const ParticleSet& particles,
-                  const F& f) {
+/// Calls f(of, its ids) for all batches.
+template <class Resting, class F>
+void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, const F& f) {
   std::int64_t first = 0;
-  for (const ParticleBatch* batch : batches) {
-    if (batch->count > 0) f(*batch, Batch{static_cast<int>(first), batch->count, particles.ids().view()});
-    first += batch->count;
+  for (Resting& of : batches) {
+    const std::int64_t count = of.batch->count;
+    if (count > 0) f(of, Batch{static_cast<int>(first), count, particles.ids().view()});
+    first += count;
   }
 }
 
@@ -96,32 +110,45 @@ template <class Backend>
 void RestState::dampOn(Backend& device, float kept) {
   ParticleSet& p = fluid_.particles;
   const Vec3f lift = -static_cast<float>(fluid_.time.dt) * fluid_.time.gravity;
-  forEachBatch(batches_, p, [&](const ParticleBatch& from, const Batch& batch) {
-    if (from.container)
+  forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
+    if (of.batch->container)
       parallelFor(device, "damp", p.count(),
-                  Damp{batch, kept, from.weightless ? lift : Vec3f{}, p.velocities().view()});
+                  Damp{batch, kept, of.weightless ? lift : Vec3f{}, p.velocities().view()});
+  });
+}
+
+template <class Backend>
+void RestState::findCarriedOn(Backend& device) {
+  ParticleSet& p = fluid_.particles;
+  const double fall = length(fluid_.time.gravity) * fluid_.time.dt * fluid_.time.dt;
+  forEachBatch(batches_, p, [&](Resting& of, const Batch& batch) {
+    if (!of.batch->container || !of.undecided() || !(fall > 0)) return;
+    reduce(device, "carried", p.count(), 0.0,
+           Push{batch, of.batch->container->view(), of.contact(), p.positions().view()}, Plus{}, sum_.data());
+    of.carried += sum_.toHost().front() / (fall * static_cast<double>(batch.size));
   });
 }
 
 template <class Backend>
 void RestState::containOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
-  forEachBatch(batches_, p, [&](const ParticleBatch& from, const Batch& batch) {
-    if (from.container)
-      parallelFor(
-          device, "contain", p.count(),
-          Contain{batch, from.container->view(), from.contact, p.positions().view(), p.velocities().view()});
+  forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
+    if (of.batch->container)
+      parallelFor(device, "contain", p.count(),
+                  Contain{batch, of.batch->container->view(), of.contact(), p.positions().view(),
+                          p.velocities().view()});
     else
       parallelFor(device, "hold", p.count(),
-                  Hold{batch, from.positions.view(), p.positions().view(), p.velocities().view()});
+                  Hold{batch, of.batch->positions.view(), p.positions().view(), p.velocities().view()});
   });
 }
 
 template <class Backend>
 void RestState::releaseOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
-  forEachBatch(batches_, p, [&](const ParticleBatch& from, const Batch& batch) {
-    parallelFor(device, "release", p.count(), Release{batch, from.velocities.view(), p.velocities().view()});
+  forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
+    parallelFor(device, "release", p.count(),
+                Release{batch, of.batch->velocities.view(), p.velocities().view()});
   });
 }
 
@@ -134,6 +161,7 @@ double RestState::meanSquareSpeedOn(Backend& device) {
 }
 
 template void RestState::dampOn(ThisBackend&, float);
+template void RestState::findCarriedOn(ThisBackend&);
 template void RestState::containOn(ThisBackend&);
 template void RestState::releaseOn(ThisBackend&);
 template double RestState::meanSquareSpeedOn(ThisBackend&);

@@ -5,6 +5,10 @@
 // container, until the fluid is at rest there: its pressure is hydrostatic, and its layers at walls are those
 // that the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
 // container stay where they are meanwhile.
+//
+// Pressure is for fluid that the scene holds: where a container vanishes that had carried the fluid, what is
+// stored in the pressure would be let go. So a batch may be told to find out (StartPressure): once its
+// container carries more than a small share of its weight, it goes on without gravity.
 #pragma once
 
 #include <functional>
@@ -18,7 +22,7 @@ namespace weir {
 class RestState {
  public:
   /// The batches that the fluid's particles came from, in their order, all of them and nothing else.
-  RestState(FluidStep& fluid, std::vector<const ParticleBatch*> batches);
+  RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches);
 
   /// Whether there is a container at all.
   bool wanted() const;
@@ -34,9 +38,24 @@ class RestState {
   void releaseOn(Backend& device);
   template <class Backend>
   double meanSquareSpeedOn(Backend& device);
+  template <class Backend>
+  void findCarriedOn(Backend& device);
+  /// Lets go of the weight of batches that were not held during the last steps, of this number; says whether
+  /// there were any.
+  bool liftUnheld(int steps);
+
+  /// A batch, and how it rests.
+  struct Resting {
+    const ParticleBatch* batch;
+    bool weightless;
+    double carried = 0;  ///< share of its weight that its container carries, summed over steps since a stop
+    bool undecided() const { return batch->pressure == StartPressure::kAuto && !weightless; }
+    /// m, distance that particles keep from the container.
+    float contact() const;
+  };
 
   FluidStep& fluid_;
-  std::vector<const ParticleBatch*> batches_;
+  std::vector<Resting> batches_;
   Array<double> sum_;
 };
 

@@ -1,16 +1,28 @@
 // Particles on their way into a fluid: what samplers, files and emitters put out.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string_view>
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
+#include "framework/graph/param_types.h"
 
 namespace weir {
 
 struct Boundary;
+
+/// How particles rest in their container.
+enum class StartPressure { kAuto, kHydrostatic, kNone };
+template <>
+struct EnumNames<StartPressure> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"auto", "That of fluid at rest where walls hold it, none where it is free to move away."},
+      EnumName{"hydrostatic", "That of fluid which stands in the region as in a container."},
+      EnumName{"none", "That of fluid in the air."}};
+};
 
 /// The first `count` elements of both arrays are particles, on the scene's device. A sampler fills it in
 /// reset(); an emitter refills it in every step with the particles born in that step, placed where they are
@@ -32,8 +44,8 @@ struct ParticleBatch {
 
   /// Where the fluid may rest until the simulation starts, as RestState makes it; nowhere if it is null.
   std::shared_ptr<const Boundary> container;
-  float contact = 0;        ///< m, distance that particles keep from it
-  bool weightless = false;  ///< rests without gravity
+  float contact = 0;  ///< m, distance that particles keep from it
+  StartPressure pressure = StartPressure::kAuto;
 
   /// Replaces the contents by host data of equal length.
   void assign(Device& device, std::span<const Vec3f> hostPositions, std::span<const Vec3f> hostVelocities) {

@@ -48,7 +48,7 @@ void Sampler::putInside(const SetupContext& context, const Region& region) {
   dispatch(context.device, [&](auto& device) { putInsideOn(device, region); });
   particles->container = region.outside;
   particles->contact = region.contact;
-  particles->weightless = pressure == StartPressure::kNone;
+  particles->pressure = pressure;
 }
 
 Sampler::Region Sampler::regionOf(const SetupContext& context, Shape shape) const {

@@ -17,17 +17,9 @@
 
 namespace weir {
 
-enum class StartPressure { kHydrostatic, kNone };
-template <>
-struct EnumNames<StartPressure> {
-  static constexpr std::array<EnumName, 2> kNames{
-      EnumName{"hydrostatic", "That of fluid which stands in the region as in a container."},
-      EnumName{"none", "That of fluid in the air."}};
-};
-
 class Sampler : public Node {
  public:
-  explicit Sampler(StartPressure usual = StartPressure::kHydrostatic)
+  explicit Sampler(StartPressure usual = StartPressure::kAuto)
       : pressure(*this, "pressure", usual, {.doc = "Of a relaxed arrangement at the start."}) {}
 
   Param<Vec3f> velocity{*this, "velocity", {}, {.unit = "m/s", .doc = "Of all particles at the start."}};

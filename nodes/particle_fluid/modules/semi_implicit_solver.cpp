@@ -64,7 +64,7 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
 void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
   const FluidConstants& c = outlook.constants;
   if (tolerance.get()) {
-    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K).
+    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K').
     const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
     if (atRest > *tolerance.get() * (1 + kSettingRounding))
       outlook.warn(*this,

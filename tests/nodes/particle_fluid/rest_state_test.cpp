@@ -115,6 +115,20 @@ TEST(RestState, CanBeSwitchedOffAndWithoutPressureFluidIsHardlyCompressed) {
   EXPECT_LT(compression("none"), 0.25 * compression("hydrostatic"));
 }
 
+TEST(RestState, FluidThatNothingHoldsStartsWithoutPressure) {
+  const auto device = openDevice("cpu");
+  const auto compression = [&](double width, const char* pressure) {
+    Tank tank(*device, 0.1f, 0.2f, object({}),
+              object({{"pressure", pressure}, {"max", Value::Array{width, 0.2, 0.1}}}));
+    tank.reset(1e-3);
+    return tank.report().statistics["compression"]["mean"].asDouble();
+  };
+  // From wall to wall, and with one side free.
+  EXPECT_NEAR(compression(0.1, "auto"), compression(0.1, "hydrostatic"),
+              0.1 * compression(0.1, "hydrostatic"));
+  EXPECT_LT(compression(0.06, "auto"), 0.25 * compression(0.06, "hydrostatic"));
+}
+
 TEST(RestState, DoesNotDependOnTheNumberOfThreads) {
   std::vector<Vec3f> expected;
   for (const int threads : {1, 3}) {

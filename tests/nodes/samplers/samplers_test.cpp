@@ -119,7 +119,7 @@ TEST(SphereSampler, FluidWithoutOrderStaysInsideAndHasNoPressure) {
   drop.asker().disordered = true;
   const std::vector<Vec3f> p = drop.positions();
   EXPECT_EQ(p.size(), count);
-  EXPECT_TRUE(drop.node().particles->weightless);
+  EXPECT_EQ(drop.node().particles->pressure, StartPressure::kNone);
   for (const Vec3f& q : p) EXPECT_LE(length(q - Vec3f{0, 0.5f, 0}), 0.375 + 1e-5);
 }
 

@@ -42,7 +42,7 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
     ReferenceFluid reference{
         .spacing = kSpacing, .supportRatio = kRatio, .dt = dt, .conservative = conservative};
     // Φ of the plane at half a spacing is that of the lattice behind it.
-    const double radius = wallRadiusRatio(kRatio) * kSpacing;
+    const double radius = wallRadiusRatio(kRatio, Calibration::kLattice) * kSpacing;
     EXPECT_NEAR(halfSpace({0, kSpacing / 2, 0}, radius).phi,
                 std::pow(kSpacing, 3) * reference.kernel(kSpacing) / reference.kernel(0) * 15 /
                         (std::numbers::pi * std::pow(kRatio * kSpacing, 3)) +
@@ -260,7 +260,8 @@ TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
     scene.couple({ground()}, object({{"no_slip", 10}, {"velocity", Value::Array{0.25, 0, 0}}}));
     scene.reset(dt);
     scene.step(int(std::lround(0.1 / dt)));
-    const double q = 0.3 / wallRadiusRatio(1.5), touch = std::pow(1 - q, 5) * (1 + 2 * q);
+    const double q = 0.3 / wallRadiusRatio(1.5, Calibration::kPacking),
+                 touch = std::pow(1 - q, 5) * (1 + 2 * q);
     EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
   }
 }
