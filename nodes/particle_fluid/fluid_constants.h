@@ -28,6 +28,7 @@ struct FluidConstants {
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
   float bulkModulus = 0;     ///< K', Pa: what the energy per particle is in proportion to
+  float stiffened = 1;       ///< K'/K, how much stiffer that is than the fluid that was asked for
   float calibration = 0;     ///< s
   SpikyKernel kernel;
 

@@ -56,10 +56,10 @@ void ParticleFluid::configure(const SetupContext&) {
 
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
-  const float stiffness = mu.get()
-                              ? *mu.get() / volume
-                              : bulkModulus * static_cast<float>(stiffening(supportRatio, calibration.get()));
-  constants_ = makeFluidConstants(spacing, supportRatio, restDensity, stiffness, calibration);
+  const float stiffened = mu.get() ? 1 : static_cast<float>(stiffening(supportRatio, calibration.get()));
+  constants_ = makeFluidConstants(spacing, supportRatio, restDensity,
+                                  mu.get() ? *mu.get() / volume : stiffened * bulkModulus, calibration);
+  constants_.stiffened = stiffened;
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   state.density = &state.particles.add<float>({.name = "density",

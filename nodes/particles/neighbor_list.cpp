@@ -14,7 +14,6 @@ NeighborList::NeighborList(Device& device)
       entries_(device),
       counts_(device),
       columns_(device),
-      points_(device),
       events_(device) {
   events_.resize(3);
   events_.fillZero();

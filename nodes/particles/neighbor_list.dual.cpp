@@ -74,21 +74,8 @@ struct ListWriter {
   }
 };
 
-/// Positions padded to four numbers.
-struct FillPoints {
-  ArrayView<const Vec3f> positions;
-  ArrayView<Vec4f> points;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i];
-    points[i] = {p.x, p.y, p.z, 0};
-  }
-};
-
-/// Point is Vec3f or Vec4f.
-template <class Point>
 struct FindNeighbors {
-  ArrayView<const Point> points;
+  ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
   float radiusSquared;
@@ -109,15 +96,14 @@ struct FindNeighbors {
   }
 
   WEIR_HD int find(std::int64_t i, const Scratch& list) const {
-    const Point p = points[i];
+    const Vec3f p = positions[i];
     int found = 0;
-    forEachRangeNear({p.x, p.y, p.z}, grid, cellStart, [&](int begin, int end) {
+    forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
 #ifdef __CUDA_ARCH__
 #pragma unroll 4  // so that several positions are under way at once
 #endif
       for (int j = begin; j < end; ++j) {
-        const Point q = points[j];
-        const Vec3f d{q.x - p.x, q.y - p.y, q.z - p.z};
+        const Vec3f d = positions[j] - p;
         if (dot(d, d) >= radiusSquared || j == i) continue;
         if (found < writer.capacity) list[found] = j;
         ++found;
@@ -219,22 +205,18 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
-#if defined(__CUDACC__)
-  points_.resizeDiscarding(positions.size);
-  parallelFor(device, "points", count, FillPoints{positions, points_.view()});
-  const FindNeighbors<Vec4f> find{points_.view(), sort_.start(), grid_, radiusSquared, writer};
-  if (capacity_ <= kMostScratch)
-    parallelForWithScratch(device, kName, count, capacity_, find);
-  else
-    parallelFor(device, kName, count, find);
-#elif defined(WEIR_HAS_LANES)
+#ifdef WEIR_HAS_LANES
   const Columns columns(columns_, positions.size);
   parallelFor(device, "columns", count, FillColumns{positions, columns});
   parallelFor(device, kName, count,
               FindNeighborsInLanes{columns, sort_.start(), grid_, radiusSquared, writer});
 #else
-  parallelFor(device, kName, count,
-              FindNeighbors<Vec3f>{positions, sort_.start(), grid_, radiusSquared, writer});
+  const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
+  // Lists that are not interleaved are written whole anyway.
+  if (shift_ > 0 && capacity_ <= kMostScratch)
+    parallelForWithScratch(device, kName, count, capacity_, find);
+  else
+    parallelFor(device, kName, count, find);
 #endif
 }
 

@@ -112,7 +112,6 @@ class NeighborList {
   CellSort sort_;
   Array<int> entries_, counts_;
   Array<float> columns_;  // all x, all y, all z; on the CPU only
-  Array<Vec4f> points_;   // positions that one load fetches; on CUDA only
   Array<int> events_;     // NeighborEvents
 };
 

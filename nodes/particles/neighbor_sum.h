@@ -96,13 +96,14 @@ template <class T, class F, class... Element>
 #else
   T sum{};
   const int stride = 1 << list.shift;
-#ifdef __CUDA_ARCH__
-#pragma unroll 4  // a thread waits for memory most of the time: so four neighbours at once
-#endif
-  for (int k = 0; k < count; ++k) {
-    const int j = entry[k * stride];
-    detail::addTo(sum, f(j, elements[j]...));
+  const auto add = [&](int j) { detail::addTo(sum, f(j, elements[j]...)); };
+  int k = 0;
+  // A thread waits for memory most of the time: so four neighbours at once.
+  for (; k + 4 <= count; k += 4, entry += 4 * stride) {
+    const int j0 = entry[0], j1 = entry[stride], j2 = entry[2 * stride], j3 = entry[3 * stride];
+    add(j0), add(j1), add(j2), add(j3);
   }
+  for (; k < count; ++k, entry += stride) add(*entry);
   return sum;
 #endif
 }

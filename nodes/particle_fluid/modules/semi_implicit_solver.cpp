@@ -75,10 +75,11 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
                                atRest, 0.5 * outlook.pressure / *tolerance.get()));
     return;
   }
-  // Measured in dam breaks: a mean compression of about 0.01·(S/iterations)^0.8.
+  // Measured in dam breaks: a mean compression of about 0.01·(S/iterations)^0.8, with S of the fluid that was
+  // asked for: one that is stiffened because λ hardly tells its compression is compressed, by λ, no more.
   constexpr double kOfOne = 0.01, kExponent = 0.8, kMost = 0.05;
   const double courant = std::sqrt(c.soundSpeedSquared()) * outlook.dt / c.spacing;
-  const double number = courant * courant;
+  const double number = courant * courant / c.stiffened;
   const double expected = kOfOne * std::pow(number / iterations, kExponent);
   if (expected <= kMost * (1 + kSettingRounding)) return;
   const double goodRatio = std::pow(kMost / kOfOne, 1 / kExponent);

@@ -64,6 +64,12 @@ TEST(SettingWarnings, TheSolversNumber) {
   expectWarning({"nozzle.speed=1", "world.dt=0.01"}, {"S = "}, "water.solver.tolerance=0.01");
 }
 
+TEST(SettingWarnings, TheSolversNumberIsThatOfTheFluidThatWasAskedFor) {
+  // At 1.2d it is stiffened, and compressed no more for that.
+  expectWarning({"nozzle.speed=1", "world.dt=0.01", "water.support_ratio=1.2"},
+                {"S = (c·dt/d)² = 62.5", "about 11 % after 3 iterations"}, "world.dt=0.001");
+}
+
 /// Mean of max(λ − 1, 0) of a dam break with d = 4 cm and K = 1 MPa, over the time from 0.3 to 0.6 s.
 double compressionOfDamBreak(double dt, int iterations) {
   CpuDevice device(2);
