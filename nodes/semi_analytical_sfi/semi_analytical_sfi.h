@@ -88,7 +88,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
       0.01f,
       {.unit = "d",
        .min = 0,
-       .max = 0.05f,
+       .max = 0.05,
        .doc = "Largest deviation, in particle spacings, of the coarser meshes that take the "
               "place of fine ones; 0 keeps every triangle."}};
 

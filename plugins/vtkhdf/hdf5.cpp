@@ -461,6 +461,8 @@ void File::close() {
 }
 
 void File::abandon() {
+  // What could not be written may stay in HDF5's caches, and its end would try again and again.
+  Library::theOne().somethingStaysOpen();
   // HDF5 cannot close a file without writing what it holds, so that goes to a place where it does no harm.
   void* driver = nullptr;
   if (H5Fget_vfd_handle(handle_.get(), H5P_DEFAULT, &driver) < 0 || !driver) return;

@@ -1,7 +1,10 @@
 // --export within a simulation: what the fluids hold at each frame is what the file holds.
 #include "plugins/vtkhdf/particle_export.h"
 
+#include <sys/mount.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 
@@ -295,6 +298,30 @@ TEST(VtkHdfPlugin, AFullDiskEndsTheProgramWithAMessage) {
   ASSERT_GE(reader.times().size(), 1u);
   EXPECT_LT(reader.times().size(), 21u);
   EXPECT_EQ(reader.readLast().positions.size(), 24u * 24 * 24);
+}
+
+// At which dataset the disk is full decides what HDF5 is left with when the program ends.
+TEST(VtkHdfPlugin, ADiskThatIsFullBeforeTheFirstFrameGetsOneMessage) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", R"({
+      "weir": 1, "world": {"duration": 0.1},
+      "nodes": {"jet": {"type": "SquareEmitter",
+                        "params": {"position": [0, 1, 0], "width": 0.5, "height": 0.5, "speed": 1}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
+      "links": ["jet.particles -> water.emitters"]})");
+  const std::string disk = folder / "disk", file = disk + "/run.vtkhdf";
+  std::filesystem::create_directory(disk);
+  ChildOptions options;
+  options.environment["ASAN_OPTIONS"] = "detect_leaks=0";  // as above
+  for (const char* size : {"size=24k", "size=40k", "size=64k"}) {
+    if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, size) != 0)
+      GTEST_SKIP() << "this user cannot mount a small disk";
+    const ChildResult result = runChild(weirProgram(), {"run", scene, "--quiet", "--export", file}, options);
+    ::umount(disk.c_str());
+    EXPECT_EQ(result.code, 5) << size << "\n" << result.err;
+    EXPECT_CONTAINS(result.err, "No space left");
+    EXPECT_EQ(result.err.find("HDF5:"), std::string::npos) << size << "\n" << result.err;
+  }
 }
 
 }  // namespace
