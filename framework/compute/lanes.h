@@ -33,6 +33,27 @@ WEIR_HD inline float positivePart(float t) {
   return t > 0 ? t : 0;
 }
 
+/// √x for kernels over pairs of particles, which spend much of their time on it: on CUDA it may be wrong in
+/// its last bit.
+WEIR_HD inline float fastSqrt(float x) {
+#ifdef __CUDA_ARCH__
+  float root;
+  asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
+  return root;
+#else
+  return sqrtf(x);
+#endif
+}
+
+/// a/b likewise, wrong in its last two bits at most, where b is not above 2^126.
+WEIR_HD inline float fastDivide(float a, float b) {
+#ifdef __CUDA_ARCH__
+  return __fdividef(a, b);
+#else
+  return a / b;
+#endif
+}
+
 #ifdef WEIR_HAS_LANES
 
 /// What comparisons of Lanes give.
@@ -137,6 +158,12 @@ struct Lanes {
     for (int l = 0; l < kCount; ++l) root.v[l] = __builtin_sqrtf(a.v[l]);
     return root;
 #endif
+  }
+  friend Lanes fastSqrt(const Lanes& a) {
+    return sqrtf(a);
+  }
+  friend Lanes fastDivide(const Lanes& a, const Lanes& b) {
+    return a / b;
   }
 
 #ifdef __AVX2__

@@ -27,7 +27,7 @@ WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbo
   const Vec4f s = state[i];
   const auto value = [&]<class T>(const auto&, const Vec4<T>& t) {
     const Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
-    return kernel.value(sqrtf(dot(d, d)));
+    return kernel.value(fastSqrt(dot(d, d)));
   };
   return particleVolume * (kernel.value0 + sumOverNeighbors<float>(i, neighbors, value, state));
 }

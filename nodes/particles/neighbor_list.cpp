@@ -13,6 +13,7 @@ NeighborList::NeighborList(Device& device)
       sort_(device),
       entries_(device),
       counts_(device),
+      crowding_(device),
       columns_(device),
       events_(device) {
   events_.resize(3);

@@ -29,22 +29,53 @@ struct CellKey {
   }
 };
 
+/// Where a point stands in its cell: what of the cells around it is within a cell's width of it.
+struct ReachAround {
+  Vec3f fraction;  // of the point in its cell, in cells
+  float margin;    // cells, by which the fraction may be wrong
+
+  WEIR_HD ReachAround(const Vec3f& p, const CellGrid& grid) {
+    constexpr float kLeast = 1e-4f, kRounding = 3e-7f;
+    const Vec3f g = grid.inverseCellSize * p;
+    fraction = {g.x - floorf(g.x), g.y - floorf(g.y), g.z - floorf(g.z)};
+    margin = kLeast + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
+  }
+
+  /// How far it reaches along x, to either side, in the row of cells at dy, dz in {-1, 0, 1}; 0 or less if it
+  /// does not reach there.
+  WEIR_HD float along(int dy, int dz) const {
+    const float y = distance(fraction.y, dy), z = distance(fraction.z, dz);
+    const float rest = 1 - y * y - z * z;
+    return rest > 0 ? fastSqrt(rest) + margin : 0.0f;
+  }
+
+ private:
+  WEIR_HD float distance(float at, int step) const {
+    const float d = step < 0 ? at : (step > 0 ? 1 - at : 0.0f);
+    return positivePart(d - margin);
+  }
+};
+
 /// Calls f(begin, end) for ranges of sorted places that hold all particles near a point.
 template <class F>
 WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayView<const int>& cellStart,
                               const F& f) {
   const Vec3i cell = grid.cellOf(p);
+  const ReachAround reach(p, grid);
   const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
   for (int dz = -1; dz <= 1; ++dz) {
     const int z = CellGrid::step(cell.z, dz, grid.cells.z);
     for (int dy = -1; dy <= 1; ++dy) {
+      const float along = reach.along(dy, dz);
+      if (!(along > 0)) continue;
       const int y = CellGrid::step(cell.y, dy, grid.cells.y);
       const int row = (z * grid.cells.y + y) * grid.cells.x;
+      const int first = reach.fraction.x < along ? -1 : 0, last = reach.fraction.x + along >= 1 ? 1 : 0;
       if (inside) {
-        // The three cells of a row stand side by side.
-        f(cellStart[row + cell.x - 1], cellStart[row + cell.x + 2]);
+        // The cells of a row stand side by side.
+        f(cellStart[row + cell.x + first], cellStart[row + cell.x + last + 1]);
       } else {
-        for (int dx = -1; dx <= 1; ++dx) {
+        for (int dx = first; dx <= last; ++dx) {
           const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
           f(cellStart[c], cellStart[c + 1]);
         }
@@ -60,19 +91,28 @@ struct ListWriter {
   int shift;
   int* entries;
   int* counts;
+  float* crowding;
   int* truncated;
 
   WEIR_HD int* list(std::int64_t i) const {
     return entries + NeighborView{nullptr, nullptr, room, shift}.first(i);
   }
-  WEIR_HD void finish(std::int64_t i, int found) const {
+  WEIR_HD void finish(std::int64_t i, int found, float crowd) const {
     if (found > capacity) {
       atomicAdd(truncated, 1);
       found = capacity;
     }
     counts[i] = found;
+    crowding[i] = crowd;
   }
 };
+
+/// What a particle at this distance, squared, adds to the crowding, or eight of them.
+template <class T>
+WEIR_HD T crowdingAt(const T& squared, const CellGrid& grid) {
+  const T t = positivePart(1 - fastSqrt(squared) * grid.inverseCellSize);
+  return t * t * t;
+}
 
 struct FindNeighbors {
   ArrayView<const Vec3f> positions;
@@ -83,28 +123,35 @@ struct FindNeighbors {
 
   /// Straight into the list.
   WEIR_HD void operator()(std::int64_t i) const {
-    writer.finish(i, find(i, Scratch{writer.list(i), 1 << writer.shift}));
+    float crowd = 0;
+    const int found = find(i, Scratch{writer.list(i), 1 << writer.shift}, crowd);
+    writer.finish(i, found, crowd);
   }
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
-    const int found = find(i, scratch);
+    float crowd = 0;
+    const int found = find(i, scratch, crowd);
     int* list = writer.list(i);
     const int stride = 1 << writer.shift;
     for (int k = 0; k < found && k < writer.capacity; ++k) list[k * stride] = scratch[k];
-    writer.finish(i, found);
+    writer.finish(i, found, crowd);
   }
 
-  WEIR_HD int find(std::int64_t i, const Scratch& list) const {
+  WEIR_HD int find(std::int64_t i, const Scratch& list, float& crowd) const {
     const Vec3f p = positions[i];
+    const int self = static_cast<int>(i);
     int found = 0;
     forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
 #ifdef __CUDA_ARCH__
-#pragma unroll 4  // so that several positions are under way at once
+#pragma unroll 2  // so that several positions are under way at once
 #endif
       for (int j = begin; j < end; ++j) {
         const Vec3f d = positions[j] - p;
-        if (dot(d, d) >= radiusSquared || j == i) continue;
+        const float squared = dot(d, d);
+        // Beyond the radius it adds 0, which costs less than to ask.
+        crowd += crowdingAt(squared, grid);
+        if (squared >= radiusSquared || j == self) continue;
         if (found < writer.capacity) list[found] = j;
         ++found;
       }
@@ -112,6 +159,56 @@ struct FindNeighbors {
     return found;
   }
 };
+
+#ifdef __CUDACC__
+
+/// Eight threads search for one particle, for fluids that do not fill the device otherwise.
+struct FindNeighborsInGroups {
+  static constexpr int kGroup = 8;
+
+  FindNeighbors find;
+  Count count;
+
+  __device__ void operator()(std::int64_t thread) const {
+    const std::int64_t i = thread / kGroup;
+    if (i >= count.get()) return;
+    const int self = static_cast<int>(i), lane = static_cast<int>(threadIdx.x) % kWarp, mine = lane % kGroup;
+    const unsigned group = ((1u << kGroup) - 1) << (lane - mine), before = (1u << lane) - 1;
+    const Vec3f p = find.positions[i];
+    const Scratch list{find.writer.list(i), 1 << find.writer.shift};
+    int found = 0;
+    float crowd = 0;
+    forEachRangeNear(p, find.grid, find.cellStart, [&](int begin, int end) {
+      for (int first = begin; first < end; first += kGroup) {
+        const int j = first + mine;
+        bool near = false;
+        if (j < end) {
+          const Vec3f d = find.positions[j] - p;
+          const float squared = dot(d, d);
+          crowd += crowdingAt(squared, find.grid);
+          near = squared < find.radiusSquared && j != self;
+        }
+        const unsigned all = __ballot_sync(group, near) & group;
+        const int place = found + __popc(all & before);
+        if (near && place < find.writer.capacity) list[place] = j;
+        found += __popc(all);
+      }
+    });
+    for (int step = kGroup / 2; step > 0; step /= 2) crowd += __shfl_xor_sync(group, crowd, step);
+    if (mine == 0) find.writer.finish(i, found, crowd);
+  }
+
+ private:
+  static constexpr int kWarp = 32;
+};
+
+/// Whether there is work for more threads than particles.
+bool wantsGroups(Count count) {
+  constexpr std::int64_t kMost = 1 << 15;
+  return count.bound <= kMost;
+}
+
+#endif
 
 #ifdef WEIR_HAS_LANES
 
@@ -151,16 +248,20 @@ struct FindNeighborsInLanes {
     const int self = static_cast<int>(i);
     int* list = writer.list(i);
     int found = 0;
+    Lanes crowd(0.0f);
     forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
       for (int j = begin; j < end; j += Lanes::kCount) {
         const Vec3<Lanes> d{Lanes::load(columns.x + j) - p.x, Lanes::load(columns.y + j) - p.y,
                             Lanes::load(columns.z + j) - p.z};
         const LaneInts index = LaneInts::from(j);
-        const LaneMask near = (dot(d, d) < Lanes(radiusSquared)) & (index < end) & (index != self);
+        const Lanes squared = dot(d, d);
+        const LaneMask there = index < end;
+        crowd += keptWhere(there, crowdingAt(squared, grid));
+        const LaneMask near = (squared < Lanes(radiusSquared)) & there & (index != self);
         found += append(list, found, index, near.bits());
       }
     });
-    writer.finish(i, found);
+    writer.finish(i, found, sumOfLanes(crowd));
     // So that the entries of a whole piece may be followed.
     for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
   }
@@ -199,8 +300,10 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const std::int64_t lanes = std::int64_t{1} << shift_;
   const std::int64_t padded = (particles.positions().size() + lanes - 1) / lanes * lanes;
   counts_.resize(padded);
+  crowding_.resizeDiscarding(padded);
   entries_.resize(padded * room_);
-  const ListWriter writer{capacity_, room_, shift_, entries_.data(), counts_.data(), events_.data()};
+  const ListWriter writer{capacity_,        room_,         shift_, entries_.data(), counts_.data(),
+                          crowding_.data(), events_.data()};
   const Count count = particles.count();
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
@@ -212,6 +315,11 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
               FindNeighborsInLanes{columns, sort_.start(), grid_, radiusSquared, writer});
 #else
   const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
+#ifdef __CUDACC__
+  if (wantsGroups(count))
+    return parallelFor(device, kName, FindNeighborsInGroups::kGroup * detail::steadyCount(count).bound,
+                       FindNeighborsInGroups{find, count});
+#endif
   // Lists that are not interleaved are written whole anyway.
   if (shift_ > 0 && capacity_ <= kMostScratch)
     parallelForWithScratch(device, kName, count, capacity_, find);

@@ -90,6 +90,9 @@ class NeighborList {
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
   NeighborView view() const;
+  /// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of
+  /// the spiky kernel over its value at 0, as a by-product.
+  ArrayView<const float> crowding() const { return crowding_.view(); }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
   // Both wait for the device.
@@ -111,6 +114,7 @@ class NeighborList {
   std::int64_t fittedFor_ = 0;  // particles
   CellSort sort_;
   Array<int> entries_, counts_;
+  Array<float> crowding_;
   Array<float> columns_;  // all x, all y, all z; on the CPU only
   Array<int> events_;     // NeighborEvents
 };

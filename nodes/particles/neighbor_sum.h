@@ -97,13 +97,14 @@ template <class T, class F, class... Element>
   T sum{};
   const int stride = 1 << list.shift;
   const auto add = [&](int j) { detail::addTo(sum, f(j, elements[j]...)); };
-  int k = 0;
-  // A thread waits for memory most of the time: so four neighbours at once.
-  for (; k + 4 <= count; k += 4, entry += 4 * stride) {
-    const int j0 = entry[0], j1 = entry[stride], j2 = entry[2 * stride], j3 = entry[3 * stride];
-    add(j0), add(j1), add(j2), add(j3);
+  // A thread waits for memory most of the time: so four neighbours at once, the last ones too.
+  constexpr int kAtOnce = 4;
+  for (int k = 0; k < count; k += kAtOnce, entry += kAtOnce * stride) {
+    int j[kAtOnce];
+    for (int l = 0; l < kAtOnce; ++l) j[l] = k + l < count ? entry[l * stride] : -1;
+    for (int l = 0; l < kAtOnce; ++l)
+      if (j[l] >= 0) add(j[l]);
   }
-  for (; k < count; ++k, entry += stride) add(*entry);
   return sum;
 #endif
 }

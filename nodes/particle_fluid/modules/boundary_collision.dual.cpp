@@ -15,15 +15,15 @@ struct Collide {
     // In a corner, leaving one wall may mean entering another.
     constexpr int kMostContacts = 4;
     Vec3f p = positions[i];
+    BoundaryHit hit = boundaryQuery(boundary, p);
+    // Few particles touch a wall, so velocities are not read before.
+    if (!(hit.distance < radius)) return;
     Vec3f v = velocities[i];
-    int contacts = 0;
-    for (; contacts < kMostContacts; ++contacts) {
-      const BoundaryHit hit = boundaryQuery(boundary, p);
-      if (!(hit.distance < radius)) break;
+    for (int contacts = 0; contacts < kMostContacts && hit.distance < radius; ++contacts) {
       p += (radius - hit.distance) * hit.normal;
       v = reflected(v, hit);
+      hit = boundaryQuery(boundary, p);
     }
-    if (contacts == 0) return;
     positions[i] = p;
     velocities[i] = v;
   }

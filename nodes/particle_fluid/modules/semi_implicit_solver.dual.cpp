@@ -8,6 +8,11 @@ namespace weir {
 
 namespace {
 
+/// e = λ − 1, where it counts.
+WEIR_HD inline float excessOf(float lambda, bool tension) {
+  return tension || lambda > 1 ? lambda - 1 : 0.0f;
+}
+
 /// Adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
 struct EnergyDerivative {
   NeighborView neighbors;
@@ -24,10 +29,25 @@ struct EnergyDerivative {
   WEIR_HD void operator()(std::int64_t i) const {
     float lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     if (!walls.empty()) lambda += walls.phi(i, displacement[i]);
-    const float e = (tension || lambda > 1) ? lambda - 1 : 0.0f;
+    const float e = excessOf(lambda, tension);
     const Vec4f s = state[i];
     weighted[i] = {s.x, s.y, s.z, energy.derivative(e)};
     if (excess.size > 0) excess[i] = e;
+  }
+};
+
+/// The same at the predicted positions, where the search has summed the kernel already.
+struct FirstDerivative {
+  float volumeAtZero;  // V0·W(0)
+  BulkEnergy energy;
+  bool tension;
+  ArrayView<const Vec3f> predicted;
+  ArrayView<const float> crowding;
+  ArrayView<Vec4f> weighted;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = predicted[i];
+    weighted[i] = {p.x, p.y, p.z, energy.derivative(excessOf(volumeAtZero * crowding[i], tension))};
   }
 };
 
@@ -55,11 +75,11 @@ struct PushOf {
     const int self = static_cast<int>(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
-      T r = sqrtf(dot(d, d));
+      T r = fastSqrt(dot(d, d));
       // Particles in one place would stay there for ever; the sign makes the two directions opposite.
       d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
       r = select(r < T(shortest), T(shortest), r);
-      const T a = stiffness * kernel.slope(r) / r;
+      const T a = fastDivide(stiffness * kernel.slope(r), r);
       const T b = (own * s.w + others * t.w) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
@@ -84,20 +104,29 @@ struct PushOf {
   }
 };
 
+/// A plain iteration. The first one starts without displacements, the last one ends in positions and
+/// velocities, so that a step needs no other passes for these.
 struct Substitute {
   PushOf pushOf;
-  ArrayView<const Vec3f> predicted;
+  float inverseDt;
+  ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  bool first = false, last = false;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Push at = pushOf(i);
-    const Vec3f u = displacement[i];
+    const Vec3f u = first ? Vec3f{} : displacement[i];
     const Vec3f moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
-    displacement[i] = moved;
-    const Vec3f p = predicted[i] + moved;
-    state[i] = {p.x, p.y, p.z, 0};
+    const Vec3f p = positions[i] + moved;
+    if (last) {
+      positions[i] = p;
+      velocities[i] += inverseDt * moved;
+    } else {
+      displacement[i] = moved;
+      state[i] = {p.x, p.y, p.z, 0};
+    }
   }
 };
 
@@ -425,20 +454,17 @@ PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy,
 template <class Backend>
 void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid);
+  fluid.walls.forgetShares();
+  if (isPlain()) return substitute(device, fluid);
   const Count count = fluid.particles.count();
   beginStep(device, fluid);
-  parallelFor(device, "start", count,
-              StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
-  fluid.walls.forgetShares();
+  start(device, fluid);
   contain(device, fluid);
   if (recordObjective) objective_.begin(fluid, mostPasses() * iterations + 1);
   record(fluid);
   for (int pass = 0; pass < mostPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, fluid);
-    if (controlled() || searches())
-      iterate(device, fluid, pass);
-    else
-      substitute(device, fluid);
+    iterate(device, fluid, pass);
   }
   ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
   const float inverseDt = 1 / static_cast<float>(fluid.time.dt);
@@ -452,6 +478,12 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                 MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
                           kTouching * radiusOf(fluid), inverseDt, fluid.particles.positions().view(),
                           displacement_.view(), velocities});
+}
+
+template <class Backend>
+void SemiImplicitSolver::start(Backend& device, FluidStep& fluid) {
+  parallelFor(device, "start", fluid.particles.count(),
+              StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
 }
 
 template <class Backend>
@@ -476,15 +508,29 @@ template <class Backend>
 void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
+  const ArrayView<Vec3f> positions = fluid.particles.positions().view();
   const EnergyDerivative derivative{
       fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_, tension, fluid.walls.view(),
       displacement_.view(),   state_.view(), weighted_.view(), {}};
-  const Substitute update{makePushOf(fluid, conservative, bulkEnergy_, weighted_),
-                          fluid.particles.positions().view(), displacement_.view(), state_.view()};
+  Substitute update{makePushOf(fluid, conservative, bulkEnergy_, weighted_),
+                    1 / static_cast<float>(fluid.time.dt),
+                    positions,
+                    fluid.particles.velocities().view(),
+                    displacement_.view(),
+                    state_.view()};
+  // The search knows neither walls nor what they hide from each other.
+  const bool searched = fluid.walls.empty();
+  if (!searched) start(device, fluid);
   for (int k = 0; k < iterations; ++k) {
-    parallelFor(device, "density", count, derivative);
+    update.first = k == 0;
+    update.last = k + 1 == iterations;
+    if (update.first && searched)
+      parallelFor(device, "density", count,
+                  FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
+                                  fluid.neighbors.crowding(), weighted_.view()});
+    else
+      parallelFor(device, "density", count, derivative);
     parallelFor(device, "substitute", count, update);
-    record(fluid);
   }
 }
 

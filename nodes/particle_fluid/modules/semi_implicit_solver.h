@@ -150,6 +150,9 @@ class SemiImplicitSolver final : public FluidModule {
   /// Counts, and finds the stages of the way to the predicted positions.
   template <class Backend>
   void beginStep(Backend& device, FluidStep& fluid);
+  /// Displacements of 0.
+  template <class Backend>
+  void start(Backend& device, FluidStep& fluid);
   /// The paper's iterations, and no more.
   template <class Backend>
   void substitute(Backend& device, FluidStep& fluid);
@@ -167,6 +170,7 @@ class SemiImplicitSolver final : public FluidModule {
   bool isDone();
   /// Hears whether there is another pass; waits only where each iteration is recorded.
   void endPass();
+  bool isPlain() const { return !controlled() && !searches() && passes() == 1 && !recordObjective; }
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration != Acceleration::kNone; }
   bool mixes() const { return acceleration == Acceleration::kAnderson; }

@@ -16,7 +16,7 @@ WEIR_HD inline Vec4f weightedDifferences(std::int64_t i, const NeighborView& nei
   const Vec3f p = positions[i];
   const auto difference = [&]<class T>(const auto&, const Vec3<T>& q, const Vec3<T>& u) {
     const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
-    const T w = kernel.value(sqrtf(dot(d, d)));
+    const T w = kernel.value(fastSqrt(dot(d, d)));
     return Vec4<T>{w * (u.x - v.x), w * (u.y - v.y), w * (u.z - v.z), w};
   };
   return sumOverNeighbors<Vec4f>(i, neighbors, difference, positions, velocities);

@@ -140,13 +140,13 @@ TEST(RestState, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-/// Particles per d³ in the middle of a column that has settled from a jittered lattice. Stiff and in the end
-/// light, with enough iterations, so that its weight does not compress it; a small version of
+/// Particles per d³ in the middle of a column that has settled from a lattice with this jitter. Stiff and in
+/// the end light, with enough iterations, so that its weight does not compress it; a small version of
 /// `weir_packing_curve columns`.
-double settledNumber(Device& device, float supportRatio, const char* calibration) {
+double settledNumber(Device& device, float supportRatio, const char* calibration, double jitter) {
   Tank tank(device, 0.14f, 0.16f,
             object({{"support_ratio", supportRatio}, {"calibration", calibration}, {"bulk_modulus", 1e7}}),
-            object({{"arrangement", "lattice"}, {"jitter", 0.4}}), {},
+            object({{"arrangement", "lattice"}, {"jitter", jitter}}), {},
             object({{"solver", object({{"params", object({{"iterations", 20}})}})}}));
   tank.reset(1e-3);
   tank.step(250);
@@ -165,6 +165,14 @@ double settledNumber(Device& device, float supportRatio, const char* calibration
   return number * 1e-6 / std::pow(kHigh - kLow, 3);
 }
 
+/// The mean over a few fillings, as a single one is off by half a per cent or so.
+double settledNumber(Device& device, float supportRatio, const char* calibration) {
+  double mean = 0;
+  for (const double jitter : {0.38, 0.4, 0.42})
+    mean += settledNumber(device, supportRatio, calibration, jitter) / 3;
+  return mean;
+}
+
 class SettledVolume : public testing::TestWithParam<float> {};
 
 TEST_P(SettledVolume, IsThatOfTheParticles) {
@@ -178,8 +186,8 @@ INSTANTIATE_TEST_SUITE_P(SupportRatios, SettledVolume, testing::Values(1.2f, 1.5
 
 TEST(LatticeCalibration, LosesVolumeAsItSettles) {
   const auto device = openDevice("cpu");
-  EXPECT_GT(settledNumber(*device, 1.2f, "lattice"), 1.1);
-  EXPECT_GT(settledNumber(*device, 1.5f, "lattice"), 1.03);
+  EXPECT_GT(settledNumber(*device, 1.2f, "lattice", 0.4), 1.1);
+  EXPECT_GT(settledNumber(*device, 1.5f, "lattice", 0.4), 1.03);
 }
 
 }  // namespace
