@@ -292,31 +292,40 @@ TEST(SolverTolerance, WallsBounceAndRubAsTheyDoWithout) {
 
 using SolverStages = SolverAcceleration;
 
-// A plug that flies at the end of a channel by one and a half spacings a step, where it begins the step: it
-// has nowhere to go. Without stages its layers pass each other and it goes on by 0.8 spacings.
-TEST_P(SolverStages, FluidDoesNotPassItselfAtAWall) {
+/// How far a plug gets on average, in spacings, that flies at the end of a channel by one and a half spacings
+/// a step, where it begins the step: it has nowhere to go.
+double wayAtAWall(const std::string& deviceName, const std::string& acceleration, unsigned seed) {
   constexpr int kLayers = 8;
   constexpr float kHalf = 0.5f * kSpacing;
   const float speed = 1.5f * kSpacing / 1e-2f;
-  const std::vector<Vec3f> positions = jitteredCube(kLayers, kSpacing, 0.05f, 7, {kHalf, kHalf, kHalf});
+  const std::vector<Vec3f> positions = jitteredCube(kLayers, kSpacing, 0.05f, seed, {kHalf, kHalf, kHalf});
   const std::vector<Vec3f> velocities(positions.size(), Vec3f{-speed, 0, 0});
+  const auto device = openDevice(deviceName);
+  FluidScene scene = fluidWith(*device, positions, velocities, tolerantSolver(1e-3, acceleration), 1e8);
+  const double width = kLayers * double(kSpacing);
+  addTank(scene, object({{"shape", "box"},
+                         {"min", Value::Array{0, 0, 0}},
+                         {"max", Value::Array{4, width, width}},
+                         {"inverted", true}}));
+  scene.gravity = {};
+  scene.reset(1e-2);
+  scene.step();
+  EXPECT_EQ(scene.report().statistics.find("solver_stages")->find("max")->asInt(), 2) << deviceName;
+  const std::vector<Vec3f> after = scene.positions();
+  double way = 0;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    way += double(positions[i].x - after[i].x) / double(after.size());
+  return way / kSpacing;
+}
+
+// Without stages its layers pass each other and it goes on by 0.8 spacings. With momentum a single start may
+// get half of that or more, depending on the last bits.
+TEST_P(SolverStages, FluidDoesNotPassItselfAtAWall) {
+  constexpr unsigned kStarts = 4;
   for (const std::string& name : availableDevices()) {
-    const auto device = openDevice(name);
-    FluidScene scene = fluidWith(*device, positions, velocities, tolerantSolver(1e-3, GetParam()), 1e8);
-    const double width = kLayers * double(kSpacing);
-    addTank(scene, object({{"shape", "box"},
-                           {"min", Value::Array{0, 0, 0}},
-                           {"max", Value::Array{4, width, width}},
-                           {"inverted", true}}));
-    scene.gravity = {};
-    scene.reset(1e-2);
-    scene.step();
-    EXPECT_EQ(scene.report().statistics.find("solver_stages")->find("max")->asInt(), 2) << name;
-    const std::vector<Vec3f> after = scene.positions();
-    double way = 0;
-    for (std::size_t i = 0; i < after.size(); ++i)
-      way += double(positions[i].x - after[i].x) / double(after.size());
-    EXPECT_LT(way, 0.5 * kSpacing) << name;
+    double mean = 0;
+    for (unsigned seed = 7; seed < 7 + kStarts; ++seed) mean += wayAtAWall(name, GetParam(), seed) / kStarts;
+    EXPECT_LT(mean, 0.5) << name;
   }
 }
 
