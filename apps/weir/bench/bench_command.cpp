@@ -61,6 +61,18 @@ void print(const std::string& text) {
   std::fflush(stdout);  // someone watches; main() tells of what cannot be written
 }
 
+/// Why a block cannot fit into the host's memory; empty if it may. Linux promises more than there is and then
+/// ends programs, so this must be known before it is asked for.
+std::string lackOfMemory(const BlockSize& size) {
+  constexpr double kLeastBytes = 330;  // for a particle, and 24 more while the block is sampled
+  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  const double needed = (kLeastBytes + 24) * static_cast<double>(size.particles());
+  const double there = availableHostMemory();
+  if (needed <= there) return {};
+  return fmt::format("it needs {:.1f} GiB of memory, of which {:.1f} GiB are there", needed / kGiB,
+                     there / kGiB);
+}
+
 std::string aboutCases() {
   std::string text = "Cases:\n";
   for (const BenchCase& c : benchCases()) text += fmt::format("  {:<13} {}\n", c.name, c.about);
@@ -116,37 +128,42 @@ std::vector<BlockSize> BenchCommand::chosenSizes(bool onCpu) const {
   return sizes;
 }
 
-std::vector<BenchCommand::Job> BenchCommand::jobs(bool onCpu) const {
+BenchCommand::Job BenchCommand::makeJob(const BenchCase& benchCase, const std::optional<BlockSize>& size) {
+  Job job{.benchCase = benchCase, .size = size, .set = benchCase.set};
+  job.lateAfter = lateAfter_.value_or(quick_ ? kQuickLateAfter : benchCase.lateAfter);
+  const auto set = [&](const std::vector<std::string>& texts) {
+    job.set.insert(job.set.end(), texts.begin(), texts.end());
+  };
+  if (size) set(settingsOf(*size));
+  set({kFrameRate, fmt::format("world.duration={:g}", job.lateAfter + kAfterLate)});
+  set(set_);
+  std::vector<Override> overrides;
+  for (const std::string& text : job.set) overrides.push_back(parseOverride(text));
+  job.scene = program_.loadText(benchCase.scene, benchSceneText(benchCase.scene), overrides);
+  return job;
+}
+
+std::vector<BenchCommand::Job> BenchCommand::makeJobs(bool onCpu) {
   const std::vector<BlockSize> sizes = chosenSizes(onCpu);
   std::vector<Job> all;
   for (const BenchCase& benchCase : chosenCases()) {
-    if (!benchCase.hasSizes) all.push_back({benchCase, {}});
+    if (!benchCase.hasSizes) all.push_back(makeJob(benchCase, {}));
     if (benchCase.hasSizes)
-      for (const BlockSize& size : sizes) all.push_back({benchCase, size});
+      for (const BlockSize& size : sizes) all.push_back(makeJob(benchCase, size));
   }
   return all;
 }
 
-BenchResult BenchCommand::runJob(const Job& job, const std::atomic<bool>& stop) {
-  const BenchCase& benchCase = job.benchCase;
-  const double lateAfter = lateAfter_.value_or(quick_ ? kQuickLateAfter : benchCase.lateAfter);
-  BenchResult result{.benchCase = benchCase, .size = job.size ? job.size->name() : "", .set = benchCase.set};
-  const auto set = [&](const std::vector<std::string>& texts) {
-    result.set.insert(result.set.end(), texts.begin(), texts.end());
-  };
-  if (job.size) set(settingsOf(*job.size));
-  set({kFrameRate, fmt::format("world.duration={:g}", lateAfter + kAfterLate)});
-  set(set_);
-
-  std::vector<Override> overrides;
-  for (const std::string& text : result.set) overrides.push_back(parseOverride(text));
-  const std::unique_ptr<Device> device =
-      openDevice(device_, threads_);  // its own, for the peak of its memory
+BenchResult BenchCommand::runJob(Job& job, const std::atomic<bool>& stop) {
+  BenchResult result{.benchCase = job.benchCase, .size = job.size ? job.size->name() : "", .set = job.set};
+  // A device of its own, for the peak of its memory.
+  const std::unique_ptr<Device> device = openDevice(device_, threads_);
   if (deterministic_) device->setDeterministic(true);
-  Simulation simulation(program_.loadText(benchCase.scene, benchSceneText(benchCase.scene), overrides),
-                        *device, program_.log(), program_.registry());
+  if (job.size && device->kind() == DeviceKind::kCpu) result.measurement.skipped = lackOfMemory(*job.size);
+  if (!result.measurement.skipped.empty()) return result;
+  Simulation simulation(std::move(job.scene), *device, program_.log(), program_.registry());
   const MeasurementPlan plan{
-      .early = benchCase.early, .lateAfter = lateAfter, .isClosed = benchCase.isClosed};
+      .early = job.benchCase.early, .lateAfter = job.lateAfter, .isClosed = job.benchCase.isClosed};
   result.measurement = measure(simulation, plan, stop, [&](const std::string& what) {
     program_.log().info(result.name() + ": " + what);
   });
@@ -173,13 +190,14 @@ void BenchCommand::save(const std::vector<BenchResult>& results, std::string_vie
 int BenchCommand::run(const std::string& commandLine) {
   commandLine_ = commandLine;
   if (!json_.empty()) checkWritable(json_);
+  std::vector<Job> jobs;
   {
     const std::unique_ptr<Device> device = openDevice(device_, threads_);
+    if (deterministic_) device->setDeterministic(true);
+    jobs = makeJobs(device->kind() == DeviceKind::kCpu);
     machine_ = machineValue(*device);
     bandwidth_ = copyBandwidth(*device);
   }
-  const bool onCpu = machine_.find("device")->find("back_end")->asString() == "cpu";
-  const std::vector<Job> all = jobs(onCpu);
   print(fmt::format("weir {} ({}, {}) on {}\ncopy: {:.4g} GB/s, read and written\n\n{}",
                     machine_.find("version")->asString(), machine_.find("commit")->asString(),
                     machine_.find("build_type")->asString(),
@@ -189,7 +207,7 @@ int BenchCommand::run(const std::string& commandLine) {
   const Interruption interruption;
   std::vector<BenchResult> results;
   std::string_view end = "finished";
-  for (const Job& job : all) {
+  for (Job& job : jobs) {
     results.push_back(runJob(job, interruption.asked()));
     print(tableLines(results.back(), bandwidth_));
     if (results.back().measurement.interrupted) {

@@ -24,16 +24,21 @@ class BenchCommand {
   CLI::App& command() { return *command_; }
 
  private:
-  /// One simulation that is to be timed.
+  /// One simulation that is to be timed. Scenes are built before the first is run, so that mistakes show at
+  /// once.
   struct Job {
     BenchCase benchCase;
     std::optional<BlockSize> size;
+    double lateAfter = 0;          // s
+    std::vector<std::string> set;  // all changes to the scene
+    std::unique_ptr<Scene> scene;
   };
 
   std::vector<BenchCase> chosenCases() const;
   std::vector<BlockSize> chosenSizes(bool onCpu) const;
-  std::vector<Job> jobs(bool onCpu) const;
-  BenchResult runJob(const Job& job, const std::atomic<bool>& stop);
+  Job makeJob(const BenchCase& benchCase, const std::optional<BlockSize>& size);
+  std::vector<Job> makeJobs(bool onCpu);
+  BenchResult runJob(Job& job, const std::atomic<bool>& stop);
   Value asValue(const std::vector<BenchResult>& results, std::string_view end) const;
   /// Writes the JSON, if it was asked for. After each job, so that a run that is killed leaves what it had.
   void save(const std::vector<BenchResult>& results, std::string_view end) const;

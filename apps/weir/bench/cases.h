@@ -34,7 +34,7 @@ struct BenchCase {
 
 std::vector<BenchCase> benchCases();
 
-/// The series that is compared with other programs, and two beyond it.
+/// Those that are compared with other programs, and two beyond them.
 std::vector<BlockSize> blockSizes();
 
 /// What makes the cube of benchmark_dam_break.json, 0.81 m wide, of so many particles.

@@ -170,7 +170,7 @@ Measurement measure(Simulation& simulation, const MeasurementPlan& plan, const s
     result.interrupted = !ended && !diverged;
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::kSimulation) throw;
-    *complaint = e.what();
+    *complaint = e.message() + (e.allowed().empty() ? "" : "; allowed: " + e.allowed());
   } catch (const std::bad_alloc&) {
     *complaint = "out of memory";
   }

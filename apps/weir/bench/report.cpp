@@ -20,6 +20,13 @@ double bytesPerParticle(const Measurement& measurement) {
   return static_cast<double>(measurement.peakBytes) / static_cast<double>(measurement.mostParticles);
 }
 
+/// What may make a time mean less than it seems to, below its line.
+std::string noteLines(const Moment& moment) {
+  std::string text;
+  for (const std::string& event : moment.rareEvents) text += "    note: " + event + "\n";
+  return text;
+}
+
 std::string momentLine(const BenchResult& result, const Moment& moment, double bandwidth) {
   const std::string start =
       fmt::format("{:<14} {:>11}  {:<6}", result.benchCase.name, groupedText(moment.particles), moment.name);
@@ -84,7 +91,8 @@ std::string tableHead() {
 
 std::string tableLines(const BenchResult& result, double bandwidth) {
   std::string text;
-  for (const Moment& moment : result.measurement.moments) text += momentLine(result, moment, bandwidth);
+  for (const Moment& moment : result.measurement.moments)
+    text += momentLine(result, moment, bandwidth) + noteLines(moment);
   const auto complain = [&](std::string_view what, const std::string& why) {
     if (!why.empty())
       text += fmt::format("{:<14} {:>11}  {}: {}\n", result.benchCase.name, result.size, what, why);
