@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <new>
 
+#include "apps/weir/bench/bench_command.h"
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
 #include "apps/weir/program.h"
@@ -31,6 +32,13 @@ std::vector<std::string> pluginArguments(int argc, char** argv) {
   return files;
 }
 
+/// As it was typed, but for the folder of the program.
+std::string commandLine(int argc, char** argv) {
+  std::string text = "weir";
+  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
+  return text;
+}
+
 /// CLI11 would only say that some command is missing.
 void checkCommand(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return;
@@ -50,6 +58,7 @@ int runProgram(Program& program, int argc, char** argv) {
   app.set_version_flag("--version", std::string(version()));
   app.require_subcommand(1);
   RunCommand run(app, program);
+  BenchCommand bench(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -85,6 +94,7 @@ int runProgram(Program& program, int argc, char** argv) {
                      "from plugins, see 'weir info'");
   }
   if (run.command().parsed()) return run.run();
+  if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json)

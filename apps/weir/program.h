@@ -39,6 +39,9 @@ class Program {
 
   /// Reads a scene with the plugins that it names, and warns of what is doubtful in it.
   std::unique_ptr<Scene> load(const std::filesystem::path& file, const std::vector<Override>& overrides);
+  /// The same with a scene whose text is part of the program; `name` is for messages.
+  std::unique_ptr<Scene> loadText(const std::string& name, std::string_view text,
+                                  const std::vector<Override>& overrides);
 
   /// Called before a message is written, to make room for it on a terminal.
   void beforeMessage(std::function<void()> action) { beforeMessage_ = std::move(action); }
