@@ -29,24 +29,36 @@ struct CellKey {
   }
 };
 
-/// Where a point stands in its cell: what of the cells around it is within a cell's width of it.
-struct ReachAround {
+/// Which of the three cells of a row, -1 to 1, are to be searched; none if last is below first.
+struct RowPart {
+  int first = -1, last = 1;
+};
+
+/// All of them. On the CPU eight candidates are tested at a time and branches are what takes long, so fewer
+/// candidates are no gain.
+struct WholeRows {
+  WEIR_HD RowPart operator()(int, int) const { return {}; }
+};
+
+/// Those within a cell's width of a point, by where it stands in its cell.
+struct RowsWithinReach {
   Vec3f fraction;  // of the point in its cell, in cells
   float margin;    // cells, by which the fraction may be wrong
 
-  WEIR_HD ReachAround(const Vec3f& p, const CellGrid& grid) {
+  WEIR_HD RowsWithinReach(const Vec3f& p, const CellGrid& grid) {
     constexpr float kLeast = 1e-4f, kRounding = 3e-7f;
     const Vec3f g = grid.inverseCellSize * p;
     fraction = {g.x - floorf(g.x), g.y - floorf(g.y), g.z - floorf(g.z)};
     margin = kLeast + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
   }
 
-  /// How far it reaches along x, to either side, in the row of cells at dy, dz in {-1, 0, 1}; 0 or less if it
-  /// does not reach there.
-  WEIR_HD float along(int dy, int dz) const {
+  /// Of the row at dy, dz in {-1, 0, 1}.
+  WEIR_HD RowPart operator()(int dy, int dz) const {
     const float y = distance(fraction.y, dy), z = distance(fraction.z, dz);
     const float rest = 1 - y * y - z * z;
-    return rest > 0 ? fastSqrt(rest) + margin : 0.0f;
+    if (!(rest > 0)) return {0, -1};
+    const float along = fastSqrt(rest) + margin;
+    return {fraction.x < along ? -1 : 0, fraction.x + along >= 1 ? 1 : 0};
   }
 
  private:
@@ -57,25 +69,23 @@ struct ReachAround {
 };
 
 /// Calls f(begin, end) for ranges of sorted places that hold all particles near a point.
-template <class F>
+template <class Rows, class F>
 WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayView<const int>& cellStart,
-                              const F& f) {
+                              const Rows& rows, const F& f) {
   const Vec3i cell = grid.cellOf(p);
-  const ReachAround reach(p, grid);
   const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
   for (int dz = -1; dz <= 1; ++dz) {
     const int z = CellGrid::step(cell.z, dz, grid.cells.z);
     for (int dy = -1; dy <= 1; ++dy) {
-      const float along = reach.along(dy, dz);
-      if (!(along > 0)) continue;
+      const RowPart part = rows(dy, dz);
+      if (part.last < part.first) continue;
       const int y = CellGrid::step(cell.y, dy, grid.cells.y);
       const int row = (z * grid.cells.y + y) * grid.cells.x;
-      const int first = reach.fraction.x < along ? -1 : 0, last = reach.fraction.x + along >= 1 ? 1 : 0;
       if (inside) {
         // The cells of a row stand side by side.
-        f(cellStart[row + cell.x + first], cellStart[row + cell.x + last + 1]);
+        f(cellStart[row + cell.x + part.first], cellStart[row + cell.x + part.last + 1]);
       } else {
-        for (int dx = first; dx <= last; ++dx) {
+        for (int dx = part.first; dx <= part.last; ++dx) {
           const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
           f(cellStart[c], cellStart[c + 1]);
         }
@@ -97,13 +107,12 @@ struct ListWriter {
   WEIR_HD int* list(std::int64_t i) const {
     return entries + NeighborView{nullptr, nullptr, room, shift}.first(i);
   }
-  WEIR_HD void finish(std::int64_t i, int found, float crowd) const {
+  WEIR_HD void finish(std::int64_t i, int found) const {
     if (found > capacity) {
       atomicAdd(truncated, 1);
       found = capacity;
     }
     counts[i] = found;
-    crowding[i] = crowd;
   }
 };
 
@@ -125,7 +134,8 @@ struct FindNeighbors {
   WEIR_HD void operator()(std::int64_t i) const {
     float crowd = 0;
     const int found = find(i, Scratch{writer.list(i), 1 << writer.shift}, crowd);
-    writer.finish(i, found, crowd);
+    writer.finish(i, found);
+    writer.crowding[i] = crowd;
   }
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
@@ -135,14 +145,15 @@ struct FindNeighbors {
     int* list = writer.list(i);
     const int stride = 1 << writer.shift;
     for (int k = 0; k < found && k < writer.capacity; ++k) list[k * stride] = scratch[k];
-    writer.finish(i, found, crowd);
+    writer.finish(i, found);
+    writer.crowding[i] = crowd;
   }
 
   WEIR_HD int find(std::int64_t i, const Scratch& list, float& crowd) const {
     const Vec3f p = positions[i];
     const int self = static_cast<int>(i);
     int found = 0;
-    forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
+    forEachRangeNear(p, grid, cellStart, RowsWithinReach(p, grid), [&](int begin, int end) {
 #ifdef __CUDA_ARCH__
 #pragma unroll 2  // so that several positions are under way at once
 #endif
@@ -178,7 +189,7 @@ struct FindNeighborsInGroups {
     const Scratch list{find.writer.list(i), 1 << find.writer.shift};
     int found = 0;
     float crowd = 0;
-    forEachRangeNear(p, find.grid, find.cellStart, [&](int begin, int end) {
+    forEachRangeNear(p, find.grid, find.cellStart, RowsWithinReach(p, find.grid), [&](int begin, int end) {
       for (int first = begin; first < end; first += kGroup) {
         const int j = first + mine;
         bool near = false;
@@ -195,7 +206,9 @@ struct FindNeighborsInGroups {
       }
     });
     for (int step = kGroup / 2; step > 0; step /= 2) crowd += __shfl_xor_sync(group, crowd, step);
-    if (mine == 0) find.writer.finish(i, found, crowd);
+    if (mine != 0) return;
+    find.writer.finish(i, found);
+    find.writer.crowding[i] = crowd;
   }
 
  private:
@@ -238,6 +251,7 @@ struct FillColumns {
 
 struct FindNeighborsInLanes {
   Columns columns;
+  ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
   float radiusSquared;
@@ -248,22 +262,29 @@ struct FindNeighborsInLanes {
     const int self = static_cast<int>(i);
     int* list = writer.list(i);
     int found = 0;
-    Lanes crowd(0.0f);
-    forEachRangeNear(p, grid, cellStart, [&](int begin, int end) {
+    forEachRangeNear(p, grid, cellStart, WholeRows{}, [&](int begin, int end) {
       for (int j = begin; j < end; j += Lanes::kCount) {
         const Vec3<Lanes> d{Lanes::load(columns.x + j) - p.x, Lanes::load(columns.y + j) - p.y,
                             Lanes::load(columns.z + j) - p.z};
         const LaneInts index = LaneInts::from(j);
-        const Lanes squared = dot(d, d);
-        const LaneMask there = index < end;
-        crowd += keptWhere(there, crowdingAt(squared, grid));
-        const LaneMask near = (squared < Lanes(radiusSquared)) & there & (index != self);
+        const LaneMask near = (dot(d, d) < Lanes(radiusSquared)) & (index < end) & (index != self);
         found += append(list, found, index, near.bits());
       }
     });
-    writer.finish(i, found, sumOfLanes(crowd));
+    writer.finish(i, found);
     // So that the entries of a whole piece may be followed.
     for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
+    writer.crowding[i] = crowdingOf(i, p);
+  }
+
+  /// The list is still in the cache.
+  float crowdingOf(std::int64_t i, const Vec3f& p) const {
+    const NeighborView list{writer.entries, writer.counts, writer.room, writer.shift};
+    const auto term = [&]<class T>(const auto&, const Vec3<T>& q) {
+      const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
+      return crowdingAt(dot(d, d), grid);
+    };
+    return 1 + sumOverNeighbors<float>(i, list, term, positions);
   }
 
   int append(int* list, int found, const LaneInts& index, unsigned bits) const {
@@ -312,7 +333,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const Columns columns(columns_, positions.size);
   parallelFor(device, "columns", count, FillColumns{positions, columns});
   parallelFor(device, kName, count,
-              FindNeighborsInLanes{columns, sort_.start(), grid_, radiusSquared, writer});
+              FindNeighborsInLanes{columns, positions, sort_.start(), grid_, radiusSquared, writer});
 #else
   const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
 #ifdef __CUDACC__
