@@ -1,6 +1,6 @@
 // The parallel primitives, one signature for both back ends.
 //
-//   parallelFor      f(i) for every i; parallelForWithScratch: f(i, scratch)
+//   parallelFor      f(i) for every i; parallelForWithScratch: f(i, scratch); parallelForTeams: f(i, team)
 //   reduce           op over f(i), the result stays on the device
 //   exclusiveScan    prefix sums of ints
 //   stableSortByKey  radix sort of (key, value) pairs
@@ -55,6 +55,34 @@ void parallelForWithScratch(CpuBackend& device, std::string_view name, Count cou
 template <class F>
 void parallelForWithScratch(CudaDevice& device, std::string_view name, Count count, int numbers, const F& f);
 
+/// The threads that share a call: one on the CPU and where there are calls enough. Each makes the whole call
+/// but for what it leaves to the others, and all must come to the same questions below.
+struct Team {
+  static constexpr int kMost = 32;  // a warp
+
+  int lane = 0, size = 1;  ///< this thread among them
+  int first = 0;           ///< of them among the threads that run in step
+
+  /// Σ value over the team, the same for all, in an order that depends on the size alone.
+  WEIR_HD float sum(float value) const;
+  /// All bits that one of them has.
+  WEIR_HD int unite(int bits) const;
+  /// Bit l is the answer of lane l.
+  WEIR_HD unsigned ask(bool answer) const;
+};
+
+/// How a launch divides its calls.
+struct TeamPlan {
+  int size;          ///< of a team: a power of two up to Team::kMost
+  std::int64_t few;  ///< launches with a larger bound have teams of one
+};
+
+/// Calls f(i, team) for every i in [0, count).
+template <class F>
+void parallelForTeams(CpuBackend& device, std::string_view name, Count count, TeamPlan plan, const F& f);
+template <class F>
+void parallelForTeams(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f);
+
 /// Writes op(identity, f(0), f(1), …) to *result (device memory). T is trivially copyable, op associative and
 /// commutative up to rounding, with identity its neutral element. The order of combination is fixed, so the
 /// result depends on the exact count and the values alone: not on the bound, the number of threads, or the
@@ -88,6 +116,38 @@ void compact(CpuBackend& device, std::string_view name, Count count, const Keep&
 template <class Keep>
 void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
              int* kept);
+
+namespace detail {
+/// Of `size` threads from `first` on.
+WEIR_HD inline unsigned laneBits(int first, int size) {
+  return (size == Team::kMost ? ~0u : (1u << size) - 1) << first;
+}
+}  // namespace detail
+
+WEIR_HD inline float Team::sum(float value) const {
+#ifdef __CUDA_ARCH__
+  for (int step = size / 2; step > 0; step /= 2)
+    value += __shfl_xor_sync(detail::laneBits(first, size), value, step);
+#endif
+  return value;
+}
+
+WEIR_HD inline unsigned Team::ask(bool answer) const {
+#ifdef __CUDA_ARCH__
+  const unsigned all = detail::laneBits(first, size);
+  return (__ballot_sync(all, answer) & all) >> first;
+#else
+  return answer ? 1u : 0u;
+#endif
+}
+
+WEIR_HD inline int Team::unite(int bits) const {
+#ifdef __CUDA_ARCH__
+  for (int step = size / 2; step > 0; step /= 2)
+    bits |= __shfl_xor_sync(detail::laneBits(first, size), bits, step);
+#endif
+  return bits;
+}
 
 /// Adds to *counter and returns what it held before; safe between the threads of one kernel.
 WEIR_HD inline int atomicAdd(int* counter, int amount);

@@ -78,6 +78,11 @@ void parallelForWithScratch(CpuBackend& device, std::string_view name, Count cou
   });
 }
 
+template <class F>
+void parallelForTeams(CpuBackend& device, std::string_view name, Count count, TeamPlan, const F& f) {
+  parallelFor(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
+}
+
 template <class T, class F, class Op>
 void reduce(CpuBackend& device, std::string_view name, Count count, T identity, const F& f, const Op& op,
             T* result) {

@@ -61,6 +61,24 @@ __global__ void __launch_bounds__(kCudaBlock)
   if (i < count.get()) f(i, Scratch{scratch + threadIdx.x, static_cast<int>(blockDim.x)});
 }
 
+template <class F>
+__global__ void __launch_bounds__(kCudaBlock)
+    forEachInTeamsKernel(Count count, int size, const __grid_constant__ F f) {
+  const std::int64_t thread = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
+  const std::int64_t i = thread / size;
+  const int lane = static_cast<int>(threadIdx.x) % size;
+  if (i < count.get()) f(i, Team{lane, size, static_cast<int>(threadIdx.x) % kWarp - lane});
+}
+
+/// A team of one.
+template <class F>
+struct CallAlone {
+  F f;
+  __device__ void operator()(std::int64_t i) const {
+    f(i, Team{0, 1, static_cast<int>(threadIdx.x) % kWarp});
+  }
+};
+
 /// op over one value of every thread of the block, for thread 0. The order is a fixed tree.
 /// Once in a kernel, because nothing guards its shared memory afterwards.
 template <class T, class Op>
@@ -154,6 +172,17 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
       detail::submitKernel(device.launches(), detail::forEachWithScratchKernel<F>,
                            detail::blocksFor(steady.bound, threads), threads, threads * bytes, steady, f),
       name);
+}
+
+template <class F>
+void parallelForTeams(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
+  static_assert(Team::kMost == detail::kWarp);
+  if (count.bound <= 0) return;
+  if (count.bound > plan.few) return parallelFor(device, name, count, detail::CallAlone<F>{f});
+  const KernelScope scope(device.profiler(), name);
+  const Count steady = detail::steadyCount(count);
+  detail::launch(device, name, detail::forEachInTeamsKernel<F>, detail::blocksFor(plan.size * steady.bound),
+                 steady, plan.size, f);
 }
 
 template <class T, class F, class Op>

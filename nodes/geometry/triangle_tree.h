@@ -1,7 +1,7 @@
 // A tree of boxes around the triangles of a rigid mesh, as kernels on both back ends ask it.
 #pragma once
 
-#include "framework/compute/array.h"
+#include "framework/compute/parallel.h"
 #include "nodes/geometry/box_tree.h"
 #include "nodes/geometry/pseudo_normals.h"
 
@@ -51,9 +51,9 @@ struct TriangleTreeView {
 
   /// Calls f(a, b, c) with the corners of every triangle, counter-clockwise as in the mesh, that may be as
   /// near to p as `radius`: of all whose boxes are. Misses none; each comes once, in an order that depends on
-  /// the mesh alone.
+  /// the mesh alone. The threads of a team share them.
   template <class F>
-  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f) const;
+  WEIR_HD void forEachTriangleNear(const Vec3f& p, float radius, F&& f, const Team& team = {}) const;
 
   /// The point of the mesh that is nearest to p, found faster the smaller `atMost` (m, may be infinite) is.
   /// If nothing is nearer than `atMost`, the triangle is −1 and the distance `atMost`. Distances are exact up
@@ -241,13 +241,14 @@ class WalkNear {
 };
 
 template <class F>
-WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f) const {
-  constexpr int kAtOnce = 16;
+WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f,
+                                                   const Team& team) const {
+  constexpr int kAtOnce = Team::kMost;
   int found[kAtOnce], count;
   WalkNear walk(*this, p, radius);
   do {
     count = walk.next(found, kAtOnce);
-    for (int k = 0; k < count; ++k) {
+    for (int k = team.lane; k < count; k += team.size) {
       const detail::TreeTriangle t = triangles[found[k]];
       f(t.a, t.b, t.c);
     }

@@ -1,3 +1,5 @@
+#include <bit>
+
 #include "nodes/particles/neighbor_list.h"
 #include "nodes/particles/neighbor_sum.h"
 
@@ -171,27 +173,20 @@ struct FindNeighbors {
   }
 };
 
-#ifdef __CUDACC__
-
-/// Eight threads search for one particle, for fluids that do not fill the device otherwise.
-struct FindNeighborsInGroups {
-  static constexpr int kGroup = 8;
-
+/// A team searches for a particle, in fluids that do not fill the device otherwise.
+struct FindNeighborsInTeams {
   FindNeighbors find;
-  Count count;
 
-  __device__ void operator()(std::int64_t thread) const {
-    const std::int64_t i = thread / kGroup;
-    if (i >= count.get()) return;
-    const int self = static_cast<int>(i), lane = static_cast<int>(threadIdx.x) % kWarp, mine = lane % kGroup;
-    const unsigned group = ((1u << kGroup) - 1) << (lane - mine), before = (1u << lane) - 1;
+  WEIR_HD void operator()(std::int64_t i, const Team& team) const {
+    const int self = static_cast<int>(i);
     const Vec3f p = find.positions[i];
     const Scratch list{find.writer.list(i), 1 << find.writer.shift};
     int found = 0;
     float crowd = 0;
-    forEachRangeNear(p, find.grid, find.cellStart, RowsWithinReach(p, find.grid), [&](int begin, int end) {
-      for (int first = begin; first < end; first += kGroup) {
-        const int j = first + mine;
+    const RowsWithinReach rows(p, find.grid);
+    forEachRangeNear(p, find.grid, find.cellStart, rows, [&](int begin, int end) {
+      for (int first = begin; first < end; first += team.size) {
+        const int j = first + team.lane;
         bool near = false;
         if (j < end) {
           const Vec3f d = find.positions[j] - p;
@@ -199,29 +194,26 @@ struct FindNeighborsInGroups {
           crowd += crowdingAt(squared, find.grid);
           near = squared < find.radiusSquared && j != self;
         }
-        const unsigned all = __ballot_sync(group, near) & group;
-        const int place = found + __popc(all & before);
+        const unsigned all = team.ask(near);
+        const int place = found + countBits(all & ((1u << team.lane) - 1));
         if (near && place < find.writer.capacity) list[place] = j;
-        found += __popc(all);
+        found += countBits(all);
       }
     });
-    for (int step = kGroup / 2; step > 0; step /= 2) crowd += __shfl_xor_sync(group, crowd, step);
-    if (mine != 0) return;
+    crowd = team.sum(crowd);
+    if (team.lane != 0) return;
     find.writer.finish(i, found);
     find.writer.crowding[i] = crowd;
   }
 
- private:
-  static constexpr int kWarp = 32;
-};
-
-/// Whether there is work for more threads than particles.
-bool wantsGroups(Count count) {
-  constexpr std::int64_t kMost = 1 << 15;
-  return count.bound <= kMost;
-}
-
+  WEIR_HD static int countBits(unsigned bits) {
+#ifdef __CUDA_ARCH__
+    return __popc(bits);
+#else
+    return std::popcount(bits);
 #endif
+  }
+};
 
 #ifdef WEIR_HAS_LANES
 
@@ -336,11 +328,10 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
               FindNeighborsInLanes{columns, positions, sort_.start(), grid_, radiusSquared, writer});
 #else
   const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
-#ifdef __CUDACC__
-  if (wantsGroups(count))
-    return parallelFor(device, kName, FindNeighborsInGroups::kGroup * detail::steadyCount(count).bound,
-                       FindNeighborsInGroups{find, count});
-#endif
+  // Above this one thread a particle does as well.
+  constexpr TeamPlan kPlan{8, 1 << 15};
+  if (shift_ > 0 && count.bound <= kPlan.few)
+    return parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
   // Lists that are not interleaved are written whole anyway.
   if (shift_ > 0 && capacity_ <= kMostScratch)
     parallelForWithScratch(device, kName, count, capacity_, find);

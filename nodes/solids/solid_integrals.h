@@ -116,6 +116,19 @@ class SolidIntegrator {
     behindD_ -= back.d_ * part;
   }
 
+  /// Sums what the threads of a team have added for the same particle; all of them then have all of it.
+  template <class Team>
+  WEIR_HD void unite(const Team& team) {
+    uniteVector(team, gradient_), phi_ = team.sum(phi_), d_ = team.sum(d_);
+    for (Vec3<T>* v : {&facing_, &facingX_, &facingY_, &facingZ_}) uniteVector(team, *v);
+  }
+
+  /// The same of what was filled behind.
+  template <class Team>
+  WEIR_HD void uniteBehind(const Team& team) {
+    uniteVector(team, behindGradient_), behindPhi_ = team.sum(behindPhi_), behindD_ = team.sum(behindD_);
+  }
+
   /// The same by the approximation of Chang et al. 2020, "Semi-analytical solid boundary conditions for free
   /// surface flows", for comparison: the solid behind a triangle is taken to fill the whole cone from p
   /// through it, from the distance of its plane on, so that each integral is the solid angle times a radial
@@ -199,6 +212,11 @@ class SolidIntegrator {
     T l;      // the distance of its line from the foot of p, positive if the foot is on the triangle's side
     T delta;  // the distance of p in front of the plane
   };
+
+  template <class Team>
+  WEIR_HD static void uniteVector(const Team& team, Vec3<T>& v) {
+    v = {team.sum(v.x), team.sum(v.y), team.sum(v.z)};
+  }
 
   WEIR_HD void face(const Vec3<T>& n, T phi) {
     facing_ -= n * phi;

@@ -14,16 +14,17 @@ struct Found {
 
 /// `reach` is the support of the fluid, at least the radius of the integrals.
 WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius, float reach,
-                     float calibration) {
+                     float calibration, const Team& team) {
   const Vec3f p = solid.end.toBody(position);
   if (solid.clearance.at(p) > reach) return {};
   SolidIntegrator<float> sum(p, radius);
   Found found;
   const auto forEachNear = [&](float within, auto&& f) {
     const bool container = solid.kind == SolidKind::kContainer;
-    solid.tree.forEachTriangleNear(p, within, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-      f(a, container ? c : b, container ? b : c);
-    });
+    solid.tree.forEachTriangleNear(
+        p, within,
+        [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { f(a, container ? c : b, container ? b : c); },
+        team);
   };
   forEachNear(reach, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     found.sides |= sidesSeen(p, a, b, c);
@@ -32,10 +33,14 @@ WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius
     else
       sum.addTriangle(a, b, c);
   });
+  sum.unite(team);
+  found.sides = team.unite(found.sides);
   const bool sheet = solid.kind == SolidKind::kSheet;
   // What turns its back to a particle outside may be the other side of a thin part.
-  if (!sheet && !solid.approximate && (found.sides & kSeesBack) != 0 && sum.isOutside())
+  if (!sheet && !solid.approximate && (found.sides & kSeesBack) != 0 && sum.isOutside()) {
     forEachNear(radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { sum.fillBehind(a, b, c); });
+    sum.uniteBehind(team);
+  }
   found.integrals = sheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
   found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
   return found;
@@ -64,20 +69,23 @@ struct FindIntegrals {
   ArrayView<float> d;
   ArrayView<int> sides;
 
-  WEIR_HD void operator()(std::int64_t n) const {
+  WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = near[n];
     const Vec3f p = positions[i];
     Vec3f gradient{};
     float phi = 0, sumOfD = 0;
     for (std::int64_t k = 0; k < solids.size; ++k) {
-      const Found found = findOf(solids[k], p, radius, reach, calibration);
+      const Found found = findOf(solids[k], p, radius, reach, calibration, team);
       const SolidIntegrals<float>& of = found.integrals;
-      sides[k * stride + i] = found.sides;
-      each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
+      if (team.lane == 0) {
+        sides[k * stride + i] = found.sides;
+        each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
+      }
       gradient += of.gradPhi;
       phi += of.phi;
       sumOfD += of.d;
     }
+    if (team.lane != 0) return;
     if (total.size > 0) total[i] = {gradient.x, gradient.y, gradient.z, phi};
     d[i] = sumOfD;
   }
@@ -102,8 +110,10 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   if (several) walls.total.fillZero();
   walls.d.fillZero();
   walls.sides.fillZero();
-  parallelFor(
-      device, "wall integrals", walls.nearCount(),
+  // Few of these are near walls, and each has many triangles.
+  constexpr TeamPlan kPlan{32, 1 << 17};
+  parallelForTeams(
+      device, "wall integrals", walls.nearCount(), kPlan,
       FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.calibration, walls.stride,
                     std::as_const(walls.near).view(), positions, walls.each.view(),
                     several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.sides.view()});

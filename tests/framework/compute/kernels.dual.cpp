@@ -16,6 +16,19 @@ struct AddToCounter {
   }
 };
 
+struct SumInTeam {
+  ArrayView<float> out;
+  ArrayView<int> lanes;
+  WEIR_HD void operator()(std::int64_t i, const Team& team) const {
+    float mine = 0;
+    for (int k = team.lane; k < 100; k += team.size) mine += float(i + k);
+    const float all = team.sum(mine);
+    const int united = team.unite(static_cast<int>(1u << team.lane));
+    const bool agree = team.ask(team.lane % 2 == 0) == (0x55555555u & static_cast<unsigned>(united));
+    if (team.lane == team.size - 1) out[i] = all, lanes[i] = agree ? united : 0;
+  }
+};
+
 template <class T>
 struct Element {
   ArrayView<const T> values;
@@ -55,6 +68,11 @@ void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out) {
 }
 
 template <class Backend>
+void sumInTeams(Backend& device, Count count, TeamPlan plan, ArrayView<float> out, ArrayView<int> lanes) {
+  parallelForTeams(device, "sumInTeams", count, plan, SumInTeam{out, lanes});
+}
+
+template <class Backend>
 void addToCounters(Backend& device, Count count, ArrayView<const int> values, ArrayView<int> counters) {
   parallelFor(device, "addToCounters", count, AddToCounter{values, counters});
 }
@@ -86,6 +104,7 @@ void sortByCell(Backend& device, CellSort& sort, Count count, int cells, ArrayVi
   sort.sort(device, count, cells, Element<int>{keys}, kept);
 }
 
+template void sumInTeams(ThisBackend&, Count, TeamPlan, ArrayView<float>, ArrayView<int>);
 template void writeSquares(ThisBackend&, Count, ArrayView<std::int64_t>);
 template void addToCounters(ThisBackend&, Count, ArrayView<const int>, ArrayView<int>);
 template void sum(ThisBackend&, Count, ArrayView<const float>, float*);

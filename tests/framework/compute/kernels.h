@@ -15,6 +15,11 @@ void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out);
 template <class Backend>
 void addToCounters(Backend& device, Count count, ArrayView<const int> values, ArrayView<int> counters);
 
+/// out[i] = Σ_k (i + k) for k < 100, by teams. lanes[i] has a bit for every thread of the team, or is 0 where
+/// Team::ask does not tell the even ones.
+template <class Backend>
+void sumInTeams(Backend& device, Count count, TeamPlan plan, ArrayView<float> out, ArrayView<int> lanes);
+
 template <class Backend>
 void sum(Backend& device, Count count, ArrayView<const float> values, float* result);
 

@@ -61,6 +61,24 @@ float sumOf(Device& device, Count count, const Array<float>& values) {
   return result.read();
 }
 
+TEST_P(ParallelTest, TeamsShareTheirCalls) {
+  constexpr std::int64_t kFew = 1000;
+  for (const int size : {1, 2, 8, 32}) {
+    for (const int n : {0, 1, 31, 1000, 1001}) {
+      Array<float> out(*device, n);
+      Array<int> lanes(*device, n);
+      dispatch(*device, [&](auto& backend) {
+        sumInTeams(backend, n, TeamPlan{size, kFew}, out.view(), lanes.view());
+      });
+      const bool teams = device->kind() == DeviceKind::kCuda && n <= kFew;
+      const int expected = !teams ? 1 : size == 32 ? -1 : (1 << size) - 1;
+      const std::vector<float> sums = out.toHost();
+      for (int i = 0; i < n; ++i) ASSERT_EQ(sums[std::size_t(i)], float(100 * i + 4950)) << size;
+      EXPECT_EQ(lanes.toHost(), std::vector<int>(std::size_t(n), expected)) << size;
+    }
+  }
+}
+
 TEST_P(ParallelTest, ParallelForReachesEveryElementOnce) {
   for (const int n : kSizes) {
     Array<std::int64_t> out(*device, n + 3);
