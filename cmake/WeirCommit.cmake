@@ -1,5 +1,6 @@
 # A script: writes RESULT from TEMPLATE with the commit of the folder SOURCE, followed by "-changed" where files
-# that git knows differ from it; GIVEN where that is set; "unknown" where SOURCE is no repository of its own.
+# that git knows differ from it; GIVEN where that is set (-DWEIR_COMMIT=…, for sources that were unpacked);
+# "unknown" where SOURCE is no repository of its own.
 set(commit "${GIVEN}")
 if(commit STREQUAL "")
   set(commit unknown)
@@ -9,7 +10,8 @@ if(commit STREQUAL "")
                     OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
     execute_process(COMMAND ${git} -C ${SOURCE} describe --always --abbrev=7 --exclude=* --dirty=-changed
                     OUTPUT_VARIABLE described RESULT_VARIABLE failed OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-    if(top STREQUAL SOURCE AND NOT failed)
+    file(REAL_PATH "${SOURCE}" source)  # as git has it
+    if(top STREQUAL source AND NOT failed)
       set(commit "${described}")
     endif()
   endif()

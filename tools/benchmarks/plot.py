@@ -6,7 +6,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 
 COLORS = ("#1f77b4", "#2ca02c", "#9467bd", "#17becf")
-PEER_STYLES = (("s", "#d62728"), ("x", "#7f7f7f"), ("^", "#ff7f0e"), ("D", "#8c564b"))
+PEER_STYLES = (("s", "#d62728"), ("v", "#7f7f7f"), ("^", "#ff7f0e"), ("D", "#8c564b"))
 CASES = (("dam", "1 sweep", "-"), ("dam-3-sweeps", "3 sweeps", "--"))
 
 
@@ -22,7 +22,6 @@ def draw(many, peers, file):
         for moment, face in (("late", color), ("early", "none")):
             points = [(n, ms) for n, ms in zip(peer["particles"], peer[moment + "_ms"]) if ms]
             if points:
-                face = color if marker == "x" else face
                 axis.loglog(*zip(*points), marker, color=color, markerfacecolor=face, markersize=6,
                             label=f"{peer['name']}, {moment}")
     axis.grid(True, which="both", color="#e4e4e4", linewidth=0.5)

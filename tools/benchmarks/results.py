@@ -67,6 +67,8 @@ class Results:
 def row_of(entry):
     moments = {moment["moment"]: moment for moment in entry.get("moments", [])}
     trouble = entry.get("skipped") or entry.get("failed")
+    if entry.get("interrupted"):
+        trouble = "interrupted"
     for moment in moments.values():
         if "diverged" in moment:
             trouble = f"diverged ({moment['moment']}): {moment['diverged']}"

@@ -78,6 +78,7 @@ class Stopwatch {
       if (!simulation_.advanceFrame(stop_, afterStep)) return false;
     }
     const TimeSummary summary = summarize(times);
+    moment.particles = simulation_.particleCount();
     moment.timedSteps = static_cast<std::int64_t>(times.size());
     moment.medianMs = summary.median;
     moment.p95Ms = summary.p95;
@@ -114,8 +115,9 @@ std::string divergence(const Moment& moment, const Value& statistics, bool isClo
     return fmt::format("{:.0f} particles have positions or velocities that are no numbers", lost);
   if (const double gone = numberAt(statistics, {"nodes", "water", "particles_escaped"}); gone != 0)
     return fmt::format("{:.0f} particles left the domain", gone);
-  if (isClosed && moment.particles != particlesAtStart)
-    return fmt::format("{} of {} particles are left", moment.particles, particlesAtStart);
+  const std::int64_t particles = statistics.find("particles")->asInt();
+  if (isClosed && particles != particlesAtStart)
+    return fmt::format("{} of {} particles are left", particles, particlesAtStart);
   if (!std::isfinite(numberAt(statistics, {"nodes", "water", "kinetic_energy"})))
     return "the kinetic energy is no number";
   if (!(moment.meanCompression <= kMostMeanCompression))
@@ -126,7 +128,6 @@ std::string divergence(const Moment& moment, const Value& statistics, bool isClo
 
 void judge(Moment& moment, Simulation& simulation, bool isClosed, std::int64_t particlesAtStart) {
   const Value statistics = runStatistics(simulation, RunEnd::kFinished);
-  moment.particles = simulation.particleCount();
   moment.meanNeighbors = numberAt(statistics, {"nodes", "water", "neighbors", "mean"});
   moment.meanCompression = numberAt(statistics, {"nodes", "water", "compression", "mean"});
   moment.mostCompression = numberAt(statistics, {"nodes", "water", "compression", "max"});
@@ -144,7 +145,7 @@ bool runMoments(Simulation& simulation, const MeasurementPlan& plan, const std::
     if (!moment) return false;
     result.peakBytes = static_cast<std::int64_t>(simulation.device().memoryUse().peak);
     judge(*moment, simulation, plan.isClosed, particlesAtStart);
-    result.mostParticles = std::max(result.mostParticles, moment->particles);
+    result.mostParticles = std::max(result.mostParticles, simulation.particleCount());
     result.moments.push_back(std::move(*moment));
     return result.moments.back().diverged.empty();
   };

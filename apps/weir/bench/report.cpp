@@ -99,6 +99,7 @@ std::string tableLines(const BenchResult& result, double bandwidth) {
   };
   complain("skipped", result.measurement.skipped);
   complain("failed", result.measurement.failed);
+  if (result.measurement.interrupted) complain("interrupted", "no more is timed");
   return text;
 }
 
@@ -129,6 +130,7 @@ Value resultValue(const BenchResult& result, double bandwidth) {
   if (!result.size.empty()) v["size"] = static_cast<std::int64_t>(std::stoll(result.size));
   if (!measurement.skipped.empty()) v["skipped"] = measurement.skipped;
   if (!measurement.failed.empty()) v["failed"] = measurement.failed;
+  if (measurement.interrupted) v["interrupted"] = true;
   if (measurement.moments.empty()) return v;
   Value& memory = v["memory"] = Value::object();
   memory["peak_bytes"] = measurement.peakBytes;

@@ -176,6 +176,7 @@ TEST_F(Bench, AnInterruptedOneKeepsWhatItHas) {
   EXPECT_EQ(result.code, 130) << result.err;
   const Value v = written();
   EXPECT_EQ(v.find("end")->asString(), "interrupted");
+  EXPECT_TRUE(v.find("results")->asArray()[0].find("interrupted")->asBool());
   const auto& moments = v.find("results")->asArray()[0].find("moments")->asArray();
   ASSERT_EQ(moments.size(), 1u);
   EXPECT_EQ(moments[0].find("moment")->asString(), "early");
