@@ -12,6 +12,7 @@
 // compiled twice, see `weir_add_dual_sources` in cmake/. None of these waits for the device.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <string_view>
 
@@ -116,6 +117,14 @@ void compact(CpuBackend& device, std::string_view name, Count count, const Keep&
 template <class Keep>
 void compact(CudaDevice& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
              int* kept);
+
+WEIR_HD inline int countBits(unsigned bits) {
+#ifdef __CUDA_ARCH__
+  return __popc(bits);
+#else
+  return std::popcount(bits);
+#endif
+}
 
 namespace detail {
 /// Of `size` threads from `first` on.

@@ -15,14 +15,14 @@ struct TakeOutHidden {
   ArrayView<const Vec3f> positions;
   NeighborEditor neighbors;
 
-  WEIR_HD void operator()(std::int64_t n) const {
+  WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = near[n];
     bool any = false;
     for (std::int64_t k = 0; k < solids.size; ++k) {
       const int seen = sides[k * stride + i];
       any = any || (solids[k].kind == SolidKind::kSheet ? seen != 0 : (seen & kSeesBack) != 0);
     }
-    if (any) neighbors.keepIf(i, [&](int j) { return sees(i, j); });
+    if (any) neighbors.keepIf(i, team, [&](int j) { return sees(i, j); });
   }
 
   WEIR_HD bool sees(std::int64_t i, std::int64_t j) const {
@@ -48,10 +48,12 @@ struct TakeOutHidden {
 template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  parallelFor(device, "hidden neighbours", walls.nearCount(),
-              TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
-                            std::as_const(walls.sides).view(),
-                            std::as_const(fluid.particles).positions().view(), fluid.neighbors.editor()});
+  constexpr TeamPlan kPlan{16, 1 << 17};
+  parallelForTeams(
+      device, "hidden neighbours", walls.nearCount(), kPlan,
+      TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
+                    std::as_const(walls.sides).view(), std::as_const(fluid.particles).positions().view(),
+                    fluid.neighbors.editor()});
 }
 
 template void takeOutHiddenNeighbors(ThisBackend&, FluidStep&);

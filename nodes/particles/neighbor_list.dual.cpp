@@ -1,5 +1,3 @@
-#include <bit>
-
 #include "nodes/particles/neighbor_list.h"
 #include "nodes/particles/neighbor_sum.h"
 
@@ -204,14 +202,6 @@ struct FindNeighborsInTeams {
     if (team.lane != 0) return;
     find.writer.finish(i, found);
     find.writer.crowding[i] = crowd;
-  }
-
-  WEIR_HD static int countBits(unsigned bits) {
-#ifdef __CUDA_ARCH__
-    return __popc(bits);
-#else
-    return std::popcount(bits);
-#endif
   }
 };
 

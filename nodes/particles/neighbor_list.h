@@ -52,17 +52,24 @@ struct NeighborEditor {
   NeighborView layout;
 
   /// Keeps those neighbours j of particle i for which keep(j) holds, in their order. Touches only i's own
-  /// list, so lists may be edited side by side; they stay reciprocal if keep is symmetric.
+  /// list, so lists may be edited side by side; they stay reciprocal if keep is symmetric. The threads of the
+  /// team share the list.
   template <class Keep>
-  WEIR_HD void keepIf(std::int64_t i, Keep&& keep) const {
+  WEIR_HD void keepIf(std::int64_t i, const Team& team, Keep&& keep) const {
     int* list = entries + layout.first(i);
     const int count = counts[i];
     int kept = 0;
-    for (int k = 0; k < count; ++k) {
-      const int j = list[static_cast<std::int64_t>(k) << layout.shift];
-      if (keep(j)) list[static_cast<std::int64_t>(kept++) << layout.shift] = j;
+    for (int first = 0; first < count; first += team.size) {
+      const int k = first + team.lane;
+      const int j = k < count ? list[static_cast<std::int64_t>(k) << layout.shift] : -1;
+      const bool keeps = j >= 0 && keep(j);
+      // All have read when the answers are there, and nobody writes behind what has been read.
+      const unsigned all = team.ask(keeps);
+      const int place = kept + countBits(all & ((1u << team.lane) - 1));
+      if (keeps) list[static_cast<std::int64_t>(place) << layout.shift] = j;
+      kept += countBits(all);
     }
-    counts[i] = kept;
+    if (team.lane == 0) counts[i] = kept;
   }
 };
 
