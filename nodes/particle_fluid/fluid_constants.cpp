@@ -104,7 +104,8 @@ double wallRadiusRatio(double supportRatio, Calibration calibration) {
 double contactRatio(double supportRatio, Calibration calibration) {
   constexpr double kHalf = 0.5;
   if (calibration == Calibration::kLattice) return kHalf;
-  // What columns with walls at half a spacing have too much at them; `weir_packing_curve walls` prints it.
+  // About what columns with walls at half a spacing have too much at them, adjusted so that small tanks at
+  // rest keep their height (RestState.KeepsTheVolumeOfFewLayers… in the tests).
   struct Excess {
     double ratio, perArea;
   };
