@@ -1,4 +1,4 @@
-// Solids as constraints of a solver that iterates: no particle nearer to a solid than half a spacing.
+// Solids as constraints of a solver that iterates: no particle nearer to a solid than the fluid's `contact`.
 //
 // Moving particles out after each iteration, and not only after the last, lets walls carry pressure: a floor
 // holds the fluid on it within the step, however long the step is.

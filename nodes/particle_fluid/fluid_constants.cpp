@@ -101,6 +101,25 @@ double wallRadiusRatio(double supportRatio, Calibration calibration) {
   return high;
 }
 
+double contactRatio(double supportRatio, Calibration calibration) {
+  constexpr double kHalf = 0.5;
+  if (calibration == Calibration::kLattice) return kHalf;
+  // About what columns with walls at half a spacing have too much at them, adjusted so that small tanks at
+  // rest keep their height (RestState.KeepsTheVolumeOfFewLayers… in the tests).
+  struct Excess {
+    double ratio, perArea;
+  };
+  constexpr Excess kExcess[] = {{1.5, 0.02}, {2.0, 0.175}, {2.4, 0.275}, {3.0, 0.45}};
+  const Excess* above =
+      std::upper_bound(std::begin(kExcess), std::end(kExcess), supportRatio,
+                       [](double ratio, const Excess& known) { return ratio < known.ratio; });
+  if (above == std::begin(kExcess)) return kHalf + above->perArea;
+  if (above == std::end(kExcess)) return kHalf + std::prev(above)->perArea;
+  const Excess &low = *std::prev(above), &high = *above;
+  const double t = (supportRatio - low.ratio) / (high.ratio - low.ratio);
+  return kHalf + (1 - t) * low.perArea + t * high.perArea;
+}
+
 int neighborCapacity(double supportRatio) {
   // Particles in the support ball at rest density, half as many again for compression, and a margin for the
   // small balls, where single particles count.
@@ -115,6 +134,7 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   FluidConstants c;
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
+  c.contact = static_cast<float>(contactRatio(supportRatio, calibration)) * spacing;
   c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio, calibration)) * spacing;
   c.restDensity = restDensity;
   c.particleVolume = spacing * spacing * spacing;

@@ -23,6 +23,7 @@ struct EnumNames<Calibration> {
 struct FluidConstants {
   float spacing = 0;         ///< d, m
   float supportRadius = 0;   ///< H, m
+  float contact = 0;         ///< m: how near to a solid given by signed distance a particle may come
   float wallRadius = 0;      ///< H_w, m: the kernel's radius where it is integrated over solids
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
@@ -61,6 +62,14 @@ double stiffening(double supportRatio, Calibration calibration);
 /// and a support ratio below 1.5 the settled fluid is taken to add less, as its neighbours in the bulk add
 /// less than those at 1.5.
 double wallRadiusRatio(double supportRatio, Calibration calibration);
+
+/// How near to a solid given by signed distance particles may come, in spacings. Such a solid takes no part
+/// in the density, so the layers next to it are denser than the fluid behind them: where particles came as
+/// near as half a spacing, they would hold Γ particles per d² more than their volume has room for, and the
+/// water would stand too low by as many spacings at each wall. With the packing calibration they are kept
+/// away by half a spacing and about Γ, as fitted to small tanks at rest, interpolated between support
+/// ratios 1.5 and 3; with the lattice calibration, which keeps no volume, by half a spacing.
+double contactRatio(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);

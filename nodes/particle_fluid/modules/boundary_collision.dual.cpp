@@ -45,7 +45,7 @@ template <class Backend>
 void BoundaryCollision::stepOn(Backend& device, FluidStep& fluid) {
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "collide", fluid.particles.count(),
-                Collide{boundary->view(), 0.5f * fluid.constants.spacing, fluid.particles.positions().view(),
+                Collide{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
                         fluid.particles.velocities().view()});
 }
 

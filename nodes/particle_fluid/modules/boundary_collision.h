@@ -1,6 +1,6 @@
 // Keeps particles out of solids that are given by signed distance.
 //
-// A particle closer than its radius r = spacing/2 to a solid (φ < r) is put to φ = r along the normal. The
+// A particle closer to a solid than r, the fluid's `contact` (φ < r), is put to φ = r along the normal. The
 // velocity it has into the wall is reflected with the wall's restitution e, and Coulomb friction takes at
 // most μ times that change of velocity from the tangential part:
 //

@@ -428,11 +428,6 @@ float stiffnessOf(const FluidStep& fluid) {
   return fluid.constants.soundSpeedSquared() * dt * dt;
 }
 
-/// How near a particle may come to a solid.
-float radiusOf(const FluidStep& fluid) {
-  return 0.5f * fluid.constants.spacing;
-}
-
 PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy,
                   const Array<Vec4f>& weighted) {
   constexpr float kShortest = 1e-4f;  // spacings
@@ -476,7 +471,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "walls", count,
                 MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
-                          kTouching * radiusOf(fluid), inverseDt, fluid.particles.positions().view(),
+                          kTouching * fluid.constants.contact, inverseDt, fluid.particles.positions().view(),
                           displacement_.view(), velocities});
 }
 
@@ -601,7 +596,7 @@ void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "contain", fluid.particles.count(),
-                Contain{boundary->view(), radiusOf(fluid), fluid.particles.positions().view(),
+                Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
                         displacement_.view(), state_.view()});
 }
 
