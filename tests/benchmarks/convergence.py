@@ -3,7 +3,7 @@
 
   convergence.py PROGRAM [--device D] [--threads N] [--spacings 0.04,0.02] [--steps-ms 1,2,5,10]
                  [--duration S] [--short S] [--tolerance T] [--most N] [--bulk-modulus PA] [--keep FILE]
-                 [--acceleration nesterov|anderson]
+                 [--acceleration nesterov|anderson] [--support-ratio R] [--heights]
 
 Of every spacing and step it runs, over --duration:
   the solver with a tolerance and acceleration   iterations and stages a step, steps that did not meet it, compression, height
@@ -11,6 +11,7 @@ Of every spacing and step it runs, over --duration:
   position based fluids                          compression, height; as many iterations as the first on average
 and, over --short alone, the first with and without acceleration, which compares their iterations. These start from a lattice
 at rest density (calibration: lattice): one that must expand first takes the most iterations in either way.
+With --heights only the first of these is run.
 Height is twice that of the centre of mass over the volume's own, so 1 is fluid at rest that kept its volume.
 
 With --keep, every run's outcome and its seconds are written to FILE as soon as they are there, and what FILE holds of
@@ -65,6 +66,8 @@ class Runner:
         scene["nodes"]["water"]["modules"] = {"solver": solver}
         scene["nodes"]["water"]["params"] |= {"spacing": spacing, "calibration": calibration,
                                               "bulk_modulus": self.arguments.bulk_modulus}
+        if self.arguments.support_ratio:
+            scene["nodes"]["water"]["params"]["support_ratio"] = self.arguments.support_ratio
         key = json.dumps([self.arguments.device, scene], sort_keys=True)
         if key not in self.kept.outcomes:
             outcome = self.outcome_of(scene)
@@ -97,6 +100,9 @@ class Runner:
         tolerant = {"iterations": a.most, "tolerance": a.tolerance}
         accelerated = tolerant | {"acceleration": a.acceleration}
         settled = self.run(spacing, dt, a.duration, {"params": accelerated})
+        if a.heights:
+            return " | ".join([f"| {spacing:g} | {1000 * dt:g}", iterations(settled), stages(settled), unmet(settled),
+                               self.outcome(settled)]) + " |"
         plain = self.run(spacing, dt, a.short, {"params": tolerant}, "lattice")
         quick = self.run(spacing, dt, a.short, {"params": accelerated}, "lattice")
         untuned = self.run(spacing, dt, a.duration, {})
@@ -142,12 +148,18 @@ def main():
     parser.add_argument("--most", type=int, default=2000, help="iterations after each search for neighbours")
     parser.add_argument("--bulk-modulus", type=float, default=1e7, metavar="PA")
     parser.add_argument("--acceleration", default="nesterov", choices=["nesterov", "anderson"])
+    parser.add_argument("--support-ratio", type=float, metavar="R", help="instead of the scene's")
+    parser.add_argument("--heights", action="store_true", help="with the tolerance and acceleration alone")
     parser.add_argument("--keep", metavar="FILE", help="outcomes, to go on from in another call")
     arguments = parser.parse_args()
-    print("| d (m) | dt (ms) | iterations, plain, first part | accelerated, first part | accelerated, all | "
-          "stages | steps not met | compression (%) | height | untuned: compression (%) | height | "
-          "PBF: compression (%) | height |")
-    print("|" + "---:|" * 13)
+    columns = ["d (m)", "dt (ms)"]
+    if not arguments.heights:
+        columns += ["iterations, plain, first part", "accelerated, first part"]
+    columns += ["accelerated, all", "stages", "steps not met", "compression (%)", "height"]
+    if not arguments.heights:
+        columns += ["untuned: compression (%)", "height", "PBF: compression (%)", "height"]
+    print("| " + " | ".join(columns) + " |")
+    print("|" + "---:|" * len(columns))
     with tempfile.TemporaryDirectory() as folder:
         runner = Runner(arguments, folder)
         for spacing in arguments.spacings:
