@@ -3,28 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 
 namespace weir {
 
 namespace {
 
-/// Σ (1 − r/H)³ over the nodes of the cubic lattice with y ≤ top, the centre included if it is one; spacings.
-double latticeSum(double supportRatio, int top) {
+/// Σ (1 − r/H)³ over the nodes of the cubic lattice, the centre included; spacings.
+double latticeSum(double supportRatio) {
   const int reach = static_cast<int>(std::ceil(supportRatio));
   double sum = 0;
   for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= std::min(top, reach); ++y)
+    for (int y = -reach; y <= reach; ++y)
       for (int z = -reach; z <= reach; ++z) {
         const double q = std::sqrt(double(x * x + y * y + z * z)) / supportRatio;
         if (q < 1) sum += std::pow(1 - q, 3);
       }
   return sum;
-}
-
-double latticeSum(double supportRatio) {
-  return latticeSum(supportRatio, std::numeric_limits<int>::max());
 }
 
 /// V0·W(0) with s = 1, in spacings.
@@ -84,21 +79,45 @@ double stiffening(double supportRatio, Calibration calibration) {
   return std::pow(settledResponse(kUsualRatio) / settledResponse(supportRatio), 2);
 }
 
-double wallRadiusRatio(double supportRatio, Calibration calibration) {
-  // With s = 1. The half of the lattice whose first layer is one spacing away:
-  double behind = ownDensity(supportRatio) * latticeSum(supportRatio, -1);
-  if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
-    behind *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
-  const auto halfSpace = [](double radius) {
-    const double q = 0.5 / radius;
-    return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);
-  };
-  double low = 0.5, high = supportRatio;  // it grows with the radius
+namespace {
+
+/// What the half of the lattice adds whose first layer is one spacing below a particle, with s = 1: V0·ΣW,
+/// and its gradient upwards, per spacing.
+struct HalfLattice {
+  double value = 0, slope = 0;
+};
+
+HalfLattice halfLattice(double supportRatio) {
+  const int reach = static_cast<int>(std::ceil(supportRatio));
+  const double own = ownDensity(supportRatio);
+  HalfLattice sum;
+  for (int x = -reach; x <= reach; ++x)
+    for (int y = 1; y <= reach; ++y)
+      for (int z = -reach; z <= reach; ++z) {
+        const double r = std::sqrt(double(x * x + y * y + z * z)), t = 1 - r / supportRatio;
+        if (t <= 0) continue;
+        sum.value += own * t * t * t;
+        sum.slope += 3 * own * t * t / supportRatio * y / r;
+      }
+  return sum;
+}
+
+}  // namespace
+
+WallKernel wallKernel(double supportRatio, Calibration calibration) {
+  constexpr double kDistance = 0.5;
+  const HalfLattice behind = halfLattice(supportRatio);
+  const double wanted = 2 * behind.slope / behind.value;
+  double low = kDistance, high = 2 * supportRatio;  // the larger the radius, the flatter
   for (int k = 0; k < 50; ++k) {
-    const double middle = 0.5 * (low + high);
-    (halfSpace(middle) < behind ? low : high) = middle;
+    const double middle = 0.5 * (low + high), q = kDistance / middle;
+    (3 * (1 + 4 * q) / (middle * (1 - q) * (1 + 2 * q)) > wanted ? low : high) = middle;
   }
-  return high;
+  const double q = kDistance / high;
+  double factor = behind.value / (0.5 * std::pow(1 - q, 5) * (1 + 2 * q));
+  if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
+    factor *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
+  return {high, factor};
 }
 
 int neighborCapacity(double supportRatio) {
@@ -115,13 +134,15 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   FluidConstants c;
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
-  c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio, calibration)) * spacing;
+  const WallKernel wall = wallKernel(supportRatio, calibration);
+  c.wallRadius = static_cast<float>(wall.radius) * spacing;
   c.restDensity = restDensity;
   c.particleVolume = spacing * spacing * spacing;
   c.particleMass = restDensity * c.particleVolume;
   c.bulkModulus = bulkModulus;
   c.calibration = static_cast<float>(calibration == Calibration::kLattice ? latticeCalibration(supportRatio)
                                                                           : packingCalibration(supportRatio));
+  c.wallFactor = static_cast<float>(wall.factor) * c.calibration;
   c.kernel = SpikyKernel(c.supportRadius, c.calibration);
   return c;
 }

@@ -24,6 +24,7 @@ struct FluidConstants {
   float spacing = 0;         ///< d, m
   float supportRadius = 0;   ///< H, m
   float wallRadius = 0;      ///< H_w, m: the kernel's radius where it is integrated over solids
+  float wallFactor = 0;      ///< a·s, what such integrals are multiplied by
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
@@ -54,13 +55,22 @@ double settledResponse(double supportRatio);
 /// that of the usual one; it is 1 from a support ratio of 1.5 on, and with the lattice calibration.
 double stiffening(double supportRatio, Calibration calibration);
 
-/// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
-/// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
-/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
-/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; with the packing calibration
-/// and a support ratio below 1.5 the settled fluid is taken to add less, as its neighbours in the bulk add
-/// less than those at 1.5.
-double wallRadiusRatio(double supportRatio, Calibration calibration);
+/// What stands for the fluid behind a wall: Ψ = a·Φ, Φ being the integral over the solid of the kernel with
+/// radius H_w. λ gains Ψ, and as all forces are the gradient of one energy, a wall pushes with Ḃ·∇Ψ.
+struct WallKernel {
+  double radius;  ///< H_w, spacings
+  double factor;  ///< a
+};
+
+/// On a plane at d/2, Ψ shall be what the cubic lattice behind it would add to λ, and ∇Ψ twice the gradient
+/// of that, as mirrored fluid would push with the Ḃ of both sides. So settled fluid stands at d/2, and hardly
+/// nearer the more pressure it is under. With q = d/2H_w, Σ over the half of the lattice behind,
+///
+///   3·(1 + 4q)/( H_w·(1 − q)·(1 + 2q) ) = 2·|Σ ∇W|/ΣW,   a·s·½·(1 − q)⁵·(1 + 2q) = V0·ΣW.
+///
+/// With the packing calibration and a support ratio below 1.5 the settled fluid is taken to add less, as its
+/// neighbours in the bulk add less than those at 1.5.
+WallKernel wallKernel(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);

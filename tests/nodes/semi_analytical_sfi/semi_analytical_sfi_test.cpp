@@ -16,14 +16,14 @@
 namespace weir::test {
 namespace {
 
-/// The integrals over the half-space y < 0 in closed form, for the spiky kernel with s = 1.
-ReferenceFluid::Wall halfSpace(const Vec3d& p, double radius) {
+/// The integrals over the half-space y < 0 in closed form, times a factor, for the spiky kernel with s = 1.
+ReferenceFluid::Wall halfSpace(const Vec3d& p, double radius, double factor) {
   const double q = p.y / radius;
   if (q >= 1) return {};
   const double t = 1 - q;
-  return {0.5 * std::pow(t, 5) * (1 + 2 * q),
-          {0, -1.5 * std::pow(t, 4) * (1 + 4 * q) / radius, 0},
-          7.5 * std::pow(t, 4) / (radius * radius)};
+  return {factor * 0.5 * std::pow(t, 5) * (1 + 2 * q),
+          {0, -factor * 1.5 * std::pow(t, 4) * (1 + 4 * q) / radius, 0},
+          factor * 7.5 * std::pow(t, 4) / (radius * radius)};
 }
 
 /// A tank's worth of solid ground with its top at y = 0.
@@ -41,15 +41,18 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
     const std::vector<Vec3f> velocities(positions.size(), Vec3f{0.1f, 0, 0.05f});
     ReferenceFluid reference{
         .spacing = kSpacing, .supportRatio = kRatio, .dt = dt, .conservative = conservative};
-    // Φ of the plane at half a spacing is that of the lattice behind it.
-    const double radius = wallRadiusRatio(kRatio, Calibration::kLattice) * kSpacing;
-    EXPECT_NEAR(halfSpace({0, kSpacing / 2, 0}, radius).phi,
-                std::pow(kSpacing, 3) * reference.kernel(kSpacing) / reference.kernel(0) * 15 /
-                        (std::numbers::pi * std::pow(kRatio * kSpacing, 3)) +
-                    4 * std::pow(kSpacing, 3) * reference.kernel(std::numbers::sqrt2 * kSpacing) /
-                        reference.kernel(0) * 15 / (std::numbers::pi * std::pow(kRatio * kSpacing, 3)),
+    // Ψ of the plane at half a spacing is what the lattice behind it adds, and pushes as it does from both sides.
+    const WallKernel kernel = wallKernel(kRatio, Calibration::kLattice);
+    const ReferenceFluid::Wall atRest = halfSpace({0, 0.5, 0}, kernel.radius, kernel.factor);
+    const double volume = std::pow(kSpacing, 3), diagonal = std::numbers::sqrt2;
+    const double s = reference.kernel(0) * std::numbers::pi * std::pow(kRatio * kSpacing, 3) / 15;
+    EXPECT_NEAR(s * atRest.phi,
+                volume * (reference.kernel(kSpacing) + 4 * reference.kernel(diagonal * kSpacing)), 1e-6);
+    EXPECT_NEAR(-s * atRest.gradient.y,
+                2 * volume * kSpacing *
+                    (reference.slope(kSpacing) + 4 / diagonal * reference.slope(diagonal * kSpacing)),
                 1e-6);
-    reference.wall = [&](const Vec3d& p) { return halfSpace(p, radius); };
+    reference.wall = [&](const Vec3d& p) { return halfSpace(p, kernel.radius * kSpacing, kernel.factor); };
     for (const Vec3f& p : positions) reference.positions.push_back(toDouble(p));
     for (const Vec3f& v : velocities) reference.velocities.push_back(toDouble(v));
     reference.step();
@@ -260,7 +263,7 @@ TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
     scene.couple({ground()}, object({{"no_slip", 10}, {"velocity", Value::Array{0.25, 0, 0}}}));
     scene.reset(dt);
     scene.step(int(std::lround(0.1 / dt)));
-    const double q = 0.3 / wallRadiusRatio(1.5, Calibration::kPacking),
+    const double q = 0.3 / wallKernel(1.5, Calibration::kPacking).radius,
                  touch = std::pow(1 - q, 5) * (1 + 2 * q);
     EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
   }
