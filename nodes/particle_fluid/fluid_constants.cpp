@@ -81,43 +81,50 @@ double stiffening(double supportRatio, Calibration calibration) {
 
 namespace {
 
-/// What the half of the lattice adds whose first layer is one spacing below a particle, with s = 1: V0·ΣW,
-/// and its gradient upwards, per spacing.
-struct HalfLattice {
-  double value = 0, slope = 0;
-};
-
-HalfLattice halfLattice(double supportRatio) {
+/// Σ (1 − r/H)³ over the half of the cubic lattice whose first layer is one spacing away.
+double halfLatticeSum(double supportRatio) {
+  // The layer of the centre is the lattice of the plane; what is left lies on both sides.
   const int reach = static_cast<int>(std::ceil(supportRatio));
-  const double own = ownDensity(supportRatio);
-  HalfLattice sum;
+  double plane = 0;
   for (int x = -reach; x <= reach; ++x)
-    for (int y = 1; y <= reach; ++y)
-      for (int z = -reach; z <= reach; ++z) {
-        const double r = std::sqrt(double(x * x + y * y + z * z)), t = 1 - r / supportRatio;
-        if (t <= 0) continue;
-        sum.value += own * t * t * t;
-        sum.slope += 3 * own * t * t / supportRatio * y / r;
-      }
-  return sum;
+    for (int z = -reach; z <= reach; ++z) {
+      const double q = std::sqrt(double(x * x + z * z)) / supportRatio;
+      if (q < 1) plane += std::pow(1 - q, 3);
+    }
+  return 0.5 * (latticeSum(supportRatio) - plane);
+}
+
+/// a, such that blocks settle to their volume: `./dev validate --only settled_volume`.
+double wallFactor(double supportRatio) {
+  struct Point {
+    double ratio, factor;
+  };
+  constexpr Point kMeasured[] = {{1.5, 1.2}, {2.0, 1.145}, {2.4, 1.06}};
+  if (supportRatio <= kMeasured[0].ratio) return kMeasured[0].factor;
+  for (std::size_t k = 1; k < std::size(kMeasured); ++k) {
+    const Point a = kMeasured[k - 1], b = kMeasured[k];
+    if (supportRatio < b.ratio)
+      return a.factor + (b.factor - a.factor) * (supportRatio - a.ratio) / (b.ratio - a.ratio);
+  }
+  return std::end(kMeasured)[-1].factor;
 }
 
 }  // namespace
 
 WallKernel wallKernel(double supportRatio, Calibration calibration) {
-  constexpr double kDistance = 0.5;
-  const HalfLattice behind = halfLattice(supportRatio);
-  const double wanted = 2 * behind.slope / behind.value;
-  double low = kDistance, high = 2 * supportRatio;  // the larger the radius, the flatter
-  for (int k = 0; k < 50; ++k) {
-    const double middle = 0.5 * (low + high), q = kDistance / middle;
-    (3 * (1 + 4 * q) / (middle * (1 - q) * (1 + 2 * q)) > wanted ? low : high) = middle;
-  }
-  const double q = kDistance / high;
-  double factor = behind.value / (0.5 * std::pow(1 - q, 5) * (1 + 2 * q));
+  double behind = ownDensity(supportRatio) * halfLatticeSum(supportRatio);
   if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
-    factor *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
-  return {high, factor};
+    behind *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
+  const auto halfSpace = [](double radius) {
+    const double q = 0.5 / radius;
+    return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);
+  };
+  double low = 0.5, high = supportRatio;  // it grows with the radius
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (halfSpace(middle) < behind ? low : high) = middle;
+  }
+  return {high, wallFactor(supportRatio)};
 }
 
 int neighborCapacity(double supportRatio) {

@@ -62,14 +62,14 @@ struct WallKernel {
   double factor;  ///< a
 };
 
-/// On a plane at d/2, Ψ shall be what the cubic lattice behind it would add to λ, and ∇Ψ twice the gradient
-/// of that, as mirrored fluid would push with the Ḃ of both sides. So settled fluid stands at d/2, and hardly
-/// nearer the more pressure it is under. With q = d/2H_w, Σ over the half of the lattice behind,
+/// An integral of a convex kernel over a half-space is more than the sum over particles that fill it. With
+/// H_w in place of H, Φ of a plane at d/2 is what the lattice behind it would add to λ (with the packing
+/// calibration and a support ratio below 1.5 less, as the neighbours of settled fluid in the bulk add less
+/// than those at 1.5).
 ///
-///   3·(1 + 4q)/( H_w·(1 − q)·(1 + 2q) ) = 2·|Σ ∇W|/ΣW,   a·s·½·(1 − q)⁵·(1 + 2q) = V0·ΣW.
-///
-/// With the packing calibration and a support ratio below 1.5 the settled fluid is taken to add less, as its
-/// neighbours in the bulk add less than those at 1.5.
+/// A wall pushes by its own side's Ḃ alone, where mirrored fluid would push by that of both. In continuous
+/// fluid a = 1 would make λ right and a = 2 the pressure; a is in between, such that settled water
+/// has its volume: layers at walls lie a little denser in pressure, and nearer to the wall, than others.
 WallKernel wallKernel(double supportRatio, Calibration calibration);
 
 /// Room for the neighbours of one particle, a multiple of 8.

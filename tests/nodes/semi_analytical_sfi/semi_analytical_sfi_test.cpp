@@ -41,16 +41,13 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
     const std::vector<Vec3f> velocities(positions.size(), Vec3f{0.1f, 0, 0.05f});
     ReferenceFluid reference{
         .spacing = kSpacing, .supportRatio = kRatio, .dt = dt, .conservative = conservative};
-    // Ψ of the plane at half a spacing is what the lattice behind it adds, and pushes as it does from both sides.
+    // Φ of the plane at half a spacing is that of the lattice behind it.
     const WallKernel kernel = wallKernel(kRatio, Calibration::kLattice);
-    const ReferenceFluid::Wall atRest = halfSpace({0, 0.5, 0}, kernel.radius, kernel.factor);
-    const double volume = std::pow(kSpacing, 3), diagonal = std::numbers::sqrt2;
-    const double s = reference.kernel(0) * std::numbers::pi * std::pow(kRatio * kSpacing, 3) / 15;
-    EXPECT_NEAR(s * atRest.phi,
-                volume * (reference.kernel(kSpacing) + 4 * reference.kernel(diagonal * kSpacing)), 1e-6);
-    EXPECT_NEAR(-s * atRest.gradient.y,
-                2 * volume * kSpacing *
-                    (reference.slope(kSpacing) + 4 / diagonal * reference.slope(diagonal * kSpacing)),
+    EXPECT_NEAR(halfSpace({0, 0.5, 0}, kernel.radius, 1).phi,
+                std::pow(kSpacing, 3) * reference.kernel(kSpacing) / reference.kernel(0) * 15 /
+                        (std::numbers::pi * std::pow(kRatio * kSpacing, 3)) +
+                    4 * std::pow(kSpacing, 3) * reference.kernel(std::numbers::sqrt2 * kSpacing) /
+                        reference.kernel(0) * 15 / (std::numbers::pi * std::pow(kRatio * kSpacing, 3)),
                 1e-6);
     reference.wall = [&](const Vec3d& p) { return halfSpace(p, kernel.radius * kSpacing, kernel.factor); };
     for (const Vec3f& p : positions) reference.positions.push_back(toDouble(p));
