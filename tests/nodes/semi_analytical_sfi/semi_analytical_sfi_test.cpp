@@ -72,6 +72,56 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
   }
 }
 
+/// Two particles go around a rectangle in (distance of the two, height above the ground). What the fluid's
+/// pressure does on the way is no work, as its forces are the gradient of one energy, those of walls
+/// included.
+TEST(SemiAnalyticalSFI, WorkOnAClosedWayPastAWallIsNone) {
+  constexpr float kSpacing = 0.02f;
+  constexpr int kPoints = 40;  // on each side of the rectangle
+  constexpr double kCorners[5][2] = {{0.3, 0.7}, {0.3, 0.4}, {0.55, 0.4}, {0.55, 0.7}, {0.3, 0.7}};
+  // All points of the way at once: pairs that do not reach each other.
+  std::vector<Vec3f> positions;
+  for (int side = 0; side < 4; ++side)
+    for (int k = 0; k < kPoints; ++k) {
+      const double t = (k + 0.5) / kPoints;
+      const auto at = [&](int c) {
+        return static_cast<float>((1 - t) * kCorners[side][c] + t * kCorners[side + 1][c]) * kSpacing;
+      };
+      const Vec3f middle{0.06f * float(k - kPoints / 2), at(1), 0.06f * float(side)};
+      const Vec3f half{0.5f * at(0), 0, 0};
+      positions.push_back(middle - half);
+      positions.push_back(middle + half);
+    }
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    // In so short a step, and with one iteration, velocities are forces.
+    SolidScene scene(*device, positions, {}, object({{"spacing", kSpacing}}),
+                     object({{"solver", object({{"params", object({{"iterations", 1}})}})},
+                             {"viscosity", object({{"enabled", false}})}}));
+    scene.gravity = {};
+    scene.couple({ground()});
+    scene.reset(1e-6);
+    scene.step();
+    const std::vector<Vec3f> forces = scene.velocities();
+    ASSERT_EQ(forces.size(), positions.size());
+    double work[4] = {};
+    for (int side = 0; side < 4; ++side)
+      for (int k = 0; k < kPoints; ++k) {
+        const Vec3d first = toDouble(forces[2 * std::size_t(side * kPoints + k)]),
+                    second = toDouble(forces[2 * std::size_t(side * kPoints + k) + 1]);
+        const double apart = kCorners[side + 1][0] - kCorners[side][0],
+                     up = kCorners[side + 1][1] - kCorners[side][1];
+        work[side] += 0.5 * apart * (second.x - first.x) + up * (first.y + second.y);
+      }
+    // Down against the pressure, apart with it, up with less of it, and together again.
+    EXPECT_LT(work[0], 0);
+    EXPECT_GT(work[1], 0);
+    EXPECT_GT(work[2], 0);
+    EXPECT_LT(work[3], 0);
+    EXPECT_NEAR(work[0] + work[1] + work[2] + work[3], 0, 2e-3 * work[1]) << name;
+  }
+}
+
 struct MeanForces {
   Vec3d tank, solid, torque;
 };
