@@ -3,28 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 
 namespace weir {
 
 namespace {
 
-/// Σ (1 − r/H)³ over the nodes of the cubic lattice with y ≤ top, the centre included if it is one; spacings.
-double latticeSum(double supportRatio, int top) {
+/// Σ (1 − r/H)³ over the nodes of the cubic lattice, the centre included; spacings.
+double latticeSum(double supportRatio) {
   const int reach = static_cast<int>(std::ceil(supportRatio));
   double sum = 0;
   for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= std::min(top, reach); ++y)
+    for (int y = -reach; y <= reach; ++y)
       for (int z = -reach; z <= reach; ++z) {
         const double q = std::sqrt(double(x * x + y * y + z * z)) / supportRatio;
         if (q < 1) sum += std::pow(1 - q, 3);
       }
   return sum;
-}
-
-double latticeSum(double supportRatio) {
-  return latticeSum(supportRatio, std::numeric_limits<int>::max());
 }
 
 /// V0·W(0) with s = 1, in spacings.
@@ -84,9 +79,40 @@ double stiffening(double supportRatio, Calibration calibration) {
   return std::pow(settledResponse(kUsualRatio) / settledResponse(supportRatio), 2);
 }
 
-double wallRadiusRatio(double supportRatio, Calibration calibration) {
-  // With s = 1. The half of the lattice whose first layer is one spacing away:
-  double behind = ownDensity(supportRatio) * latticeSum(supportRatio, -1);
+namespace {
+
+/// Σ (1 − r/H)³ over the half of the cubic lattice whose first layer is one spacing away.
+double halfLatticeSum(double supportRatio) {
+  // The layer of the centre is the lattice of the plane; what is left lies on both sides.
+  const int reach = static_cast<int>(std::ceil(supportRatio));
+  double plane = 0;
+  for (int x = -reach; x <= reach; ++x)
+    for (int z = -reach; z <= reach; ++z) {
+      const double q = std::sqrt(double(x * x + z * z)) / supportRatio;
+      if (q < 1) plane += std::pow(1 - q, 3);
+    }
+  return 0.5 * (latticeSum(supportRatio) - plane);
+}
+
+/// a, such that blocks settle to their volume: `./dev validate --only settled_volume`.
+double wallFactor(double supportRatio) {
+  struct Point {
+    double ratio, factor;
+  };
+  constexpr Point kMeasured[] = {{1.5, 1.2}, {2.0, 1.145}, {2.4, 1.06}};
+  if (supportRatio <= kMeasured[0].ratio) return kMeasured[0].factor;
+  for (std::size_t k = 1; k < std::size(kMeasured); ++k) {
+    const Point a = kMeasured[k - 1], b = kMeasured[k];
+    if (supportRatio < b.ratio)
+      return a.factor + (b.factor - a.factor) * (supportRatio - a.ratio) / (b.ratio - a.ratio);
+  }
+  return std::end(kMeasured)[-1].factor;
+}
+
+}  // namespace
+
+WallKernel wallKernel(double supportRatio, Calibration calibration) {
+  double behind = ownDensity(supportRatio) * halfLatticeSum(supportRatio);
   if (calibration == Calibration::kPacking && supportRatio < kUsualRatio)
     behind *= std::min(1.0, settledShare(supportRatio) / settledShare(kUsualRatio));
   const auto halfSpace = [](double radius) {
@@ -98,7 +124,7 @@ double wallRadiusRatio(double supportRatio, Calibration calibration) {
     const double middle = 0.5 * (low + high);
     (halfSpace(middle) < behind ? low : high) = middle;
   }
-  return high;
+  return {high, wallFactor(supportRatio)};
 }
 
 double contactRatio(double supportRatio, Calibration calibration) {
@@ -135,13 +161,15 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
   c.contact = static_cast<float>(contactRatio(supportRatio, calibration)) * spacing;
-  c.wallRadius = static_cast<float>(wallRadiusRatio(supportRatio, calibration)) * spacing;
+  const WallKernel wall = wallKernel(supportRatio, calibration);
+  c.wallRadius = static_cast<float>(wall.radius) * spacing;
   c.restDensity = restDensity;
   c.particleVolume = spacing * spacing * spacing;
   c.particleMass = restDensity * c.particleVolume;
   c.bulkModulus = bulkModulus;
   c.calibration = static_cast<float>(calibration == Calibration::kLattice ? latticeCalibration(supportRatio)
                                                                           : packingCalibration(supportRatio));
+  c.wallFactor = static_cast<float>(wall.factor) * c.calibration;
   c.kernel = SpikyKernel(c.supportRadius, c.calibration);
   return c;
 }

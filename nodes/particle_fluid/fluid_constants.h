@@ -25,6 +25,7 @@ struct FluidConstants {
   float supportRadius = 0;   ///< H, m
   float contact = 0;         ///< m: how near to a solid given by signed distance a particle may come
   float wallRadius = 0;      ///< H_w, m: the kernel's radius where it is integrated over solids
+  float wallFactor = 0;      ///< a·s, what such integrals are multiplied by
   float restDensity = 0;     ///< ρ0, kg/m³
   float particleVolume = 0;  ///< V0 = d³, m³
   float particleMass = 0;    ///< m = ρ0·V0, kg
@@ -55,13 +56,22 @@ double settledResponse(double supportRatio);
 /// that of the usual one; it is 1 from a support ratio of 1.5 on, and with the lattice calibration.
 double stiffening(double supportRatio, Calibration calibration);
 
-/// H_w/d. An integral of a convex kernel over a half-space is more than the sum over particles that fill it,
-/// so a wall that took part with the fluid's own radius would keep the fluid further away than half a
-/// spacing, the more the smaller the support. With H_w in its place, Φ of a plane at d/2 is what the fluid
-/// behind it would add, and ∇Φ is nearly so. The lattice behind it is summed up; with the packing calibration
-/// and a support ratio below 1.5 the settled fluid is taken to add less, as its neighbours in the bulk add
-/// less than those at 1.5.
-double wallRadiusRatio(double supportRatio, Calibration calibration);
+/// What stands for the fluid behind a wall: Ψ = a·Φ, Φ being the integral over the solid of the kernel with
+/// radius H_w. λ gains Ψ, and as all forces are the gradient of one energy, a wall pushes with Ḃ·∇Ψ.
+struct WallKernel {
+  double radius;  ///< H_w, spacings
+  double factor;  ///< a
+};
+
+/// An integral of a convex kernel over a half-space is more than the sum over particles that fill it. With
+/// H_w in place of H, Φ of a plane at d/2 is what the lattice behind it would add to λ (with the packing
+/// calibration and a support ratio below 1.5 less, as the neighbours of settled fluid in the bulk add less
+/// than those at 1.5).
+///
+/// A wall pushes by its own side's Ḃ alone, where mirrored fluid would push by that of both. In continuous
+/// fluid a = 1 would make λ right and a = 2 the pressure; a is in between, such that settled water
+/// has its volume: layers at walls lie a little denser in pressure, and nearer to the wall, than others.
+WallKernel wallKernel(double supportRatio, Calibration calibration);
 
 /// How near to a solid given by signed distance particles may come, in spacings. Such a solid takes no part
 /// in the density, so the layers next to it are denser than the fluid behind them: where particles came as

@@ -2,9 +2,9 @@
 // and each alone. They are found once a step at the predicted positions; within the iterations of a solver Φ
 // follows the displacement u to first order, Φ + ∇Φ·u.
 //
-// A wall acts as mirrored fluid, with the particle's own λ. Its displacement of a particle is share·∇Φ, where
-// the solver sums the share over its iterations; so what the fluid gains from walls is known exactly, and the
-// solids get its opposite.
+// All integrals here are a times those of the kernel with radius H_w (WallKernel), Φ being its Ψ. λ gains Φ,
+// and a wall pushes with Ḃ·∇Φ. Its displacement of a particle is share·∇Φ, where the solver sums the share
+// over its iterations; so what the fluid gains from walls is exactly known, and solids get its opposite.
 #pragma once
 
 #include <cstdint>

@@ -83,9 +83,8 @@ struct Correct {
       move += (s.w + t.w - repulsion * w * w * w * w) * gradient(d, pairSign(i, j));
     });
     if (!walls.empty()) {
-      // Mirrored fluid, whose ℓ is the particle's own.
-      move += 2 * s.w * walls.gradient(i);
-      walls.share[i] += 2 * s.w;
+      move += s.w * walls.gradient(i);
+      walls.share[i] += s.w;
     }
     const Vec3f moved = displacement[i] + move;
     displacement[i] = moved;

@@ -89,13 +89,13 @@ struct PushOf {
     return total;
   }
 
-  /// Mirrored fluid, whose Ḃ is the particle's own.
+  /// The gradient of what walls add to the energy: with λ it depends on the particle's own place alone.
   WEIR_HD void addWalls(std::int64_t i, float derivative, Push& total) const {
     const float d = walls.d[i];
     if (!(d > 0)) return;
-    total.wall = -(own + others) * derivative * wallStiffness;
+    total.wall = -derivative * wallStiffness;
     total.push += total.wall * walls.gradient(i);
-    total.divisor += (own + others) * negativePart * wallStiffness * d;
+    total.divisor += negativePart * wallStiffness * d;
   }
 
   /// Moves the share of the walls in the displacement like the displacement itself.

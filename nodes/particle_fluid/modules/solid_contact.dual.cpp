@@ -100,7 +100,7 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
                       rubs ? std::as_const(walls.d).view() : ArrayView<const float>{}},
              walls.met, walls.metCounter);
   parallelFor(device, "contact", walls.metCount(),
-              Contact{solids, gap, dt, 0.5f * fluid.constants.calibration, walls.stride,
+              Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, walls.stride,
                       std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
                       fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {

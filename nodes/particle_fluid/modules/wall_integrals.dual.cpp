@@ -114,7 +114,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   constexpr TeamPlan kPlan{32, 1 << 17};
   parallelForTeams(
       device, "wall integrals", walls.nearCount(), kPlan,
-      FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.calibration, walls.stride,
+      FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.wallFactor, walls.stride,
                     std::as_const(walls.near).view(), positions, walls.each.view(),
                     several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.sides.view()});
   takeOutHiddenNeighbors(device, fluid);

@@ -35,10 +35,10 @@ TEST(Stiffening, KeepsSmallSupportsAsStiffAsTheUsualOne) {
   EXPECT_EQ(stiffening(1.1, Calibration::kPacking), stiffening(1.2, Calibration::kPacking));
 }
 
-TEST(WallRadius, IsLessWhereSettledFluidAddsLessThanALattice) {
+TEST(WallKernel, HasASmallerRadiusWhereSettledFluidAddsLessThanALattice) {
   // Φ of the plane at d/2, without s: ½(1 − q)⁵(1 + 2q) at q = d/2H_w.
   const auto phi = [](double ratio, Calibration calibration) {
-    const double q = 0.5 / wallRadiusRatio(ratio, calibration);
+    const double q = 0.5 / wallKernel(ratio, calibration).radius;
     return 0.5 * std::pow(1 - q, 5) * (1 + 2 * q);
   };
   const auto share = [](double ratio) {
@@ -51,6 +51,18 @@ TEST(WallRadius, IsLessWhereSettledFluidAddsLessThanALattice) {
                 ratio < 1.5 ? std::min(1.0, share(ratio) / share(1.5)) : 1, 1e-6)
         << ratio;
   EXPECT_LT(phi(1.2, Calibration::kPacking), 0.4 * phi(1.2, Calibration::kLattice));
+}
+
+/// Between the two that continuous fluid asks for: 1 makes λ what it is in the bulk, 2 the pressure.
+TEST(WallKernel, FactorIsContinuousAndBetweenThoseOfContinuousFluid) {
+  double last = wallKernel(1.1, Calibration::kPacking).factor;
+  for (double ratio = 1.11; ratio < 3; ratio += 0.01) {
+    const double factor = wallKernel(ratio, Calibration::kPacking).factor;
+    EXPECT_NEAR(factor, last, 0.01) << ratio;
+    EXPECT_GT(factor, 1) << ratio;
+    EXPECT_LT(factor, 2) << ratio;
+    last = factor;
+  }
 }
 
 }  // namespace

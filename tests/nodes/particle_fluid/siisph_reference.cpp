@@ -107,10 +107,9 @@ void ReferenceFluid::solve(const std::vector<std::vector<int>>& lists) {
             (bulkEnergyDerivative(lambda[i]) + (conservative ? bulkEnergyDerivative(lambda[j]) : 0)) * a * d;
         divisor += (conservative ? 2 : 1) * negativePart * a;
       }
-      const double sides = conservative ? 2 : 1;
-      const Vec3d byWall = -sides * bulkEnergyDerivative(lambda[i]) * stiffness() * walls[i].gradient;
+      const Vec3d byWall = -bulkEnergyDerivative(lambda[i]) * stiffness() * walls[i].gradient;
       descent += byWall;
-      divisor += sides * negativePart * stiffness() * walls[i].d;
+      divisor += negativePart * stiffness() * walls[i].d;
       byWalls[i] += (byWall - byWalls[i]) / divisor;
       const Vec3d u = positions[i] - predicted[i];
       steps.push_back(descent / divisor);

@@ -16,14 +16,14 @@
 namespace weir::test {
 namespace {
 
-/// The integrals over the half-space y < 0 in closed form, for the spiky kernel with s = 1.
-ReferenceFluid::Wall halfSpace(const Vec3d& p, double radius) {
+/// The integrals over the half-space y < 0 in closed form, times a factor, for the spiky kernel with s = 1.
+ReferenceFluid::Wall halfSpace(const Vec3d& p, double radius, double factor) {
   const double q = p.y / radius;
   if (q >= 1) return {};
   const double t = 1 - q;
-  return {0.5 * std::pow(t, 5) * (1 + 2 * q),
-          {0, -1.5 * std::pow(t, 4) * (1 + 4 * q) / radius, 0},
-          7.5 * std::pow(t, 4) / (radius * radius)};
+  return {factor * 0.5 * std::pow(t, 5) * (1 + 2 * q),
+          {0, -factor * 1.5 * std::pow(t, 4) * (1 + 4 * q) / radius, 0},
+          factor * 7.5 * std::pow(t, 4) / (radius * radius)};
 }
 
 /// A tank's worth of solid ground with its top at y = 0.
@@ -42,14 +42,14 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
     ReferenceFluid reference{
         .spacing = kSpacing, .supportRatio = kRatio, .dt = dt, .conservative = conservative};
     // Φ of the plane at half a spacing is that of the lattice behind it.
-    const double radius = wallRadiusRatio(kRatio, Calibration::kLattice) * kSpacing;
-    EXPECT_NEAR(halfSpace({0, kSpacing / 2, 0}, radius).phi,
+    const WallKernel kernel = wallKernel(kRatio, Calibration::kLattice);
+    EXPECT_NEAR(halfSpace({0, 0.5, 0}, kernel.radius, 1).phi,
                 std::pow(kSpacing, 3) * reference.kernel(kSpacing) / reference.kernel(0) * 15 /
                         (std::numbers::pi * std::pow(kRatio * kSpacing, 3)) +
                     4 * std::pow(kSpacing, 3) * reference.kernel(std::numbers::sqrt2 * kSpacing) /
                         reference.kernel(0) * 15 / (std::numbers::pi * std::pow(kRatio * kSpacing, 3)),
                 1e-6);
-    reference.wall = [&](const Vec3d& p) { return halfSpace(p, radius); };
+    reference.wall = [&](const Vec3d& p) { return halfSpace(p, kernel.radius * kSpacing, kernel.factor); };
     for (const Vec3f& p : positions) reference.positions.push_back(toDouble(p));
     for (const Vec3f& v : velocities) reference.velocities.push_back(toDouble(v));
     reference.step();
@@ -69,6 +69,56 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
       const Vec3d impulse = dt * contact.forces->solids.front().force;
       EXPECT_NEAR(impulse.y, -reference.wallImpulse.y, 1e-4 * std::abs(reference.wallImpulse.y)) << name;
     }
+  }
+}
+
+/// Two particles go around a rectangle in (distance of the two, height above the ground). What the fluid's
+/// pressure does on the way is no work, as its forces are the gradient of one energy, those of walls
+/// included.
+TEST(SemiAnalyticalSFI, WorkOnAClosedWayPastAWallIsNone) {
+  constexpr float kSpacing = 0.02f;
+  constexpr int kPoints = 40;  // on each side of the rectangle
+  constexpr double kCorners[5][2] = {{0.3, 0.7}, {0.3, 0.4}, {0.55, 0.4}, {0.55, 0.7}, {0.3, 0.7}};
+  // All points of the way at once: pairs that do not reach each other.
+  std::vector<Vec3f> positions;
+  for (int side = 0; side < 4; ++side)
+    for (int k = 0; k < kPoints; ++k) {
+      const double t = (k + 0.5) / kPoints;
+      const auto at = [&](int c) {
+        return static_cast<float>((1 - t) * kCorners[side][c] + t * kCorners[side + 1][c]) * kSpacing;
+      };
+      const Vec3f middle{0.06f * float(k - kPoints / 2), at(1), 0.06f * float(side)};
+      const Vec3f half{0.5f * at(0), 0, 0};
+      positions.push_back(middle - half);
+      positions.push_back(middle + half);
+    }
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    // In so short a step, and with one iteration, velocities are forces.
+    SolidScene scene(*device, positions, {}, object({{"spacing", kSpacing}}),
+                     object({{"solver", object({{"params", object({{"iterations", 1}})}})},
+                             {"viscosity", object({{"enabled", false}})}}));
+    scene.gravity = {};
+    scene.couple({ground()});
+    scene.reset(1e-6);
+    scene.step();
+    const std::vector<Vec3f> forces = scene.velocities();
+    ASSERT_EQ(forces.size(), positions.size());
+    double work[4] = {};
+    for (int side = 0; side < 4; ++side)
+      for (int k = 0; k < kPoints; ++k) {
+        const Vec3d first = toDouble(forces[2 * std::size_t(side * kPoints + k)]),
+                    second = toDouble(forces[2 * std::size_t(side * kPoints + k) + 1]);
+        const double apart = kCorners[side + 1][0] - kCorners[side][0],
+                     up = kCorners[side + 1][1] - kCorners[side][1];
+        work[side] += 0.5 * apart * (second.x - first.x) + up * (first.y + second.y);
+      }
+    // Down against the pressure, apart with it, up with less of it, and together again.
+    EXPECT_LT(work[0], 0);
+    EXPECT_GT(work[1], 0);
+    EXPECT_GT(work[2], 0);
+    EXPECT_LT(work[3], 0);
+    EXPECT_NEAR(work[0] + work[1] + work[2] + work[3], 0, 2e-3 * work[1]) << name;
   }
 }
 
@@ -260,7 +310,7 @@ TEST(SemiAnalyticalSFI, NoSlipIsARatePerSecond) {
     scene.couple({ground()}, object({{"no_slip", 10}, {"velocity", Value::Array{0.25, 0, 0}}}));
     scene.reset(dt);
     scene.step(int(std::lround(0.1 / dt)));
-    const double q = 0.3 / wallRadiusRatio(1.5, Calibration::kPacking),
+    const double q = 0.3 / wallKernel(1.5, Calibration::kPacking).radius,
                  touch = std::pow(1 - q, 5) * (1 + 2 * q);
     EXPECT_NEAR(scene.velocities()[0].x, 0.25 + 0.75 * std::exp(-10 * 0.1 * touch), 0.005);
   }

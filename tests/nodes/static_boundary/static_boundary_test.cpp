@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/particle_fluid/particle_fluid.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fluid_scene.h"
@@ -15,6 +16,11 @@ namespace {
 
 constexpr float kSpacing = 0.02f;
 constexpr double kDt = 0.001;
+
+/// How near to a wall a particle of a fluid with default parameters comes.
+double contact() {
+  return contactRatio(ParticleFluid().supportRatio, Calibration::kPacking) * kSpacing;
+}
 
 Value vector(double x, double y, double z) {
   return Value::Array{x, y, z};
@@ -39,12 +45,12 @@ class Walls : public OnDevice {
   }
 };
 
-TEST_P(Walls, AParticleComesToRestOneRadiusAboveTheFloor) {
+TEST_P(Walls, AParticleComesToRestAtContactAboveTheFloor) {
   FluidScene scene = oneParticle({0, 0.1f, 0}, {});
   addBoundary(scene, object({{"shape", "plane"}}));
   scene.reset(kDt);
   scene.step(500);
-  EXPECT_NEAR(scene.positions()[0].y, kSpacing / 2, 1e-6);
+  EXPECT_NEAR(scene.positions()[0].y, contact(), 1e-6);
   EXPECT_NEAR(scene.velocities()[0].y, 0, 1e-6);
 }
 
@@ -85,7 +91,7 @@ TEST_P(Walls, AParticleInACornerKeepsItsDistanceFromAllThreeWalls) {
   scene.reset(kDt);
   scene.step(100);
   const Vec3f p = scene.positions()[0];
-  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(p[axis], kSpacing / 2, 1e-6);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(p[axis], contact(), 1e-6);
 }
 
 TEST_P(Walls, TwoBoundariesInOneActLikeTwo) {
@@ -96,8 +102,8 @@ TEST_P(Walls, TwoBoundariesInOneActLikeTwo) {
   scene.graph().link({"left", "boundary", "floor", "boundaries"});
   scene.reset(kDt);
   scene.step(300);
-  EXPECT_NEAR(scene.positions()[0].x, kSpacing / 2, 1e-6);
-  EXPECT_NEAR(scene.positions()[0].y, kSpacing / 2, 1e-6);
+  EXPECT_NEAR(scene.positions()[0].x, contact(), 1e-6);
+  EXPECT_NEAR(scene.positions()[0].y, contact(), 1e-6);
 }
 
 TEST_P(Walls, AFullTankKeepsAllItsParticles) {
