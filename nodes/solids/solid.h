@@ -62,6 +62,12 @@ class Solid {
   Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
         float detail);
 
+  /// Bytes on the device that the solid of such a mesh takes at most.
+  static double mostMemory(const TriangleMesh& mesh);
+  /// What it counts and sums.
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
+
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);
   Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
