@@ -1,12 +1,14 @@
 #include "framework/run/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "framework/base/check.h"
 #include "framework/compute/host_memory.h"
 #include "framework/compute/profiler.h"
 #include "framework/graph/state.h"
+#include "framework/run/progress.h"
 
 namespace weir {
 
@@ -75,8 +77,13 @@ void Simulation::setUp(std::optional<std::int64_t> last) {
 void Simulation::checkMemory(const SetupContext& context) {
   const MemoryEstimate estimate = scene_->graph.estimate(context);
   memoryNeeds_ = estimate.total();
-  const std::string warning = estimate.check(static_cast<double>(device_.availableMemory()), device_.name());
+  const auto available = static_cast<double>(device_.availableMemory());
+  const std::string warning = estimate.check(available, device_.name());
   if (!warning.empty()) log_.warn(warning);
+  if (memoryNeeds_.particles > 0)
+    log_.info("memory: up to " + shortBytes(memoryNeeds_.device) +
+              (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
+              groupedText(std::llround(memoryNeeds_.particles)) + " particles");
   if (device_.kind() != DeviceKind::kCpu) estimate.checkHost(static_cast<double>(availableHostMemory()));
 }
 

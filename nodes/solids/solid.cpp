@@ -1,6 +1,6 @@
-#include "framework/graph/state.h"
-
 #include "nodes/solids/solid.h"
+
+#include "framework/graph/state.h"
 
 namespace weir {
 

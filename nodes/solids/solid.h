@@ -10,6 +10,9 @@
 
 namespace weir {
 
+class StateReader;
+class StateWriter;
+
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };
 

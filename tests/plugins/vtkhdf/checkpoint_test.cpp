@@ -132,7 +132,7 @@ TEST_F(CheckpointOfRun, IsRefusedByAnotherScene) {
   EXPECT_CONTAINS(other.err, "world.seed: 3 then, 4 now");
   EXPECT_FALSE(fs::exists(folder_ / "b.vtkhdf"));
   // More time is no other scene.
-  EXPECT_EQ(run("c", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
+  EXPECT_EQ(run("a", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
 }
 
 TEST_F(CheckpointOfRun, ThatIsNoneIsAnError) {
