@@ -119,6 +119,18 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_
       ->add_option("--series", series_, "Write the same numbers for every frame, as one JSON object a line")
       ->type_name("FILE.jsonl");
+  command_
+      ->add_option(
+          "--checkpoint", checkpoint_,
+          "Save the state now and then, so that --resume can go on from there; the last two are kept")
+      ->type_name("FILE.h5");
+  command_->add_option("--checkpoint-every", checkpointEvery_, "At every so many frames, 20, or seconds, 90s")
+      ->type_name("N|Ns")
+      ->capture_default_str();
+  command_
+      ->add_option("--resume", resume_,
+                   "Go on from a checkpoint of the same scene; outputs go on behind what they have")
+      ->type_name("FILE.h5");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
   command_->add_flag("--deterministic", deterministic_,
                      "Make results bitwise the same from run to run on CUDA, too");
@@ -168,6 +180,7 @@ void RunCommand::checkOutputPaths() const {
   };
   for (const Output& output : outputs_)
     for (std::size_t i = 0; i < output.options.size(); ++i) check(output.options[i], output.paths[i]);
+  check({.name = "checkpoint", .argument = "FILE.h5", .extensions = {".h5"}, .doc = ""}, checkpoint_);
   check({.name = "stats", .argument = "FILE.json", .extensions = {".json"}, .doc = ""}, stats_);
   check({.name = "series", .argument = "FILE.jsonl", .extensions = {".jsonl"}, .doc = ""}, series_);
 }
@@ -183,6 +196,35 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
   if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));
   observers.push_back(std::make_unique<StatisticsOutput>(stats_, program_.log()));
   return observers;
+}
+
+std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
+                                                             const std::string& path) const {
+  std::vector<std::string> endings;
+  for (auto& [name, store] : program_.registry().createServices<CheckpointStore>()) {
+    endings.emplace_back(store->extension());
+    if (fs::path(path).extension() == store->extension()) return std::move(store);
+  }
+  throw usageError(fmt::format("--{} {} is of no known kind", option, printable(path, 200)),
+                   endings.empty() ? "nothing: no plugin that keeps checkpoints is loaded"
+                                   : "a file that ends in " + joinNames(endings));
+}
+
+std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
+  if (checkpoint_.empty()) return std::nullopt;
+  return std::make_optional<Checkpoints>(checkpoint_, CheckpointInterval::parse(checkpointEvery_),
+                                         checkpointStore("checkpoint", checkpoint_));
+}
+
+std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation) const {
+  if (resume_.empty()) return std::nullopt;
+  Checkpoint checkpoint = checkpointStore("resume", resume_)->read(resume_);
+  try {
+    checkBelongs(checkpoint, simulation);
+  } catch (Error& e) {
+    throw e.at({.file = resume_});
+  }
+  return checkpoint;
 }
 
 void RunCommand::printResults() const {
@@ -207,6 +249,8 @@ int RunCommand::run() {
                        device->description()));
   Simulation simulation(std::move(scene), *device, log, program_.registry());
 
+  const std::optional<Checkpoint> resumed = readCheckpoint(simulation);
+  std::optional<Checkpoints> checkpoints = makeCheckpoints();
   const auto observers = makeObservers();
   std::vector<Observer*> watching;
   for (const auto& observer : observers) watching.push_back(observer.get());
@@ -217,6 +261,8 @@ int RunCommand::run() {
   RunOptions options;
   options.lastFrame = frames_;
   options.stop = &interruption.asked();
+  if (checkpoints) options.checkpoints = &*checkpoints;
+  if (resumed) options.resume = &resumed->state;
   if (!quiet_) {
     program_.beforeMessage([&] { progress.clearLine(); });
     const std::int64_t last = lastFrameOf(simulation.clock(), options);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/weir/program.h"
+#include "framework/run/checkpoint.h"
 #include "framework/run/output_kind.h"
 
 namespace weir::app {
@@ -33,6 +34,10 @@ class RunCommand {
   std::vector<Override> overrides() const;
   std::vector<std::unique_ptr<Observer>> makeObservers() const;
   void checkOutputPaths() const;
+  std::unique_ptr<CheckpointStore> checkpointStore(const std::string& option, const std::string& path) const;
+  std::optional<Checkpoints> makeCheckpoints() const;
+  /// What --resume names, if it belongs to the simulation.
+  std::optional<Checkpoint> readCheckpoint(const Simulation& simulation) const;
   void printResults() const;
 
   Program& program_;
@@ -45,6 +50,9 @@ class RunCommand {
   std::optional<std::int64_t> frames_;
   std::vector<std::string> set_;
   std::vector<std::string> plugin_;
+  std::string checkpoint_;
+  std::string checkpointEvery_ = "600s";
+  std::string resume_;
   std::string stats_;
   std::string series_;
   int threads_ = 0;

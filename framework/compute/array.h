@@ -29,6 +29,12 @@ struct ArrayView {
   }
 };
 
+/// How long what has outgrown its room of `present` elements becomes: `least`, or a quarter longer than it
+/// was.
+constexpr std::int64_t grownSize(std::int64_t present, std::int64_t least) {
+  return std::max(least, present + present / 4);
+}
+
 /// Owns memory on one device. Contents start undefined.
 template <class T>
 class Array {
@@ -56,30 +62,33 @@ class Array {
   ArrayView<T> view() { return {data_, size_}; }
   ArrayView<const T> view() const { return {data_, size_}; }
 
-  /// Makes room for `capacity` elements; keeps the contents. Grows by at least half, so that a growing
-  /// simulation allocates rarely.
+  /// Makes room for `capacity` elements and no more; keeps the contents, so both are held for a moment.
   void reserve(std::int64_t capacity) {
     if (capacity <= capacity_) return;
     Array bigger;
-    bigger.allocate(device_, grownCapacity(capacity));
+    bigger.allocate(device_, capacity);
     bigger.size_ = size_;
     if (size_ > 0) device_->copy(bigger.data_, data_, static_cast<std::size_t>(size_) * sizeof(T));
     swap(bigger);
   }
+  /// Keeps the contents. Room grows by at least a quarter, so that a growing simulation allocates rarely.
   void resize(std::int64_t size) {
     WEIR_CHECK(size >= 0);
-    reserve(size);
+    if (size > capacity_) reserve(grownSize(capacity_, size));
     size_ = size;
   }
-  /// Like resize, for contents that nobody needs any more: growing copies nothing and never holds both.
+  /// For contents that nobody needs any more: growing copies nothing, never holds both, and takes no more
+  /// than is asked for.
   void resizeDiscarding(std::int64_t size) {
     WEIR_CHECK(size >= 0);
-    if (size > capacity_) {
-      const std::int64_t grown = grownCapacity(size);
-      free();
-      allocate(device_, grown);
-    }
+    reserveDiscarding(size);
     size_ = size;
+  }
+  /// Room for `capacity` elements, of which there are none yet if it had to be made.
+  void reserveDiscarding(std::int64_t capacity) {
+    if (capacity <= capacity_) return;
+    free();
+    allocate(device_, capacity);
   }
 
   void assign(std::span<const T> values) {
@@ -106,7 +115,6 @@ class Array {
   }
 
  private:
-  std::int64_t grownCapacity(std::int64_t least) const { return std::max(least, capacity_ + capacity_ / 2); }
   void allocate(Device* device, std::int64_t capacity) {
     WEIR_CHECK(device != nullptr);
     device_ = device;

@@ -1,6 +1,8 @@
 // Counting sort of particles by grid cell: the order in which neighbours are found and memory is read.
 #pragma once
 
+#include <array>
+
 #include "framework/compute/parallel.h"
 
 namespace weir {
@@ -10,6 +12,16 @@ class CellSort {
  public:
   explicit CellSort(Device& device)
       : start_(device), cell_(device), rank_(device), provisional_(device), order_(device) {}
+
+  /// Room for so many particles and cells, so that sorts of no more allocate nothing. Loses the last order.
+  void reserve(std::int64_t particles, std::int64_t cells) {
+    for (Array<int>* array : perParticle()) array->reserveDiscarding(particles);
+    start_.reserveDiscarding(cells + 1);
+  }
+
+  /// Arrays of integers, one for each particle and one for each cell.
+  static constexpr int kPerParticle = 4;
+  std::int64_t cellRoom() const { return start_.capacity(); }
 
   /// Sorts `count` particles into `cells` cells by key(i) in [0, cells). A key of -1 (or any
   /// other outside the cells) drops the particle: it is put behind all the others, and *kept (device memory)
@@ -26,6 +38,8 @@ class CellSort {
   }  ///< order[k] = index before the sort of place k
 
  private:
+  std::array<Array<int>*, kPerParticle> perParticle() { return {&cell_, &rank_, &provisional_, &order_}; }
+
   Array<int> start_, cell_, rank_, provisional_, order_;
 };
 

@@ -89,7 +89,7 @@ void CellSort::sort(Backend& device, Count count, int cells, const Key& key, int
   WEIR_CHECK(cells >= 0);
   WEIR_CHECK(count.bound <= std::numeric_limits<int>::max());
   start_.resizeDiscarding(std::int64_t{cells} + 1);
-  for (Array<int>* array : {&cell_, &rank_, &provisional_, &order_}) array->resizeDiscarding(count.bound);
+  for (Array<int>* array : perParticle()) array->resizeDiscarding(count.bound);
 
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
   start_.fillZero();

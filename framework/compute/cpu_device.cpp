@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <string>
 
@@ -10,6 +10,7 @@
 #include "framework/base/error.h"
 #include "framework/compute/cpu_profiler.h"
 #include "framework/compute/cpu_threads.h"
+#include "framework/compute/host_memory.h"
 #include "framework/compute/memory_pool.h"
 
 namespace weir {
@@ -17,34 +18,12 @@ namespace {
 
 constexpr std::align_val_t kAlignment{256};  // bytes
 
-/// The value of a line "key : value" of a file in /proc, or "".
-std::string procValue(const char* file, std::string_view key) {
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    const std::size_t colon = line.find(':');
-    if (colon == std::string::npos || line.compare(0, key.size(), key) != 0) continue;
-    const std::size_t value = line.find_first_not_of(" \t", colon + 1);
-    return value == std::string::npos ? std::string() : line.substr(value);
-  }
-  return {};
-}
-
-/// A line of /proc/meminfo in bytes, 0 if it is not there.
-std::size_t memoryInfo(std::string_view key) {
-  return static_cast<std::size_t>(std::strtoull(procValue("/proc/meminfo", key).c_str(), nullptr, 10)) * 1024;
-}
-
-/// What the system can still give, 0 if it does not say.
-std::size_t availableMemory() {
-  return memoryInfo("MemAvailable") + memoryInfo("SwapFree");
-}
-
 void* allocateOnHost(std::size_t bytes) {
   // Linux promises memory that it does not have and kills the process when it is used. Asking first turns
   // that into an error for every block that is large enough to matter.
   constexpr std::size_t kLarge = std::size_t{64} << 20;
   if (bytes >= kLarge) {
-    const std::size_t available = availableMemory();
+    const std::size_t available = availableHostMemory();
     if (available > 0 && bytes > available) return nullptr;
   }
   return ::operator new(bytes, kAlignment, std::nothrow);
@@ -87,18 +66,18 @@ int CpuBackend::threads() const {
 }
 
 std::string CpuBackend::description() const {
-  const std::string model = procValue("/proc/cpuinfo", "model name");
-  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  const std::string model = valueInFile("/proc/cpuinfo", "model name");
+  constexpr double kGiB = 1024.0 * 1024.0;  // of KiB
   return fmt::format("{}, {} thread{}, {}, {:.0f} GiB", model.empty() ? "CPU" : model, threads(),
                      threads() == 1 ? "" : "s", cpuIsaName(isa()),
-                     static_cast<double>(memoryInfo("MemTotal")) / kGiB);
+                     std::strtod(valueInFile("/proc/meminfo", "MemTotal").c_str(), nullptr) / kGiB);
 }
 
 void* CpuBackend::allocate(std::size_t bytes) {
   void* memory = impl_->pool.allocate(bytes);
   if (memory == nullptr && bytes > 0) {
     throw simulationError(fmt::format("out of memory: {} were asked for, {} are free", describeBytes(bytes),
-                                      describeBytes(availableMemory())),
+                                      describeBytes(availableHostMemory())),
                           {}, "use fewer particles, which means a larger spacing");
   }
   return memory;
@@ -106,6 +85,12 @@ void* CpuBackend::allocate(std::size_t bytes) {
 
 void CpuBackend::release(void* memory, std::size_t bytes) noexcept {
   impl_->pool.release(memory, bytes);
+}
+
+std::size_t CpuBackend::availableMemory() const {
+  const std::size_t fromSystem = availableHostMemory();
+  const MemoryUse use = memoryUse();
+  return fromSystem > 0 ? fromSystem + (use.reserved - use.inUse) : 0;
 }
 
 MemoryUse CpuBackend::memoryUse() const {

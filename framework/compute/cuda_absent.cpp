@@ -32,6 +32,9 @@ void CudaDevice::release(void*, std::size_t) noexcept {}
 MemoryUse CudaDevice::memoryUse() const {
   unreachable();
 }
+std::size_t CudaDevice::availableMemory() const {
+  unreachable();
+}
 void CudaDevice::upload(void*, const void*, std::size_t) {
   unreachable();
 }

@@ -163,6 +163,13 @@ void CudaDevice::release(void* memory, std::size_t bytes) noexcept {
   impl_->pool.release(memory, bytes);
 }
 
+std::size_t CudaDevice::availableMemory() const {
+  if (impl_->makeCurrent() != cudaSuccess) static_cast<void>(cudaGetLastError());
+  const std::size_t free = freeMemory();
+  const MemoryUse use = memoryUse();
+  return free > 0 ? free + (use.reserved - use.inUse) : 0;
+}
+
 MemoryUse CudaDevice::memoryUse() const {
   return impl_->pool.use();
 }

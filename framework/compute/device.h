@@ -33,6 +33,7 @@ struct MemoryUse {
   std::size_t inUse = 0;          ///< held by live arrays
   std::size_t peak = 0;           ///< the largest inUse so far
   std::size_t reserved = 0;       ///< held by the pool, in use or not
+  std::size_t peakReserved = 0;   ///< the largest reserved so far
   std::uint64_t allocations = 0;  ///< requests that had to go to the system, not to the pool
 };
 
@@ -54,6 +55,8 @@ class Device {
   virtual void* allocate(std::size_t bytes) = 0;
   virtual void release(void* memory, std::size_t bytes) noexcept = 0;
   virtual MemoryUse memoryUse() const = 0;
+  /// Bytes that arrays can still get, from the system and of what the pool holds idle; 0 if nobody knows.
+  virtual std::size_t availableMemory() const = 0;
 
   // Copies are ordered with the kernels of this device. `download` waits for its result and is counted in
   // blockingReadbacks(), because a step of a simulation must not do that (see Readback in readback.h).
@@ -103,6 +106,7 @@ class CpuBackend : public Device {
   void* allocate(std::size_t bytes) override;
   void release(void* memory, std::size_t bytes) noexcept override;
   MemoryUse memoryUse() const override;
+  std::size_t availableMemory() const override;
   void upload(void* to, const void* fromHost, std::size_t bytes) override;
   void download(void* toHost, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
@@ -157,6 +161,7 @@ class CudaDevice final : public Device {
   void* allocate(std::size_t bytes) override;
   void release(void* memory, std::size_t bytes) noexcept override;
   MemoryUse memoryUse() const override;
+  std::size_t availableMemory() const override;
   void upload(void* to, const void* fromHost, std::size_t bytes) override;
   void download(void* toHost, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;

@@ -25,7 +25,9 @@ MemoryPool::~MemoryPool() {
 
 std::size_t MemoryPool::sizeClass(std::size_t bytes) {
   if (bytes > kLargest) return 0;
-  const std::size_t step = std::max(kAlignment, std::bit_ceil(bytes) / 16);
+  // Of particles by the million an eighth would be much.
+  constexpr std::size_t kLarge = std::size_t{1} << 20;
+  const std::size_t step = std::max(kAlignment, std::bit_ceil(bytes) / (bytes > kLarge ? 64 : 16));
   return (bytes + step - 1) / step * step;
 }
 
@@ -42,6 +44,7 @@ void* MemoryPool::allocate(std::size_t bytes) {
   } else {
     // Only here, so that a steady state never gives back what it will need again.
     if (requests_ > kKeepRequests) freeIdle(requests_ - kKeepRequests);
+    freeOutgrown(size);
     memory = systemAllocate_(size);
     if (memory == nullptr) {
       freeIdle(requests_ + 1);
@@ -50,6 +53,7 @@ void* MemoryPool::allocate(std::size_t bytes) {
     if (memory == nullptr) return nullptr;
     ++use_.allocations;
     use_.reserved += size;
+    use_.peakReserved = std::max(use_.peakReserved, use_.reserved);
   }
   use_.inUse += size;
   use_.peak = std::max(use_.peak, use_.inUse);
@@ -67,6 +71,18 @@ void MemoryPool::release(void* memory, std::size_t bytes) noexcept {
 MemoryUse MemoryPool::use() const {
   const std::lock_guard lock(mutex_);
   return use_;
+}
+
+void MemoryPool::freeOutgrown(std::size_t size) noexcept {
+  // What grows, grows from smaller blocks. The larger ones stay, so that requests of several sizes that come
+  // again and again do not drive one another out.
+  constexpr std::size_t kIdleShare = 16;
+  for (auto blocks = idle_.begin(); blocks != idle_.lower_bound(size); ++blocks)
+    while (!blocks->second.empty() && (use_.reserved - use_.inUse) > use_.inUse / kIdleShare) {
+      systemFree_(blocks->second.back().memory, blocks->first);
+      blocks->second.pop_back();
+      use_.reserved -= blocks->first;
+    }
 }
 
 void MemoryPool::freeIdle(std::uint64_t releasedBefore) noexcept {

@@ -30,8 +30,8 @@ class MemoryPool {
   void release(void* memory, std::size_t bytes) noexcept;
   MemoryUse use() const;
 
-  /// What a request really takes: multiples of 256 bytes in eight steps for every doubling, so that at most
-  /// an eighth is wasted. 0 if the number cannot be a size at all.
+  /// What a request really takes: multiples of 256 bytes, in eight steps for every doubling up to 1 MiB and
+  /// in 32 beyond, so that at most an eighth or a 32nd is wasted. 0 if the number cannot be a size at all.
   static std::size_t sizeClass(std::size_t bytes);
 
  private:
@@ -40,6 +40,8 @@ class MemoryPool {
     std::uint64_t since;  // number of the request before which it was released
   };
 
+  /// Gives back idle blocks below `size` as long as more than a sixteenth of what is in use is idle.
+  void freeOutgrown(std::size_t size) noexcept;
   void freeIdle(std::uint64_t releasedBefore) noexcept;
 
   Allocate systemAllocate_;

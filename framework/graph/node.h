@@ -26,6 +26,9 @@
 namespace weir {
 
 class Registry;
+class StateReader;
+class StateWriter;
+struct MemoryNeeds;
 
 /// What a node class says of itself.
 struct NodeInfo {
@@ -42,6 +45,7 @@ struct SetupContext {
   double dt = 0;           ///< longest step that the clock will make, s
   std::int64_t seed = 0;   ///< for random numbers
   bool stepsVary = false;  ///< whether nodes are asked for their longestStep()
+  double end = 0;          ///< when the run will end, s
 };
 
 /// One step from `time` to `time + dt`, in seconds.
@@ -82,6 +86,10 @@ class Node : public Configurable {
 
   /// Sends requests up its inputs. Runs before reset, from the last node to the first.
   virtual void configure(const SetupContext&) {}
+  /// Tells what the node will hold at most (see memory_estimate.h). Runs after configure, from the first node
+  /// to the last, and before anything is made; what later nodes have to know for that is to be put out here,
+  /// such as a mesh, and made again or kept for reset.
+  virtual void estimate(const SetupContext&, MemoryNeeds&) {}
   /// Puts the node into its state at time 0 and fills its outputs.
   virtual void reset(const SetupContext& context) = 0;
   /// How long the step that begins at `next.time` may be so that nothing of this node moves farther in it
@@ -97,6 +105,10 @@ class Node : public Configurable {
   virtual void frame(const StepContext&) {}
   /// May wait for the device: it is called between steps, once a run or when someone looks.
   virtual void report(NodeReport&) {}
+  /// What a checkpoint needs, at a frame, beside what reset() makes (see state.h). May wait for the device.
+  virtual void save(const StateWriter&) const {}
+  /// Takes that back; after reset().
+  virtual void restore(const StateReader&) {}
   /// Particles it holds, as far as the host knows without asking the device.
   virtual std::int64_t particleCount() const { return 0; }
 

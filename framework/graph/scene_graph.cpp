@@ -7,6 +7,7 @@
 
 #include "framework/base/text.h"
 #include "framework/compute/profiler.h"
+#include "framework/graph/state.h"
 
 namespace weir {
 
@@ -170,7 +171,7 @@ void SceneGraph::animate(double time) {
   }
 }
 
-void SceneGraph::reset(const SetupContext& context) {
+void SceneGraph::configure(const SetupContext& context) {
   validate();
   animate(0);
   order_ = order();
@@ -178,6 +179,35 @@ void SceneGraph::reset(const SetupContext& context) {
     for (OutputPort* output : node->outputs()) output->forgetRequests();
   for (auto node = order_.rbegin(); node != order_.rend(); ++node)
     call(**node, context.device, [&] { (*node)->configure(context); });
+}
+
+MemoryEstimate SceneGraph::estimate(const SetupContext& context) {
+  configure(context);
+  MemoryEstimate estimate;
+  for (Node* node : order_) {
+    MemoryNeeds needs;
+    call(*node, context.device, [&] { node->estimate(context, needs); });
+    if (needs.device > 0) estimate.add(node->name(), std::move(needs));
+  }
+  return estimate;
+}
+
+void SceneGraph::save(const StateWriter& to) const {
+  for (const Node* node : order_) node->save(to.in(node->name()));
+}
+
+void SceneGraph::restore(const StateReader& from) {
+  for (Node* node : order_) {
+    try {
+      node->restore(from.in(node->name()));
+    } catch (Error& e) {
+      throw e.inNode(node->name());
+    }
+  }
+}
+
+void SceneGraph::reset(const SetupContext& context) {
+  configure(context);
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
     call(*node, context.device, [&] { node->reset(context); });

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/node.h"
 
 namespace weir {
@@ -47,6 +48,12 @@ class SceneGraph {
   // The life of a simulation. Parameters that keyframes give take their values of the time first. An Error
   // that leaves these names the node.
   void reset(const SetupContext& context);  ///< configure from last to first, then reset from first to last
+  /// What a reset and a run will need; configures from last to first, and asks from first to last.
+  MemoryEstimate estimate(const SetupContext& context);
+  /// At a frame.
+  void save(const StateWriter& to) const;
+  /// After a reset of the same graph.
+  void restore(const StateReader& from);
   /// The least of all nodes' Node::longestStep; infinite if none asks for anything.
   double longestStep(const StepContext& next, double cfl);
   void step(const StepContext& context);
@@ -58,6 +65,7 @@ class SceneGraph {
 
  private:
   void animate(double time);
+  void configure(const SetupContext& context);
   template <class F>
   void call(Node& node, Device& device, F&& f);
 

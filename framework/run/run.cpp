@@ -26,7 +26,22 @@ namespace {
 
 void showFrame(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
   for (Observer* observer : observers) observer->frame(simulation);
+  if (options.checkpoints != nullptr && options.checkpoints->isDue(simulation))
+    options.checkpoints->write(simulation, observers);
   if (options.onProgress) options.onProgress(simulation);
+}
+
+bool hasState(const Observer& observer, const StateArrays& state) {
+  const std::string below = std::string(kOutputStates) + "/" + std::string(observer.stateName()) + "/";
+  const auto first = state.lower_bound(below);
+  return !observer.stateName().empty() && first != state.end() && first->first.starts_with(below);
+}
+
+void begin(Observer& observer, Simulation& simulation, const StateArrays* state) {
+  if (state != nullptr && hasState(observer, *state))
+    observer.resume(simulation, StateReader(*state).in(kOutputStates).in(observer.stateName()));
+  else
+    observer.begin(simulation);
 }
 
 RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
@@ -36,8 +51,13 @@ RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers
   const auto afterStep = [&] {
     if (options.onProgress) options.onProgress(simulation);
   };
-  simulation.reset();
-  showFrame(simulation, observers, options);
+  if (options.resume != nullptr) {
+    simulation.resume(StateReader(*options.resume), options.lastFrame);
+    if (options.onProgress) options.onProgress(simulation);
+  } else {
+    simulation.reset(options.lastFrame);
+    showFrame(simulation, observers, options);
+  }
   while (simulation.frame() < last) {
     if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
     showFrame(simulation, observers, options);
@@ -56,9 +76,10 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
   RunEnd end = RunEnd::kFailed;
   try {
     for (Observer* observer : observers) {
-      observer->begin(simulation);
+      begin(*observer, simulation, options.resume);
       begun.push_back(observer);
     }
+    if (options.checkpoints != nullptr) options.checkpoints->begin();
     end = runFrames(simulation, begun, options);
   } catch (...) {
     error = std::current_exception();

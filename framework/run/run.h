@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "framework/run/checkpoint.h"
 #include "framework/run/observer.h"
 
 namespace weir {
@@ -16,6 +17,10 @@ struct RunOptions {
   std::optional<std::int64_t> lastFrame;
   /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
   const std::atomic<bool>* stop = nullptr;
+  /// Null: no checkpoints are made.
+  Checkpoints* checkpoints = nullptr;
+  /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.
+  const StateArrays* resume = nullptr;
   /// Called at frame 0, after every step, and after every frame once the observers have seen it.
   std::function<void(const Simulation&)> onProgress;
 };

@@ -15,6 +15,16 @@ void SeriesOutput::frame(Simulation& simulation) {
   lines_ += writeJsonLine(frameStatistics(simulation));
 }
 
+void SeriesOutput::save(const StateWriter& to) {
+  to.put("lines", std::span<const char>(lines_));
+}
+
+void SeriesOutput::resume(Simulation& simulation, const StateReader& from) {
+  begin(simulation);
+  const std::vector<char> lines = from.getAll<char>("lines");
+  lines_.assign(lines.begin(), lines.end());
+}
+
 void SeriesOutput::end(Simulation&, RunEnd) {
   writeFileAtomically(file_, lines_);
 }

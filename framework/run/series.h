@@ -17,6 +17,9 @@ class SeriesOutput final : public Observer {
   void begin(Simulation& simulation) override;
   void frame(Simulation& simulation) override;
   void end(Simulation& simulation, RunEnd how) override;
+  std::string_view stateName() const override { return "series"; }
+  void save(const StateWriter& to) override;
+  void resume(Simulation& simulation, const StateReader& from) override;
 
  private:
   std::filesystem::path file_;

@@ -1,10 +1,14 @@
 #include "framework/run/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "framework/base/check.h"
+#include "framework/compute/host_memory.h"
 #include "framework/compute/profiler.h"
+#include "framework/graph/state.h"
+#include "framework/run/progress.h"
 
 namespace weir {
 
@@ -51,25 +55,76 @@ double Simulation::longestStep() const {
   return stepsVary() ? std::min(world.dt.get(), 1 / world.frameRate) : clock_.longestStep();
 }
 
-void Simulation::reset() {
+void Simulation::setUp(std::optional<std::int64_t> last) {
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
   time_ = 0;
   lengths_ = {};
   scene_->animate(0);
-  scene_->graph.reset({.device = device_,
-                       .log = log_,
-                       .registry = registry_,
-                       .gravity = scene_->world.gravity,
-                       .dt = longestStep(),
-                       .seed = scene_->world.seed,
-                       .stepsVary = stepsVary()});
+  const SetupContext context{
+      .device = device_,
+      .log = log_,
+      .registry = registry_,
+      .gravity = scene_->world.gravity,
+      .dt = longestStep(),
+      .seed = scene_->world.seed,
+      .stepsVary = stepsVary(),
+      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get()};
+  checkMemory(context);
+  scene_->graph.reset(context);
+}
+
+void Simulation::checkMemory(const SetupContext& context) {
+  const MemoryEstimate estimate = scene_->graph.estimate(context);
+  memoryNeeds_ = estimate.total();
+  const auto available = static_cast<double>(device_.availableMemory());
+  const std::string warning = estimate.check(available, device_.name());
+  if (!warning.empty()) log_.warn(warning);
+  if (memoryNeeds_.particles > 0)
+    log_.info("memory: up to " + shortBytes(memoryNeeds_.device) +
+              (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
+              groupedText(std::llround(memoryNeeds_.particles)) + " particles");
+  if (device_.kind() != DeviceKind::kCpu) estimate.checkHost(static_cast<double>(availableHostMemory()));
+}
+
+void Simulation::reset(std::optional<std::int64_t> last) {
+  setUp(last);
   fresh_ = false;
   refresh();
   device_.synchronize();
   device_.profiler().clear();  // what is profiled are the steps
   setupSeconds_ = secondsSinceReset();
   stepSeconds_ = 0;
+}
+
+void Simulation::save(const StateWriter& to) const {
+  WEIR_CHECK(atFrame());
+  const StateWriter clock = to.in("clock");
+  clock.put("frame", frame_);
+  clock.put("steps", stepsDone_);
+  clock.put("time", time_);
+  clock.put("step_lengths", lengths_);
+  clock.put("step_seconds", stepSeconds_);
+  clock.put("wall_seconds", secondsSinceReset());
+  scene_->graph.save(to.in("nodes"));
+}
+
+void Simulation::resume(const StateReader& from, std::optional<std::int64_t> last) {
+  setUp(last);
+  const StateReader clock = from.in("clock");
+  clock.get("frame", frame_);
+  clock.get("steps", stepsDone_);
+  clock.get("time", time_);
+  clock.get("step_lengths", lengths_);
+  scene_->graph.restore(from.in("nodes"));
+  fresh_ = true;  // as it was at the frame
+  device_.synchronize();
+  device_.profiler().clear();
+  setupSeconds_ = secondsSinceReset();
+  clock.get("step_seconds", stepSeconds_);
+  double before = 0;
+  clock.get("wall_seconds", before);
+  resetAt_ -= std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(before));
 }
 
 bool Simulation::stepIsLeft() const {

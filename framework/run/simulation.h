@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "framework/run/clock.h"
 #include "framework/scene/scene.h"
@@ -29,8 +30,17 @@ class Simulation {
   const Registry& registry() const { return registry_; }
   const Clock& clock() const { return clock_; }
 
-  void reset();  ///< to time 0, frame 0
-  void step();   ///< one step; there must be one left
+  /// To time 0, frame 0. `last` is the frame at which the run will end, if its duration does not end it
+  /// before. Throws a scene Error if what the scene needs until then does not fit into memory
+  /// (memory_estimate.h).
+  void reset(std::optional<std::int64_t> last = {});
+  /// What the last reset estimated.
+  const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }
+  /// All that the future depends on; to be called at a frame.
+  void save(const StateWriter& to) const;
+  /// In place of a reset: to the frame at which the same scene was saved.
+  void resume(const StateReader& from, std::optional<std::int64_t> last = {});
+  void step();  ///< one step; there must be one left
   /// Steps to the next frame. False if there is none, or if `stop` was set before it was reached; then it
   /// goes on from there when it is called again. `afterStep` is called after each step, if it is given.
   bool advanceFrame(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
@@ -69,6 +79,9 @@ class Simulation {
  private:
   using WallClock = std::chrono::steady_clock;
 
+  /// Makes all nodes anew, if there is memory for them.
+  void setUp(std::optional<std::int64_t> last);
+  void checkMemory(const SetupContext& context);
   /// The context of what comes next, with the world as it is then.
   StepContext stepContext();
   bool stepIsLeft() const;
@@ -85,6 +98,7 @@ class Simulation {
   std::int64_t frame_ = 0, stepInFrame_ = 0, stepsDone_ = 0;
   double time_ = 0;  // where steps vary
   StepLengths lengths_;
+  MemoryNeeds memoryNeeds_;
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
   WallClock::time_point resetAt_ = WallClock::now();
   double setupSeconds_ = 0, stepSeconds_ = 0;

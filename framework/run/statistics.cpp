@@ -79,8 +79,11 @@ Value memoryValue(const Simulation& simulation) {
   const MemoryUse use = simulation.device().memoryUse();
   Value v = Value::object();
   v["host_peak_bytes"] = integer(peakHostMemory());
+  v["device_estimated_bytes"] = integer(static_cast<std::uint64_t>(simulation.memoryNeeds().device));
   v["device_peak_bytes"] = integer(use.peak);
   v["device_reserved_bytes"] = integer(use.reserved);
+  v["device_reserved_peak_bytes"] = integer(use.peakReserved);
+  v["device_in_use_bytes"] = integer(use.inUse);
   v["device_allocations"] = integer(use.allocations);
   Value& nodes = v["device_bytes_of_nodes"] = Value::object();
   const SceneGraph& graph = simulation.scene().graph;

@@ -24,8 +24,10 @@ std::size_t peakHostMemory();
 ///   version, scene, title, end, device {name, back_end, description}, deterministic, particles, frames,
 ///   steps, simulated_seconds, dt (the longest allowed), time_step {shortest, mean, longest}, wall_seconds,
 ///   setup_seconds, stepping_seconds, step_ms {median, p95, mean, max}, modules_ms {"water/solver": {total,
-///   per_step, calls}}, memory {host_peak_bytes, device_peak_bytes, device_reserved_bytes,
-///   device_allocations}, blocking_readbacks, nodes {"water": {type, …what the node reports…}}, rare_events
+///   per_step, calls}}, memory {host_peak_bytes, device_estimated_bytes, device_peak_bytes,
+///   device_reserved_bytes, device_reserved_peak_bytes, device_in_use_bytes, device_allocations},
+///   blocking_readbacks, nodes
+///   {"water": {type, …what the node reports…}}, rare_events
 ///   [{node, what, count}].
 /// The node of a rare event of the time steps is "world". A node that cannot report, as the run failed in it,
 /// has "error" instead. Waits for the device.

@@ -19,6 +19,8 @@ class BoxMesh final : public Node {
   Output<TriangleMesh> surface{*this, "surface", "The surface of 12 triangles, facing outwards."};
 
   void validate() const override;
+  /// Makes the mesh, as others tell by it what they need.
+  void estimate(const SetupContext& context, MemoryNeeds&) override { reset(context); }
   void reset(const SetupContext& context) override;
 };
 

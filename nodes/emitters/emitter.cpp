@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "framework/base/random.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
+#include "framework/graph/state.h"
 #include "nodes/particles/flight.h"
 
 namespace weir {
@@ -49,6 +51,37 @@ void Emitter::warnOfSettings(const SetupContext& context) const {
                               width),
                   fmt::format("a spacing of at most {:.2g} m, or an area of at least {:.2g} m²",
                               std::sqrt(area()) / kLeastSpacings, std::pow(kLeastSpacings * spacing_, 2)));
+}
+
+void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {
+  const auto request = particles.requested();
+  if (!request) return;  // reset() says so
+  const double inLayer = layerSize(request->spacing);
+  const double begin = start, end = std::min(context.end, stop.get().value_or(context.end));
+  const double travel = end > begin ? double(speed.mean(begin, end)) * (end - begin) : 0;
+  const auto limited = [&](double layers) {
+    const double most = maxParticles.get() ? static_cast<double>(*maxParticles.get()) : inLayer * layers;
+    return std::min(inLayer * layers, most);
+  };
+  // One layer more than fit in, as the first leaves at once; another for rounding over the steps.
+  particles->most = travel > 0 ? limited(std::ceil(travel / request->spacing) + 1) : 0;
+  const double fastest = end > begin ? double(speed.most(begin, end)) : 0;
+  // Batches differ by a layer from step to step; arrays that grow are up to a quarter too long.
+  const double atOnce = limited(std::ceil(fastest * context.dt / request->spacing) + 1);
+  needs.add(bytesOfArrays(1.25 * atOnce, particles->positions, particles->velocities));
+  needs.add(bytesOfArrays(inLayer * layersMade(), points_, directions_));
+}
+
+void Emitter::save(const StateWriter& to) const {
+  to.put("travel", travel_);
+  to.put("layers", layers_);
+  to.put("emitted", emitted_);
+}
+
+void Emitter::restore(const StateReader& from) {
+  from.get("travel", travel_);
+  from.get("layers", layers_);
+  from.get("emitted", emitted_);
 }
 
 void Emitter::reset(const SetupContext& context) {

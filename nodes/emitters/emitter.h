@@ -44,11 +44,14 @@ class Emitter : public Node {
   Output<ParticleBatch> particles{*this, "particles", "The particles born in this step."};
 
   void validate() const override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) final;
   void reset(const SetupContext& context) final;
   /// That of the particles that leave in the step.
   double longestStep(const StepContext& next, double cfl) final;
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
+  void save(const StateWriter& to) const final;
+  void restore(const StateReader& from) final;
 
  protected:
   /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes(). Or
@@ -65,6 +68,8 @@ class Emitter : public Node {
   virtual double area() const = 0;  ///< that the flow leaves through, m²
   /// How many particles makeLayer() will give, so that far too many are refused first.
   virtual double layerSize(float spacing) const = 0;
+  /// How many layers makeLayer() will give.
+  virtual int layersMade() const { return 1; }
   virtual Layer makeLayer(const SetupContext& context, float spacing) const = 0;
   /// Asked in each step.
   virtual Frame axes() const { return {}; }

@@ -37,6 +37,7 @@ class NozzleEmitter : public Emitter {
     const Quatf q = rotation->toQuaternion();
     return {position, rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
   }
+  int layersMade() const final { return isRelaxed(arrangement, request()) ? kTileSide : 1; }
   /// Layers with particles at or near the nodes (x, 0, z) of a square lattice.
   Layer layersOf(const SetupContext& context, const std::vector<Vec3f>& nodes) const;
 };

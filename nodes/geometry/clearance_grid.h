@@ -59,6 +59,8 @@ class ClearanceGrid {
   ClearanceView view() const;
 
   static constexpr std::int64_t kMostCells = std::int64_t{1} << 23;
+  /// Bytes on the device: of the cells, and of the coarser ones while they are filled.
+  static constexpr double kMostMemory = kMostCells * (1 + 5 * sizeof(float) / 32.0);
 
  private:
   template <class Backend>

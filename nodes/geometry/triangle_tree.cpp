@@ -1,5 +1,7 @@
 #include "nodes/geometry/triangle_tree.h"
 
+#include "framework/graph/memory_estimate.h"
+
 namespace weir {
 
 TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
@@ -26,6 +28,14 @@ TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
   triangles_ = Array<detail::TreeTriangle>(device, triangles);
   normals_ = Array<PseudoNormals>(device, normals);
   indices_ = Array<int>(device, tree.order);
+}
+
+double TriangleTree::mostMemory(std::size_t triangles) {
+  // A leaf holds one triangle or more, and a tree of n leaves has 2·n − 1 nodes.
+  const auto count = static_cast<double>(triangles);
+  return bytesOfArray(2 * count, sizeof(detail::TreeNode)) +
+         bytesOfArray(count, sizeof(detail::TreeTriangle)) + bytesOfArray(count, sizeof(PseudoNormals)) +
+         bytesOfArray(count, sizeof(int));
 }
 
 TriangleTreeView TriangleTree::view() const {

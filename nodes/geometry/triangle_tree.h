@@ -69,6 +69,8 @@ class TriangleTree {
   TriangleTree(Device& device, const TriangleMesh& mesh);
 
   TriangleTreeView view() const;
+  /// Bytes on the device that a tree of so many triangles takes at most.
+  static double mostMemory(std::size_t triangles);
 
  private:
   Array<detail::TreeNode> nodes_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "framework/base/text.h"
 #include "framework/graph/registry.h"
@@ -88,7 +89,12 @@ void MeshFile::place(TriangleMesh& mesh) const {
                      "a smaller unit, or a fit_size");
 }
 
-void MeshFile::reset(const SetupContext& context) {
+void MeshFile::estimate(const SetupContext& context, MemoryNeeds&) {
+  load(context);
+  loaded_ = true;
+}
+
+void MeshFile::load(const SetupContext& context) {
   const TriangleMesh raw = read(context.registry);
   *surface = cleaned(raw);
   if (surface->empty())
@@ -98,6 +104,10 @@ void MeshFile::reset(const SetupContext& context) {
                     "a file with triangles or polygons");
   if (flip) surface->flip();
   place(*surface);
+}
+
+void MeshFile::reset(const SetupContext& context) {
+  if (!std::exchange(loaded_, false)) load(context);
   const MeshDiagnosis diagnosis = diagnose(*surface);
   if (!diagnosis.good())
     context.log.warn(fmt::format("node '{}': the mesh of {} triangles in {} has {}{}", name(),

@@ -57,12 +57,17 @@ class MeshFile final : public Node {
   Output<TriangleMesh> surface{*this, "surface", "The mesh, welded and without degenerate triangles."};
 
   void validate() const override;
+  /// Reads the mesh, as others tell by it what they need.
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
 
  private:
+  void load(const SetupContext& context);
   TriangleMesh read(const Registry& registry) const;
   void place(TriangleMesh& mesh) const;
   Error fileError(std::string message, std::string allowed = {}, std::string hint = {}) const;
+
+  bool loaded_ = false;  // by estimate(), for reset()
 };
 
 }  // namespace weir

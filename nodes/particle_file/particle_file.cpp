@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "framework/base/text.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/registry.h"
 #include "nodes/particle_file/csv_reader.h"
 #include "nodes/particle_file/ply_reader.h"
@@ -55,8 +57,15 @@ ParticleData ParticleFile::read(const Registry& registry) const {
       .inParameter(file.name());
 }
 
+void ParticleFile::estimate(const SetupContext& context, MemoryNeeds& needs) {
+  read_ = read(context.registry);
+  particles->most = static_cast<double>(read_->positions.size());
+  needs.add(bytesOfArrays(particles->most, particles->positions, particles->velocities));
+  needs.host = 2 * sizeof(Vec3f) * particles->most;
+}
+
 void ParticleFile::reset(const SetupContext& context) {
-  ParticleData data = read(context.registry);
+  ParticleData data = read_ ? *std::exchange(read_, std::nullopt) : read(context.registry);
   WEIR_CHECK(data.positions.size() == data.velocities.size());
   moveTo(position, rotation->toQuaternion(), scale, data);
   if (const auto row = firstNotFinite(data))

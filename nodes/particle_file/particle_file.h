@@ -33,6 +33,7 @@ class ParticleFile final : public Node {
                                   "its first step."};
 
   void validate() const override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   void step(const StepContext& context) override;
   void report(NodeReport& report) override;
@@ -40,6 +41,7 @@ class ParticleFile final : public Node {
  private:
   ParticleData read(const Registry& registry) const;
 
+  std::optional<ParticleData> read_;  // by estimate(), for reset()
   std::int64_t count_ = 0;
 };
 

@@ -12,8 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
+#include "framework/graph/state.h"
 #include "nodes/particle_fluid/fluid_constants.h"
 #include "nodes/particles/neighbor_list.h"
 #include "nodes/particles/particle_set.h"
@@ -49,6 +51,12 @@ struct FluidOutlook {
   void warn(const Module& module, const std::string& found, const std::string& better) const;
 };
 
+/// What arrays will have to hold.
+struct FluidRoom {
+  double particles = 0;
+  int solids = 0;  ///< that the fluid meets
+};
+
 class FluidModule : public Module {
  public:
   static constexpr std::string_view kFamily = "FluidModule";
@@ -59,6 +67,11 @@ class FluidModule : public Module {
   /// after reset, of modules that are enabled.
   virtual void warn(const FluidOutlook&) const {}
   virtual void step(FluidStep& fluid) = 0;
+  /// Bytes that it will hold on the device, with its attributes of the particles (see memory_estimate.h).
+  virtual double memory(const FluidRoom&) const { return 0; }
+  /// As those of a node; what is an attribute of the particles is saved with them.
+  virtual void save(const StateWriter&) const {}
+  virtual void restore(const StateReader&) {}
   virtual void report(NodeReport&) {}
 };
 

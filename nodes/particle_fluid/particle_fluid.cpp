@@ -54,6 +54,63 @@ void ParticleFluid::configure(const SetupContext&) {
   sinks.request({spacing});
 }
 
+double ParticleFluid::memoryFor(Device& device, double particles) const {
+  FluidRoom room{.particles = particles};
+  for (const Fluid::Request& request : fluid.requests()) room.solids += request.solids;
+  NeighborList lists(device);
+  lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
+  double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
+                 WallField(device).memoryFor(particles, room.solids) +
+                 ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);  // the density
+  pipeline_.forEachEnabled([&](const FluidModule& module) { bytes += module.memory(room); });
+  return bytes;
+}
+
+void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
+  double atFirst = 0, born = 0;
+  for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].most;
+  for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
+  most_ = atFirst + born;
+  // What is proportional to their number is so to 1/spacing³.
+  needs.remedy = [d = double(spacing)](double share) {
+    const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
+    return fmt::format("a spacing of at least {:.3g} m", std::ceil(fitting / digit) * digit);
+  };
+  constexpr double kMost = std::numeric_limits<int>::max();
+  if (!(most_ <= kMost))
+    throw sceneError(
+        fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
+        fmt::format("at most {:.0f}", kMost), needs.remedy(kMost / most_));
+  needs.particles = most_;
+  needs.device = memoryFor(context.device, most_);
+  const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
+  needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
+}
+
+void ParticleFluid::save(const StateWriter& to) const {
+  const State& state = *state_;
+  state.particles.save(to.in("particles"));
+  state.neighbors.save(to.in("neighbors"));
+  to.put("rest_steps", state.restSteps);
+  for (const auto& module : pipeline_.modules())
+    static_cast<const FluidModule&>(*module).save(to.in("modules").in(module->name()));
+}
+
+void ParticleFluid::restore(const StateReader& from) {
+  State& state = *state_;
+  state.restDt.reset();
+  state.particles.restore(from.in("particles"));
+  state.neighbors.restore(from.in("neighbors"));
+  if (state.particles.bound() > 0) {
+    // The order is that of this grid already, so only the lists are new; what they count has been counted.
+    state.neighbors.build(state.particles, domain(), state.sinks.view());
+    state.neighbors.restore(from.in("neighbors"));
+  }
+  from.get("rest_steps", state.restSteps);
+  for (const auto& module : pipeline_.modules())
+    static_cast<FluidModule&>(*module).restore(from.in("modules").in(module->name()));
+}
+
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
   const float stiffened = mu.get() ? 1 : static_cast<float>(stiffening(supportRatio, calibration.get()));
@@ -72,6 +129,7 @@ void ParticleFluid::reset(const SetupContext& context) {
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
+  if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
   *fluid = {&state.particles, &constants_, &state.walls.solids};
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);

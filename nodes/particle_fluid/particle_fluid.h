@@ -15,6 +15,11 @@ namespace weir {
 /// What travels from a fluid to renderers, exporters and couplings.
 struct Fluid {
   static constexpr std::string_view kPortType = "Fluid";
+  /// Of a coupling: how many solids it will add.
+  struct Request {
+    int solids = 0;
+    friend bool operator==(const Request&, const Request&) = default;
+  };
   ParticleSet* particles = nullptr;
   const FluidConstants* constants = nullptr;
   std::vector<Solid*>* solids = nullptr;  ///< that it meets; couplings add to them in reset()
@@ -93,11 +98,14 @@ class ParticleFluid final : public Node {
   PipelineBase* pipeline() override { return &pipeline_; }
   void validate() const override;
   void configure(const SetupContext& context) override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   double longestStep(const StepContext& next, double cfl) override;
   void step(const StepContext& context) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
   std::int64_t particleCount() const override { return state_ ? state_->particles.bound() : 0; }
 
  private:
@@ -128,6 +136,7 @@ class ParticleFluid final : public Node {
     std::optional<double> restDt;  // s, of those steps; empty once they are taken
   };
 
+  double memoryFor(Device& device, double particles) const;
   FluidStep fluidStep(const StepContext& time);
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.
@@ -150,6 +159,7 @@ class ParticleFluid final : public Node {
 
   Pipeline<FluidModule> pipeline_;
   FluidConstants constants_;
+  double most_ = 0;  // particles, as estimated; 0 if nobody asked
   std::optional<State> state_;
 };
 

@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/wall_field.h"
 
+#include "framework/graph/memory_estimate.h"
+
 namespace weir {
 
 void WallField::place(double time, double dt) {
@@ -21,6 +23,14 @@ void WallField::fit(ParticleSet& particles) {
   kick.resizeDiscarding(stride);
   share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
                                  "Displacement by solids in the last step, over the gradient of Φ."});
+}
+
+double WallField::memoryFor(double particles, int solidCount) const {
+  if (solidCount == 0) return 0;
+  return bytesOfArrays(particles * solidCount, each, sides) +
+         (solidCount > 1 ? bytesOfArrays(particles, total) : 0) +
+         bytesOfArrays(particles, d, legal, marks, near, met, kick) +
+         ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat);  // the share
 }
 
 }  // namespace weir

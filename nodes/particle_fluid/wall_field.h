@@ -97,6 +97,8 @@ struct WallField {
   }
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);
+  /// Bytes that this takes on the device, with so many solids.
+  double memoryFor(double particles, int solidCount) const;
 
  private:
   std::vector<SolidView> placed_;  // what `views` holds

@@ -10,10 +10,10 @@ bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Requ
 }
 
 RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device) {
-  constexpr int kSide = 12, kSweeps = 200;
+  constexpr int kSweeps = 200;
   const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
   CpuThreads threads(cpu ? cpu->threads() : 0);
-  return {request.supportRatio, kSide, kSweeps, seed, threads};
+  return {request.supportRatio, kTileSide, kSweeps, seed, threads};
 }
 
 }  // namespace weir

@@ -23,6 +23,9 @@ struct EnumNames<Arrangement> {
 /// Whether a source shall use a tile: as it is told, or else as its fluid's rest state is.
 bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Request& request);
 
+/// Particles along the tile of sources.
+inline constexpr int kTileSide = 12;
+
 /// The tile of sources: small and quickly made, as more of either changes nothing that can be seen.
 RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device);
 

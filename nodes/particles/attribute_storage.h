@@ -35,13 +35,16 @@ class AttributeStorage {
   virtual ~AttributeStorage() = default;
 
   const AttributeInfo& info() const { return info_; }
-  virtual void resize(std::int64_t size) = 0;
+  /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived.
+  virtual void grow(std::int64_t size) = 0;
   /// The present elements and room for them in another order, which finishPermutation() makes the present
   /// one.
   virtual PermutedColumn beginPermutation() = 0;
   virtual void finishPermutation() = 0;
   /// Sets `amount` elements behind the first `*count` ones to zero.
   virtual void zeroBehind(Device& device, const int* count, std::int64_t amount) = 0;
+  virtual void save(const StateWriter& to, std::int64_t count) const = 0;
+  virtual void restore(const StateReader& from) = 0;
 
  private:
   AttributeInfo info_;
@@ -53,7 +56,18 @@ class TypedStorage final : public AttributeStorage {
   TypedStorage(AttributeInfo info, Device& device)
       : AttributeStorage(std::move(info)), values(device), spare_(device) {}
 
-  void resize(std::int64_t size) override { values.resize(size); }
+  void grow(std::int64_t size) override {
+    // What is given back here makes room for the copy: old and new elements together are no more than the new
+    // ones and their spare will be.
+    spare_ = Array<T>(values.device());
+    if (info().derived) {
+      values.resizeDiscarding(size);
+      values.fillZero();
+    } else {
+      values.reserve(size);
+      values.resize(size);
+    }
+  }
   PermutedColumn beginPermutation() override {
     static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
     spare_.resizeDiscarding(values.size());
@@ -64,6 +78,9 @@ class TypedStorage final : public AttributeStorage {
   void zeroBehind(Device& device, const int* count, std::int64_t amount) override {
     dispatch(device, [&](auto& backend) { zeroBehindOn(backend, count, amount); });
   }
+
+  void save(const StateWriter& to, std::int64_t count) const override { to.put(info().name, values, count); }
+  void restore(const StateReader& from) override { from.get(info().name, values); }
 
   Array<T> values;
 

@@ -1,12 +1,23 @@
 #include "nodes/particles/neighbor_list.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "framework/graph/memory_estimate.h"
 #include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
 static_assert(sizeof(NeighborEvents) == 3 * sizeof(int));
+
+namespace {
+
+// About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
+constexpr std::int64_t kCellsPerParticle = 4;
+constexpr std::int64_t kFewestCells = 1 << 12;
+constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
+
+}  // namespace
 
 NeighborList::NeighborList(Device& device)
     : shift_(device.kind() == DeviceKind::kCuda ? 5 : 0),
@@ -31,10 +42,6 @@ void NeighborList::configure(float radius, int capacity) {
 
 void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
   box_ = box;
-  // About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
-  constexpr std::int64_t kCellsPerParticle = 4;
-  constexpr std::int64_t kFewestCells = 1 << 12;
-  constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
   // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
   // different places that share storage do not hold many particles.
   constexpr std::int64_t kParticlesPerCell = 4;
@@ -45,7 +52,46 @@ void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
 
 void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
   if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
+  makeRoom(particles.capacity());
   dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain, sinks); });
+}
+
+void NeighborList::makeRoom(std::int64_t particles) {
+  const std::int64_t cells = grid_.cellCount();
+  // Grids follow the fluid from frame to frame, so a little more lasts longer.
+  sort_.reserve(particles, cells < sort_.cellRoom() ? 0 : grownSize(sort_.cellRoom(), cells));
+  const std::int64_t lists = paddedLists(particles);
+  counts_.reserveDiscarding(lists);
+  entries_.reserveDiscarding(lists * room_);
+}
+
+double NeighborList::memoryFor(double particles) const {
+  // Up to a quarter more than the cells of a grid, see makeRoom().
+  const double cells =
+      grownSize(static_cast<std::int64_t>(
+                    std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells))),
+                0);
+  const double lanes = std::int64_t{1} << shift_, lists = std::ceil(particles / lanes) * lanes;
+  double bytes =
+      CellSort::kPerParticle * bytesOfArray(particles, sizeof(int)) + bytesOfArray(cells, sizeof(int));
+  bytes += bytesOfArrays(lists, counts_) + bytesOfArrays(lists * room_, entries_);
+  // The columns of coordinates that the CPU reads, with what is behind their ends.
+  if (shift_ == 0) bytes += bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
+  return bytes;
+}
+
+void NeighborList::save(const StateWriter& to) const {
+  to.put("grid", grid_);
+  to.put("box", box_);
+  to.put("fitted_for", fittedFor_);
+  to.put("events", events_, events_.size());
+}
+
+void NeighborList::restore(const StateReader& from) {
+  from.get("grid", grid_);
+  from.get("box", box_);
+  from.get("fitted_for", fittedFor_);
+  from.get("events", events_);
 }
 
 NeighborView NeighborList::view() const {

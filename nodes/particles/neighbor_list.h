@@ -96,6 +96,13 @@ class NeighborList {
   /// reciprocal unless truncated.
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
+  /// Bytes on the device that lists and sorting take, in the largest grid; after configure().
+  double memoryFor(double particles) const;
+
+  /// The shape of the grid, which decides the particles' order, and the events.
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
+
   NeighborView view() const;
   /// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of
   /// the spiky kernel over its value at 0, as a by-product.
@@ -107,6 +114,13 @@ class NeighborList {
   std::vector<int> countsOnHost(std::int64_t particles) const { return counts_.toHost(particles); }
 
  private:
+  /// All that lists of so many particles need, each array alone and without what it held before.
+  void makeRoom(std::int64_t particles);
+  /// Lists are interleaved in whole groups.
+  std::int64_t paddedLists(std::int64_t particles) const {
+    const std::int64_t lanes = std::int64_t{1} << shift_;
+    return (particles + lanes - 1) / lanes * lanes;
+  }
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>

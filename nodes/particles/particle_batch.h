@@ -41,6 +41,8 @@ struct ParticleBatch {
   std::int64_t count = 0;
   Array<Vec3f> positions;   ///< m
   Array<Vec3f> velocities;  ///< m/s
+  /// How many particles come this way in the whole run at most; told before there are any.
+  double most = 0;
 
   /// Where the fluid may rest until the simulation starts, as RestState makes it; nowhere if it is null.
   std::shared_ptr<const Boundary> container;

@@ -1,8 +1,10 @@
 #include "nodes/particles/particle_set.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "framework/base/error.h"
+#include "framework/graph/memory_estimate.h"
 #include "nodes/particles/attribute_storage.h"
 
 namespace weir {
@@ -21,6 +23,19 @@ ParticleSet::ParticleSet(Device& device) : device_(&device), counter_(device) {
 ParticleSet::~ParticleSet() = default;
 ParticleSet::ParticleSet(ParticleSet&&) noexcept = default;
 ParticleSet& ParticleSet::operator=(ParticleSet&&) noexcept = default;
+
+double ParticleSet::memoryOfAttribute(double particles, AttributeType type, bool derived) {
+  const std::size_t size = type == AttributeType::kVec3  ? sizeof(Vec3f)
+                           : type == AttributeType::kInt ? sizeof(int)
+                                                         : sizeof(float);
+  // What is derived has no spare (see AttributeStorage).
+  return (derived ? 1 : 2) * bytesOfArray(particles, size);
+}
+
+double ParticleSet::memoryFor(double particles) {
+  return 2 * memoryOfAttribute(particles, AttributeType::kVec3) +
+         memoryOfAttribute(particles, AttributeType::kInt);
+}
 
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
   for (const auto& storage : storages_)
@@ -51,7 +66,7 @@ Array<T>& ParticleSet::add(const AttributeInfo& info) {
   AttributeInfo typedInfo = info;
   typedInfo.type = detail::attributeTypeOf<T>();
   auto added = std::make_unique<TypedStorage<T>>(typedInfo, *device_);
-  added->resize(positions_ != nullptr ? positions_->size() : 0);
+  added->values.resizeDiscarding(capacity());
   added->values.fillZero();
   Array<T>& values = added->values;
   storages_.push_back(std::move(added));
@@ -85,8 +100,14 @@ std::int64_t ParticleSet::refreshCount() {
   return bound_;
 }
 
-void ParticleSet::reserve(std::int64_t capacity) {
-  for (const auto& storage : storages_) storage->resize(std::max(capacity, positions_->size()));
+void ParticleSet::makeRoom(std::int64_t particles) {
+  if (particles <= capacity()) return;
+  constexpr std::int64_t kLeastGrowth = 4096;
+  const std::int64_t present = capacity();
+  const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);
+  const std::int64_t room = std::max(particles, std::min(grown, most_));
+  // One after another, so that never more than one of them is there twice.
+  for (const auto& storage : storages_) storage->grow(room);
 }
 
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
@@ -95,7 +116,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
       nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
   const std::int64_t need = bound_ + batch.count;
-  if (need > positions_->size()) reserve(std::max(need, positions_->capacity()));
+  makeRoom(need);
   for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
   dispatch(*device_, [&](auto& device) { appendOn(device, batch, selected); });
   bound_ = need;
@@ -110,6 +131,21 @@ void ParticleSet::clear() {
   counter_.fillZero();
   bound_ = 0;
   nextId_ = 0;
+}
+
+void ParticleSet::save(const StateWriter& to) const {
+  to.put("count", bound_);
+  to.put("next_id", nextId_);
+  for (const auto& storage : storages_) storage->save(to, bound_);
+}
+
+void ParticleSet::restore(const StateReader& from) {
+  from.get("count", bound_);
+  from.get("next_id", nextId_);
+  makeRoom(bound_);
+  const int count = static_cast<int>(bound_);
+  device_->upload(counter_.data(), &count, sizeof(int));
+  for (const auto& storage : storages_) storage->restore(from);
 }
 
 }  // namespace weir

@@ -4,12 +4,14 @@
 // permuted, carried and shown like the built-in ones: position [m], velocity [m/s] and id.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "framework/compute/parallel.h"
+#include "framework/graph/state.h"
 #include "nodes/particles/particle_batch.h"
 
 namespace weir {
@@ -44,6 +46,11 @@ class ParticleSet {
 
   Device& device() const { return *device_; }
 
+  /// Bytes on the device, with what is needed to put particles into another order: of an attribute, and of
+  /// those that every set has.
+  static double memoryOfAttribute(double particles, AttributeType type, bool derived = false);
+  static double memoryFor(double particles);
+
   /// Adds an attribute with value 0 for all particles, now and when they are born; or finds the one of that
   /// name, which must have the same type (a scene Error otherwise). T is float, Vec3f or int. The reference
   /// lives as long as the set.
@@ -72,6 +79,11 @@ class ParticleSet {
   /// Fetches the exact number; waits for the device.
   std::int64_t refreshCount();
 
+  /// How many particles there is room for: the size of every attribute's array.
+  std::int64_t capacity() const { return positions_ != nullptr ? positions_->size() : 0; }
+  /// There will be no more particles than this, so no room is made for more as long as that holds.
+  void expectAtMost(std::int64_t particles) { most_ = particles; }
+
   /// Adds the particles of a batch behind the others; their ids go on from the last one given.
   void append(const ParticleBatch& batch) { append(batch, {}); }
   /// Only those that are selected. Ids are given to all. The host counts all until the next refreshCount().
@@ -81,12 +93,16 @@ class ParticleSet {
   void permute(ArrayView<const int> order);
   void clear();
 
+  /// All particles in their order, with all attributes that the set has at the time.
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
+
  private:
   template <class Backend>
   void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
-  void reserve(std::int64_t capacity);
+  void makeRoom(std::int64_t particles);
   detail::AttributeStorage* storage(std::string_view name) const;
 
   Device* device_;
@@ -97,6 +113,7 @@ class ParticleSet {
   Array<int> counter_;
   std::int64_t bound_ = 0;
   std::int64_t nextId_ = 0;
+  std::int64_t most_ = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace weir

@@ -16,6 +16,10 @@ void BoxSampler::validate() const {
           .inParameter(min.name());
 }
 
+double BoxSampler::mostParticles() const {
+  return static_cast<double>(Lattice::inBox({min, max}, requestedSpacing()).size());
+}
+
 void BoxSampler::reset(const SetupContext& context) {
   const float spacing = requestedSpacing();
   const Vec3f lo = min, hi = max;

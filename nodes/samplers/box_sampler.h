@@ -18,6 +18,9 @@ class BoxSampler final : public Sampler {
 
   void validate() const override;
   void reset(const SetupContext& context) override;
+
+ protected:
+  double mostParticles() const override;
 };
 
 }  // namespace weir

@@ -9,6 +9,22 @@
 
 namespace weir {
 
+double MeshSampler::mostParticles() const {
+  const TriangleMesh& mesh = *surface;
+  const Aabb box = mesh.bounds();
+  if (mesh.empty() || !isFinite(box.lo) || !isFinite(box.hi)) return 0;  // reset() says so
+  const double spacing = requestedSpacing();
+  const double nodes = static_cast<double>(Lattice::inBox(box, requestedSpacing()).size());
+  if (!diagnose(mesh).closed()) return nodes;
+  // The cells around the nodes reach less than a spacing beyond the surface.
+  const double volume = std::abs(mesh.volume()) + mesh.area() * spacing;
+  return std::min(nodes, std::ceil(volume / (spacing * spacing * spacing)));
+}
+
+double MeshSampler::regionMemory() const {
+  return MeshSdf::mostMemory(*surface, sdfCell(requestedSpacing()), sdfBand(requestedSpacing()));
+}
+
 void MeshSampler::reset(const SetupContext& context) {
   const float spacing = requestedSpacing();
   const TriangleMesh& mesh = *surface;
@@ -38,9 +54,8 @@ void MeshSampler::reset(const SetupContext& context) {
 Sampler::Region MeshSampler::regionOf(const SetupContext& context, const TriangleMesh& mesh,
                                       float spacing) const {
   std::vector<std::string> known;  // reset() has said what is wrong with the mesh
-  const float contact = margin + 0.5f * spacing;
-  auto sdf =
-      std::make_shared<const MeshSdf>(context.device, mesh, 0.5f * spacing, contact + 2 * spacing, known);
+  const float contact = contactAt(spacing);
+  auto sdf = std::make_shared<const MeshSdf>(context.device, mesh, sdfCell(spacing), sdfBand(spacing), known);
   auto outside = std::make_shared<Boundary>();
   BoundaryPiece piece;
   piece.isMesh = true;

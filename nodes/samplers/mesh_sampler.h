@@ -18,7 +18,15 @@ class MeshSampler final : public Sampler {
 
   void reset(const SetupContext& context) override;
 
+ protected:
+  double mostParticles() const override;
+  double regionMemory() const override;
+
  private:
+  float contactAt(float spacing) const { return margin + 0.5f * spacing; }
+  // Of the region's distances, in m.
+  float sdfCell(float spacing) const { return 0.5f * spacing; }
+  float sdfBand(float spacing) const { return contactAt(spacing) + 2 * spacing; }
   Region regionOf(const SetupContext& context, const TriangleMesh& mesh, float spacing) const;
 };
 

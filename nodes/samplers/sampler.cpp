@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "framework/base/random.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 
 namespace weir {
@@ -75,6 +76,14 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
                 fmt::format("the region is {:.3g} spacings thick, so the fluid in it is not resolved",
                             thickness / spacing),
                 fmt::format("a spacing of at most {:.2g} m", thickness / kLeastSpacings));
+}
+
+void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
+  particles->most = mostParticles();
+  needs.add(bytesOfArrays(particles->most, particles->positions, particles->velocities));
+  if (relaxed()) needs.add(regionMemory());
+  // sampleLattice() holds all points twice for a moment, or once beside the velocities.
+  needs.host = 2 * sizeof(Vec3f) * particles->most;
 }
 
 void Sampler::step(const StepContext& context) {

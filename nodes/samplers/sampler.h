@@ -39,6 +39,7 @@ class Sampler : public Node {
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};
 
+  void estimate(const SetupContext& context, MemoryNeeds& needs) final;
   /// Those who read the particles have done so in reset() or in the first step.
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
@@ -50,6 +51,10 @@ class Sampler : public Node {
     float contact = 0;  // m
   };
 
+  /// How many particles fill() will make at most, for the spacing that the fluid asks for.
+  virtual double mostParticles() const = 0;
+  /// Bytes on the device of what a relaxed arrangement takes beside its particles.
+  virtual double regionMemory() const { return 0; }
   /// What the fluid below asks for; throws a scene Error if there is none.
   float requestedSpacing() const;
   bool relaxed() const;

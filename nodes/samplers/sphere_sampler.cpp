@@ -5,6 +5,15 @@
 
 namespace weir {
 
+double SphereSampler::mostParticles() const {
+  const double spacing = requestedSpacing(), reach = radius + jitter * spacing;
+  const double nodes =
+      static_cast<double>(Lattice::around(center, static_cast<float>(reach), requestedSpacing()).size());
+  // The cells around the nodes are in a ball that is half their diagonal larger.
+  const double ball = reach / spacing + 0.5 * std::numbers::sqrt3;
+  return std::min(nodes, std::floor(4 * std::numbers::pi / 3 * ball * ball * ball));
+}
+
 void SphereSampler::reset(const SetupContext& context) {
   const float spacing = requestedSpacing();
   // A jittered particle of the next layer may be inside.

@@ -20,6 +20,9 @@ class SphereSampler final : public Sampler {
       {.unit = "m", .min = 0, .aboveMin = true, .doc = "No particle is farther from the centre."}};
 
   void reset(const SetupContext& context) override;
+
+ protected:
+  double mostParticles() const override;
 };
 
 }  // namespace weir

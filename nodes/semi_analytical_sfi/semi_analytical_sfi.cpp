@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "framework/graph/memory_estimate.h"
+#include "framework/graph/state.h"
 #include "nodes/geometry/simplified_mesh.h"
 #include "nodes/particles/flight.h"
 
@@ -95,6 +97,37 @@ TriangleMesh SemiAnalyticalSFI::simplifiedMesh(const TriangleMesh& mesh, const s
     log.info(fmt::format("node '{}': {} of the {} triangles from '{}' do, off by at most {:.2g} m", name(),
                          coarse.mesh.triangles.size(), mesh.triangles.size(), from, coarse.deviation));
   return std::move(coarse.mesh);
+}
+
+void SemiAnalyticalSFI::configure(const SetupContext&) {
+  fluid.request({static_cast<int>(solids.size())});
+}
+
+void SemiAnalyticalSFI::estimate(const SetupContext&, MemoryNeeds& needs) {
+  // Simplifying makes meshes smaller than they are here.
+  for (std::size_t k = 0; k < solids.size(); ++k) needs.add(Solid::mostMemory(solids[k]));
+}
+
+void SemiAnalyticalSFI::save(const StateWriter& to) const {
+  to.put("carved", carved_);
+  to.put("last_frame", lastFrame_);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const StateWriter part = to.in(std::to_string(k));
+    parts_[k]->save(part);
+    part.put("force", forces->solids[k].force);
+    part.put("torque", forces->solids[k].torque);
+  }
+}
+
+void SemiAnalyticalSFI::restore(const StateReader& from) {
+  from.get("carved", carved_);
+  from.get("last_frame", lastFrame_);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const StateReader part = from.in(std::to_string(k));
+    parts_[k]->restore(part);
+    part.get("force", forces->solids[k].force);
+    part.get("torque", forces->solids[k].torque);
+  }
 }
 
 void SemiAnalyticalSFI::reset(const SetupContext& context) {

@@ -96,11 +96,15 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   Inputs<TriangleMesh> solids{*this, "solids", "The solids' surfaces, in their places at time 0.", true};
   Output<SolidForces> forces{*this, "forces", "What the fluids do to the solids."};
 
+  void configure(const SetupContext& context) override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   /// Until no point of the solids moved farther than cfl times the smallest spacing of the fluids.
   double longestStep(const StepContext& next, double cfl) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
 
   Pose poseAt(double time) const override;
   Vec3f pivotAt(double time) const override;

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "framework/graph/memory_estimate.h"
+#include "framework/graph/state.h"
+
 namespace weir {
 
 void Sink::validate() const {
@@ -18,6 +21,19 @@ void Sink::validate() const {
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
 }
 
+float Sink::finestSpacing() const {
+  float spacing = 0;
+  for (const SinkRegion::Request& request : sink.requests())
+    spacing = spacing == 0 ? request.spacing : std::min(spacing, request.spacing);
+  return spacing;
+}
+
+void Sink::estimate(const SetupContext&, MemoryNeeds& needs) {
+  const float spacing = finestSpacing();
+  for (std::size_t i = 0; i < meshes.size() && spacing > 0; ++i)
+    needs.add(MeshSdf::mostMemory(meshes[i], cellFor(spacing), cellFor(spacing)));
+}
+
 void Sink::reset(const SetupContext& context) {
   if (!min.get() && meshes.empty())
     throw sceneError("the sink is empty: it has no box, and no mesh is linked to it",
@@ -26,16 +42,13 @@ void Sink::reset(const SetupContext& context) {
   removed_ = Array<int>(context.device, 1);
   removed_.fillZero();
   if (min.get()) sink->pieces.push_back({.box = {*min.get(), *max.get()}, .removed = removed_.data()});
-  // The finest fluid decides. Without one nobody asks, and there is nothing to remove.
-  float spacing = 0;
-  for (const SinkRegion::Request& request : sink.requests())
-    spacing = spacing == 0 ? request.spacing : std::min(spacing, request.spacing);
+  const float spacing = finestSpacing();
   for (std::size_t i = 0; i < meshes.size() && spacing > 0; ++i) addMesh(context, i, spacing);
 }
 
 void Sink::addMesh(const SetupContext& context, std::size_t link, float spacing) {
   const std::string from = "the mesh from '" + meshes.links()[link]->path() + "'";
-  const float cell = cellSize.get().value_or(0.5f * spacing);
+  const float cell = cellFor(spacing);
   std::vector<std::string> warnings;
   auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cell, cell, warnings);
   for (const std::string& warning : warnings)
@@ -43,6 +56,14 @@ void Sink::addMesh(const SetupContext& context, std::size_t link, float spacing)
   sink->pieces.push_back(
       {.box = meshes[link].bounds(), .isMesh = true, .mesh = sdf->view(false), .removed = removed_.data()});
   sink->meshes.push_back(std::move(sdf));
+}
+
+void Sink::save(const StateWriter& to) const {
+  to.put("removed", removed_, removed_.size());
+}
+
+void Sink::restore(const StateReader& from) {
+  from.get("removed", removed_);
 }
 
 void Sink::report(NodeReport& report) {

@@ -35,11 +35,18 @@ class Sink final : public Node {
   Output<SinkRegion> sink{*this, "sink", "The region."};
 
   void validate() const override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   /// How many particles it has removed since the reset.
   void report(NodeReport& report) override;
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
 
  private:
+  /// That of the finest fluid, which decides; 0 if nobody asks, as then there is nothing to remove.
+  float finestSpacing() const;
+  // Of the distances from a mesh, in m.
+  float cellFor(float spacing) const { return cellSize.get().value_or(0.5f * spacing); }
   void addMesh(const SetupContext& context, std::size_t link, float spacing);
 
   Array<int> removed_;  // one number

@@ -1,5 +1,7 @@
 #include "nodes/solids/solid.h"
 
+#include "framework/graph/state.h"
+
 namespace weir {
 
 Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
@@ -12,6 +14,20 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
       carved_(device, 1) {
   carved_.fillZero();
   impulse_.fillZero();
+}
+
+double Solid::mostMemory(const TriangleMesh& mesh) {
+  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
+}
+
+void Solid::save(const StateWriter& to) const {
+  to.put("carved", carved_, carved_.size());
+  to.put("impulse", impulse_, impulse_.size());
+}
+
+void Solid::restore(const StateReader& from) {
+  from.get("carved", carved_);
+  from.get("impulse", impulse_);
 }
 
 SolidView Solid::view(double time, double dt) {

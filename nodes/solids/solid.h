@@ -10,6 +10,9 @@
 
 namespace weir {
 
+class StateReader;
+class StateWriter;
+
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };
 
@@ -61,6 +64,12 @@ class Solid {
   /// meets it, such as the spacing of particles; it decides what look-ups cost, but no result.
   Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
         float detail);
+
+  /// Bytes on the device that the solid of such a mesh takes at most.
+  static double mostMemory(const TriangleMesh& mesh);
+  /// What it counts and sums.
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);

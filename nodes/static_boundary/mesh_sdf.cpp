@@ -284,6 +284,16 @@ MeshSdf::MeshSdf(Device& device, const TriangleMesh& original, float cellSize, f
   brickIndex_ = Array<int>(device, built.brickIndex);
 }
 
+double MeshSdf::mostMemory(const TriangleMesh& mesh, float cellSize, float band) {
+  if (mesh.empty()) return 0;
+  const GridSize size = sizeOfGrid(mesh, cellSize, band);
+  constexpr double kRough = 2, kFewBricks = 64;
+  const double bricks = size.bricks.x * size.bricks.y * size.bricks.z;
+  const double fine = std::min(bricks * kBytesPerFineBrick,
+                               kRough * size.probableFineBytes + kFewBricks * kBytesPerFineBrick);
+  return std::min(size.bytes + fine, static_cast<double>(kMostBytes) + kMostCoarseBytes);
+}
+
 MeshSdfView MeshSdf::view(bool inverted) const {
   MeshSdfView view = layout_;
   view.coarse = coarse_.data();

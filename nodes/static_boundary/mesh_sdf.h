@@ -46,6 +46,10 @@ class MeshSdf {
   MeshSdf(Device& device, const TriangleMesh& mesh, float cellSize, float band,
           std::vector<std::string>& warnings);
 
+  /// Bytes on the device that such a grid takes at most. Of a surface that is rough on the scale of the cells
+  /// it is an estimate, as it counts bricks by the area.
+  static double mostMemory(const TriangleMesh& mesh, float cellSize, float band);
+
   MeshSdfView view(bool inverted) const;
 
  private:

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 
 namespace weir {
@@ -97,6 +99,14 @@ void StaticBoundary::configure(const SetupContext&) {
   for (const Boundary::Request& request : boundary.requests()) boundaries.request(request);
 }
 
+void StaticBoundary::estimate(const SetupContext&, MemoryNeeds& needs) {
+  float finest = std::numeric_limits<float>::infinity();
+  for (const Boundary::Request& request : boundary.requests()) finest = std::min(finest, request.spacing);
+  if (!std::isfinite(finest)) return;
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    needs.add(MeshSdf::mostMemory(meshes[i], cellFor(finest), bandFor(finest)));
+}
+
 void StaticBoundary::reset(const SetupContext& context) {
   if (shape == BoundaryShape::kNone && meshes.empty() && boundaries.empty())
     throw sceneError("the boundary is empty: it has no shape, and nothing is linked to it",
@@ -152,10 +162,9 @@ void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) 
 }
 
 void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {
-  const float cell = cellSize.get().value_or(0.5f * spacing);
   std::vector<std::string> warnings;
-  // Particles are pushed out where they are closer than half a spacing; they come that close from the band.
-  auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cell, 2 * spacing, warnings);
+  auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cellFor(spacing), bandFor(spacing),
+                                             warnings);
   for (const std::string& warning : warnings)
     context.log.warn(
         fmt::format("node '{}': the mesh from '{}': {}", name(), meshes.links()[link]->path(), warning));

@@ -72,6 +72,7 @@ class StaticBoundary final : public Node {
 
   void validate() const override;
   void configure(const SetupContext& context) override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
 
  private:
@@ -79,6 +80,10 @@ class StaticBoundary final : public Node {
   BoundaryPiece piece() const;
   double thickness() const;  ///< of the shape, in m
   void warnOfThinness(const SetupContext& context, float spacing) const;
+  // Of the distances from a mesh, in m. Particles are pushed out where they are closer than half a spacing;
+  // they come that close from the band.
+  float cellFor(float spacing) const { return cellSize.get().value_or(0.5f * spacing); }
+  static float bandFor(float spacing) { return 2 * spacing; }
   void addMesh(const SetupContext& context, std::size_t link, float spacing);
 };
 

@@ -69,6 +69,8 @@ class Terrain final : public Node {
 
   void validate() const override;
   /// The scene's seed and the node's name decide the noise and the rocks.
+  /// Makes the mesh, as others tell by it what they need.
+  void estimate(const SetupContext& context, MemoryNeeds&) override { reset(context); }
   void reset(const SetupContext& context) override;
 };
 

@@ -43,6 +43,8 @@ class TurningModel final : public Node {
   Output<TriangleMesh> surface{*this, "surface", "The surface, facing outwards."};
 
   void validate() const override;
+  /// Makes the mesh, as others tell by it what they need.
+  void estimate(const SetupContext& context, MemoryNeeds&) override { reset(context); }
   void reset(const SetupContext& context) override;
 
  private:

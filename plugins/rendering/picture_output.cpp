@@ -30,14 +30,39 @@ class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
 
-  void begin(Simulation& simulation) override {
+  void begin(Simulation& simulation) override { begin(simulation, 0); }
+
+  std::string_view stateName() const override { return "pictures"; }
+
+  void save(const StateWriter& to) override {
+    if (images_) images_->wait();
+    to.put("frames", frames_);
+  }
+
+  /// Pictures go on in the same folder. A video cannot be gone on with, so the rest of it is another one.
+  void resume(Simulation& simulation, const StateReader& from) override {
+    std::int64_t frames = 0;
+    from.get("frames", frames);
+    if (const auto path = paths_.find(kVideo); path != paths_.end()) {
+      const std::filesystem::path whole = path->second;
+      path->second.replace_filename(whole.stem().string() + ".from_" + std::to_string(frames) +
+                                    whole.extension().string());
+      simulation.log().warn("the frames from " + std::to_string(frames) + " on go to a video of their own, " +
+                            inQuotes(path->second.string()));
+    }
+    begin(simulation, frames);
+  }
+
+  void begin(Simulation& simulation, std::int64_t firstFrame) {
+    frames_ = firstFrame;
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
     renderer_ = std::make_unique<gl::Renderer>(gl::makeContext());
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
       video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate);
-    if (const auto path = paths_.find(kImages); path != paths_.end()) images_.emplace(path->second);
+    if (const auto path = paths_.find(kImages); path != paths_.end())
+      images_.emplace(path->second, firstFrame);
   }
 
   void frame(Simulation& simulation) override {
@@ -45,6 +70,7 @@ class Pictures final : public Observer {
     overlay_->draw(overlayText(simulation), picture);
     if (images_) images_->write(picture);
     if (video_) video_->write(std::move(picture));
+    ++frames_;
   }
 
   void end(Simulation& simulation, RunEnd) override {
@@ -73,6 +99,7 @@ class Pictures final : public Observer {
   }
 
   OutputPaths paths_;
+  std::int64_t frames_ = 0;  // shown, those of the run that is resumed included
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;

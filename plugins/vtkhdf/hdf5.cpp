@@ -56,6 +56,8 @@ hid_t memoryType(NumberType type) {
       return H5T_NATIVE_INT64;
     case NumberType::kUint32:
       return H5T_NATIVE_UINT32;
+    case NumberType::kUint8:
+      return H5T_NATIVE_UINT8;
   }
   return H5I_INVALID_HID;
 }
@@ -72,6 +74,8 @@ hid_t fileType(NumberType type) {
       return H5T_STD_I64LE;
     case NumberType::kUint32:
       return H5T_STD_U32LE;
+    case NumberType::kUint8:
+      return H5T_STD_U8LE;
   }
   return H5I_INVALID_HID;
 }
@@ -93,6 +97,23 @@ Handle fixedString(std::size_t length, H5T_cset_t characters) {
 Handle fixedString(std::string_view text) {
   const bool ascii = std::all_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x80; });
   return fixedString(text.size(), ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
+}
+
+/// For data sets that are written: without a cache, rows are in the file when append() returns, so
+/// File::flush() has only the index to write.
+Handle withoutCache() {
+  Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
+  return access;
+}
+
+Handle accessForWriting() {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // The oldest formats of everything: those of LATEST cannot be opened after a kill.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
+  // Without a lock other programs can look at the frames that are already there while the run goes on.
+  H5Pset_file_locking(access.get(), false, true);
+  return access;
 }
 
 void cutAtNull(std::string& text) {
@@ -128,6 +149,7 @@ std::string lastMessage() {
 }
 
 std::size_t sizeOf(NumberType type) {
+  if (type == NumberType::kUint8) return 1;
   return type == NumberType::kFloat64 || type == NumberType::kInt64 ? 8 : 4;
 }
 
@@ -266,6 +288,13 @@ void Dataset::appendRows(NumberType type, const void* values, std::size_t number
   rows_ = static_cast<std::int64_t>(size[0]);
 }
 
+void Dataset::truncate(std::int64_t rows) {
+  checkRange(0, rows);
+  const std::array<hsize_t, 2> size{static_cast<hsize_t>(rows), static_cast<hsize_t>(columns_)};
+  checked(H5Dset_extent(id(), size.data()), "shorten");
+  rows_ = rows;
+}
+
 void Dataset::checkRange(std::int64_t first, std::int64_t count) const {
   if (first >= 0 && count >= 0 && first <= rows_ && count <= rows_ - first) return;
   throw error("has " + std::to_string(rows_) + " rows, but the file asks for " + std::to_string(count) +
@@ -334,7 +363,12 @@ Group Group::group(const std::string& name) const {
 
 Dataset Group::dataset(const std::string& name) const {
   if (!isDataset(name)) throw error("holds no data set " + inQuotes(name));
-  return {checkedHandle(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, "open a data set of"), file_,
+  const Handle file(H5Iget_file_id(id()), H5Fclose);
+  unsigned intent = H5F_ACC_RDONLY;
+  H5Fget_intent(file.get(), &intent);
+  const Handle access =
+      (intent & H5F_ACC_RDWR) != 0 ? withoutCache() : Handle(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  return {checkedHandle(H5Dopen2(id(), name.c_str(), access.get()), H5Dclose, "open a data set of"), file_,
           below(name)};
 }
 
@@ -357,10 +391,7 @@ Dataset Group::createGrowing(const std::string& name, const Growing& layout) {
     checked(H5Pset_shuffle(properties.get()), "lay out a data set of");
     checked(H5Pset_deflate(properties.get(), kFastest), "lay out a data set of");
   }
-  // Without a cache, rows are in the file when append() returns, so File::flush() has only the index to
-  // write.
-  const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
-  checked(H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT), "lay out a data set of");
+  const Handle access = withoutCache();
   return {checkedHandle(H5Dcreate2(id(), name.c_str(), fileType(layout.type), space.get(), H5P_DEFAULT,
                                    properties.get(), access.get()),
                         H5Dclose, "add a data set to"),
@@ -406,11 +437,7 @@ Error File::error(const char* what) const {
 }
 
 File File::create(const std::filesystem::path& file, const std::string& name) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // The oldest formats of everything: those of LATEST cannot be opened after a kill.
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
-  // Without a lock other programs can look at the frames that are already there while the run goes on.
-  H5Pset_file_locking(access.get(), false, true);
+  const Handle access = accessForWriting();
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   // A compressed chunk that grows moves to another place. Its old place, which the index on the disk still
   // names until the next flush, must not be given to other data.
@@ -418,6 +445,13 @@ File File::create(const std::filesystem::path& file, const std::string& name) {
   File made(Handle(H5Fcreate(file.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose), name);
   if (made.handle_.get() < 0) throw made.error("create the file");
   return made;
+}
+
+File File::reopen(const std::filesystem::path& file) {
+  const Handle access = accessForWriting();
+  File opened(Handle(H5Fopen(file.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose), file.string());
+  if (opened.handle_.get() < 0) throw opened.error("open the file for writing");
+  return opened;
 }
 
 File File::open(const std::filesystem::path& file) {
@@ -452,6 +486,14 @@ void File::reserve() {
 void File::flush() {
   reserve();
   if (H5Fflush(handle_.get(), H5F_SCOPE_LOCAL) < 0) throw error("write the file");
+}
+
+void File::sync() {
+  flush();
+  void* driver = nullptr;
+  if (H5Fget_vfd_handle(handle_.get(), H5P_DEFAULT, &driver) < 0) throw error("write the file");
+  if (::fsync(*static_cast<int*>(driver)) != 0)
+    throw ioError("cannot write the file: " + std::system_category().message(errno)).at({.file = *name_});
 }
 
 void File::close() {

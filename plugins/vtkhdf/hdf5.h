@@ -61,7 +61,7 @@ class Handle {
   Close close_ = nullptr;
 };
 
-enum class NumberType { kFloat32, kFloat64, kInt32, kInt64, kUint32 };
+enum class NumberType { kFloat32, kFloat64, kInt32, kInt64, kUint32, kUint8 };
 
 template <class T>
 constexpr NumberType kNumberType = T::unknown;
@@ -75,6 +75,8 @@ template <>
 inline constexpr NumberType kNumberType<std::int64_t> = NumberType::kInt64;
 template <>
 inline constexpr NumberType kNumberType<std::uint32_t> = NumberType::kUint32;
+template <>
+inline constexpr NumberType kNumberType<std::uint8_t> = NumberType::kUint8;
 
 std::size_t sizeOf(NumberType type);
 
@@ -140,6 +142,8 @@ class Dataset : public Object {
   void append(T value) {
     append(std::span<const T>(&value, 1));
   }
+  /// Leaves out all rows from this one on.
+  void truncate(std::int64_t rows);
   /// Rows first … first + count − 1, converted to T; an io Error if there are no such rows.
   template <class T>
   std::vector<T> read(std::int64_t first, std::int64_t count) const {
@@ -185,8 +189,14 @@ class Group : public Object {
   Group group(const std::string& name) const;
   Dataset dataset(const std::string& name) const;
   Group createGroup(const std::string& name);
+  /// The group of that name, made if it is not there.
+  Group openGroup(const std::string& name) { return has(name) ? group(name) : createGroup(name); }
   /// Without rows; append() adds them.
   Dataset createGrowing(const std::string& name, const Growing& layout);
+  /// The data set of that name, made if it is not there.
+  Dataset openGrowing(const std::string& name, const Growing& layout) {
+    return has(name) ? dataset(name) : createGrowing(name, layout);
+  }
   /// A UTF-8 text of any length, as a scalar string of fixed length; replaces one of that name.
   void writeText(const std::string& name, std::string_view text);
   std::string readText(const std::string& name) const;
@@ -205,6 +215,8 @@ class File {
   /// Makes a file, which must not exist, that HDF5 1.10.1 and later can read, also when the program that
   /// writes it was killed after a flush. `name` is what errors call it.
   static File create(const std::filesystem::path& file, const std::string& name);
+  /// For writing more to a file that create() made.
+  static File reopen(const std::filesystem::path& file);
   /// For reading only.
   static File open(const std::filesystem::path& file);
 
@@ -215,6 +227,8 @@ class File {
   /// Hands everything to the operating system. If there is no room for it, the file stays as the last flush
   /// left it.
   void flush();
+  /// flush(), and waits until all is on the disk.
+  void sync();
   /// Flushes and closes. All objects of the file must be gone.
   void close();
   /// Gives the file up after an error: from now on nothing that HDF5 still holds reaches the disk, so that

@@ -52,6 +52,26 @@ void ParticleExport::begin(Simulation& simulation) {
   checkWritable(file_);
 }
 
+void ParticleExport::save(const StateWriter& to) {
+  writer_->sync();
+  std::string names;
+  for (const Column& column : columns_) names += column.info.name + "\n";
+  to.put("frames", writer_->framesWritten());
+  to.put("attributes", std::span<const char>(names));
+}
+
+void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
+  begin(simulation);
+  Earlier& earlier = earlier_.emplace();
+  from.get("frames", earlier.frames);
+  const std::vector<char> names = from.getAll<char>("attributes");
+  for (auto begin = names.begin(); begin != names.end();) {
+    const auto end = std::find(begin, names.end(), '\n');
+    earlier.attributes.emplace_back(begin, end);
+    begin = end + 1;
+  }
+}
+
 void ParticleExport::findFluids(Simulation& simulation) {
   sources_.clear();
   for (const auto& node : simulation.scene().graph.nodes())
@@ -103,7 +123,7 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
                                       [&](const Source& other) { return has(other.particles(), info); });
       if (!shared)
         warnOfMissing(simulation, info.name, source.name);
-      else if (info.name != kPositionName && findColumn(info.name) == nullptr)
+      else if (info.name != kPositionName && findColumn(info.name) == nullptr && isWanted(info.name))
         columns_.push_back({info, {}, {}});
     }
   if (several() && findColumn(kFluidIndexName) != nullptr)
@@ -112,6 +132,10 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
         "that tells several fluids apart",
         "another name for the attribute")
         .at({.file = file_.string()});
+}
+
+bool ParticleExport::isWanted(const std::string& attribute) const {
+  return !earlier_ || std::count(earlier_->attributes.begin(), earlier_->attributes.end(), attribute) > 0;
 }
 
 void ParticleExport::warnOfNewAttributes(const Simulation& simulation) const {
@@ -138,6 +162,10 @@ void ParticleExport::makeFile(const Simulation& simulation) {
   for (const Column& column : columns_) layout.attributes.push_back(attributeOf(column.info));
   if (several())
     layout.attributes.push_back({.name = kFluidIndexName, .type = VtkHdfType::kInt32, .unit = {}});
+  if (earlier_) {
+    writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout), earlier_->frames);
+    return;
+  }
   writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout));
 
   std::string names;

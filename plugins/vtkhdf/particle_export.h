@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,8 +36,17 @@ class ParticleExport final : public Observer {
   /// stay readable.
   void frame(Simulation& simulation) override;
   void end(Simulation& simulation, RunEnd how) override;
+  std::string_view stateName() const override { return "vtkhdf"; }
+  void save(const StateWriter& to) override;
+  void resume(Simulation& simulation, const StateReader& from) override;
 
  private:
+  /// What a file has that is gone on with.
+  struct Earlier {
+    std::int64_t frames;
+    std::vector<std::string> attributes;
+  };
+
   struct Source {
     std::string name;  ///< the node's
     const Output<Fluid>* fluid;
@@ -56,6 +66,7 @@ class ParticleExport final : public Observer {
   // At frame 0.
   void chooseSources();
   void chooseColumns(const Simulation& simulation);
+  bool isWanted(const std::string& attribute) const;
   void makeFile(const Simulation& simulation);
   // At every frame.
   void warnOfNewAttributes(const Simulation& simulation) const;
@@ -70,7 +81,8 @@ class ParticleExport final : public Observer {
   std::vector<Source> sources_;
   std::vector<Vec3f> positions_;
   std::vector<Column> columns_;
-  std::vector<int> fluidIndices_;  // only if there are several fluids
+  std::vector<int> fluidIndices_;   // only if there are several fluids
+  std::optional<Earlier> earlier_;  // where a run is resumed
   std::unique_ptr<VtkHdfWriter> writer_;
 };
 

@@ -91,6 +91,11 @@ fs::path target(const fs::path& file) {
   return real;
 }
 
+/// Where a new file is made before it takes its place.
+fs::path draftOf(const fs::path& real) {
+  return real.string() + "." + std::to_string(::getpid()) + ".part";
+}
+
 void writeHeader(hdf5::Group& root) {
   constexpr std::int64_t kVersion[] = {2, 0};
   root.setAttribute("Version", std::span<const std::int64_t>(kVersion));
@@ -98,8 +103,10 @@ void writeHeader(hdf5::Group& root) {
 }
 
 hdf5::Group makeRoot(hdf5::File& file) {
-  hdf5::Group root = file.root().createGroup("VTKHDF");
-  writeHeader(root);
+  hdf5::Group top = file.root();
+  const bool isNew = !top.has("VTKHDF");
+  hdf5::Group root = top.openGroup("VTKHDF");
+  if (isNew) writeHeader(root);
   return root;
 }
 
@@ -116,74 +123,124 @@ void appendAscending(hdf5::Dataset& set, std::int64_t count) {
 }  // namespace
 
 PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind)
-    : Cells(root.createGroup(kind), kind == "Vertices" ? kParticleChunk : kStepChunk) {}
+    : Cells(root.openGroup(kind), kind == "Vertices" ? kParticleChunk : kStepChunk) {}
 
 PolyDataFile::Cells::Cells(hdf5::Group group, std::int64_t chunkRows)
-    : cellCounts(group.createGrowing("NumberOfCells", perStep())),
-      connectivityCounts(group.createGrowing("NumberOfConnectivityIds", perStep())),
-      connectivity(group.createGrowing("Connectivity", ascending(chunkRows))),
-      offsets(group.createGrowing("Offsets", ascending(chunkRows))) {}
+    : cellCounts(group.openGrowing("NumberOfCells", perStep())),
+      connectivityCounts(group.openGrowing("NumberOfConnectivityIds", perStep())),
+      connectivity(group.openGrowing("Connectivity", ascending(chunkRows))),
+      offsets(group.openGrowing("Offsets", ascending(chunkRows))) {}
 
 PolyDataFile::Steps::Steps(hdf5::Group& root)
-    : group(root.createGroup("Steps")),
-      values(group.createGrowing("Values", perStep(NumberType::kFloat64))),
-      partOffsets(group.createGrowing("PartOffsets", perStep())),
-      partCounts(group.createGrowing("NumberOfParts", perStep())),
-      pointOffsets(group.createGrowing("PointOffsets", perStep())),
-      cellOffsets(group.createGrowing("CellOffsets", perStep(NumberType::kInt64, 4))),
-      connectivityOffsets(group.createGrowing("ConnectivityIdOffsets", perStep(NumberType::kInt64, 4))) {
-  group.setAttribute("NSteps", std::int64_t{0});
+    : group(root.openGroup("Steps")),
+      values(group.openGrowing("Values", perStep(NumberType::kFloat64))),
+      partOffsets(group.openGrowing("PartOffsets", perStep())),
+      partCounts(group.openGrowing("NumberOfParts", perStep())),
+      pointOffsets(group.openGrowing("PointOffsets", perStep())),
+      cellOffsets(group.openGrowing("CellOffsets", perStep(NumberType::kInt64, 4))),
+      connectivityOffsets(group.openGrowing("ConnectivityIdOffsets", perStep(NumberType::kInt64, 4))) {
+  if (!group.hasAttribute("NSteps")) group.setAttribute("NSteps", std::int64_t{0});
 }
 
 PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
     : root(makeRoot(file)),
-      simulation(file.root().createGroup("simulation")),
+      simulation(file.root().openGroup("simulation")),
       steps(root),
-      points(root.createGrowing("Points",
-                                {.type = NumberType::kFloat32, .columns = 3, .chunkRows = kParticleChunk})),
-      pointCounts(root.createGrowing("NumberOfPoints", perStep())),
+      points(root.openGrowing("Points",
+                              {.type = NumberType::kFloat32, .columns = 3, .chunkRows = kParticleChunk})),
+      pointCounts(root.openGrowing("NumberOfPoints", perStep())),
       vertices(root, "Vertices"),
       lines(root, "Lines"),
       polygons(root, "Polygons"),
       strips(root, "Strips") {
-  hdf5::Group pointData = root.createGroup("PointData");
-  hdf5::Group pointOffsets = steps.group.createGroup("PointDataOffsets");
-  hdf5::Group units = simulation.createGroup("units");
+  hdf5::Group pointData = root.openGroup("PointData");
+  hdf5::Group pointOffsets = steps.group.openGroup("PointDataOffsets");
+  hdf5::Group units = simulation.openGroup("units");
   units.setAttribute("Points", std::string_view("m"));
   units.setAttribute("Values", std::string_view("s"));
   for (const VtkHdfAttribute& attribute : layout.attributes) {
-    attributes.push_back({pointData.createGrowing(attribute.name, layoutOf(attribute)),
-                          pointOffsets.createGrowing(attribute.name, perStep())});
+    attributes.push_back({pointData.openGrowing(attribute.name, layoutOf(attribute)),
+                          pointOffsets.openGrowing(attribute.name, perStep())});
     units.setAttribute(attribute.name.c_str(), attribute.unit);
   }
-  hdf5::Group fieldData = root.createGroup("FieldData");
-  hdf5::Group fieldOffsets = steps.group.createGroup("FieldDataOffsets");
-  hdf5::Group fieldSizes = steps.group.createGroup("FieldDataSizes");
+  hdf5::Group fieldData = root.openGroup("FieldData");
+  hdf5::Group fieldOffsets = steps.group.openGroup("FieldDataOffsets");
+  hdf5::Group fieldSizes = steps.group.openGroup("FieldDataSizes");
   for (const std::string& name : layout.fields)
-    fields.push_back({fieldData.createGrowing(name, perStep(NumberType::kFloat64)),
-                      fieldOffsets.createGrowing(name, perStep()),
-                      fieldSizes.createGrowing(name, perStep(NumberType::kInt64, 2))});
+    fields.push_back({fieldData.openGrowing(name, perStep(NumberType::kFloat64)),
+                      fieldOffsets.openGrowing(name, perStep()),
+                      fieldSizes.openGrowing(name, perStep(NumberType::kInt64, 2))});
+}
+
+void PolyDataFile::Cells::truncate(std::int64_t steps, std::int64_t cells, std::int64_t offsetRows) {
+  cellCounts.truncate(steps);
+  connectivityCounts.truncate(steps);
+  connectivity.truncate(cells);
+  offsets.truncate(offsetRows);
+}
+
+void PolyDataFile::Steps::truncate(std::int64_t steps) {
+  for (hdf5::Dataset* set :
+       {&values, &partOffsets, &partCounts, &pointOffsets, &cellOffsets, &connectivityOffsets})
+    set->truncate(steps);
+  group.setAttribute("NSteps", steps);
+}
+
+void PolyDataFile::truncate(std::int64_t steps) {
+  Contents& in = *contents_;
+  frames_ = steps;
+  particles_ = 0;
+  for (const std::int64_t count : in.pointCounts.read<std::int64_t>(0, steps)) particles_ += count;
+  in.steps.truncate(steps);
+  in.points.truncate(particles_);
+  in.pointCounts.truncate(steps);
+  in.vertices.truncate(steps, particles_, particles_ + steps);
+  for (Cells* none : {&in.lines, &in.polygons, &in.strips}) none->truncate(steps, 0, steps);
+  for (Column& column : in.attributes) {
+    column.values.truncate(particles_);
+    column.offsets.truncate(steps);
+  }
+  for (Field& field : in.fields)
+    for (hdf5::Dataset* set : {&field.values, &field.offsets, &field.sizes}) set->truncate(steps);
+}
+
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, std::int64_t steps) {
+  checkLayout(layout);
+  const fs::path real = target(file), draft = draftOf(real);
+  std::error_code error;
+  fs::copy_file(real, draft, fs::copy_options::overwrite_existing, error);
+  if (error) throw ioError("cannot go on with the file: " + error.message()).at({.file = file.string()});
+  replaceBy(real, draft, [&] {
+    file_ = std::make_unique<hdf5::File>(hdf5::File::reopen(draft));
+    contents_ = std::make_unique<Contents>(*file_, layout);
+    truncate(steps);
+  });
+}
+
+template <class F>
+void PolyDataFile::replaceBy(const fs::path& real, const fs::path& draft, const F& fill) {
+  try {
+    fill();
+    file_->flush();
+    std::error_code error;
+    fs::rename(draft, real, error);
+    if (error) throw ioError("cannot create the file: " + error.message()).at({.file = real.string()});
+  } catch (const Error&) {
+    if (file_) abandon();
+    std::error_code ignored;
+    fs::remove(draft, ignored);
+    throw;
+  }
 }
 
 PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) {
   checkLayout(layout);
   const fs::path real = target(file);
-  const fs::path draft = real.string() + "." + std::to_string(::getpid()) + ".part";
-  std::error_code ignored;
-  try {
+  const fs::path draft = draftOf(real);
+  replaceBy(real, draft, [&] {
     file_ = std::make_unique<hdf5::File>(hdf5::File::create(draft, file.string()));
     contents_ = std::make_unique<Contents>(*file_, layout);
-    file_->flush();
-    std::error_code error;
-    fs::rename(draft, real, error);
-    if (error) throw ioError("cannot create the file: " + error.message()).at({.file = file.string()});
-  } catch (const Error&) {
-    if (file_) {
-      abandon();
-      fs::remove(draft, ignored);
-    }
-    throw;
-  }
+  });
 }
 
 void PolyDataFile::write(const VtkHdfFrame& frame) {
@@ -238,6 +295,10 @@ void PolyDataFile::writeVertices(std::int64_t count) {
 void PolyDataFile::setText(const std::string& name, std::string_view text) {
   contents_->simulation.writeText(name, text);
   file_->flush();
+}
+
+void PolyDataFile::sync() {
+  file_->sync();
 }
 
 void PolyDataFile::close() {

@@ -21,11 +21,17 @@ class PolyDataFile {
   /// complete in the same folder. Throws an io Error if the name does not end in .vtkhdf, or is a folder or
   /// anything else but a file, or if the file cannot be made.
   PolyDataFile(const std::filesystem::path& file, const VtkHdfLayout& layout);
+  /// Goes on with a file of the same layout behind its first `steps` steps; those that follow are left out.
+  /// It is changed beside the file, which it replaces once it is whole. Throws an io Error if there are
+  /// fewer.
+  PolyDataFile(const std::filesystem::path& file, const VtkHdfLayout& layout, std::int64_t steps);
 
   /// Adds one step and hands it to the operating system. After an io Error only abandon() may be called.
   void write(const VtkHdfFrame& frame);
   /// Puts a text into the file's group /simulation, which readers of VTKHDF ignore.
   void setText(const std::string& name, std::string_view text);
+  /// Waits until all steps are on the disk.
+  void sync();
   /// Completes the file.
   void close();
   /// After an error: closes without touching what is on the disk.
@@ -36,11 +42,14 @@ class PolyDataFile {
   struct Cells {
     Cells(hdf5::Group& root, const std::string& kind);
     Cells(hdf5::Group group, std::int64_t chunkRows);
+    /// Leaves the first steps, in which there are so many cells and as many ids, and offsets.
+    void truncate(std::int64_t steps, std::int64_t cells, std::int64_t offsetRows);
     hdf5::Dataset cellCounts, connectivityCounts, connectivity, offsets;
   };
   /// The group Steps: where in each data set a step begins.
   struct Steps {
     explicit Steps(hdf5::Group& root);
+    void truncate(std::int64_t steps);
     hdf5::Group group;
     hdf5::Dataset values, partOffsets, partCounts, pointOffsets, cellOffsets, connectivityOffsets;
   };
@@ -62,6 +71,10 @@ class PolyDataFile {
     std::vector<Field> fields;
   };
 
+  void truncate(std::int64_t steps);
+  /// Lets `fill` make the file at `draft`, then puts it in its place; at an error nothing is left of it.
+  template <class F>
+  void replaceBy(const std::filesystem::path& real, const std::filesystem::path& draft, const F& fill);
   void writeVertices(std::int64_t count);
 
   std::unique_ptr<hdf5::File> file_;

@@ -6,6 +6,7 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -52,8 +53,11 @@ class StoredFrame {
   std::vector<double> fields_;
 };
 
-std::unique_ptr<PolyDataFile> makeFile(const std::filesystem::path& file, const VtkHdfLayout& layout) {
+/// A new one, or that of a run that is resumed, with its first frames.
+std::unique_ptr<PolyDataFile> makeFile(const std::filesystem::path& file, const VtkHdfLayout& layout,
+                                       std::optional<std::int64_t> frames) {
   const hdf5::Session session;
+  if (frames) return std::make_unique<PolyDataFile>(file, layout, *frames);
   return std::make_unique<PolyDataFile>(file, layout);
 }
 
@@ -61,8 +65,11 @@ std::unique_ptr<PolyDataFile> makeFile(const std::filesystem::path& file, const 
 
 class VtkHdfWriter::Worker {
  public:
-  Worker(const std::filesystem::path& file, VtkHdfLayout layout)
-      : layout_(std::move(layout)), file_(makeFile(file, layout_)), thread_([this] { run(); }) {}
+  Worker(const std::filesystem::path& file, VtkHdfLayout layout, std::optional<std::int64_t> frames)
+      : layout_(std::move(layout)),
+        framesWritten_(frames.value_or(0)),
+        file_(makeFile(file, layout_, frames)),
+        thread_([this] { run(); }) {}
 
   ~Worker() { finish(); }
 
@@ -85,6 +92,14 @@ class VtkHdfWriter::Worker {
     changed_.wait(lock, [&] { return !full_ && !writing_; });
     rethrow();
     attempt([&] { file_->setText(name, text); });
+    rethrow();
+  }
+
+  void sync() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !full_ && !writing_; });
+    rethrow();
+    attempt([&] { file_->sync(); });
     rethrow();
   }
 
@@ -190,7 +205,10 @@ class VtkHdfWriter::Worker {
 };
 
 VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& file, VtkHdfLayout layout)
-    : worker_(std::make_unique<Worker>(file, std::move(layout))) {}
+    : worker_(std::make_unique<Worker>(file, std::move(layout), std::nullopt)) {}
+
+VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& file, VtkHdfLayout layout, std::int64_t frames)
+    : worker_(std::make_unique<Worker>(file, std::move(layout), frames)) {}
 
 VtkHdfWriter::~VtkHdfWriter() = default;
 
@@ -200,6 +218,10 @@ void VtkHdfWriter::append(const VtkHdfFrame& frame) {
 
 void VtkHdfWriter::setText(const std::string& name, std::string_view text) {
   worker_->setText(name, text);
+}
+
+void VtkHdfWriter::sync() {
+  worker_->sync();
 }
 
 std::int64_t VtkHdfWriter::framesWritten() const {

@@ -19,6 +19,8 @@ class VtkHdfWriter {
   /// Makes the file with no frames. An existing file is replaced only after the new one could be made. Throws
   /// an io Error if the name does not end in .vtkhdf, if it is a folder, or if the file cannot be made.
   VtkHdfWriter(const std::filesystem::path& file, VtkHdfLayout layout);
+  /// Goes on with a file of the same layout behind its first frames, see PolyDataFile.
+  VtkHdfWriter(const std::filesystem::path& file, VtkHdfLayout layout, std::int64_t frames);
   /// Closes; an error that close() would have thrown is lost.
   ~VtkHdfWriter();
 
@@ -30,6 +32,8 @@ class VtkHdfWriter {
   /// Keeps a text, such as the scene, in the file's group /simulation. Waits for frames that are being
   /// written.
   void setText(const std::string& name, std::string_view text);
+  /// Waits until all frames are on the disk. Throws as append() does.
+  void sync();
   /// Frames that are complete in the file.
   std::int64_t framesWritten() const;
   /// Writes what is left and completes the file. Throws the io Error of a frame that could not be written

@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/modules/anderson.h"
 
+#include "framework/graph/memory_estimate.h"
+
 namespace weir {
 
 void AndersonMixing::reserve(Device& device, std::int64_t particles, bool shares) {
@@ -14,6 +16,11 @@ void AndersonMixing::reserve(Device& device, std::int64_t particles, bool shares
   starts_.resizeDiscarding(size);
   results_.resizeDiscarding(size);
   shares_.resizeDiscarding(shares ? size : 0);
+}
+
+double AndersonMixing::memoryFor(double particles, bool shares) const {
+  const double size = AndersonHistory::kEntries * particles;
+  return bytesOfArrays(size, starts_, results_) + (shares ? bytesOfArrays(size, shares_) : 0);
 }
 
 void AndersonMixing::release() {

@@ -63,6 +63,8 @@ class AndersonMixing {
  public:
   /// Memory for so many particles: 96 bytes each, and 16 more with shares of walls. Contents are undefined.
   void reserve(Device& device, std::int64_t particles, bool shares);
+  /// Bytes of that.
+  double memoryFor(double particles, bool shares) const;
   /// Gives it back.
   void release();
   /// Empty if nothing is reserved. The solver writes the start of control's entry before its iteration.

@@ -99,6 +99,9 @@ class Pbf final : public FluidModule {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
   void report(NodeReport& report) override;
+  double memory(const FluidRoom& room) const override {
+    return bytesOfArrays(room.particles, state_, weighted_, displacement_);
+  }
 
  private:
   template <class Backend>

@@ -55,10 +55,9 @@ void SemiImplicitSolver::reset(FluidStep& fluid) {
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
   mixing_.release();
-  carried_ = passes() > 1 || tolerance.get()
-                 ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
-                                                "By pressure and walls, at the last search in a step."})
-                 : nullptr;
+  carried_ = carries() ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
+                                                      "By pressure and walls, at the last search in a step."})
+                       : nullptr;
 }
 
 void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
@@ -132,6 +131,29 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
   if (accelerated() && !mixes() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
   if (searches()) fitScratch(fluid, proposal_);
   if (controlled() || searches()) fitScratch(fluid, excess_);
+}
+
+double SemiImplicitSolver::memory(const FluidRoom& room) const {
+  // What reserve() fits, and the attribute of reset().
+  const double n = room.particles;
+  double bytes = bytesOfArrays(n, state_, weighted_, displacement_);
+  if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
+  if (accelerated() && !mixes()) bytes += bytesOfArrays(n, plain_);
+  if (accelerated() && !mixes() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
+  if (searches()) bytes += bytesOfArrays(n, proposal_);
+  if (controlled() || searches()) bytes += bytesOfArrays(n, excess_);
+  if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
+  return bytes;
+}
+
+void SemiImplicitSolver::save(const StateWriter& to) const {
+  to.put("control", control_, control_.size());
+  to.put("passes", passes_);
+}
+
+void SemiImplicitSolver::restore(const StateReader& from) {
+  from.get("control", control_);
+  from.get("passes", passes_);
 }
 
 void SemiImplicitSolver::record(FluidStep& fluid) {

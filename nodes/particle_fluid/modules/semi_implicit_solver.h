@@ -140,6 +140,9 @@ class SemiImplicitSolver final : public FluidModule {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
   void report(NodeReport& report) override;
+  double memory(const FluidRoom& room) const override;
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
 
   using Sums = SolverSums;
   using Control = SolverControl;
@@ -166,6 +169,8 @@ class SemiImplicitSolver final : public FluidModule {
   template <class Backend>
   void searchAgain(Backend& device, FluidStep& fluid);
   void reserve(FluidStep& fluid);
+  /// Whether the displacement is an attribute of the particles.
+  bool carries() const { return passes() > 1 || tolerance.get().has_value(); }
   /// As far as the host has heard of it, without waiting.
   bool isDone();
   /// Hears whether there is another pass; waits only where each iteration is recorded.

@@ -54,6 +54,9 @@ class SurfaceTension final : public FluidModule {
     if (coefficient > 0 || airPressure > 0)
       dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
+  double memory(const FluidRoom& room) const override {
+    return bytesOfArrays(room.particles, color_, stress_);
+  }
 
  private:
   template <class Backend>

@@ -38,6 +38,9 @@ class VorticityConfinement final : public FluidModule {
   void step(FluidStep& fluid) override {
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
+  double memory(const FluidRoom& room) const override {
+    return ParticleSet::memoryOfAttribute(room.particles, AttributeType::kVec3);
+  }
 
  private:
   template <class Backend>

@@ -19,4 +19,9 @@ void Xsph::step(FluidStep& fluid) {
   }
 }
 
+double Xsph::memory(const FluidRoom& room) const {
+  return form == XsphForm::kExplicit ? bytesOfArrays(room.particles, smoothed_)
+                                     : bytesOfArrays(room.particles, smoothed_, next_);
+}
+
 }  // namespace weir

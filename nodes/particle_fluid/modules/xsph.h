@@ -64,6 +64,7 @@ class Xsph final : public FluidModule {
   /// A scene Error for a parameter that the form does not have.
   void validate() const override;
   void step(FluidStep& fluid) override;
+  double memory(const FluidRoom& room) const override;
 
  private:
   template <class Backend>

@@ -59,10 +59,11 @@ fs::path usable(fs::path folder) {
 
 }  // namespace
 
-ImageSequence::ImageSequence(fs::path folder)
+ImageSequence::ImageSequence(fs::path folder, std::int64_t first)
     : folder_(usable(std::move(folder))),
-      queue_(kThreads, kLongestQueue, [this](std::int64_t frame, const Picture& picture) {
-        writePng(folder_ / nameOf(frame), picture);
+      frameCount_(first),
+      queue_(kThreads, kLongestQueue, [this, first](std::int64_t number, const Picture& picture) {
+        writePng(folder_ / nameOf(first + number), picture);
       }) {}
 
 void ImageSequence::write(Picture picture) {

@@ -17,7 +17,8 @@ class ImageSequence {
  public:
   /// Makes the folder if it is missing; the folder above must be there. Throws an io Error if it cannot be
   /// made, is no folder, or if no picture can be written in it.
-  explicit ImageSequence(std::filesystem::path folder);
+  /// The first picture is that of the frame `first`.
+  explicit ImageSequence(std::filesystem::path folder, std::int64_t first = 0);
   /// Pictures that are still waiting are lost unless finish() has been called. Whole files only are left
   /// behind.
   ~ImageSequence() = default;
@@ -26,9 +27,12 @@ class ImageSequence {
   /// already. The picture must be whole (WEIR_CHECK). Throws the io Error of an earlier frame that could not
   /// be written, which names its file; no frame is written from then on.
   void write(Picture picture);
+  /// Waits until all files so far are written. Throws as write() does.
+  void wait() { queue_.wait(); }
   /// Waits until all files are written. Throws as write() does. May be called again.
   void finish();
 
+  /// Those before the first one count.
   std::int64_t frameCount() const { return frameCount_; }
   /// A warning that names the files in the folder that look like frames following this run's last one; "" if
   /// there are none.
@@ -36,7 +40,7 @@ class ImageSequence {
 
  private:
   std::filesystem::path folder_;
-  std::int64_t frameCount_ = 0;
+  std::int64_t frameCount_;
   PictureQueue queue_;
 };
 

@@ -27,6 +27,12 @@ void PictureQueue::push(Picture picture) {
   changed_.notify_all();
 }
 
+void PictureQueue::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return done_ == pushed_ || error_; });
+  if (error_) std::rethrow_exception(error_);
+}
+
 void PictureQueue::finish() {
   endThreads();
   if (error_) std::rethrow_exception(error_);
@@ -68,6 +74,9 @@ void PictureQueue::run() {
       waiting_.clear();
       changed_.notify_all();
     }
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    changed_.notify_all();
   }
 }
 

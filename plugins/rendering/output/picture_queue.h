@@ -29,6 +29,8 @@ class PictureQueue {
   /// Waits while the queue is full. Throws what the work on an earlier picture threw, the same from then on:
   /// after an error no more work is done.
   void push(Picture picture);
+  /// Waits until all pictures are done. Throws as push() does.
+  void wait();
   /// Waits until all pictures are done and ends the threads; push() may not be called any more. Throws as
   /// push() does. May be called again.
   void finish();
@@ -50,7 +52,7 @@ class PictureQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Numbered> waiting_;
-  std::int64_t pushed_ = 0;
+  std::int64_t pushed_ = 0, done_ = 0;
   bool ending_ = false;
   std::exception_ptr error_;
   std::vector<std::thread> threads_;

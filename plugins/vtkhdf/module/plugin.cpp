@@ -1,6 +1,7 @@
 // What the plugin adds to the registry.
 #include "framework/graph/plugin.h"
 #include "framework/run/info_source.h"
+#include "plugins/vtkhdf/checkpoint_file.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
@@ -27,5 +28,6 @@ WEIR_PLUGIN("vtkhdf", "Exports particles to VTKHDF files, for ParaView and VTK, 
   using namespace weir;
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
+  registry.addService<CheckpointStore>("hdf5", [] { return std::make_unique<Hdf5CheckpointStore>(); });
   registry.addService<InfoSource>("vtkhdf", [] { return std::make_unique<Hdf5Info>(); });
 }

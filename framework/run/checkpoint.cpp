@@ -1,0 +1,140 @@
+#include "framework/run/checkpoint.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "framework/base/build_info.h"
+#include "framework/base/file_output.h"
+#include "framework/base/text.h"
+#include "framework/scene/scene_file.h"
+
+namespace weir {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Enough to see what is wrong.
+constexpr std::size_t kMostDifferences = 8;
+
+std::string shown(const Value* value) {
+  return value != nullptr ? value->brief() : "nothing";
+}
+
+/// The paths at which two values differ, with both sides.
+void compare(const std::string& path, const Value* saved, const Value* present,
+             std::vector<std::string>& differences) {
+  if (saved != nullptr && present != nullptr && saved->isObject() && present->isObject()) {
+    std::set<std::string> names;
+    for (const Value* value : {saved, present})
+      for (const auto& [name, member] : value->asObject()) names.insert(name);
+    for (const std::string& name : names)
+      compare(path.empty() ? name : path + "." + name, saved->find(name), present->find(name), differences);
+    return;
+  }
+  const bool equal = saved != nullptr && present != nullptr && *saved == *present;
+  if (!equal) differences.push_back(fmt::format("{}: {} then, {} now", path, shown(saved), shown(present)));
+}
+
+std::string backEndOf(const Device& device) {
+  return device.kind() == DeviceKind::kCpu ? "cpu" : "cuda";
+}
+
+}  // namespace
+
+std::string checkpointScene(const Scene& scene) {
+  Value all = sceneToValue(scene);
+  Value chosen = Value::object();
+  for (const char* part : {"world", "nodes", "links"})
+    if (const Value* found = std::as_const(all).find(part)) chosen[part] = *found;
+  if (Value* world = chosen.find("world"))
+    std::erase_if(world->asObject(), [](const auto& member) { return member.first == "duration"; });
+  return writeJson(chosen);
+}
+
+void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation) {
+  std::vector<std::string> differences;
+  const auto compareTexts = [&](const char* what, std::string_view saved, std::string_view present) {
+    if (saved != present) differences.push_back(fmt::format("{}: {} then, {} now", what, saved, present));
+  };
+  compareTexts("version of the program", checkpoint.version, version());
+  compareTexts("back end", checkpoint.device, backEndOf(simulation.device()));
+  const Value saved = parseJson(checkpoint.scene, "the checkpoint's scene");
+  const Value present = parseJson(checkpointScene(simulation.scene()), "the scene");
+  compare("", &saved, &present, differences);
+  if (differences.empty()) return;
+  const std::size_t more = differences.size() - std::min(differences.size(), kMostDifferences);
+  differences.resize(differences.size() - more);
+  throw ioError("the checkpoint is of another run: " + joinNames(differences, "; ") +
+                    (more > 0 ? fmt::format("; and {} more", more) : ""),
+                "the same scene, the same version and the same kind of device",
+                "the duration, outputs and section render may change");
+}
+
+CheckpointInterval CheckpointInterval::parse(const std::string& text) {
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+  CheckpointInterval interval;
+  if (error == std::errc() && std::isfinite(number) && number > 0) {
+    if (unit == "s") interval.seconds = number;
+    if (unit.empty() && number >= 1 && number == std::floor(number) && number < 1e15)
+      interval.frames = static_cast<std::int64_t>(number);
+  }
+  if (!interval.seconds && !interval.frames)
+    throw usageError("--checkpoint-every " + printable(text) + " is no interval",
+                     "a number of frames such as 20, or of seconds such as 90s");
+  return interval;
+}
+
+Checkpoints::Checkpoints(fs::path file, CheckpointInterval interval, std::unique_ptr<CheckpointStore> store)
+    : file_(std::move(file)), interval_(interval), store_(std::move(store)) {}
+
+fs::path Checkpoints::previousOf(const fs::path& file) {
+  return fs::path(file).replace_extension(".previous" + file.extension().string());
+}
+
+void Checkpoints::begin() {
+  checkWritable(file_);
+  writtenAt_ = std::chrono::steady_clock::now();
+}
+
+bool Checkpoints::isDue(const Simulation& simulation) const {
+  if (interval_.frames) return simulation.frame() > 0 && simulation.frame() % *interval_.frames == 0;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - writtenAt_;
+  return since.count() >= *interval_.seconds;
+}
+
+void Checkpoints::write(Simulation& simulation, std::span<Observer* const> observers) {
+  Checkpoint checkpoint{.version = std::string(version()),
+                        .scene = checkpointScene(simulation.scene()),
+                        .device = backEndOf(simulation.device()),
+                        .state = {}};
+  const StateWriter state(checkpoint.state);
+  const StateWriter outputs = state.in(kOutputStates);
+  // First, as they wait until all is on the disk.
+  for (Observer* observer : observers)
+    if (!observer->stateName().empty()) observer->save(outputs.in(observer->stateName()));
+  simulation.save(state);
+
+  const fs::path draft = file_.string() + fmt::format(".{}.part", ::getpid());
+  std::error_code ignored;
+  fs::remove(draft, ignored);
+  store_->write(draft, checkpoint);
+  // At every moment there is a whole checkpoint at the path.
+  const fs::path previous = previousOf(file_), link = previous.string() + ".part";
+  fs::remove(link, ignored);
+  fs::create_hard_link(file_, link, ignored);
+  if (!ignored) fs::rename(link, previous, ignored);
+  std::error_code error;
+  fs::rename(draft, file_, error);
+  if (error) throw ioError("cannot write the checkpoint: " + error.message()).at({.file = file_.string()});
+  writtenAt_ = std::chrono::steady_clock::now();
+}
+
+}  // namespace weir

@@ -1,0 +1,156 @@
+#include "plugins/vtkhdf/checkpoint_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <system_error>
+
+#include "framework/base/text.h"
+#include "plugins/vtkhdf/hdf5.h"
+#include "plugins/vtkhdf/isolated.h"
+
+namespace weir {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kChunkRows = 1 << 15;
+constexpr const char* kRoot = "checkpoint";
+constexpr const char* kKind = "kind";
+
+/// Calls f with the name of a kind, the number type of HDF5, and a number of it.
+template <class F>
+void withKind(StateKind kind, F&& f) {
+  switch (kind) {
+    case StateKind::kFloat:
+      return f(float{});
+    case StateKind::kDouble:
+      return f(double{});
+    case StateKind::kInt:
+      return f(std::int32_t{});
+    case StateKind::kInt64:
+      return f(std::int64_t{});
+    case StateKind::kByte:
+      return f(std::uint8_t{});
+  }
+}
+
+/// In the order of StateKind.
+constexpr std::array<std::string_view, 5> kKindNames{"float", "double", "int", "int64", "byte"};
+
+void writeArray(hdf5::Group& group, const std::string& name, const StateArray& array) {
+  withKind(array.kind, [&]<class T>(T) {
+    hdf5::Dataset set =
+        group.createGrowing(name, {.type = hdf5::kNumberType<T>,
+                                   .columns = array.columns,
+                                   .matrix = true,
+                                   .chunkRows = std::clamp<std::int64_t>(array.rows, 1, kChunkRows)});
+    set.setAttribute(kKind, kKindNames[static_cast<std::size_t>(array.kind)]);
+    set.append(
+        std::span<const T>(reinterpret_cast<const T*>(array.data.data()), array.data.size() / sizeof(T)));
+  });
+}
+
+/// The arrays from `first` on whose paths begin with `prefix`; returns the first behind them.
+StateArrays::const_iterator writeGroup(hdf5::Group& group, const std::string& prefix,
+                                       StateArrays::const_iterator first, const StateArrays& all) {
+  while (first != all.end() && first->first.starts_with(prefix)) {
+    const std::string rest = first->first.substr(prefix.size());
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos) {
+      writeArray(group, rest, first->second);
+      ++first;
+      continue;
+    }
+    hdf5::Group below = group.createGroup(rest.substr(0, slash));
+    first = writeGroup(below, prefix + rest.substr(0, slash + 1), first, all);
+  }
+  return first;
+}
+
+StateArray readArray(const hdf5::Dataset& set) {
+  StateArray array;
+  const std::string kind = set.textAttribute(kKind);
+  const auto found = std::find(kKindNames.begin(), kKindNames.end(), kind);
+  if (found == kKindNames.end()) throw set.error("is of the kind " + inQuotes(kind));
+  array.kind = static_cast<StateKind>(found - kKindNames.begin());
+  array.rows = set.rows();
+  array.columns = static_cast<int>(set.columns());
+  array.data.resize(array.bytes());
+  withKind(array.kind, [&]<class T>(T) {
+    const std::vector<T> values = set.readAll<T>();
+    if (!values.empty()) std::memcpy(array.data.data(), values.data(), array.data.size());
+  });
+  return array;
+}
+
+void readGroup(const hdf5::Group& group, const std::string& prefix, int depth, StateArrays& to) {
+  constexpr int kDeepest = 32;
+  if (depth > kDeepest) throw group.error("is nested too deeply");
+  for (const std::string& name : group.members()) {
+    if (group.isDataset(name))
+      to.emplace(prefix + name, readArray(group.dataset(name)));
+    else
+      readGroup(group.group(name), prefix + name + "/", depth + 1, to);
+  }
+}
+
+Checkpoint readWhole(const fs::path& file) {
+  const hdf5::Session session;
+  const hdf5::File opened = hdf5::File::open(file);
+  const hdf5::Group top = opened.root();
+  if (!top.isGroup(kRoot))
+    throw ioError("this is no checkpoint", "a file that --checkpoint wrote").at({.file = file.string()});
+  const hdf5::Group root = top.group(kRoot);
+  const std::vector<std::int64_t> format = root.intAttribute("format");
+  if (format.size() != 1 || format[0] != kFormat)
+    throw root.error("is of another format", "format " + std::to_string(kFormat));
+  Checkpoint checkpoint{.version = root.readText("program"),
+                        .scene = root.readText("scene"),
+                        .device = root.readText("device"),
+                        .state = {}};
+  readGroup(root.group("state"), "", 0, checkpoint.state);
+  return checkpoint;
+}
+
+}  // namespace
+
+void Hdf5CheckpointStore::write(const fs::path& file, const Checkpoint& checkpoint) const {
+  const hdf5::Session session;
+  std::unique_ptr<hdf5::File> made;
+  try {
+    made = std::make_unique<hdf5::File>(hdf5::File::create(file, file.string()));
+    {
+      hdf5::Group root = made->root().createGroup(kRoot);
+      root.setAttribute("format", kFormat);
+      root.writeText("program", checkpoint.version);
+      root.writeText("scene", checkpoint.scene);
+      root.writeText("device", checkpoint.device);
+      hdf5::Group state = root.createGroup("state");
+      writeGroup(state, "", checkpoint.state.begin(), checkpoint.state);
+    }
+    made->sync();
+    made->close();
+  } catch (Error& e) {
+    if (made) made->abandon();
+    made.reset();
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    throw e.at({.file = file.string()});
+  }
+}
+
+Checkpoint Hdf5CheckpointStore::read(const fs::path& file) const {
+  // A damaged file can crash the library, so another process reads it first.
+  constexpr int kMostSeconds = 600;
+  try {
+    hdf5::runIsolated([&] { return readWhole(file).version; }, kMostSeconds);
+    return readWhole(file);
+  } catch (Error& e) {
+    throw e.at({.file = file.string()});
+  }
+}
+
+}  // namespace weir

@@ -1,0 +1,148 @@
+// Memory: what is estimated before a scene starts is what it comes to, and growing takes little more than the
+// end.
+#include <gtest/gtest.h>
+
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir {
+namespace {
+
+using test::SimulatedScene;
+
+struct Variant {
+  std::string modules;     // of the fluid
+  std::string parameters;  // of the fluid, beside its spacing
+  std::string nodes, links;
+};
+
+/// A block of 2,000 particles, and an emitter of 20 x 20 that adds 24 layers in 0.24 s.
+std::string sceneOf(const Variant& variant) {
+  return R"({"weir": 1, "world": {"dt": 0.01, "frame_rate": 25, "duration": 0.24, "gravity": [0, 0, 0]},
+    "nodes": {
+      "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.4, 0.1, 0.4]}},
+      "nozzle": {"type": "SquareEmitter",
+                 "params": {"position": [0.2, 1, 0.2], "width": 0.4, "height": 0.4, "speed": 2}},
+      "water": {"type": "ParticleFluid",
+                "params": {"spacing": 0.02, "rest_steps": 0)" +
+         variant.parameters + R"(}, "modules": {)" + variant.modules + "}}" + variant.nodes +
+         R"(},
+    "links": ["block.particles -> water.initial", "nozzle.particles -> water.emitters")" +
+         variant.links + "]}";
+}
+
+void run(SimulatedScene& scene) {
+  scene->reset();
+  const std::atomic<bool> stop = false;
+  while (scene->advanceFrame(stop)) continue;
+}
+
+const char* const kSolids =
+    R"(, "ball": {"type": "TurningModel", "params": {"profile": [[0, -0.2], [0.2, 0], [0, 0.2]],
+                                                     "position": [2, 0, 0]}},
+        "box": {"type": "BoxMesh", "params": {"min": [3, 0, 0], "max": [3.1, 0.1, 0.1]}},
+        "walls": {"type": "SemiAnalyticalSFI"})";
+const char* const kSolidLinks =
+    R"(, "water.fluid -> walls.fluid", "ball.surface -> walls.solids", "box.surface -> walls.solids")";
+
+const std::vector<Variant> kVariants{
+    {"", "", "", ""},
+    {"", R"(, "support_ratio": 2.4)", "", ""},
+    {R"("solver": {"params": {"tolerance": 0.01, "acceleration": "anderson"}})", "", "", ""},
+    {R"("solver": {"params": {"tolerance": 0.01, "acceleration": "nesterov", "step_length": "global"}})", "",
+     "", ""},
+    {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
+    {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
+        "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
+     R"(, "support_ratio": 2)", "", ""},
+    {"", "", kSolids, kSolidLinks},
+    {R"("solver": {"params": {"acceleration": "anderson"}})", "", kSolids, kSolidLinks},
+};
+
+TEST(FluidMemory, ComesToWhatIsEstimated) {
+  for (const Variant& variant : kVariants) {
+    CpuDevice device(2);
+    SimulatedScene scene(device, sceneOf(variant), {"world.duration=0.08"});
+    run(scene);
+    const double estimated = scene->memoryNeeds().device;
+    const auto held = static_cast<double>(device.memoryUse().peak);
+    EXPECT_LE(held, estimated) << variant.modules << variant.nodes;
+    // Trees and grids of solids are bounded, not counted; so are the cells of the grid.
+    const double solids = variant.nodes.empty() ? 0 : 40e6;
+    EXPECT_GE(held, 0.85 * (estimated - solids)) << variant.modules << variant.nodes;
+    // The emitter's last layer may not have left.
+    EXPECT_GE(scene->particleCount(), scene->memoryNeeds().particles - 2 * 400);
+    EXPECT_LE(scene->particleCount(), scene->memoryNeeds().particles);
+  }
+}
+
+TEST(FluidMemory, GrowsWithoutASpike) {
+  for (const std::string& modules : {kVariants[0].modules, kVariants[7].modules}) {
+    CpuDevice device(2);
+    // Nobody expects an end, so room is made by and by.
+    SimulatedScene scene(device, sceneOf({modules, R"(, "domain_max": [9, 9, 9])", "", ""}),
+                         {"world.duration=0.6", "block.max=[0.1, 0.1, 0.1]"});
+    run(scene);
+    const MemoryUse use = device.memoryUse();
+    EXPECT_GT(scene->particleCount(), 20000);
+    // That of the final arrays, not of half-filled ones.
+    EXPECT_LE(use.peak, 1.02 * static_cast<double>(use.inUse)) << modules;
+    EXPECT_LE(use.peakReserved, 1.2 * static_cast<double>(use.inUse)) << modules;
+    EXPECT_LE(static_cast<double>(use.reserved), 1.1 * static_cast<double>(use.inUse)) << modules;
+  }
+}
+
+TEST(FluidMemory, IsNotMadeForMoreParticlesThanThereWillBe) {
+  CpuDevice device(2);
+  SimulatedScene scene(device, sceneOf({}));
+  run(scene);
+  const auto& particles = *scene.node<ParticleFluid>("water").fluid->particles;
+  EXPECT_LE(particles.capacity(), scene->memoryNeeds().particles);
+}
+
+TEST(FluidMemory, RefusesWhatDoesNotFitBeforeAnythingIsMade) {
+  CpuDevice device(2);
+  SimulatedScene scene(device, sceneOf({}), {"world.duration=4e4"});
+  const Error error = test::errorOf([&] { scene->reset(); });
+  EXPECT_EQ(error.kind(), ErrorKind::kScene);
+  EXPECT_CONTAINS(error.what(), "there are");
+  EXPECT_CONTAINS(error.what(), "a spacing of at least");
+  EXPECT_LT(device.memoryUse().peak, 1u << 20);
+}
+
+TEST(FluidMemory, RefusesMoreParticlesThanCanBeNumbered) {
+  CpuDevice device(2);
+  // The domain may remove some, but each gets a number of its own.
+  SimulatedScene scene(device, sceneOf({"", R"(, "domain_max": [9, 9, 9])", "", ""}), {"world.duration=1e5"});
+  const Error error = test::errorOf([&] { scene->reset(); });
+  EXPECT_CONTAINS(error.what(), "at most 2147483647");
+  EXPECT_CONTAINS(error.what(), "a spacing of at least");
+}
+
+TEST(FluidMemory, AFittingSpacingFits) {
+  CpuDevice device(2);
+  SimulatedScene fine(device, sceneOf({}), {"world.duration=4e4"});
+  const std::string text = test::errorOf([&] { fine->reset(); }).what();
+  const std::string before = "a spacing of at least ";
+  const std::string proposed = text.substr(text.find(before) + before.size());
+  const double spacing = std::stod(proposed);
+  EXPECT_GT(spacing, 0.02);
+  Registry registry;
+  SimulatedScene coarser(device, sceneOf({}), {"water.spacing=" + std::to_string(1.01 * spacing)});
+  Simulation& simulation = *coarser;
+  Log silent;
+  const MemoryEstimate estimate =
+      simulation.scene().graph.estimate({.device = device, .log = silent, .registry = registry, .end = 4e4});
+  EXPECT_EQ(estimate.check(static_cast<double>(device.availableMemory()), "cpu"), "");
+}
+
+TEST(FluidMemory, OfARunThatEndsSoonCountsWhatIsBornByThen) {
+  CpuDevice device(2);
+  SimulatedScene scene(device, sceneOf({}), {"world.duration=1000"});
+  scene->reset(0);
+  EXPECT_LE(scene->memoryNeeds().particles, 2000 + 400);
+}
+
+}  // namespace
+}  // namespace weir

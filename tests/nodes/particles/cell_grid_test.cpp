@@ -1,0 +1,92 @@
+// The grid wraps around, so what is far apart may share cells: how much more that makes the search look at.
+#include "nodes/particles/cell_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+namespace weir {
+namespace {
+
+constexpr float kSpacing = 0.01f, kRadius = 1.5f * kSpacing;
+
+void addBlock(std::vector<Vec3f>& points, int side, const Vec3f& corner) {
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x)
+        points.push_back(corner + kSpacing * Vec3f{x + 0.5f, y + 0.5f, z + 0.5f});
+}
+
+CellGrid gridFor(const std::vector<Vec3f>& points) {
+  Aabb box;
+  for (const Vec3f& p : points) box = {min(box.lo, p), max(box.hi, p)};
+  // As many cells as a NeighborList allows itself.
+  const auto count = static_cast<std::int64_t>(points.size());
+  return chooseCellGrid(box, kRadius, 4 * count, count / 4);
+}
+
+/// Points in the 27 cells around a point, a mean over all points: what a search compares distances with.
+double candidates(const std::vector<Vec3f>& points) {
+  const CellGrid grid = gridFor(points);
+  std::vector<int> in(static_cast<std::size_t>(grid.cellCount()));
+  for (const Vec3f& p : points) ++in[static_cast<std::size_t>(grid.index(grid.cellOf(p)))];
+  double sum = 0;
+  for (const Vec3f& p : points) {
+    const Vec3i c = grid.cellOf(p);
+    for (int k = 0; k < 27; ++k)
+      sum += in[static_cast<std::size_t>(grid.index({CellGrid::step(c.x, k % 3 - 1, grid.cells.x),
+                                                     CellGrid::step(c.y, k / 3 % 3 - 1, grid.cells.y),
+                                                     CellGrid::step(c.z, k / 9 - 1, grid.cells.z)}))];
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+double ofTwoBlocks(const Vec3f& apart) {
+  std::vector<Vec3f> points;
+  addBlock(points, 20, {});
+  addBlock(points, 20, apart);
+  return candidates(points);
+}
+
+TEST(CellGrid, TwoSplashesFarApartCostWhatTheyCostSideBySide) {
+  const double near = ofTwoBlocks({0.3f, 0, 0});
+  double most = 0, sum = 0;
+  int distances = 0;
+  for (float d = 80; d < 120; d += 0.77f)
+    for (const Vec3f& direction : {Vec3f{1, 0, 0}, Vec3f{1, 0.3f, 0.7f}, Vec3f{0.01f, 1, 0.01f}}) {
+      const double far = ofTwoBlocks(d * direction);
+      most = std::max(most, far / near);
+      sum += far / near;
+      ++distances;
+    }
+  RecordProperty("mean", std::to_string(sum / distances));
+  RecordProperty("most", std::to_string(most));
+  std::printf("candidates of two blocks 100 m apart over those side by side: mean %.3f, most %.3f\n",
+              sum / distances, most);
+  EXPECT_LE(most, 1.1);
+}
+
+TEST(CellGrid, ABlockInAWideSprayCostsLittleMore) {
+  std::vector<Vec3f> points;
+  addBlock(points, 30, {});
+  const double alone = candidates(points);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> place(-50, 50);
+  for (int k = 0; k < 300; ++k) points.push_back({place(random), place(random), place(random)});
+  EXPECT_LE(candidates(points), 1.1 * alone);
+}
+
+TEST(CellGrid, HasCellsForItsPointsNotForItsVolume) {
+  std::vector<Vec3f> points;
+  addBlock(points, 10, {});
+  addBlock(points, 10, {1000, 1000, 1000});
+  const CellGrid grid = gridFor(points);
+  EXPECT_LE(grid.cellCount(), 4 * 2000);
+  EXPECT_GE(grid.cellCount(), 2000 / 4 / 2);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GE(grid.cells[axis], CellGrid::kLeastCells);
+}
+
+}  // namespace
+}  // namespace weir

@@ -1,0 +1,204 @@
+// Checkpoints: a run that was killed and resumed ends, bit by bit, as one that was not.
+#include <signal.h>
+
+#include <filesystem>
+
+#include "framework/scene/scene_file.h"
+#include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/vtkhdf_reader.h"
+#include "tests/plugins/vtkhdf/sample_run.h"
+#include "tests/support/child_process.h"
+#include "tests/support/expect_error.h"
+
+namespace weir::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All that has a state of its own: an emitter, a sink, a moving solid, and a solver that iterates as needed,
+/// in steps that follow the motion.
+const char* const kScene = R"({"weir": 1,
+  "world": {"dt": 0.01, "cfl": 0.4, "frame_rate": 50, "duration": 0.4, "seed": 3},
+  "nodes": {
+    "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.3, 0.1, 0.3], "jitter": 0.1}},
+    "nozzle": {"type": "CircleEmitter",
+               "params": {"position": [0.1, 0.3, 0.1], "radius": 0.05, "jitter": 0.2,
+                          "speed": {"keyframes": [[0, 0.5], [0.4, 1.5]]}}},
+    "drain": {"type": "Sink", "params": {"min": [0.25, -1, 0.25], "max": [0.4, 0.02, 0.4]}},
+    "room": {"type": "BoxMesh", "params": {"min": [0, 0, 0], "max": [0.3, 0.5, 0.3]}},
+    "walls": {"type": "SemiAnalyticalSFI", "params": {"fill": "container"}},
+    "blade": {"type": "BoxMesh", "params": {"min": [0.1, 0.02, 0.14], "max": [0.2, 0.12, 0.16]}},
+    "stirrer": {"type": "SemiAnalyticalSFI",
+                "params": {"angular_velocity": [0, 6, 0], "pivot": [0.15, 0, 0.15]}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 5},
+              "modules": {"solver": {"params": {"tolerance": 0.02, "acceleration": "anderson"}}}}},
+  "links": ["block.particles -> water.initial", "nozzle.particles -> water.emitters", "drain.sink -> water.sinks",
+            "room.surface -> walls.solids", "water.fluid -> walls.fluid",
+            "blade.surface -> stirrer.solids", "water.fluid -> stirrer.fluid"]})";
+
+class CheckpointOfRun : public testing::Test {
+ protected:
+  CheckpointOfRun() { folder_.write("scene.json", kScene); }
+
+  ChildResult run(const std::string& name, std::vector<std::string> more, const ChildOptions& options = {}) {
+    std::vector<std::string> arguments{"run",       folder_ / "scene.json",
+                                       "--device",  "cpu",
+                                       "--threads", "2",
+                                       "--export",  folder_ / (name + ".vtkhdf"),
+                                       "--series",  folder_ / (name + ".jsonl")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runWeir(arguments, options);
+  }
+
+  std::string checkpoint() const { return folder_ / "state.h5"; }
+
+  /// Of every frame, without the times that it took.
+  std::vector<Value> seriesOf(const std::string& name) const {
+    std::vector<Value> frames;
+    std::istringstream lines(readFile(folder_ / (name + ".jsonl")));
+    for (std::string line; std::getline(lines, line);) {
+      Value frame = parseJson(line, name);
+      frame["stepping_seconds"] = 0;
+      frames.push_back(std::move(frame));
+    }
+    return frames;
+  }
+
+  void expectSame(const std::string& one, const std::string& other) const {
+    EXPECT_EQ(seriesOf(one), seriesOf(other));
+    const VtkHdfReader a(folder_ / (one + ".vtkhdf")), b(folder_ / (other + ".vtkhdf"));
+    ASSERT_EQ(a.times(), b.times());
+    for (std::size_t k = 0; k < a.times().size(); ++k) {
+      const VtkHdfStep left = a.read(k), right = b.read(k);
+      EXPECT_EQ(left.positions, right.positions) << "frame " << k;
+      ASSERT_EQ(left.arrays.size(), right.arrays.size());
+      for (std::size_t i = 0; i < left.arrays.size(); ++i) {
+        EXPECT_EQ(left.arrays[i].name, right.arrays[i].name);
+        EXPECT_EQ(left.arrays[i].values, right.arrays[i].values) << left.arrays[i].name << " at frame " << k;
+      }
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(CheckpointOfRun, GoesOnBitByBitWhereItWas) {
+  const ChildResult whole = run("whole", {});
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  ASSERT_EQ(run("parts", {"--checkpoint", checkpoint(), "--checkpoint-every", "8", "--frames", "11"}).code,
+            0);
+  // The export holds frames behind the checkpoint, which come again.
+  const ChildResult resumed = run("parts", {"--resume", checkpoint()});
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  expectSame("whole", "parts");
+}
+
+TEST_F(CheckpointOfRun, SurvivesAKill) {
+  ASSERT_EQ(run("whole", {}).code, 0);
+  ChildOptions killed;
+  killed.onStderr = [](int pid, const std::string& err) {
+    if (err.find("frame 1") != std::string::npos) ::kill(pid, SIGKILL);
+  };
+  run("killed", {"--checkpoint", checkpoint(), "--checkpoint-every", "1"}, killed);
+  ASSERT_TRUE(fs::exists(checkpoint()));
+  EXPECT_NO_THROW(VtkHdfReader(folder_ / "killed.vtkhdf"));
+  const ChildResult resumed = run("killed", {"--resume", checkpoint(), "--checkpoint", checkpoint()});
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  expectSame("whole", "killed");
+}
+
+TEST_F(CheckpointOfRun, KeepsTheLastTwo) {
+  ASSERT_EQ(run("a", {"--checkpoint", checkpoint(), "--checkpoint-every", "3", "--frames", "7"}).code, 0);
+  const Hdf5CheckpointStore store;
+  const auto frameOf = [&](const std::string& file) {
+    std::int64_t frame = 0;
+    const Checkpoint read = store.read(file);
+    StateReader(read.state).in("clock").get("frame", frame);
+    return frame;
+  };
+  EXPECT_EQ(frameOf(checkpoint()), 6);
+  EXPECT_EQ(frameOf(folder_ / "state.previous.h5"), 3);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_.path())) ++files;
+  EXPECT_EQ(files, 5u) << "the scene, two outputs, two checkpoints";
+}
+
+TEST_F(CheckpointOfRun, IsRefusedByAnotherScene) {
+  ASSERT_EQ(run("a", {"--checkpoint", checkpoint(), "--checkpoint-every", "1", "--frames", "1"}).code, 0);
+  const ChildResult other =
+      run("b", {"--resume", checkpoint(), "--set", "water.spacing=0.03", "--set", "world.seed=4"});
+  EXPECT_EQ(other.code, 5);
+  EXPECT_CONTAINS(other.err, "nodes.water.params.spacing: 0.02 then, 0.03 now");
+  EXPECT_CONTAINS(other.err, "world.seed: 3 then, 4 now");
+  EXPECT_FALSE(fs::exists(folder_ / "b.vtkhdf"));
+  // More time is no other scene.
+  EXPECT_EQ(run("a", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
+}
+
+TEST_F(CheckpointOfRun, ThatIsNoneIsAnError) {
+  const std::string junk = folder_.write("junk.h5", "no HDF5");
+  for (const std::string& file : {junk, folder_ / "missing.h5"}) {
+    const ChildResult result = run("a", {"--resume", file});
+    EXPECT_EQ(result.code, 5);
+    EXPECT_CONTAINS(result.err, file);
+  }
+  EXPECT_EQ(run("a", {"--resume", folder_ / "scene.json"}).code, 2);
+  EXPECT_EQ(run("a", {"--checkpoint", checkpoint(), "--checkpoint-every", "often"}).code, 2);
+}
+
+TEST(CheckpointFile, KeepsEveryKindOfArray) {
+  const TemporaryFolder folder;
+  Checkpoint checkpoint{.version = "1.2", .scene = "{\"a\": \"ü\"}", .device = "cpu", .state = {}};
+  struct Odd {
+    char c;
+    double d;
+  };
+  const std::vector<Vec3f> vectors{{1, 2, 3}, {-0.0f, 1e-40f, 1e38f}};
+  const std::vector<Odd> odd{{'x', 0.1}, {'y', -1e300}};
+  const StateWriter to = StateWriter(checkpoint.state).in("a").in("b");
+  to.put("vectors", std::span<const Vec3f>(vectors));
+  to.put("odd", std::span<const Odd>(odd));
+  to.put("none", std::span<const int>());
+  to.put("long", std::int64_t{1} << 60);
+  StateWriter(checkpoint.state).put("top", 0.1);
+
+  const Hdf5CheckpointStore store;
+  store.write(folder / "c.h5", checkpoint);
+  const Checkpoint read = store.read(folder / "c.h5");
+  EXPECT_EQ(read.version, checkpoint.version);
+  EXPECT_EQ(read.scene, checkpoint.scene);
+  EXPECT_EQ(read.device, checkpoint.device);
+  ASSERT_EQ(read.state.size(), checkpoint.state.size());
+  for (const auto& [path, array] : checkpoint.state) {
+    const auto found = read.state.find(path);
+    ASSERT_NE(found, read.state.end()) << path;
+    EXPECT_EQ(found->second.kind, array.kind) << path;
+    EXPECT_EQ(found->second.rows, array.rows) << path;
+    EXPECT_EQ(found->second.columns, array.columns) << path;
+    EXPECT_EQ(found->second.data, array.data) << path;
+  }
+  // What is there is not touched.
+  EXPECT_THROW(store.write(folder / "c.h5", checkpoint), Error);
+}
+
+TEST(StateReader, NamesWhatIsMissingOrOfAnotherKind) {
+  StateArrays arrays;
+  StateWriter(arrays).in("water").put("count", 3);
+  const StateReader from = StateReader(arrays).in("water");
+  double number = 0;
+  EXPECT_CONTAINS(errorOf([&] { from.get("count", number); }).what(), "water/count");
+  int count = 0;
+  from.get("count", count);
+  EXPECT_EQ(count, 3);
+  EXPECT_CONTAINS(errorOf([&] { from.get("speed", number); }).what(), "water/speed");
+}
+
+TEST(CheckpointInterval, IsOfFramesOrSeconds) {
+  EXPECT_EQ(CheckpointInterval::parse("20").frames, 20);
+  EXPECT_EQ(CheckpointInterval::parse("1.5s").seconds, 1.5);
+  for (const char* bad : {"", "s", "0", "-3", "1.5", "2m", "1e99", "nan", "infs"})
+    EXPECT_EQ(errorOf([&] { CheckpointInterval::parse(bad); }).kind(), ErrorKind::kUsage) << bad;
+}
+
+}  // namespace
+}  // namespace weir::test
