@@ -78,7 +78,7 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
   if (std::memcmp(header.magic, kMagic, std::strlen(kMagic) + 1) != 0)
     throw pluginError(file, std::string("the library is no Weir plugin: ") + kHeaderSymbol +
                                 " does not begin with " + kMagic);
-  constexpr std::size_t kFixed = offsetof(PluginHeader, build);
+  constexpr std::size_t kFixed = offsetof(PluginHeader, interfaceIdentity);
   std::memcpy(&header, symbol, kFixed);
   if (header.interfaceVersion != kPluginInterface)
     throw pluginError(
@@ -89,6 +89,9 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
                       std::to_string(sizeof(PluginHeader)) + " bytes",
                       "build it again with this version of Weir");
   std::memcpy(&header, symbol, sizeof header);
+  if (fieldText(header.interfaceIdentity) != kInterfaceIdentity)
+    throw pluginError(file, "the plugin was built for Weir " + fieldText(header.interfaceIdentity),
+                      "Weir " + std::string(kInterfaceIdentity), "build it again with this version of Weir");
   if (fieldText(header.build) != kPluginBuild.text)
     throw pluginError(file, "the plugin's build is '" + fieldText(header.build) + "'",
                       "'" + std::string(kPluginBuild.text) + "'",
@@ -104,6 +107,7 @@ Plugin::Plugin(const fs::path& file, Registry& registry)
   const auto registerTypes = reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
   name_ = fieldText(header.name);
   doc_ = fieldText(header.doc);
+  hasCudaKernels_ = header.hasCudaKernels != 0;
 
   Registry extended = registry;
   extended.setSource("plugin " + name_);

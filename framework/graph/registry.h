@@ -82,7 +82,7 @@ class Registry {
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
 
-  std::string source_ = "weir";
+  std::string source_{kOwnSource};
   std::map<std::string, NodeType> nodes_;
   std::map<std::string, ModuleType> modules_;
   std::map<std::string, SectionType> sections_;
