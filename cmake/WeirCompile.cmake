@@ -50,7 +50,15 @@ function(weir_configure_target target)
   # The old kind of run path (DT_RPATH) also serves the libraries that the named ones need in turn, so a folder of
   # libraries that were built elsewhere works wherever it is moved.
   target_link_options(${target} PRIVATE -Wl,--disable-new-dtags)
-  set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib;$ORIGIN;$ORIGIN/../..")
+  # From bin/, lib/ or lib/weir/plugins; a tarball brings the libraries of others in lib/weir/bundled.
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib;$ORIGIN/../lib/weir/bundled")
+  elseif(type STREQUAL "MODULE_LIBRARY")
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../..;$ORIGIN/../bundled")
+  else()
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/weir/bundled")
+  endif()
 endfunction()
 
 # Adds the sources below `directory` to the target, by what their names say:

@@ -102,7 +102,7 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
 }  // namespace
 
 Plugin::Plugin(const fs::path& file, Registry& registry)
-    : library_(std::make_unique<Library>(file)), file_(file) {
+    : library_(std::make_shared<Library>(file)), file_(file) {
   const PluginHeader header = checkedHeader(file, library_->symbol(file, kHeaderSymbol));
   const auto registerTypes = reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
   name_ = fieldText(header.name);
@@ -110,6 +110,7 @@ Plugin::Plugin(const fs::path& file, Registry& registry)
   hasCudaKernels_ = header.hasCudaKernels != 0;
 
   Registry extended = registry;
+  extended.keepLoaded(library_);
   extended.setSource("plugin " + name_);
   std::string reason;
   try {

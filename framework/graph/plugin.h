@@ -93,12 +93,12 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
 }
 }  // namespace detail
 
-/// A loaded library; keep it alive for as long as anything it registered.
+/// A loaded library. It stays loaded for as long as this or the registry lives; all that is made of its types
+/// must be gone by then.
 class Plugin {
  public:
   /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another
-  /// version or build, or fails to register; the registry is then as before. What the registry holds from
-  /// the plugin, and all that is made of it, must be gone before the Plugin is.
+  /// version or build, or fails to register; the registry is then as before.
   Plugin(const std::filesystem::path& file, Registry& registry);
   ~Plugin();
   Plugin(Plugin&&) noexcept;
@@ -112,7 +112,7 @@ class Plugin {
 
  private:
   struct Library;
-  std::unique_ptr<Library> library_;
+  std::shared_ptr<Library> library_;
   std::filesystem::path file_;
   std::string name_, doc_;
   bool hasCudaKernels_ = false;

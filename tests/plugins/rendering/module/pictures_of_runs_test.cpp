@@ -57,8 +57,11 @@ TEST_F(PicturesOfRuns, AnAttributeOfAPluginColoursTheParticles) {
     const ChildResult result = runWeir({"run", folder.write(by + ".json", colored), "--images", images,
                                         "--plugin", buildFolder() + "/lib/weir/test_plugins/tagger.so"});
     EXPECT_EQ(result.code == 0, by != "no_such_thing") << result.err;
-    if (result.code == 0) pictures.push_back(readPng(images + "/frame_00005.png"));
-    if (result.code != 0) EXPECT_CONTAINS(result.err, "tag_vector");  // what there is
+    if (result.code == 0) {
+      pictures.push_back(readPng(images + "/frame_00005.png"));
+    } else {
+      EXPECT_CONTAINS(result.err, "tag_vector");  // what there is
+    }
   }
   ASSERT_EQ(pictures.size(), 2u);
   EXPECT_NE(pictures[0].rgb, pictures[1].rgb);

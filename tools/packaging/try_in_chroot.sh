@@ -1,0 +1,58 @@
+#!/bin/sh
+# Unpacks a tarball in bare systems, each made by debootstrap with nothing but its base packages, and runs the demo
+# scene there without installing anything. Needs root, debootstrap and a network; systems are kept in a folder for
+# the next time.
+#
+# usage: try_in_chroot.sh TARBALL [SYSTEM...]        SYSTEM: bookworm, trixie, noble (all of them by default)
+# WEIR_CHROOTS: the folder for the systems, /var/tmp/weir-chroots by default
+set -eu
+tarball=$1
+shift
+[ $# -gt 0 ] || set -- bookworm trixie noble
+folder=${WEIR_CHROOTS:-/var/tmp/weir-chroots}
+name=$(basename "$tarball" .tar.gz)
+
+make_system() {
+  case "$1" in
+    noble)
+      # debootstrap of Debian may not know Ubuntu's newer names and keys; its script for all of them is gutsy.
+      set -- --components=main --no-check-gpg noble "$folder/$1" http://archive.ubuntu.com/ubuntu \
+        /usr/share/debootstrap/scripts/gutsy ;;
+    *) set -- "$1" "$folder/$1" http://deb.debian.org/debian ;;
+  esac
+  debootstrap --variant=minbase "$@" >"$folder/log" 2>&1 || { tail "$folder/log" >&2; exit 1; }
+}
+
+try() {
+  system=$folder/$1
+  if [ ! -e "$system/etc/os-release" ]; then make_system "$1"; fi
+  rm -rf "$system/opt/weir"
+  mkdir -p "$system/opt/weir"
+  tar -C "$system/opt/weir" -xzf "$tarball"
+  mount -t proc proc "$system/proc"
+  set +e
+  chroot "$system" env -i PATH=/usr/bin:/bin sh -eu -c '
+    . /etc/os-release
+    echo "== $PRETTY_NAME"
+    weir=/opt/weir/'"$name"'
+    cd /tmp
+    "$weir/bin/weir" info | sed -n "/^plugins/,\$p"
+    "$weir/bin/weir" run "$weir/share/weir/scenes/jet_fills_goblet.json" --frames 3 --quiet \
+      --stats stats.json --export goblet.vtkhdf
+    ls -l stats.json goblet.vtkhdf
+    "$weir/bin/weir" new-plugin my_force --directory my_force >/dev/null && rm -r my_force
+    # Pictures need what a bare system has not: this must be said, and nothing else go wrong.
+    if "$weir/bin/weir" run "$weir/share/weir/scenes/jet_fills_goblet.json" --frames 1 --quiet --video out.mp4; then
+      echo "there is a video"
+    else
+      echo "no video, as said above"
+    fi
+  '
+  code=$?
+  set -e
+  umount "$system/proc"
+  [ "$code" -eq 0 ] || { echo "try_in_chroot: $1: FAILED ($code)" >&2; exit 1; }
+}
+
+mkdir -p "$folder"
+for one in "$@"; do try "$one"; done
