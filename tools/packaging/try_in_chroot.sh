@@ -5,6 +5,8 @@
 #
 # usage: try_in_chroot.sh TARBALL [SYSTEM...]        SYSTEM: bookworm, trixie, noble (all of them by default)
 # WEIR_CHROOTS: the folder for the systems, /var/tmp/weir-chroots by default
+# WEIR_TRY_VIDEO=1: then install ffmpeg and Mesa there, too, and make a video, so that drivers of that system meet
+#                   the bundled libraries
 set -eu
 tarball=$1
 shift
@@ -36,7 +38,7 @@ try() {
     echo "== $PRETTY_NAME"
     weir=/opt/weir/'"$name"'
     cd /tmp
-    "$weir/bin/weir" info | sed -n "/^plugins/,\$p"
+    "$weir/bin/weir" info | sed -n "/^Plugins/,/^ *searched/p"
     "$weir/bin/weir" run "$weir/share/weir/scenes/jet_fills_goblet.json" --frames 3 --quiet \
       --stats stats.json --export goblet.vtkhdf
     ls -l stats.json goblet.vtkhdf
@@ -49,6 +51,18 @@ try() {
     fi
   '
   code=$?
+  if [ "$code" -eq 0 ] && [ -n "${WEIR_TRY_VIDEO:-}" ]; then
+    cp /etc/resolv.conf "$system/etc/resolv.conf"
+    chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive sh -eu -c '
+      if grep -q ubuntu /etc/apt/sources.list; then sed -i "s/ main$/ main universe/" /etc/apt/sources.list; fi
+      apt-get update -q >/dev/null
+      apt-get install -y -q --no-install-recommends ffmpeg libegl1 libgl1-mesa-dri >/dev/null 2>&1
+      weir=/opt/weir/'"$name"'
+      "$weir/bin/weir" run "$weir/share/weir/scenes/jet_fills_goblet.json" --frames 2 --quiet --video /tmp/out.mp4
+      ls -l /tmp/out.mp4
+    '
+    code=$?
+  fi
   set -e
   umount "$system/proc"
   [ "$code" -eq 0 ] || { echo "try_in_chroot: $1: FAILED ($code)" >&2; exit 1; }
