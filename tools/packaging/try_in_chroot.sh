@@ -5,8 +5,8 @@
 #
 # usage: try_in_chroot.sh TARBALL [SYSTEM...]        SYSTEM: bookworm, trixie, noble (all of them by default)
 # WEIR_CHROOTS: the folder for the systems, /var/tmp/weir-chroots by default
-# WEIR_TRY_VIDEO=1: then install ffmpeg and Mesa there, too, and make a video, so that drivers of that system meet
-#                   the bundled libraries
+# WEIR_TRY_MORE=1: then install ffmpeg, Mesa and a compiler there, make a video, so that drivers of that system meet
+#                  the bundled libraries, and build and test a new plugin
 set -eu
 tarball=$1
 shift
@@ -51,15 +51,21 @@ try() {
     fi
   '
   code=$?
-  if [ "$code" -eq 0 ] && [ -n "${WEIR_TRY_VIDEO:-}" ]; then
+  if [ "$code" -eq 0 ] && [ -n "${WEIR_TRY_MORE:-}" ]; then
     cp /etc/resolv.conf "$system/etc/resolv.conf"
     chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive sh -eu -c '
       if grep -q ubuntu /etc/apt/sources.list; then sed -i "s/ main$/ main universe/" /etc/apt/sources.list; fi
       apt-get update -q >/dev/null
-      apt-get install -y -q --no-install-recommends ffmpeg libegl1 libgl1-mesa-dri >/dev/null 2>&1
+      apt-get install -y -q --no-install-recommends ffmpeg libegl1 libgl1-mesa-dri g++ cmake make \
+        >/dev/null 2>&1
       weir=/opt/weir/'"$name"'
       "$weir/bin/weir" run "$weir/share/weir/scenes/jet_fills_goblet.json" --frames 2 --quiet --video /tmp/out.mp4
       ls -l /tmp/out.mp4
+      rm -rf /tmp/my_force
+      "$weir/bin/weir" new-plugin my_force --directory /tmp/my_force >/dev/null
+      cmake -S /tmp/my_force -B /tmp/my_force/build -DCMAKE_PREFIX_PATH="$weir" >/dev/null
+      cmake --build /tmp/my_force/build >/dev/null
+      ctest --test-dir /tmp/my_force/build
     '
     code=$?
   fi
