@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(All, BrokenPlugin,
                                          std::pair{"throws", "no licence found"},
                                          std::pair{"taken_name", "ParticleFluid"},
                                          std::pair{"no_plugin", "is no Weir plugin"},
-                                         std::pair{"missing_symbol", "nobodyHasThis"}),
+                                         std::pair{"missing_symbol", "nobodyHasThis()"}),
                          [](const auto& tested) { return std::string(tested.param.first); });
 
 std::string failingScene(const std::string& nodeHook, const std::string& moduleHook) {
