@@ -244,7 +244,10 @@ std::string describeProgram(const Program& program, const Registry& registry) {
   text += "\nPlugins\n";
   if (program.plugins().empty()) text += "  none\n";
   for (const Plugin& plugin : program.plugins())
-    text += fmt::format("  {}: {}\n      {}\n", plugin.name(), plugin.doc(), plugin.file().string());
+    text +=
+        fmt::format("  {}: {}{}\n      {}\n", plugin.name(), plugin.doc(),
+                    builtWithCuda() && !plugin.hasCudaKernels() ? " (Built without kernels for CUDA.)" : "",
+                    plugin.file().string());
   text += "  searched in:\n";
   for (const auto& folder : pluginFolders()) text += fmt::format("      {}\n", folder.string());
   for (const auto& [name, source] : registry.createServices<InfoSource>()) {

@@ -8,6 +8,7 @@
 #include "apps/weir/bench/bench_command.h"
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
+#include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
 #include "apps/weir/run_command.h"
 #include "apps/weir/validate_command.h"
@@ -74,6 +75,13 @@ int runProgram(Program& program, int argc, char** argv) {
   nodes->add_option("type", type, "A node or module type")->type_name("TYPE");
   nodes->add_flag("--json", json, "Print JSON");
 
+  std::string newName, newFolder;
+  CLI::App* makePlugin = app.add_subcommand(
+      "new-plugin", "Write the project of a new plugin: a module, a node, a scene, a test");
+  makePlugin->add_option("name", newName, "Its name, such as vortex_force")->required()->type_name("NAME");
+  makePlugin->add_option("--directory", newFolder, "The folder to make; ./NAME if it is left out")
+      ->type_name("DIR");
+
   CLI::App* schema = app.add_subcommand("schema", "Print the JSON Schema of scene files");
   CLI::App* info = app.add_subcommand("info", "Show version, devices and plugins");
   CLI::App* completion = app.add_subcommand("completion", "Print a script for completion in bash");
@@ -99,6 +107,7 @@ int runProgram(Program& program, int argc, char** argv) {
   if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json)
     fmt::print("{}", type.empty() ? describeAll(registry) : describeType(registry, type));
+  if (makePlugin->parsed()) return newPlugin(program, newName, newFolder);
   if (schema->parsed()) fmt::print("{}", writeJson(sceneSchema(registry)));
   if (info->parsed()) fmt::print("{}", describeProgram(program, registry));
   if (completion->parsed()) fmt::print("{}", bashCompletion(app));

@@ -1,5 +1,7 @@
 #include "apps/weir/program.h"
 
+#include <sys/auxv.h>
+
 #include <cstdlib>
 #include <string_view>
 
@@ -14,7 +16,9 @@ namespace {
 /// The installation or build tree that the program runs from: the folder above bin/.
 fs::path prefix() {
   std::error_code error;
-  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  // Where /proc is not mounted, as in some containers: the path that the program was started by.
+  if (error) executable = fs::canonical(reinterpret_cast<const char*>(getauxval(AT_EXECFN)), error);
   return executable.parent_path().parent_path();
 }
 

@@ -26,6 +26,7 @@ Error& Error::at(Location location) {
   fill(location_.pointer, location.pointer);
   fill(location_.node, location.node);
   fill(location_.parameter, location.parameter);
+  fill(location_.part, location.part);
   compose();
   return *this;
 }
@@ -50,6 +51,7 @@ void Error::compose() {
   append(printable(location_.pointer, kLongestShown));
   if (!location_.node.empty()) append("node " + inQuotes(location_.node));
   if (!location_.parameter.empty()) append("parameter " + inQuotes(location_.parameter));
+  append(printable(location_.part, kLongestShown));
 
   text_ = where.empty() ? message_ : where + ": " + message_;
   if (!allowed_.empty()) text_ += "\n  allowed: " + allowed_;

@@ -25,6 +25,7 @@ struct Location {
   std::string pointer;  ///< JSON pointer, "/nodes/water/params/spacing"
   std::string node;
   std::string parameter;
+  std::string part;  ///< of a plugin: "module 'lift' (plugin lift)"
 };
 
 class Error : public std::exception {

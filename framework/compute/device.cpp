@@ -104,6 +104,11 @@ std::unique_ptr<Device> openDevice(std::string_view spec, int threads) {
   return openCuda(spec, index);
 }
 
+void detail::throwNoCudaKernels() {
+  throw simulationError("this has no kernels for CUDA: it was built without nvcc", "--device cpu",
+                        "build the plugin again on a machine with nvcc to run it on CUDA");
+}
+
 std::unique_ptr<detail::ReadbackSlot> detail::makeReadbackSlot(Device& device, std::size_t bytes) {
   if (device.kind() == DeviceKind::kCpu) return std::make_unique<CpuReadbackSlot>(bytes);
   return makeCudaReadbackSlot(static_cast<CudaDevice&>(device), bytes);

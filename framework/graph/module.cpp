@@ -50,6 +50,11 @@ void PipelineBase::replace(std::string_view name, std::unique_ptr<Module> module
   place = std::move(module);
 }
 
+void PipelineBase::call(const Module& module, const std::function<void()>& f) {
+  callGuarded(
+      module.source(), [&] { return "module " + inQuotes(module.name()) + " (" + module.source() + ")"; }, f);
+}
+
 void PipelineBase::markDefault() {
   defaults_.clear();
   for (const auto& module : modules_) {

@@ -11,6 +11,7 @@
 #include "framework/base/check.h"
 #include "framework/base/log.h"
 #include "framework/graph/configurable.h"
+#include "framework/graph/guard.h"
 
 namespace weir {
 
@@ -29,11 +30,15 @@ class Module : public Configurable {
 
   const std::string& name() const { return name_; }
   void setName(std::string name) { name_ = std::move(name); }
+  /// The library that its type comes from, see Registry::setSource.
+  const std::string& source() const { return source_; }
+  void setSource(std::string source) { source_ = std::move(source); }
   bool enabled() const { return enabled_; }
   void enable(bool on) { enabled_ = on; }
 
  private:
   std::string name_;
+  std::string source_{kOwnSource};
   bool enabled_ = true;
 };
 
@@ -64,6 +69,10 @@ class PipelineBase {
   Value changedValues() const;
   /// To be called by the constructor of a node once its default modules stand.
   void markDefault();
+
+ protected:
+  /// Calls f; an Error of it says which module of which plugin it comes from, if it is a plugin's.
+  static void call(const Module& module, const std::function<void()>& f);
 
  private:
   /// A module as the node's constructor left it.
@@ -98,15 +107,21 @@ class Pipeline final : public PipelineBase {
     return reference;
   }
 
-  /// Calls f(M&) for every enabled module in order.
+  /// Calls f(M&) for every module in order.
   template <class F>
-  void forEachEnabled(F&& f) const {
+  void forEach(F&& f) const {
     for (const auto& module : modules()) {
-      if (!module->enabled()) continue;
       auto* typed = dynamic_cast<M*>(module.get());
       WEIR_CHECK(typed != nullptr);
-      f(*typed);
+      call(*module, [&] { f(*typed); });
     }
+  }
+  /// The same for those that are enabled.
+  template <class F>
+  void forEachEnabled(F&& f) const {
+    forEach([&](M& module) {
+      if (module.enabled()) f(module);
+    });
   }
 };
 

@@ -76,6 +76,9 @@ class Node : public Configurable {
 
   const std::string& name() const { return name_; }
   void setName(std::string name) { name_ = std::move(name); }
+  /// The library that its type comes from, see Registry::setSource.
+  const std::string& source() const { return source_; }
+  void setSource(std::string source) { source_ = std::move(source); }
 
   const std::vector<InputPort*>& inputs() const { return inputs_; }
   const std::vector<OutputPort*>& outputs() const { return outputs_; }
@@ -116,6 +119,7 @@ class Node : public Configurable {
   friend class InputPort;
   friend class OutputPort;
   std::string name_;
+  std::string source_{kOwnSource};
   std::vector<InputPort*> inputs_;
   std::vector<OutputPort*> outputs_;
 };

@@ -1,8 +1,10 @@
 #include "framework/graph/plugin.h"
 
+#include <cxxabi.h>
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "framework/base/text.h"
@@ -23,9 +25,21 @@ Error pluginError(const fs::path& file, const std::string& message, const std::s
   return error.at({.file = file.string()});
 }
 
+constexpr std::string_view kUndefined = "undefined symbol: ";
+
+/// What the loader says of the last failure, with the name of a missing symbol as it stands in sources.
 std::string lastLoaderError() {
-  const char* text = dlerror();
-  return text != nullptr ? printable(text, 500) : "unknown error";
+  const char* raw = dlerror();
+  std::string text = raw != nullptr ? raw : "unknown error";
+  if (const auto at = text.find(kUndefined); at != std::string::npos) {
+    const std::size_t begin = at + kUndefined.size(), end = text.find_first_of(" \t", begin);
+    const std::string symbol = text.substr(begin, end == std::string::npos ? end : end - begin);
+    int status = 0;
+    const std::unique_ptr<char, void (*)(void*)> name(
+        abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status), std::free);
+    if (name != nullptr) text.replace(begin, symbol.size(), name.get());
+  }
+  return printable(text, 500);
 }
 
 /// The text in a field that need not end with a zero.
@@ -49,9 +63,12 @@ struct Plugin::Library {
     handle = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
       const std::string reason = lastLoaderError();
-      const bool missing = reason.find("undefined symbol") != std::string::npos;
-      throw pluginError(file, "the plugin cannot be loaded: " + reason, "a shared library for this machine",
-                        missing ? "it may be built for another version of Weir: build it again" : "");
+      const bool missing = reason.find(kUndefined) != std::string::npos;
+      throw pluginError(
+          file, "the plugin cannot be loaded: " + reason, "a shared library for this machine",
+          missing
+              ? "it may be built for another version of Weir, or with CUDA for a Weir without: build it again"
+              : "");
     }
   }
   ~Library() { dlclose(handle); }
@@ -78,7 +95,7 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
   if (std::memcmp(header.magic, kMagic, std::strlen(kMagic) + 1) != 0)
     throw pluginError(file, std::string("the library is no Weir plugin: ") + kHeaderSymbol +
                                 " does not begin with " + kMagic);
-  constexpr std::size_t kFixed = offsetof(PluginHeader, build);
+  constexpr std::size_t kFixed = offsetof(PluginHeader, interfaceIdentity);
   std::memcpy(&header, symbol, kFixed);
   if (header.interfaceVersion != kPluginInterface)
     throw pluginError(
@@ -89,6 +106,9 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
                       std::to_string(sizeof(PluginHeader)) + " bytes",
                       "build it again with this version of Weir");
   std::memcpy(&header, symbol, sizeof header);
+  if (fieldText(header.interfaceIdentity) != kInterfaceIdentity)
+    throw pluginError(file, "the plugin was built for Weir " + fieldText(header.interfaceIdentity),
+                      "Weir " + std::string(kInterfaceIdentity), "build it again with this version of Weir");
   if (fieldText(header.build) != kPluginBuild.text)
     throw pluginError(file, "the plugin's build is '" + fieldText(header.build) + "'",
                       "'" + std::string(kPluginBuild.text) + "'",
@@ -99,13 +119,15 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
 }  // namespace
 
 Plugin::Plugin(const fs::path& file, Registry& registry)
-    : library_(std::make_unique<Library>(file)), file_(file) {
+    : library_(std::make_shared<Library>(file)), file_(file) {
   const PluginHeader header = checkedHeader(file, library_->symbol(file, kHeaderSymbol));
   const auto registerTypes = reinterpret_cast<void (*)(Registry&)>(library_->symbol(file, kRegisterSymbol));
   name_ = fieldText(header.name);
   doc_ = fieldText(header.doc);
+  hasCudaKernels_ = header.hasCudaKernels != 0;
 
   Registry extended = registry;
+  extended.keepLoaded(library_);
   extended.setSource("plugin " + name_);
   std::string reason;
   try {

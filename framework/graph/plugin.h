@@ -2,8 +2,8 @@
 //
 //   WEIR_PLUGIN("vortex", "A vortex force.", registry) { registry.addModule<VortexForce>(); }
 //
-// The macro defines two C symbols. The host reads the first, plain data, and compares interface version and
-// build before it calls anything of the plugin.
+// The macro defines two C symbols. The host reads the first, plain data, and compares interface version,
+// Weir's headers and build before it calls anything of the plugin.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "framework/graph/interface_digest.h"
 #include "framework/graph/registry.h"
 
 namespace weir {
 
-/// Grows whenever a public header changes in a way that breaks compiled plugins.
-inline constexpr int kPluginInterface = 1;
+/// Grows whenever PluginHeader changes. All other headers are told apart by kInterfaceIdentity.
+inline constexpr int kPluginInterface = 2;
 
 namespace detail {
 
@@ -37,8 +38,8 @@ struct BuildText {
   }
 };
 
-/// What must be equal for two C++ libraries to share types: the compiler's and the standard library's ABI,
-/// and whether there is a CUDA back end, which changes what inline functions do.
+/// What must be equal for two C++ libraries to share types: the compiler's and the standard library's ABI.
+/// A CUDA back end may be in one alone: see dispatch() in framework/compute/device.h.
 constexpr BuildText pluginBuild() {
   BuildText build;
 #if defined(__GXX_ABI_VERSION)
@@ -52,11 +53,6 @@ constexpr BuildText pluginBuild() {
   build.add(", libc++ ABI ").add(static_cast<long>(_LIBCPP_ABI_VERSION));
 #endif
   build.add(", C++").add(__cplusplus / 100 % 100);
-#ifdef WEIR_HAS_CUDA
-  build.add(", with CUDA");
-#else
-  build.add(", without CUDA");
-#endif
   return build;
 }
 
@@ -69,7 +65,9 @@ struct PluginHeader {
   char magic[8];  ///< "WEIRPLG"
   int interfaceVersion;
   int headerSize;
+  char interfaceIdentity[64];  ///< the version of Weir, and a digest of its headers
   char build[112];
+  int hasCudaKernels;  ///< 1 if it was built with nvcc
   char name[64];
   char doc[256];
 };
@@ -84,19 +82,23 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
   copyText(header.magic, "WEIRPLG");
   header.interfaceVersion = kPluginInterface;
   header.headerSize = sizeof(PluginHeader);
+  copyText(header.interfaceIdentity, kInterfaceIdentity);
   copyText(header.build, kPluginBuild.text);
+#ifdef WEIR_HAS_CUDA
+  header.hasCudaKernels = 1;
+#endif
   copyText(header.name, name);
   copyText(header.doc, doc);
   return header;
 }
 }  // namespace detail
 
-/// A loaded library; keep it alive for as long as anything it registered.
+/// A loaded library. It stays loaded for as long as this or the registry lives; all that is made of its types
+/// must be gone by then.
 class Plugin {
  public:
   /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another
-  /// version or build, or fails to register; the registry is then as before. What the registry holds from
-  /// the plugin, and all that is made of it, must be gone before the Plugin is.
+  /// version or build, or fails to register; the registry is then as before.
   Plugin(const std::filesystem::path& file, Registry& registry);
   ~Plugin();
   Plugin(Plugin&&) noexcept;
@@ -105,12 +107,15 @@ class Plugin {
   const std::string& name() const { return name_; }
   const std::string& doc() const { return doc_; }
   const std::filesystem::path& file() const { return file_; }
+  /// Whether its kernels, if it has any, run on CUDA.
+  bool hasCudaKernels() const { return hasCudaKernels_; }
 
  private:
   struct Library;
-  std::unique_ptr<Library> library_;
+  std::shared_ptr<Library> library_;
   std::filesystem::path file_;
   std::string name_, doc_;
+  bool hasCudaKernels_ = false;
 };
 
 /// Every *.so of a folder, by name; none if there is no such folder.

@@ -27,6 +27,18 @@ const Entry& lookUp(const std::map<std::string, Entry>& entries, std::string_vie
                    hint.empty() ? "a plugin may be missing" : hint);
 }
 
+/// A new object, which knows where it comes from; so does an Error of its constructor.
+template <class Entry>
+auto created(const Entry& entry, const char* kind) {
+  decltype(entry.create()) made;
+  callGuarded(
+      entry.source,
+      [&] { return std::string(kind) + " " + inQuotes(entry.info.type) + " (" + entry.source + ")"; },
+      [&] { made = entry.create(); });
+  made->setSource(entry.source);
+  return made;
+}
+
 }  // namespace
 
 void Registry::addNodeType(NodeType type) {
@@ -49,11 +61,11 @@ void Registry::addServiceFactory(const std::string& interface, const std::string
 }
 
 std::unique_ptr<Node> Registry::createNode(std::string_view type) const {
-  return lookUp(nodes_, type, "node type").create();
+  return created(lookUp(nodes_, type, "node type"), "node type");
 }
 
 std::unique_ptr<Module> Registry::createModule(std::string_view type) const {
-  return lookUp(modules_, type, "module type").create();
+  return created(lookUp(modules_, type, "module type"), "module type");
 }
 
 }  // namespace weir

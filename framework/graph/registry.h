@@ -75,6 +75,8 @@ class Registry {
   /// Who adds from now on; named in errors and listings.
   void setSource(std::string source) { source_ = std::move(source); }
   const std::string& source() const { return source_; }
+  /// Keeps a library loaded for as long as this registry, or a copy of it, holds functions of it.
+  void keepLoaded(std::shared_ptr<const void> library) { libraries_.push_back(std::move(library)); }
 
  private:
   void addNodeType(NodeType type);
@@ -82,7 +84,8 @@ class Registry {
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
 
-  std::string source_ = "weir";
+  std::vector<std::shared_ptr<const void>> libraries_;  // first, so that they outlive all that follows
+  std::string source_{kOwnSource};
   std::map<std::string, NodeType> nodes_;
   std::map<std::string, ModuleType> modules_;
   std::map<std::string, SectionType> sections_;

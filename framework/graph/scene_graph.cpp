@@ -151,7 +151,8 @@ template <class F>
 void SceneGraph::call(Node& node, Device& device, F&& f) {
   const std::size_t before = device.memoryUse().inUse;
   try {
-    f();
+    callGuarded(
+        node.source(), [&] { return node.source(); }, std::forward<F>(f));
   } catch (Error& e) {
     throw node.locate(e).inNode(node.name());
   }

@@ -114,7 +114,8 @@ void addReports(Simulation& simulation, Value& statistics) {
     entry["type"] = node->info().type;
     NodeReport report;
     try {
-      node->report(report);
+      callGuarded(
+          node->source(), [&] { return node->source(); }, [&] { node->report(report); });
     } catch (const std::exception& e) {
       entry["error"] = e.what();
       continue;

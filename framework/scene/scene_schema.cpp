@@ -76,8 +76,8 @@ Value modulesSchema(const PipelineBase& pipeline) {
       {{"type", "object"}, {"properties", std::move(defaults)}, {"additionalProperties", std::move(added)}});
 }
 
-Value nodeSchema(const Registry::NodeType& type) {
-  const std::unique_ptr<Node> node = type.create();
+Value nodeSchema(const Registry& registry, const Registry::NodeType& type) {
+  const std::unique_ptr<Node> node = registry.createNode(type.info.type);
   Value members = object({{"type", object({{"const", type.info.type}})}, {"params", node->schema()}});
   if (PipelineBase* pipeline = node->pipeline()) members["modules"] = modulesSchema(*pipeline);
   return object(
@@ -90,7 +90,7 @@ Value definitions(const Registry& registry) {
   for (const auto& [name, type] : registry.nodes()) {
     types.push(name);
     byType.push(ifType(name, reference("node." + name)));
-    all["node." + name] = nodeSchema(type);
+    all["node." + name] = nodeSchema(registry, type);
   }
   Value node = object({{"type", "object"},
                        {"required", Value::Array{"type"}},
@@ -99,12 +99,12 @@ Value definitions(const Registry& registry) {
   all["node"] = std::move(node);
 
   for (const auto& [name, type] : registry.modules()) {
-    all["params." + name] = described(type.create()->schema(), type.info.doc);
+    all["params." + name] = described(registry.createModule(name)->schema(), type.info.doc);
     const std::string family(type.info.family);
     if (all.find("family." + family) == nullptr) all["family." + family] = familySchema(registry, family);
   }
   for (const auto& [name, type] : registry.nodes()) {
-    const std::unique_ptr<Node> made = type.create();
+    const std::unique_ptr<Node> made = registry.createNode(name);
     if (made->pipeline() == nullptr) continue;
     const std::string& family = made->pipeline()->family();
     if (all.find("family." + family) == nullptr) all["family." + family] = familySchema(registry, family);

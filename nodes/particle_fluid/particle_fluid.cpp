@@ -142,7 +142,7 @@ void ParticleFluid::reset(const SetupContext& context) {
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
-  for (const auto& module : pipeline_.modules()) static_cast<FluidModule&>(*module).reset(step);
+  pipeline_.forEach([&](FluidModule& module) { module.reset(step); });
 }
 
 void ParticleFluid::comeToRest(const StepContext& context) {

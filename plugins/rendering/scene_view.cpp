@@ -6,7 +6,7 @@
 #include "framework/base/text.h"
 #include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
+#include "nodes/solids/solid.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/shape_geometry.h"
 
@@ -32,14 +32,11 @@ std::vector<float> lengthsOf(const std::vector<Vec3f>& vectors) {
   return lengths;
 }
 
-/// What moves the mesh of an output: the first coupling that takes it for a solid, or null.
-const RigidMotion* motionOf(const OutputPort* mesh, const Simulation& simulation) {
-  for (const auto& node : simulation.scene().graph.nodes()) {
-    const auto* coupling = dynamic_cast<const SemiAnalyticalSFI*>(node.get());
-    if (coupling == nullptr) continue;
-    const std::vector<OutputPort*>& solids = coupling->solids.links();
-    if (std::find(solids.begin(), solids.end(), mesh) != solids.end()) return coupling;
-  }
+/// What moves the mesh of an output: the first node that takes it and is a motion, or null. Plugins bring
+/// such nodes, too.
+const RigidMotion* motionOf(const OutputPort* mesh) {
+  for (const InputPort* input : mesh->links())
+    if (const auto* motion = dynamic_cast<const RigidMotion*>(&input->node())) return motion;
   return nullptr;
 }
 
@@ -113,7 +110,7 @@ void SceneView::collectStatic(Simulation& simulation) {
   collected_ = true;
   checkNames(simulation);
   for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation))
-    addSurface(**output, node, motionOf(output, simulation));
+    addSurface(**output, node, motionOf(output));
   for (const auto& node : simulation.scene().graph.nodes()) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)

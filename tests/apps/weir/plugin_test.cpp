@@ -5,7 +5,9 @@
 
 #include <filesystem>
 
+#include "framework/run/simulation.h"
 #include "framework/scene/scene_file.h"
+#include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/register_nodes.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
@@ -78,12 +80,135 @@ TEST_P(BrokenPlugin, IsRefusedAndNamed) {
 
 INSTANTIATE_TEST_SUITE_P(All, BrokenPlugin,
                          testing::Values(std::pair{"wrong_version", "version 999 of the interface"},
+                                         std::pair{"wrong_headers", "0.0.9, headers 0123456789abcdef"},
                                          std::pair{"wrong_build", "another compiler"},
+                                         std::pair{"twice", "two libraries add the node type 'Source'"},
                                          std::pair{"throws", "no licence found"},
                                          std::pair{"taken_name", "ParticleFluid"},
                                          std::pair{"no_plugin", "is no Weir plugin"},
-                                         std::pair{"missing_symbol", "nobodyHasThis"}),
+                                         std::pair{"missing_symbol", "nobodyHasThis()"}),
                          [](const auto& tested) { return std::string(tested.param.first); });
+
+std::string failingScene(const std::string& nodeHook, const std::string& moduleHook) {
+  return R"({ "weir": 1, "world": { "duration": 0.1 },
+    "nodes": {
+      "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.1, 0.1, 0.1] } },
+      "culprit": { "type": "FailingNode", "params": { "hook": ")" +
+         nodeHook + R"(" } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
+                 "modules": { "wrong": { "type": "FailingModule", "after": "boundary",
+                                         "params": { "hook": ")" +
+         moduleHook + R"(" } } } } },
+    "links": [ "drop.particles -> water.initial" ] })";
+}
+
+struct FailingHook {
+  const char *name, *node, *module, *where, *what;
+};
+
+class FailingPlugin : public testing::TestWithParam<FailingHook> {};
+
+TEST_P(FailingPlugin, IsNamedAndTheHostEndsInOrder) {
+  const FailingHook& hook = GetParam();
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("s.json", failingScene(hook.node, hook.module));
+  const ChildResult result =
+      runWeir({"run", scene, "--plugin", testPlugin("failing_hooks"), "--stats", folder / "stats.json"});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "plugin failing_hooks");
+  EXPECT_CONTAINS(result.err, hook.where);
+  EXPECT_CONTAINS(result.err, hook.what);
+  // Observers were told, too.
+  EXPECT_CONTAINS(readFile(folder / "stats.json"), "failed");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FailingPlugin,
+    testing::Values(FailingHook{"NodeConfigure", "configure", "", "node 'culprit'", "mistake in configure"},
+                    FailingHook{"NodeReset", "reset", "", "node 'culprit'", "mistake in reset"},
+                    FailingHook{"NodeStep", "step", "", "node 'culprit'", "mistake in step"},
+                    FailingHook{"NodeFrame", "frame", "", "node 'culprit'", "mistake in frame"},
+                    FailingHook{"NodeError", "step_error", "", "node 'culprit'", "mistake in step_error"},
+                    FailingHook{"NodeCheck", "step_check", "", "node 'culprit'", "1 == 2"},
+                    FailingHook{"NodeOther", "step_no_exception", "", "node 'culprit'", "says nothing"},
+                    FailingHook{"ModuleReset", "", "reset", "module 'wrong'", "mistake in reset"},
+                    FailingHook{"ModuleWarn", "", "warn", "module 'wrong'", "mistake in warn"},
+                    FailingHook{"ModuleStep", "", "step", "module 'wrong'", "mistake in step"}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(Plugins, ATypeThatCannotBeMadeNamesItsPlugin) {
+  const TemporaryFolder folder;
+  const std::string scene =
+      folder.write("s.json", R"({ "weir": 1, "nodes": { "a": { "type": "FailsAtBirth" } } })");
+  for (const std::string command : {"run", "validate"}) {
+    const ChildResult result = runWeir({command, scene, "--plugin", testPlugin("failing_hooks")});
+    EXPECT_EQ(result.code, 4) << result.err;
+    EXPECT_CONTAINS(result.err, "node type 'FailsAtBirth' (plugin failing_hooks)");
+    EXPECT_CONTAINS(result.err, "mistake in the constructor");
+  }
+}
+
+#ifdef __SANITIZE_ADDRESS__
+TEST(Plugins, TheSanitizerSeesWhatAPluginWritesBehindItsArrays) {
+  const TemporaryFolder folder;
+  std::string text = liftScene("");
+  text.replace(text.find("Lift"), 4, "OutOfBounds").erase(text.find(", \"params\": { \"speed\": 3 }"), 26);
+  const ChildResult result =
+      runWeir({"run", folder.write("s.json", text), "--plugin", testPlugin("out_of_bounds")});
+  EXPECT_NE(result.code, 0);
+  EXPECT_CONTAINS(result.err, "AddressSanitizer");
+  EXPECT_CONTAINS(result.err, "out_of_bounds");
+}
+#endif
+
+/// Particles that fall into a drain while others are born, so that they are sorted, removed and added.
+constexpr const char* kTagged = R"({
+  "weir": 1, "world": { "dt": 0.005, "duration": 0.3, "frame_rate": 10 },
+  "nodes": {
+    "nozzle": { "type": "SquareEmitter", "params": { "position": [0, 1, 0], "width": 0.3, "height": 0.3, "speed": 4 } },
+    "block": { "type": "BoxSampler", "params": { "min": [-0.3, 0, -0.3], "max": [0.3, 0.5, 0.3] } },
+    "water": { "type": "ParticleFluid",
+               "params": { "spacing": 0.1, "domain_min": [-1, -0.1, -1], "domain_max": [1, 2, 1] },
+               "modules": { "tag": { "type": "Tagger", "after": "boundary" } } } },
+  "links": [ "block.particles -> water.initial", "nozzle.particles -> water.emitters" ]
+})";
+
+TEST(Plugins, AttributesOfAModuleTravelWithTheirParticles) {
+  Registry registry;
+  registerNodes(registry);
+  const Plugin plugin(testPlugin("tagger"), registry);
+  std::vector<std::string> warnings;
+  auto scene = buildScene(parseJson(kTagged, "s"), {"s", "", "."}, registry, {}, warnings);
+  const auto device = openDevice("cpu", 2);
+  Log log;
+  Simulation simulation(std::move(scene), *device, log, registry);
+  simulation.reset();
+  auto& water = dynamic_cast<ParticleFluid&>(*simulation.scene().graph.find("water"));
+  constexpr std::int64_t kFirst = 180;  // particles of the block
+  const std::atomic<bool> never = false;
+  while (simulation.advanceFrame(never)) {
+  }
+  const ParticleSet& particles = *water.fluid->particles;
+  const std::int64_t n = particles.bound();
+  const std::vector<int> ids = particles.ids().toHost(n);
+  const std::vector<float> tags = particles.get<float>("tag").toHost(n);
+  const std::vector<Vec3f> vectors = particles.get<Vec3f>("tag_vector").toHost(n);
+  const std::vector<int> numbers = particles.get<int>("tag_number").toHost(n);
+  bool sorted = false;
+  std::int64_t born = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto id = static_cast<float>(ids[i]);
+    EXPECT_EQ(tags[i], 3 * id + 1);
+    EXPECT_EQ(vectors[i], (Vec3f{id, 2 * id, -id}));
+    EXPECT_EQ(numbers[i], ids[i] + 7);
+    sorted |= i > 0 && ids[i] < ids[i - 1];
+    born += ids[i] >= kFirst ? 1 : 0;
+  }
+  EXPECT_TRUE(sorted);
+  EXPECT_GT(born, 10);
+  EXPECT_GT(n - born, 10);           // of the block, some are left
+  EXPECT_LT(n - born, kFirst - 10);  // and some were removed
+}
 
 TEST(Plugins, AFailedRegistrationLeavesTheRegistryAsItWas) {
   Registry registry;

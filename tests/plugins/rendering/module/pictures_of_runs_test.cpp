@@ -44,6 +44,29 @@ TEST_F(PicturesOfRuns, VideoAndImagesShowEveryFrame) {
     EXPECT_TRUE(std::filesystem::exists(images + "/frame_0000" + std::to_string(frame) + ".png")) << frame;
 }
 
+TEST_F(PicturesOfRuns, AnAttributeOfAPluginColoursTheParticles) {
+  std::string text = kFallingCube;
+  text.replace(text.find("0.02 }"), 6,
+               R"(0.02 }, "modules": { "tag": { "type": "Tagger", "after": "boundary" } })");
+  text.replace(text.find("\"width\""), 0, R"("color": { "by": "BY", "map": "turbo" }, )");
+  std::vector<rendering::Picture> pictures;
+  for (const std::string by : {"tag", "speed", "no_such_thing"}) {
+    std::string colored = text;
+    colored.replace(colored.find("BY"), 2, by);
+    const std::string images = folder / by;
+    const ChildResult result = runWeir({"run", folder.write(by + ".json", colored), "--images", images,
+                                        "--plugin", buildFolder() + "/lib/weir/test_plugins/tagger.so"});
+    EXPECT_EQ(result.code == 0, by != "no_such_thing") << result.err;
+    if (result.code == 0) {
+      pictures.push_back(readPng(images + "/frame_00005.png"));
+    } else {
+      EXPECT_CONTAINS(result.err, "tag_vector");  // what there is
+    }
+  }
+  ASSERT_EQ(pictures.size(), 2u);
+  EXPECT_NE(pictures[0].rgb, pictures[1].rgb);
+}
+
 TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     ChildOptions options;

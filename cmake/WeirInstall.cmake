@@ -1,0 +1,29 @@
+# What an installation holds beside programs and libraries: headers with the include paths that they have here,
+# the CMake package, scenes, and the template of `weir new-plugin`. Everything finds everything else by relative
+# paths, so the tree can be moved.
+include(CMakePackageConfigHelpers)
+
+set(weir_package lib/cmake/Weir)
+foreach(room framework nodes)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION include/weir
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.inl")
+endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h DESTINATION include/weir/framework/graph)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/templates
+        DESTINATION share/weir)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/doc/weir)
+
+# Configured at once, so that a change of this file needs no thought of when it is installed.
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/WeirConfig.cmake.in ${PROJECT_BINARY_DIR}/WeirConfig.cmake
+                              INSTALL_DESTINATION ${weir_package} NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/WeirConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/WeirConfig.cmake ${PROJECT_BINARY_DIR}/WeirConfigVersion.cmake
+              cmake/WeirCompile.cmake cmake/WeirCpuIsas.cmake cmake/WeirCuda.cmake
+        DESTINATION ${weir_package})
+install(EXPORT Weir NAMESPACE Weir:: FILE WeirTargets.cmake DESTINATION ${weir_package})
+
+# The build tree is laid out alike.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/weir)
+foreach(folder scenes templates)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/resources/${folder} ${PROJECT_BINARY_DIR}/share/weir/${folder} SYMBOLIC)
+endforeach()

@@ -1,0 +1,7 @@
+#include "framework/graph/plugin.h"
+
+#include "dfsph.h"
+
+WEIR_PLUGIN("dfsph", "Divergence-free SPH, in place of the fluid's solver.", registry) {
+  registry.addModule<dfsph::Dfsph>();
+}

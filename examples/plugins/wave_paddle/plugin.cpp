@@ -1,0 +1,7 @@
+#include "framework/graph/plugin.h"
+
+#include "wave_paddle.h"
+
+WEIR_PLUGIN("wave_paddle", "A wave maker.", registry) {
+  registry.addNode<wave_paddle::WavePaddle>();
+}

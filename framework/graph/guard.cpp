@@ -1,0 +1,28 @@
+#include "framework/graph/guard.h"
+
+#include <exception>
+#include <new>
+
+#include "framework/base/error.h"
+#include "framework/base/text.h"
+
+namespace weir {
+
+void callGuarded(std::string_view source, const std::function<std::string()>& part,
+                 const std::function<void()>& f) {
+  if (source == kOwnSource) return f();
+  try {
+    f();
+  } catch (Error& e) {
+    e.at({.part = part()});
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw simulationError("it threw an exception: " + printable(e.what(), 500)).at({.part = part()});
+  } catch (...) {
+    throw simulationError("it threw an exception of a kind that says nothing").at({.part = part()});
+  }
+}
+
+}  // namespace weir

@@ -1,0 +1,19 @@
+// Calls into code that may be a plugin's: whatever is thrown there becomes an Error that names the plugin.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace weir {
+
+/// The source of what Weir's own libraries register; see Registry::setSource.
+inline constexpr std::string_view kOwnSource = "weir";
+
+/// Calls f, which runs code of `source`. If that is a plugin, an Error gains `part()`, such as
+/// "module 'lift' (plugin lift)", and any other exception becomes a simulation Error with it; only
+/// std::bad_alloc passes as it is. What comes from Weir's own code passes as it is.
+void callGuarded(std::string_view source, const std::function<std::string()>& part,
+                 const std::function<void()>& f);
+
+}  // namespace weir

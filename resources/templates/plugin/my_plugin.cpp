@@ -1,0 +1,10 @@
+// What this plugin adds to Weir.
+#include "framework/graph/plugin.h"
+
+#include "probe.h"
+#include "pull.h"
+
+WEIR_PLUGIN("my_plugin", "Pulls a fluid to a point, and counts particles.", registry) {
+  registry.addModule<my_plugin::Pull>();
+  registry.addNode<my_plugin::Probe>();
+}

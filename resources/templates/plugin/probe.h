@@ -1,0 +1,32 @@
+// Counts the particles of a fluid in a box at every frame.
+#pragma once
+
+#include "framework/graph/node.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+
+namespace my_plugin {
+
+using namespace weir;
+
+class Probe final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"MyPluginProbe", "Counts the particles of a fluid in a box."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<Vec3f> min{*this, "min", {0, 0, 0}, {.unit = "m", .doc = "Lower corner of the box."}};
+  Param<Vec3f> max{*this, "max", {1, 1, 1}, {.unit = "m", .doc = "Upper corner of the box."}};
+
+  Input<Fluid> fluid{*this, "fluid", "The fluid to look at."};
+
+  void validate() const override;
+  void reset(const SetupContext& context) override;
+  /// Called at every frame, when nodes may wait for the device.
+  void frame(const StepContext& context) override;
+  /// What `--stats` and `--series` show.
+  void report(NodeReport& report) override;
+
+ private:
+  std::int64_t inside_ = 0, mostInside_ = 0;
+};
+
+}  // namespace my_plugin

@@ -1,0 +1,95 @@
+#!/bin/sh
+# Installs a build, moves the installation, and checks what a user does with it: runs a scene, writes a plugin by
+# `weir new-plugin`, and builds and tests it and the examples against the moved installation.
+#
+# usage: check.sh BUILD SOURCE [JOBS]
+set -eu
+build=$(cd "$1" && pwd)
+source=$(cd "$2" && pwd)
+jobs=${3:-$(nproc)}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+# What a user's shell has set must not matter.
+unset WEIR_PLUGIN_PATH LD_LIBRARY_PATH CMAKE_PREFIX_PATH
+
+say() { printf '== %s\n' "$*"; }
+fail() { printf 'check: %s\n' "$*" >&2; exit 1; }
+fails_with() { # CODE TEXT COMMAND...: it must end with this code and say this
+  code=$1 text=$2
+  shift 2
+  set +e
+  "$@" >"$folder/out" 2>"$folder/err"
+  found=$?
+  set -e
+  [ "$found" -eq "$code" ] || { cat "$folder/err" >&2; fail "'$*' ended with $found, not $code"; }
+  grep -qF -- "$text" "$folder/err" || { cat "$folder/err" >&2; fail "'$*' did not say '$text'"; }
+}
+build_and_test() { # SOURCE [OPTION...]
+  from=$1
+  shift
+  set -- -S "$from" -B "$from/build" -DCMAKE_PREFIX_PATH="$weir" -DWEIR_WARNINGS_AS_ERRORS=ON "$@"
+  if command -v ccache >/dev/null; then
+    set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache
+  fi
+  if command -v ninja >/dev/null; then set -- "$@" -G Ninja; fi
+  cmake "$@" >"$folder/log" || { cat "$folder/log" >&2; fail "$from cannot be configured"; }
+  cmake --build "$from/build" --parallel "$jobs" >"$folder/log" || { cat "$folder/log" >&2; fail "$from cannot be built"; }
+  ctest --test-dir "$from/build" --output-on-failure
+}
+
+say "Installing, and moving the installation"
+cmake --install "$build" --prefix "$folder/first" >"$folder/log" || { cat "$folder/log" >&2; exit 1; }
+weir="$folder/some where else"
+mv "$folder/first" "$weir"
+"$weir/bin/weir" info
+for library in framework nodes; do
+  if grep -qrF -e "$build" -e "$source" "$weir/lib/cmake"; then fail "the CMake package names the build folder"; fi
+  if readelf -d "$weir/lib/libweir_$library.so" | grep -F -e "$build"; then fail "libweir_$library.so names the build folder"; fi
+done
+
+say "Running an installed scene, with all of its plugins"
+"$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
+  --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
+[ -s "$folder/dam.vtkhdf" ] || fail "there is no export"
+
+say "A new plugin"
+"$weir/bin/weir" new-plugin my_force --directory "$folder/my_force" >/dev/null
+fails_with 5 "exists already" "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force"
+for name in "" 2fast My_Force my-force ../force class weir; do
+  fails_with 2 "is no name for a plugin" "$weir/bin/weir" new-plugin "$name" --directory "$folder/other"
+done
+fails_with 2 "there is a plugin 'vtkhdf' already" "$weir/bin/weir" new-plugin vtkhdf --directory "$folder/other"
+[ ! -e "$folder/other" ] || fail "a refused plugin left files"
+if grep -rniE 'my_?plugin' "$folder/my_force"; then fail "the template's name is left in the new plugin"; fi
+build_and_test "$folder/my_force"
+fails_with 3 "MyForcePull" "$weir/bin/weir" run "$folder/my_force/scene.json" --frames 1
+WEIR_PLUGIN_PATH="$folder/my_force/build/plugins" "$weir/bin/weir" run "$folder/my_force/scene.json" --frames 1 --quiet
+
+say "The same plugin with kernels for the baseline alone gives the same results, bit for bit"
+cp -r "$folder/my_force" "$folder/baseline"
+rm -r "$folder/baseline/build"
+sed -i 's/^weir_add_plugin/set(WEIR_CPU_ISAS "")\nweir_add_plugin/' "$folder/baseline/CMakeLists.txt"
+build_and_test "$folder/baseline" -DWEIR_CUDA=OFF
+for plugin in my_force baseline; do
+  "$weir/bin/weir" run "$folder/my_force/scene.json" --device cpu --frames 10 --quiet --stats "$folder/stats.json" \
+    --plugin "$folder/$plugin/build/plugins/weir_my_force.so" >/dev/null
+  # Sums over all particles, with every digit.
+  grep -A 3 -E '"(kinetic_energy|center_of_mass|linear_momentum|bounds|max_speed)"' "$folder/stats.json" >"$folder/$plugin.txt"
+done
+[ -s "$folder/baseline.txt" ] || fail "there are no statistics"
+cmp "$folder/my_force.txt" "$folder/baseline.txt" || fail "the instruction set changes results"
+
+say "A plugin for another Weir is refused"
+digest=$weir/include/weir/framework/graph/interface_digest.h
+cp "$digest" "$folder/digest.h"
+cp "$folder/my_force/build/plugins/weir_my_force.so" "$folder/right.so"
+sed -i -E 's/headers [0-9a-f]{16}/headers 0123456789abcdef/' "$digest"
+cmake --build "$folder/my_force/build" --target weir_my_force >/dev/null
+fails_with 5 "headers 0123456789abcdef" "$weir/bin/weir" nodes --plugin "$folder/my_force/build/plugins/weir_my_force.so"
+"$weir/bin/weir" nodes MyForcePull --plugin "$folder/right.so" >/dev/null
+cp "$folder/digest.h" "$digest"
+
+say "The examples"
+cp -r "$source/examples/plugins" "$folder/examples"
+build_and_test "$folder/examples"
+say "All is well"

@@ -1,0 +1,8 @@
+// Registers one name twice.
+#include "framework/graph/plugin.h"
+#include "tests/support/test_nodes.h"
+
+WEIR_PLUGIN("twice", "Registers one name twice.", registry) {
+  registry.addNode<weir::test::Source>();
+  registry.addNode<weir::test::Source>();
+}
