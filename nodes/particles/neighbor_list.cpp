@@ -62,6 +62,7 @@ void NeighborList::makeRoom(std::int64_t particles) {
   sort_.reserve(particles, cells < sort_.cellRoom() ? 0 : grownSize(sort_.cellRoom(), cells));
   const std::int64_t lists = paddedLists(particles);
   counts_.reserveDiscarding(lists);
+  crowding_.reserveDiscarding(lists);
   entries_.reserveDiscarding(lists * room_);
 }
 
@@ -74,7 +75,8 @@ double NeighborList::memoryFor(double particles) const {
   const double lanes = std::int64_t{1} << shift_, lists = std::ceil(particles / lanes) * lanes;
   double bytes =
       CellSort::kPerParticle * bytesOfArray(particles, sizeof(int)) + bytesOfArray(cells, sizeof(int));
-  bytes += bytesOfArrays(lists, counts_) + bytesOfArrays(lists * room_, entries_);
+  bytes += bytesOfArrays(lists, counts_) + bytesOfArrays(lists, crowding_) +
+           bytesOfArrays(lists * room_, entries_);
   // The columns of coordinates that the CPU reads, with what is behind their ends.
   if (shift_ == 0) bytes += bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
   return bytes;
