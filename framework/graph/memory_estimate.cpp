@@ -36,7 +36,9 @@ std::string MemoryEstimate::remedyFor(double available) const {
   std::string text;
   for (const Entry& entry : entries_) {
     if (!entry.needs.remedy) continue;
-    text += (text.empty() ? "" : ", ") + entry.needs.remedy((available - fixed) / elastic);
+    const std::string remedy = entry.needs.remedy((available - fixed) / elastic);
+    if (remedy.empty()) continue;  // it follows another node
+    text += (text.empty() ? "" : ", ") + remedy;
     if (entries_.size() > 1) text += " for " + inQuotes(entry.node);
   }
   return text;
