@@ -77,7 +77,8 @@ void MemoryPool::freeOutgrown(std::size_t size) noexcept {
   // What grows, grows from smaller blocks. The larger ones stay, so that requests of several sizes that come
   // again and again do not drive one another out.
   constexpr std::size_t kIdleShare = 16;
-  for (auto blocks = idle_.begin(); blocks != idle_.lower_bound(size); ++blocks)
+  constexpr std::size_t kMatters = std::size_t{1} << 14;  // bytes; smaller blocks are not worth the trouble
+  for (auto blocks = idle_.lower_bound(kMatters); blocks != idle_.end() && blocks->first < size; ++blocks)
     while (!blocks->second.empty() && (use_.reserved - use_.inUse) > use_.inUse / kIdleShare) {
       systemFree_(blocks->second.back().memory, blocks->first);
       blocks->second.pop_back();

@@ -27,14 +27,18 @@ MemoryNeeds MemoryEstimate::total() const {
 }
 
 std::string MemoryEstimate::remedyFor(double available) const {
-  // All who can give way do so by the same share.
+  // All who can give way do so by the same share. Whole layers and particles are not quite proportional, and
+  // what is free changes.
+  available *= 0.9;
   double fixed = 0, elastic = 0;
   for (const Entry& entry : entries_) (entry.needs.remedy ? elastic : fixed) += entry.needs.device;
   if (elastic == 0 || fixed >= available) return "fewer particles, smaller grids, or another machine";
   std::string text;
   for (const Entry& entry : entries_) {
     if (!entry.needs.remedy) continue;
-    text += (text.empty() ? "" : ", ") + entry.needs.remedy((available - fixed) / elastic);
+    const std::string remedy = entry.needs.remedy((available - fixed) / elastic);
+    if (remedy.empty()) continue;  // it follows another node
+    text += (text.empty() ? "" : ", ") + remedy;
     if (entries_.size() > 1) text += " for " + inQuotes(entry.node);
   }
   return text;

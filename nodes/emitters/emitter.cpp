@@ -66,6 +66,7 @@ void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {
   // One layer more than fit in, as the first leaves at once; another for rounding over the steps.
   particles->most = travel > 0 ? limited(std::ceil(travel / request->spacing) + 1) : 0;
   const double fastest = end > begin ? double(speed.most(begin, end)) : 0;
+  needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // Batches differ by a layer from step to step; arrays that grow are up to a quarter too long.
   const double atOnce = limited(std::ceil(fastest * context.dt / request->spacing) + 1);
   needs.add(bytesOfArrays(1.25 * atOnce, particles->positions, particles->velocities));

@@ -82,6 +82,7 @@ void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
   particles->most = mostParticles();
   needs.add(bytesOfArrays(particles->most, particles->positions, particles->velocities));
   if (relaxed()) needs.add(regionMemory());
+  needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // sampleLattice() holds all points twice for a moment, or once beside the velocities.
   needs.host = 2 * sizeof(Vec3f) * particles->most;
 }

@@ -121,20 +121,22 @@ TEST(FluidMemory, RefusesMoreParticlesThanCanBeNumbered) {
 }
 
 TEST(FluidMemory, AFittingSpacingFits) {
+  constexpr double kAvailable = 1e9;
   CpuDevice device(2);
-  SimulatedScene fine(device, sceneOf({}), {"world.duration=4e4"});
-  const std::string text = test::errorOf([&] { fine->reset(); }).what();
-  const std::string before = "a spacing of at least ";
-  const std::string proposed = text.substr(text.find(before) + before.size());
-  const double spacing = std::stod(proposed);
-  EXPECT_GT(spacing, 0.02);
-  Registry registry;
-  SimulatedScene coarser(device, sceneOf({}), {"water.spacing=" + std::to_string(1.01 * spacing)});
-  Simulation& simulation = *coarser;
   Log silent;
-  const MemoryEstimate estimate =
-      simulation.scene().graph.estimate({.device = device, .log = silent, .registry = registry, .end = 4e4});
-  EXPECT_EQ(estimate.check(static_cast<double>(device.availableMemory()), "cpu"), "");
+  Registry registry;
+  const auto check = [&](double spacing) {
+    SimulatedScene scene(device, sceneOf({}), {"water.spacing=" + std::to_string(spacing)});
+    const SetupContext setup{.device = device, .log = silent, .registry = registry, .end = 0.24};
+    return scene->scene().graph.estimate(setup).check(kAvailable, "cpu");
+  };
+  const std::string allowed = test::errorOf([&] { check(0.001); }).allowed();
+  const std::string before = "a spacing of at least ";
+  ASSERT_NE(allowed.find(before), std::string::npos);
+  const double fitting = std::stod(allowed.substr(allowed.find(before) + before.size()));
+  EXPECT_EQ(check(fitting), "");
+  // It is no coarser than it must be.
+  EXPECT_THROW(check(0.9 * fitting), Error);
 }
 
 TEST(FluidMemory, OfARunThatEndsSoonCountsWhatIsBornByThen) {
