@@ -82,6 +82,10 @@ std::unique_ptr<detail::ReadbackSlot> detail::makeCudaReadbackSlot(CudaDevice&, 
   unreachable();
 }
 
+std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevice&) {
+  unreachable();
+}
+
 }  // namespace weir
 
 #endif

@@ -1,8 +1,11 @@
 #include "framework/run/run.h"
 
 #include <algorithm>
-#include <exception>
+#include <memory>
+#include <utility>
 #include <vector>
+
+#include "framework/run/output_worker.h"
 
 namespace weir {
 
@@ -24,23 +27,58 @@ std::int64_t lastFrameOf(const Clock& clock, const RunOptions& options) {
 
 namespace {
 
-void showFrame(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
-  for (Observer* observer : observers) observer->frame(simulation);
-  if (options.onProgress) options.onProgress(simulation);
-}
+/// Observers that have begun, each with its thread, and the first error of all.
+class Outputs {
+ public:
+  void add(Observer& observer) { workers_.push_back(std::make_unique<OutputWorker>(observer, errors)); }
 
-RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
+  void showFrame(Simulation& simulation) {
+    for (const auto& worker : workers_) worker->frame(simulation);
+    errors.rethrowIfAny();
+  }
+  /// Waits until all frames are written; from then on there are no threads.
+  void finish(Simulation& simulation) {
+    std::vector<OutputTime> times;
+    for (const auto& worker : workers_) {
+      worker->finish();
+      times.push_back(worker->time());
+    }
+    simulation.setOutputTimes(std::move(times));
+  }
+  void end(Simulation& simulation, RunEnd how) {
+    for (const auto& worker : workers_) {
+      try {
+        worker->observer().end(simulation, how);
+      } catch (...) {
+        errors.keepCurrent();
+      }
+    }
+  }
+
+  FirstError errors;
+
+ private:
+  std::vector<std::unique_ptr<OutputWorker>> workers_;
+};
+
+RunEnd runFrames(Simulation& simulation, Outputs& outputs, const RunOptions& options) {
   const std::atomic<bool> never = false;
   const std::atomic<bool>& stop = options.stop != nullptr ? *options.stop : never;
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
-  const auto afterStep = [&] {
+  const auto showProgress = [&] {
     if (options.onProgress) options.onProgress(simulation);
   };
+  const auto afterStep = [&] {
+    outputs.errors.rethrowIfAny();
+    showProgress();
+  };
   simulation.reset();
-  showFrame(simulation, observers, options);
+  outputs.showFrame(simulation);
+  showProgress();
   while (simulation.frame() < last) {
     if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
-    showFrame(simulation, observers, options);
+    outputs.showFrame(simulation);
+    showProgress();
   }
   const bool whole = last == simulation.clock().frameCount();
   if (whole && !simulation.finishRest(stop, afterStep)) return RunEnd::kInterrupted;
@@ -51,26 +89,21 @@ RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers
 
 RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observers,
                      const RunOptions& options) {
-  std::vector<Observer*> begun;
-  std::exception_ptr error;
+  Outputs outputs;
   RunEnd end = RunEnd::kFailed;
   try {
     for (Observer* observer : observers) {
       observer->begin(simulation);
-      begun.push_back(observer);
+      outputs.add(*observer);
     }
-    end = runFrames(simulation, begun, options);
+    end = runFrames(simulation, outputs, options);
   } catch (...) {
-    error = std::current_exception();
+    outputs.errors.keepCurrent();
   }
-  for (Observer* observer : begun) {
-    try {
-      observer->end(simulation, end);
-    } catch (...) {
-      if (!error) error = std::current_exception();
-    }
-  }
-  if (error) std::rethrow_exception(error);
+  outputs.finish(simulation);
+  if (outputs.errors.any()) end = RunEnd::kFailed;
+  outputs.end(simulation, end);
+  outputs.errors.rethrowIfAny();
   return end;
 }
 

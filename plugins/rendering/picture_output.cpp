@@ -10,6 +10,7 @@
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
+#include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/scene_view.h"
 
 namespace weir::rendering {
@@ -30,8 +31,14 @@ class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
 
+  std::string name() const override { return "pictures"; }
+
   void begin(Simulation& simulation) override {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+    settings_ = &settings;
+    title_ = simulation.scene().title;
+    capture_.emplace(settings);
+    // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
     renderer_ = std::make_unique<gl::Renderer>(gl::makeContext());
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
@@ -40,9 +47,15 @@ class Pictures final : public Observer {
     if (const auto path = paths_.find(kImages); path != paths_.end()) images_.emplace(path->second);
   }
 
-  void frame(Simulation& simulation) override {
-    Picture picture = renderer_->draw(view_->at(simulation));
-    overlay_->draw(overlayText(simulation), picture);
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
+    return capture_->at(simulation,
+                        std::unique_ptr<SceneSnapshot>(static_cast<SceneSnapshot*>(used.release())));
+  }
+
+  void write(Snapshot& snapshot) override {
+    auto& scene = static_cast<SceneSnapshot&>(snapshot);
+    Picture picture = renderer_->draw(view_->of(scene));
+    overlay_->draw(overlayText(scene), picture);
     if (images_) images_->write(picture);
     if (video_) video_->write(std::move(picture));
   }
@@ -57,22 +70,25 @@ class Pictures final : public Observer {
   }
 
  private:
-  OverlayText overlayText(const Simulation& simulation) const {
-    const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+  OverlayText overlayText(const SceneSnapshot& scene) const {
     OverlayText text;
-    text.lightText = wantsLightText(settings.backgroundTop, settings.backgroundBottom);
-    if (settings.overlay) {
-      text.title = simulation.scene().title;
-      text.seconds = simulation.time();
-      text.particles = simulation.particleCount();
+    text.lightText = wantsLightText(settings_->backgroundTop, settings_->backgroundBottom);
+    if (settings_->overlay) {
+      text.title = title_;
+      text.seconds = scene.time;
+      text.particles = scene.particles;
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    if (key.shown) text.bar = ColorBar{settings.color->map, key.low, key.high, caption};
+    if (key.shown) text.bar = ColorBar{settings_->color->map, key.low, key.high, caption};
     return text;
   }
 
   OutputPaths paths_;
+  const RenderSettings* settings_ = nullptr;
+  std::string title_;
+  std::optional<SceneCapture> capture_;
+  // From here on what write() uses.
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
