@@ -27,6 +27,12 @@ std::filesystem::path fontFolder() {
   return std::filesystem::absolute(self.dli_fname).parent_path() / "../../../share/weir/fonts";
 }
 
+/// Another device on the same machine, for another thread.
+std::unique_ptr<Device> sibling(const Device& device) {
+  const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
+  return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
+}
+
 class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
@@ -39,7 +45,10 @@ class Pictures final : public Observer {
     title_ = simulation.scene().title;
     capture_.emplace(settings);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
-    renderer_ = std::make_unique<gl::Renderer>(gl::makeContext());
+    std::unique_ptr<gl::Context> context = gl::makeContext();
+    const bool software = context->isSoftware();
+    renderer_ =
+        std::make_unique<gl::Renderer>(std::move(context), software ? sibling(simulation.device()) : nullptr);
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
