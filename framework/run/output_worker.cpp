@@ -33,8 +33,12 @@ void FirstError::keepCurrent() {
 
 void FirstError::rethrowIfAny() const {
   if (!any_) return;
-  const std::scoped_lock lock(mutex_);
-  std::rethrow_exception(error_);
+  std::exception_ptr error;
+  {
+    const std::scoped_lock lock(mutex_);
+    error = error_;
+  }
+  std::rethrow_exception(error);  // unwinding takes locks of its own, so not with ours
 }
 
 void OutputWorker::frame(Simulation& simulation) {
