@@ -41,10 +41,11 @@ class StatisticsOutput final : public Observer {
   /// `file` may be empty: then there are only the warnings.
   StatisticsOutput(std::string file, Log& log) : file_(std::move(file)), log_(log) {}
 
+  std::string name() const override { return "statistics"; }
   void begin(Simulation&) override {
     if (!file_.empty()) checkWritable(file_);
   }
-  void frame(Simulation&) override {}
+  std::unique_ptr<Snapshot> capture(Simulation&, std::unique_ptr<Snapshot>) override { return nullptr; }
   void end(Simulation& simulation, RunEnd how) override {
     const Value statistics = runStatistics(simulation, how);
     for (const std::string& text : rareEventTexts(statistics)) log_.warn(text);

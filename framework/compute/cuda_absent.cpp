@@ -85,6 +85,10 @@ std::unique_ptr<detail::ReadbackSlot> detail::makeCudaReadbackSlot(CudaDevice&, 
   unreachable();
 }
 
+std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevice&) {
+  unreachable();
+}
+
 }  // namespace weir
 
 #endif

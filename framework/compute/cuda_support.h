@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "framework/compute/host_copy.h"
 #include "framework/compute/readback.h"
 
 namespace weir::detail {
@@ -16,5 +17,6 @@ struct CudaProbe {
 CudaProbe probeCuda();
 
 std::unique_ptr<ReadbackSlot> makeCudaReadbackSlot(CudaDevice& device, std::size_t bytes);
+std::unique_ptr<HostCopyMemory> makeCudaHostCopyMemory(CudaDevice& device);
 
 }  // namespace weir::detail

@@ -71,6 +71,19 @@ class CpuReadbackSlot final : public detail::ReadbackSlot {
   std::vector<std::byte> bytes_;
 };
 
+class CpuHostCopyMemory final : public detail::HostCopyMemory {
+ public:
+  void reserve(std::size_t bytes) override { bytes_ = std::make_unique_for_overwrite<std::byte[]>(bytes); }
+  void start(std::size_t at, const void* from, std::size_t bytes) override {
+    std::memcpy(bytes_.get() + at, from, bytes);
+  }
+  void wait() override {}
+  const void* bytes() const override { return bytes_.get(); }
+
+ private:
+  std::unique_ptr<std::byte[]> bytes_;
+};
+
 }  // namespace
 
 Device::Device(DeviceKind kind, std::string name) : kind_(kind), name_(std::move(name)) {}
@@ -112,6 +125,11 @@ void detail::throwNoCudaKernels() {
 std::unique_ptr<detail::ReadbackSlot> detail::makeReadbackSlot(Device& device, std::size_t bytes) {
   if (device.kind() == DeviceKind::kCpu) return std::make_unique<CpuReadbackSlot>(bytes);
   return makeCudaReadbackSlot(static_cast<CudaDevice&>(device), bytes);
+}
+
+std::unique_ptr<detail::HostCopyMemory> detail::makeHostCopyMemory(Device& device) {
+  if (device.kind() == DeviceKind::kCpu) return std::make_unique<CpuHostCopyMemory>();
+  return makeCudaHostCopyMemory(static_cast<CudaDevice&>(device));
 }
 
 }  // namespace weir

@@ -1,8 +1,12 @@
 #include "framework/run/run.h"
 
 #include <algorithm>
-#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
+
+#include "framework/run/output_worker.h"
 
 namespace weir {
 
@@ -24,12 +28,44 @@ std::int64_t lastFrameOf(const Clock& clock, const RunOptions& options) {
 
 namespace {
 
-void showFrame(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
-  for (Observer* observer : observers) observer->frame(simulation);
-  if (options.checkpoints != nullptr && options.checkpoints->isDue(simulation))
-    options.checkpoints->write(simulation, observers);
-  if (options.onProgress) options.onProgress(simulation);
-}
+/// Observers that have begun, each with its thread, and the first error of all.
+class Outputs {
+ public:
+  void add(Observer& observer) { workers_.push_back(std::make_unique<OutputWorker>(observer, errors)); }
+
+  void showFrame(Simulation& simulation) {
+    for (const auto& worker : workers_) worker->frame(simulation);
+    errors.rethrowIfAny();
+  }
+  /// Waits until all frames so far are written.
+  void wait() {
+    for (const auto& worker : workers_) worker->wait();
+    errors.rethrowIfAny();
+  }
+  /// Waits until all frames are written; from then on there are no threads.
+  void finish(Simulation& simulation) {
+    std::vector<OutputTime> times;
+    for (const auto& worker : workers_) {
+      worker->finish();
+      times.push_back(worker->time());
+    }
+    simulation.setOutputTimes(std::move(times));
+  }
+  void end(Simulation& simulation, RunEnd how) {
+    for (const auto& worker : workers_) {
+      try {
+        worker->observer().end(simulation, how);
+      } catch (...) {
+        errors.keepCurrent();
+      }
+    }
+  }
+
+  FirstError errors;
+
+ private:
+  std::vector<std::unique_ptr<OutputWorker>> workers_;
+};
 
 bool hasState(const Observer& observer, const StateArrays& state) {
   const std::string below = std::string(kOutputStates) + "/" + std::string(observer.stateName()) + "/";
@@ -44,23 +80,36 @@ void begin(Observer& observer, Simulation& simulation, const StateArrays* state)
     observer.begin(simulation);
 }
 
-RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers, const RunOptions& options) {
+RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, Outputs& outputs,
+                 const RunOptions& options) {
   const std::atomic<bool> never = false;
   const std::atomic<bool>& stop = options.stop != nullptr ? *options.stop : never;
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
-  const auto afterStep = [&] {
+  const auto showProgress = [&] {
     if (options.onProgress) options.onProgress(simulation);
+  };
+  const auto afterStep = [&] {
+    outputs.errors.rethrowIfAny();
+    showProgress();
+  };
+  const auto showFrame = [&] {
+    outputs.showFrame(simulation);
+    if (options.checkpoints != nullptr && options.checkpoints->isDue(simulation)) {
+      outputs.wait();
+      options.checkpoints->write(simulation, observers);
+    }
+    showProgress();
   };
   if (options.resume != nullptr) {
     simulation.resume(StateReader(*options.resume), options.lastFrame);
-    if (options.onProgress) options.onProgress(simulation);
+    showProgress();
   } else {
     simulation.reset(options.lastFrame);
-    showFrame(simulation, observers, options);
+    showFrame();
   }
   while (simulation.frame() < last) {
     if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
-    showFrame(simulation, observers, options);
+    showFrame();
   }
   const bool whole = last == simulation.clock().frameCount();
   if (whole && !simulation.finishRest(stop, afterStep)) return RunEnd::kInterrupted;
@@ -71,27 +120,22 @@ RunEnd runFrames(Simulation& simulation, const std::vector<Observer*>& observers
 
 RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observers,
                      const RunOptions& options) {
-  std::vector<Observer*> begun;
-  std::exception_ptr error;
+  Outputs outputs;
   RunEnd end = RunEnd::kFailed;
   try {
     for (Observer* observer : observers) {
       begin(*observer, simulation, options.resume);
-      begun.push_back(observer);
+      outputs.add(*observer);
     }
     if (options.checkpoints != nullptr) options.checkpoints->begin();
-    end = runFrames(simulation, begun, options);
+    end = runFrames(simulation, observers, outputs, options);
   } catch (...) {
-    error = std::current_exception();
+    outputs.errors.keepCurrent();
   }
-  for (Observer* observer : begun) {
-    try {
-      observer->end(simulation, end);
-    } catch (...) {
-      if (!error) error = std::current_exception();
-    }
-  }
-  if (error) std::rethrow_exception(error);
+  outputs.finish(simulation);
+  if (outputs.errors.any()) end = RunEnd::kFailed;
+  outputs.end(simulation, end);
+  outputs.errors.rethrowIfAny();
   return end;
 }
 

@@ -17,20 +17,22 @@ struct RunOptions {
   std::optional<std::int64_t> lastFrame;
   /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
   const std::atomic<bool>* stop = nullptr;
-  /// Null: no checkpoints are made.
+  /// Null: no checkpoints are made. The outputs write all that they captured before one is written.
   Checkpoints* checkpoints = nullptr;
   /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.
   const StateArrays* resume = nullptr;
-  /// Called at frame 0, after every step, and after every frame once the observers have seen it.
+  /// Called at frame 0, after every step, and after every frame once the observers have captured it.
   std::function<void(const Simulation&)> onProgress;
 };
 
 /// The frame at which such a run ends.
 std::int64_t lastFrameOf(const Clock& clock, const RunOptions& options);
 
-/// begin() of all observers, reset, frames, end(). Whatever happens, end() is called for every observer whose
-/// begin() succeeded, in the same order; an error in one does not keep the others from it. The first error is
-/// thrown again at the end.
+/// begin() of all observers, reset, frames, end(). Observers write frames beside the simulation, each on a
+/// thread of its own; one that is three frames behind makes the simulation wait. An error of one ends the run
+/// at the next step. Whatever happens, the other observers write all frames that they have captured, and
+/// end() is called for every observer whose begin() succeeded, in the same order; an error in one does not
+/// keep the others from it. The first error is thrown again at the end.
 RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observers,
                      const RunOptions& options = {});
 

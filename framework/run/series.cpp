@@ -11,8 +11,9 @@ void SeriesOutput::begin(Simulation&) {
   lines_.clear();
 }
 
-void SeriesOutput::frame(Simulation& simulation) {
+std::unique_ptr<Snapshot> SeriesOutput::capture(Simulation& simulation, std::unique_ptr<Snapshot>) {
   lines_ += writeJsonLine(frameStatistics(simulation));
+  return nullptr;
 }
 
 void SeriesOutput::save(const StateWriter& to) {

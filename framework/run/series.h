@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "framework/run/observer.h"
@@ -14,8 +15,9 @@ class SeriesOutput final : public Observer {
  public:
   explicit SeriesOutput(std::filesystem::path file) : file_(std::move(file)) {}
 
+  std::string name() const override { return "series"; }
   void begin(Simulation& simulation) override;
-  void frame(Simulation& simulation) override;
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override;
   void end(Simulation& simulation, RunEnd how) override;
   std::string_view stateName() const override { return "series"; }
   void save(const StateWriter& to) override;

@@ -7,6 +7,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "framework/run/clock.h"
 #include "framework/scene/scene.h"
@@ -16,6 +19,14 @@ namespace weir {
 /// The clock that a scene's "world" asks for. Throws a scene Error that names the file for what no clock can
 /// do; checking a scene therefore means to make its clock, too.
 Clock clockOf(const Scene& scene);
+
+/// What an observer of a run cost, in seconds of wall clock.
+struct OutputTime {
+  std::string name;
+  double capture = 0;  ///< that the simulation waited while frames were copied
+  double wait = 0;     ///< that it waited because frames came faster than they could be written
+  double write = 0;    ///< in which frames were written beside it
+};
 
 /// Runs one scene on one device. Two of them in one process do not know of each other. Device, log, registry
 /// and the plugins that the scene uses must outlive it.
@@ -75,6 +86,9 @@ class Simulation {
   double setupSeconds() const { return setupSeconds_; }  ///< that the last reset took
   double secondsSinceReset() const;                      ///< since the last reset began
   double stepSeconds() const { return stepSeconds_; }    ///< in steps since then, without observers
+  /// Of all observers; runSimulation tells it when all frames are written.
+  const std::vector<OutputTime>& outputTimes() const { return outputTimes_; }
+  void setOutputTimes(std::vector<OutputTime> times) { outputTimes_ = std::move(times); }
 
  private:
   using WallClock = std::chrono::steady_clock;
@@ -102,6 +116,7 @@ class Simulation {
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
   WallClock::time_point resetAt_ = WallClock::now();
   double setupSeconds_ = 0, stepSeconds_ = 0;
+  std::vector<OutputTime> outputTimes_;
 };
 
 }  // namespace weir

@@ -91,6 +91,17 @@ Value memoryValue(const Simulation& simulation) {
   return v;
 }
 
+Value outputTimes(const Simulation& simulation) {
+  Value v = Value::object();
+  for (const OutputTime& time : simulation.outputTimes()) {
+    Value& output = v[time.name];
+    output["capture_seconds"] = time.capture;
+    output["wait_seconds"] = time.wait;
+    output["write_seconds"] = time.write;
+  }
+  return v;
+}
+
 /// Fills "nodes" and "rare_events".
 void addReports(Simulation& simulation, Value& statistics) {
   Value nodes = Value::object();
@@ -150,6 +161,7 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["setup_seconds"] = simulation.setupSeconds();
   v["stepping_seconds"] = simulation.stepSeconds();
   v["step_ms"] = stepTimes(device.profiler());
+  v["outputs"] = outputTimes(simulation);
   v["modules_ms"] = moduleTimes(device.profiler(), simulation.stepsDone());
   v["memory"] = memoryValue(simulation);
   v["blocking_readbacks"] = integer(device.blockingReadbacks());

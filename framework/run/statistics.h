@@ -23,11 +23,12 @@ std::size_t peakHostMemory();
 /// Everything about the run so far, as one object:
 ///   version, scene, title, end, device {name, back_end, description}, deterministic, particles, frames,
 ///   steps, simulated_seconds, dt (the longest allowed), time_step {shortest, mean, longest}, wall_seconds,
-///   setup_seconds, stepping_seconds, step_ms {median, p95, mean, max}, modules_ms {"water/solver": {total,
+///   setup_seconds, stepping_seconds, step_ms {median, p95, mean, max}, outputs {"pictures":
+///   {capture_seconds, wait_seconds, write_seconds}} (see OutputTime), modules_ms {"water/solver": {total,
 ///   per_step, calls}}, memory {host_peak_bytes, device_estimated_bytes, device_peak_bytes,
-///   device_reserved_bytes, device_reserved_peak_bytes, device_in_use_bytes, device_allocations},
-///   blocking_readbacks, nodes
-///   {"water": {type, …what the node reports…}}, rare_events
+///   device_reserved_bytes, device_reserved_peak_bytes, device_in_use_bytes, device_allocations,
+///   device_bytes_of_nodes}, blocking_readbacks, nodes {"water": {type, …what the node reports…}},
+///   rare_events
 ///   [{node, what, count}].
 /// The node of a rare event of the time steps is "world". A node that cannot report, as the run failed in it,
 /// has "error" instead. Waits for the device.

@@ -10,6 +10,7 @@
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
+#include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/scene_view.h"
 
 namespace weir::rendering {
@@ -26,9 +27,17 @@ std::filesystem::path fontFolder() {
   return std::filesystem::absolute(self.dli_fname).parent_path() / "../../../share/weir/fonts";
 }
 
+/// Another device on the same machine, for another thread.
+std::unique_ptr<Device> sibling(const Device& device) {
+  const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
+  return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
+}
+
 class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
+
+  std::string name() const override { return "pictures"; }
 
   void begin(Simulation& simulation) override { begin(simulation, 0); }
 
@@ -56,7 +65,14 @@ class Pictures final : public Observer {
   void begin(Simulation& simulation, std::int64_t firstFrame) {
     frames_ = firstFrame;
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
-    renderer_ = std::make_unique<gl::Renderer>(gl::makeContext());
+    settings_ = &settings;
+    title_ = simulation.scene().title;
+    capture_.emplace(settings);
+    // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
+    std::unique_ptr<gl::Context> context = gl::makeContext();
+    const bool software = context->isSoftware();
+    renderer_ =
+        std::make_unique<gl::Renderer>(std::move(context), software ? sibling(simulation.device()) : nullptr);
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
@@ -65,9 +81,15 @@ class Pictures final : public Observer {
       images_.emplace(path->second, firstFrame);
   }
 
-  void frame(Simulation& simulation) override {
-    Picture picture = renderer_->draw(view_->at(simulation));
-    overlay_->draw(overlayText(simulation), picture);
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
+    return capture_->at(simulation,
+                        std::unique_ptr<SceneSnapshot>(static_cast<SceneSnapshot*>(used.release())));
+  }
+
+  void write(Snapshot& snapshot) override {
+    auto& scene = static_cast<SceneSnapshot&>(snapshot);
+    Picture picture = renderer_->draw(view_->of(scene));
+    overlay_->draw(overlayText(scene), picture);
     if (images_) images_->write(picture);
     if (video_) video_->write(std::move(picture));
     ++frames_;
@@ -83,23 +105,26 @@ class Pictures final : public Observer {
   }
 
  private:
-  OverlayText overlayText(const Simulation& simulation) const {
-    const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+  OverlayText overlayText(const SceneSnapshot& scene) const {
     OverlayText text;
-    text.lightText = wantsLightText(settings.backgroundTop, settings.backgroundBottom);
-    if (settings.overlay) {
-      text.title = simulation.scene().title;
-      text.seconds = simulation.time();
-      text.particles = simulation.particleCount();
+    text.lightText = wantsLightText(settings_->backgroundTop, settings_->backgroundBottom);
+    if (settings_->overlay) {
+      text.title = title_;
+      text.seconds = scene.time;
+      text.particles = scene.particles;
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    if (key.shown) text.bar = ColorBar{settings.color->map, key.low, key.high, caption};
+    if (key.shown) text.bar = ColorBar{settings_->color->map, key.low, key.high, caption};
     return text;
   }
 
   OutputPaths paths_;
-  std::int64_t frames_ = 0;  // shown, those of the run that is resumed included
+  const RenderSettings* settings_ = nullptr;
+  std::string title_;
+  std::optional<SceneCapture> capture_;
+  // From here on what write() uses.
+  std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;

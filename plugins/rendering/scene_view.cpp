@@ -2,71 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "framework/base/text.h"
-#include "nodes/emitters/nozzle_emitter.h"
-#include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/solid.h"
-#include "nodes/static_boundary/static_boundary.h"
-#include "plugins/rendering/shape_geometry.h"
+#include <span>
+#include <utility>
 
 namespace weir::rendering {
 
 namespace {
 
-/// The outputs of all nodes that carry T, with the nodes' names.
-template <class T>
-std::vector<std::pair<std::string, Output<T>*>> outputsOf(const Simulation& simulation) {
-  std::vector<std::pair<std::string, Output<T>*>> found;
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (OutputPort* output : node->outputs())
-      if (output->typeName() == T::kPortType)
-        found.emplace_back(node->name(), static_cast<Output<T>*>(output));
-  return found;
-}
-
-std::vector<float> lengthsOf(const std::vector<Vec3f>& vectors) {
+std::vector<float> lengthsOf(std::span<const Vec3f> vectors) {
   std::vector<float> lengths;
   lengths.reserve(vectors.size());
   for (const Vec3f& v : vectors) lengths.push_back(length(v));
   return lengths;
 }
 
-/// What moves the mesh of an output: the first node that takes it and is a motion, or null. Plugins bring
-/// such nodes, too.
-const RigidMotion* motionOf(const OutputPort* mesh) {
-  for (const InputPort* input : mesh->links())
-    if (const auto* motion = dynamic_cast<const RigidMotion*>(&input->node())) return motion;
-  return nullptr;
-}
-
-Error unknownQuantity(const ParticleSet& particles, const std::string& name) {
-  std::vector<std::string> names{"speed", "none"};
-  for (const AttributeInfo& info : particles.attributes()) names.push_back(info.name);
-  Error e = sceneError("the particles have no attribute " + inQuotes(name), joinNames(names),
-                       didYouMean(name, names));
-  return e.at({.pointer = "/render/color/by"});
-}
-
-/// The numbers that colour the particles, and what they are.
-std::vector<float> quantityOf(const ParticleSet& particles, const std::string& name, std::int64_t count,
-                              ColorKey& key) {
-  if (name == "speed") {
-    key.unit = "m/s";
-    return lengthsOf(particles.velocities().toHost(count));
-  }
-  const AttributeInfo* info = particles.find(name);
-  if (info == nullptr) throw unknownQuantity(particles, name);
-  key.unit = info->unit;
-  switch (info->type) {
-    case AttributeType::kFloat:
-      return particles.get<float>(name).toHost(count);
+/// The numbers that colour the particles; none if they have one colour.
+std::vector<float> colorsOf(FluidSnapshot& fluid) {
+  if (!fluid.colorType) return {};
+  switch (*fluid.colorType) {
+    case AttributeType::kFloat: {
+      const std::span<const float> numbers = fluid.floats.wait();
+      return {numbers.begin(), numbers.end()};
+    }
     case AttributeType::kVec3:
-      return lengthsOf(particles.get<Vec3f>(name).toHost(count));
+      return lengthsOf(fluid.vectors.wait());
     case AttributeType::kInt:
       break;
   }
-  const std::vector<int> numbers = particles.get<int>(name).toHost(count);
+  const std::span<const int> numbers = fluid.ints.wait();
   return {numbers.begin(), numbers.end()};
 }
 
@@ -80,119 +43,59 @@ float roundUp(float x) {
 
 }  // namespace
 
-View SceneView::at(Simulation& simulation) {
-  if (!collected_) collectStatic(simulation);
+View SceneView::of(SceneSnapshot& snapshot) {
+  if (snapshot.still) takeStill(*std::exchange(snapshot.still, nullptr));
   View view;
   view.width = settings_.width;
   view.height = settings_.height;
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
-  addFluids(simulation, view);
+  addFluids(snapshot, view);
   view.surfaces = surfaces_;
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
-    if (motions_[i] == nullptr) continue;
-    const Pose pose = motions_[i]->poseAt(simulation.time());
-    view.surfaces[i].rotation = pose.rotation;
-    view.surfaces[i].position = pose.translation;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    view.surfaces[i].rotation = snapshot.poses[i].rotation;
+    view.surfaces[i].position = snapshot.poses[i].translation;
   }
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
   constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
   view.ground.visible = settings_.ground;
-  view.ground.height = hasFloor_ ? floor_ : box.lo.y;
+  view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
-  view.camera = cameraAt(simulation.time());
+  view.camera = cameraAt(snapshot.time);
   return view;
 }
 
-void SceneView::collectStatic(Simulation& simulation) {
-  collected_ = true;
-  checkNames(simulation);
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation))
-    addSurface(**output, node, motionOf(output));
-  for (const auto& node : simulation.scene().graph.nodes()) {
-    const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
-    if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
-      addShape(boundary->boundary->pieces.front().shape, node->name());
-    if (const auto* emitter = dynamic_cast<const NozzleEmitter*>(node.get()))
-      bounds_.extend(emitter->position);
-  }
+void SceneView::takeStill(StillScene& still) {
+  for (const StillScene::Surface& surface : still.surfaces)
+    surfaces_.push_back(
+        {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
+  lines_ = std::move(still.lines);
+  bounds_ = still.bounds;
+  floor_ = still.floor;
   boundsAreStatic_ = !bounds_.empty() && length(bounds_.size()) > 0;
 }
 
-void SceneView::checkNames(const Simulation& simulation) const {
-  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i) {
-    const std::string& name = settings_.surfaces[i].node;
-    if (simulation.scene().graph.find(name) != nullptr) continue;
-    std::vector<std::string> names;
-    for (const auto& node : simulation.scene().graph.nodes()) names.push_back(node->name());
-    Error e =
-        sceneError("the scene has no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
-    throw e.at(
-        {.file = simulation.scene().file, .pointer = "/render/surfaces/" + std::to_string(i) + "/node"});
-  }
-}
-
-const SurfaceSettings* SceneView::settingsOf(const std::string& node) const {
-  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
-    if (*settings_.surfaces[i].node == node) return &settings_.surfaces[i];
-  return nullptr;
-}
-
-void SceneView::addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion) {
-  const SurfaceSettings* own = settingsOf(node);
-  if (mesh.empty() || (own != nullptr && !own->visible)) return;
-  const Pose start = motion != nullptr ? motion->poseAt(0) : Pose{};
-  for (const Vec3f& vertex : mesh.vertices) bounds_.extend(start.toWorld(vertex));
-  static const SurfaceSettings kUsual;
-  const SurfaceSettings& look = own != nullptr ? *own : kUsual;
-  surfaces_.push_back({.mesh = renderer_.addMesh(mesh), .look = look.look, .color = look.shownColor()});
-  motions_.push_back(motion);
-}
-
-void SceneView::addShape(const Shape& shape, const std::string& node) {
-  const SurfaceSettings* own = settingsOf(node);
-  if (own != nullptr && !own->visible) return;
-  if (shape.kind == ShapeKind::kPlane) {
-    // A floor is the ground; walls without an end would hide the scene.
-    constexpr float kLevel = 0.999f;
-    hasFloor_ = rotate(shape.rotation, {0, 1, 0}).y > kLevel;
-    if (hasFloor_) floor_ = shape.position.y;
-    return;
-  }
-  if (!shape.inverted) {
-    addSurface(meshOfShape(shape), node);
-    return;
-  }
-  const std::vector<Line> outline = outlineOfShape(shape);
-  for (const Line& line : outline) {
-    bounds_.extend(line.from);
-    if (settings_.outlines) lines_.insert(lines_.end(), {line.from, line.to});
-  }
-}
-
-void SceneView::addFluids(Simulation& simulation, View& view) {
+void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   const std::string& by = settings_.color->by;
   const bool colored = by != "none";
   key_.shown = settings_.color->bar && colored;
   key_.quantity = by;
-  positions_.clear();
+  key_.unit = snapshot.colorUnit;
   values_.clear();
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
-    const Fluid& fluid = **output;
-    const std::int64_t count = fluid.particles->refreshCount();
-    positions_.push_back(fluid.particles->positions().toHost(count));
-    values_.push_back(colored ? quantityOf(*fluid.particles, by, count, key_) : std::vector<float>{});
-    view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.constants->spacing,
+  for (FluidSnapshot& fluid : snapshot.fluids) {
+    const std::span<const Vec3f> positions = fluid.positions.wait();
+    values_.push_back(colorsOf(fluid));
+    view.particles.push_back({.positions = positions,
+                              .radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = settings_.color->map,
                               .fixed = settings_.color->fixed});
     if (boundsAreStatic_) continue;
-    for (const Vec3f& p : positions_.back()) bounds_.extend(p);
+    for (const Vec3f& p : positions) bounds_.extend(p);
   }
   if (colored) chooseRange();
   for (std::size_t i = 0; i < view.particles.size(); ++i) {
-    view.particles[i].positions = positions_[i];
     view.particles[i].values = values_[i];
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "framework/base/build_info.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/compute/host_copy.h"
 #include "framework/run/statistics.h"
 #include "framework/scene/scene_file.h"
 
@@ -35,13 +37,84 @@ VtkHdfAttribute attributeOf(const AttributeInfo& info) {
           .unit = info.unit};
 }
 
-/// Copies the first `count` elements to host memory that has room for them.
-template <class T>
-void download(const Array<T>& from, std::size_t count, void* to) {
-  if (count > 0) from.device().download(to, from.data(), count * sizeof(T));
+/// Columns of an attribute's type, on their way to the host. Vectors are three numbers each.
+using ColumnCopy = std::variant<HostCopy<float>, HostCopy<int>>;
+
+ColumnCopy columnOf(const AttributeInfo& info, Device& device) {
+  if (info.type == AttributeType::kInt) return HostCopy<int>(device);
+  return HostCopy<float>(device);
+}
+
+/// Asks for one attribute of the first `count` particles.
+void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::int64_t first,
+                 std::int64_t count, ColumnCopy& to) {
+  switch (info.type) {
+    case AttributeType::kFloat:
+      std::get<HostCopy<float>>(to).start(first, particles.get<float>(info.name).data(), count);
+      break;
+    case AttributeType::kVec3:
+      static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+      std::get<HostCopy<float>>(to).start(
+          3 * first, reinterpret_cast<const float*>(particles.get<Vec3f>(info.name).data()), 3 * count);
+      break;
+    case AttributeType::kInt:
+      std::get<HostCopy<int>>(to).start(first, particles.get<int>(info.name).data(), count);
+      break;
+  }
 }
 
 }  // namespace
+
+/// The particles of all fluids, one fluid behind the other.
+class ParticleExport::Frame final : public Snapshot {
+ public:
+  Frame(const std::vector<AttributeInfo>& columns, Device& device) : positions_(device) {
+    for (const AttributeInfo& info : columns) columns_.push_back(columnOf(info, device));
+  }
+
+  void start(const std::vector<Source>& sources, const std::vector<AttributeInfo>& columns, double time) {
+    time_ = time;
+    counts_.clear();
+    std::int64_t total = 0;
+    for (const Source& source : sources) total += counts_.emplace_back(source.particles().refreshCount());
+    positions_.resize(total);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::int64_t numbers = columns[c].type == AttributeType::kVec3 ? 3 * total : total;
+      std::visit([&](auto& copy) { copy.resize(numbers); }, columns_[c]);
+    }
+    std::int64_t first = 0;
+    for (std::size_t i = 0; i < sources.size(); first += counts_[i++]) {
+      const ParticleSet& particles = sources[i].particles();
+      positions_.start(first, particles.positions().data(), counts_[i]);
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        startColumn(particles, columns[c], first, counts_[i], columns_[c]);
+    }
+  }
+
+  /// Waits until all has arrived.
+  VtkHdfFrame finish() {
+    VtkHdfFrame frame{.time = time_, .positions = positions_.wait(), .attributes = {}, .fields = {}};
+    frame.fields = {static_cast<double>(frame.positions.size())};
+    for (ColumnCopy& column : columns_)
+      std::visit([&](auto& copy) { frame.attributes.emplace_back(copy.wait()); }, column);
+    if (counts_.size() > 1) frame.attributes.emplace_back(fluidIndices());
+    return frame;
+  }
+
+ private:
+  std::span<const std::int32_t> fluidIndices() {
+    fluidIndices_.clear();
+    for (std::size_t i = 0; i < counts_.size(); ++i)
+      fluidIndices_.insert(fluidIndices_.end(), static_cast<std::size_t>(counts_[i]), static_cast<int>(i));
+    return fluidIndices_;
+  }
+
+  double time_ = 0;
+  std::vector<std::int64_t> counts_;  // of each fluid
+  HostCopy<Vec3f> positions_;
+  std::vector<ColumnCopy> columns_;
+  std::vector<std::int32_t> fluidIndices_;  // only if there are several fluids
+};
 
 ParticleExport::ParticleExport(std::filesystem::path file) : file_(std::move(file)) {}
 
@@ -50,12 +123,13 @@ ParticleExport::~ParticleExport() = default;
 void ParticleExport::begin(Simulation& simulation) {
   findFluids(simulation);
   checkWritable(file_);
+  sceneText_ = simulation.scene().text;
 }
 
 void ParticleExport::save(const StateWriter& to) {
   writer_->sync();
   std::string names;
-  for (const Column& column : columns_) names += column.info.name + "\n";
+  for (const AttributeInfo& column : columns_) names += column.name + "\n";
   to.put("frames", writer_->framesWritten());
   to.put("attributes", std::span<const char>(names));
 }
@@ -81,26 +155,21 @@ void ParticleExport::findFluids(Simulation& simulation) {
   if (sources_.empty()) throw noFluid(file_);
 }
 
-void ParticleExport::frame(Simulation& simulation) {
-  if (!writer_) {
+std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::unique_ptr<Snapshot> used) {
+  if (!chosen_) {
     chooseSources();
     chooseColumns(simulation);
-    makeFile(simulation);
+    chosen_ = true;
   }
   warnOfNewAttributes(simulation);
+  if (!used) used = std::make_unique<Frame>(columns_, simulation.device());
+  static_cast<Frame&>(*used).start(sources_, columns_, simulation.time());
+  return used;
+}
 
-  std::vector<std::size_t> counts;
-  std::size_t total = 0;
-  for (const Source& source : sources_) {
-    counts.push_back(static_cast<std::size_t>(source.particles().refreshCount()));
-    total += counts.back();
-  }
-  resize(total);
-  for (std::size_t i = 0, first = 0; i < sources_.size(); first += counts[i++]) {
-    fetch(sources_[i].particles(), first, counts[i]);
-    if (several()) std::fill_n(fluidIndices_.begin() + std::ptrdiff_t(first), counts[i], int(i));
-  }
-  write(simulation.time());
+void ParticleExport::write(Snapshot& snapshot) {
+  if (!writer_) makeFile();
+  writer_->append(static_cast<Frame&>(snapshot).finish());
 }
 
 void ParticleExport::chooseSources() {
@@ -116,17 +185,16 @@ void ParticleExport::chooseSources() {
 }
 
 void ParticleExport::chooseColumns(const Simulation& simulation) {
-  columns_.clear();
   for (const Source& source : sources_)
     for (const AttributeInfo& info : source.particles().attributes()) {
       const bool shared = std::all_of(sources_.begin(), sources_.end(),
                                       [&](const Source& other) { return has(other.particles(), info); });
       if (!shared)
         warnOfMissing(simulation, info.name, source.name);
-      else if (info.name != kPositionName && findColumn(info.name) == nullptr && isWanted(info.name))
-        columns_.push_back({info, {}, {}});
+      else if (info.name != kPositionName && !isColumn(info.name) && isWanted(info.name))
+        columns_.push_back(info);
     }
-  if (several() && findColumn(kFluidIndexName) != nullptr)
+  if (several() && isColumn(kFluidIndexName))
     throw ioError(
         "the particles have an attribute 'fluid_index', which is what the export calls the number "
         "that tells several fluids apart",
@@ -141,7 +209,7 @@ bool ParticleExport::isWanted(const std::string& attribute) const {
 void ParticleExport::warnOfNewAttributes(const Simulation& simulation) const {
   for (const Source& source : sources_)
     for (const AttributeInfo& info : source.particles().attributes())
-      if (info.name != kPositionName && findColumn(info.name) == nullptr)
+      if (info.name != kPositionName && !isColumn(info.name))
         warnOfMissing(simulation, info.name, source.name);
 }
 
@@ -151,15 +219,14 @@ void ParticleExport::warnOfMissing(const Simulation& simulation, const std::stri
                             inQuotes(fluid) + ", which not all fluids have from the first frame on");
 }
 
-const ParticleExport::Column* ParticleExport::findColumn(std::string_view name) const {
-  const auto found = std::find_if(columns_.begin(), columns_.end(),
-                                  [&](const Column& column) { return column.info.name == name; });
-  return found != columns_.end() ? &*found : nullptr;
+bool ParticleExport::isColumn(std::string_view name) const {
+  return std::any_of(columns_.begin(), columns_.end(),
+                     [&](const AttributeInfo& column) { return column.name == name; });
 }
 
-void ParticleExport::makeFile(const Simulation& simulation) {
+void ParticleExport::makeFile() {
   VtkHdfLayout layout{.attributes = {}, .fields = {"particles"}};
-  for (const Column& column : columns_) layout.attributes.push_back(attributeOf(column.info));
+  for (const AttributeInfo& column : columns_) layout.attributes.push_back(attributeOf(column));
   if (several())
     layout.attributes.push_back({.name = kFluidIndexName, .type = VtkHdfType::kInt32, .unit = {}});
   if (earlier_) {
@@ -171,52 +238,8 @@ void ParticleExport::makeFile(const Simulation& simulation) {
   std::string names;
   for (const Source& source : sources_) names += source.name + "\n";
   writer_->setText("version", version());
-  writer_->setText("scene", simulation.scene().text);
+  writer_->setText("scene", sceneText_);
   writer_->setText("fluids", names);
-}
-
-void ParticleExport::resize(std::size_t particles) {
-  positions_.resize(particles);
-  if (several()) fluidIndices_.resize(particles);
-  for (Column& column : columns_) {
-    if (column.info.type == AttributeType::kInt)
-      column.ints.resize(particles);
-    else
-      column.floats.resize(particles * (column.info.type == AttributeType::kVec3 ? 3 : 1));
-  }
-}
-
-void ParticleExport::fetch(const ParticleSet& particles, std::size_t first, std::size_t count) {
-  download(particles.positions(), count, positions_.data() + first);
-  for (Column& column : columns_) {
-    const std::string& name = column.info.name;
-    switch (column.info.type) {
-      case AttributeType::kFloat:
-        download(particles.get<float>(name), count, column.floats.data() + first);
-        break;
-      case AttributeType::kVec3:
-        download(particles.get<Vec3f>(name), count, column.floats.data() + 3 * first);
-        break;
-      case AttributeType::kInt:
-        download(particles.get<int>(name), count, column.ints.data() + first);
-        break;
-    }
-  }
-}
-
-void ParticleExport::write(double time) {
-  VtkHdfFrame frame{.time = time,
-                    .positions = positions_,
-                    .attributes = {},
-                    .fields = {static_cast<double>(positions_.size())}};
-  for (const Column& column : columns_) {
-    if (column.info.type == AttributeType::kInt)
-      frame.attributes.emplace_back(std::span<const std::int32_t>(column.ints));
-    else
-      frame.attributes.emplace_back(std::span<const float>(column.floats));
-  }
-  if (several()) frame.attributes.emplace_back(std::span<const std::int32_t>(fluidIndices_));
-  writer_->append(frame);
 }
 
 void ParticleExport::end(Simulation& simulation, RunEnd how) {

@@ -23,18 +23,19 @@ namespace weir {
 /// The attribute that tells fluids apart: 0 for the first name in /simulation/fluids, and so on.
 inline constexpr const char* kFluidIndexName = "fluid_index";
 
-/// Frames are copied from the device and written in the background. The file is made at frame 0, when all
-/// modules have added their attributes; until then a file that stands there is left as it is.
+/// The file is made with frame 0, when all modules have added their attributes; until then a file that stands
+/// there is left as it is.
 class ParticleExport final : public Observer {
  public:
   explicit ParticleExport(std::filesystem::path file);
   ~ParticleExport() override;
 
+  std::string name() const override { return "export"; }
   /// Throws an io Error if the scene has no fluid or the file cannot be written.
   void begin(Simulation& simulation) override;
-  /// Throws an io Error if this frame, or one before it, could not be written. The frames before that one
-  /// stay readable.
-  void frame(Simulation& simulation) override;
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override;
+  /// Throws an io Error if the frame cannot be written. The frames before it stay readable.
+  void write(Snapshot& snapshot) override;
   void end(Simulation& simulation, RunEnd how) override;
   std::string_view stateName() const override { return "vtkhdf"; }
   void save(const StateWriter& to) override;
@@ -52,36 +53,27 @@ class ParticleExport final : public Observer {
     const Output<Fluid>* fluid;
     ParticleSet& particles() const { return *(*fluid)->particles; }
   };
-  /// The host's copy of one attribute of all particles; its memory is used again for the next frame.
-  struct Column {
-    AttributeInfo info;
-    std::vector<float> floats;  ///< of kFloat and kVec3
-    std::vector<int> ints;      ///< of kInt
-  };
+  class Frame;
 
   bool several() const { return sources_.size() > 1; }
-  const Column* findColumn(std::string_view name) const;
+  bool isColumn(std::string_view name) const;
 
   void findFluids(Simulation& simulation);
   // At frame 0.
   void chooseSources();
   void chooseColumns(const Simulation& simulation);
   bool isWanted(const std::string& attribute) const;
-  void makeFile(const Simulation& simulation);
   // At every frame.
   void warnOfNewAttributes(const Simulation& simulation) const;
   void warnOfMissing(const Simulation& simulation, const std::string& attribute,
                      const std::string& fluid) const;
-  void resize(std::size_t particles);
-  /// Copies the particles of one fluid to rows `first` … `first + count` − 1.
-  void fetch(const ParticleSet& particles, std::size_t first, std::size_t count);
-  void write(double time);
+  void makeFile();
 
   std::filesystem::path file_;
+  std::string sceneText_;
   std::vector<Source> sources_;
-  std::vector<Vec3f> positions_;
-  std::vector<Column> columns_;
-  std::vector<int> fluidIndices_;   // only if there are several fluids
+  std::vector<AttributeInfo> columns_;  // but the position; chosen before the first frame is written
+  bool chosen_ = false;
   std::optional<Earlier> earlier_;  // where a run is resumed
   std::unique_ptr<VtkHdfWriter> writer_;
 };

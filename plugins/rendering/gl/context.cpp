@@ -47,6 +47,12 @@ void Context::load(FunctionFinder finder, const std::string& providerName) {
   description_ = text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION) + ", through " + providerName;
 }
 
+bool Context::isSoftware() const {
+  for (const char* renderer : {"llvmpipe", "softpipe", "swrast", "SwiftShader"})
+    if (description_.find(renderer) != std::string::npos) return true;
+  return false;
+}
+
 DriverLibrary::DriverLibrary(const std::vector<std::string>& fileNames) {
   std::string reasons;
   for (const std::string& name : fileNames) {

@@ -26,6 +26,8 @@ class Context {
   const Functions& functions() const { return *functions_; }
   /// "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 (Core Profile) Mesa 22.3.6, through OSMesa"
   const std::string& description() const { return description_; }
+  /// Whether it draws on the CPU.
+  bool isSoftware() const;
 
  protected:
   Context() = default;

@@ -67,6 +67,7 @@ struct Functions {
   PFNGLACTIVETEXTUREPROC activeTexture = find("glActiveTexture");
   PFNGLBINDTEXTUREPROC bindTexture = find("glBindTexture");
   PFNGLTEXIMAGE2DPROC texImage2D = find("glTexImage2D");
+  PFNGLTEXSUBIMAGE2DPROC texSubImage2D = find("glTexSubImage2D");
   PFNGLTEXPARAMETERIPROC texParameteri = find("glTexParameteri");
   PFNGLTEXBUFFERPROC texBuffer = find("glTexBuffer");
 

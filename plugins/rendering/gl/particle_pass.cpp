@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/base/check.h"
+#include "plugins/rendering/gl/particle_colors.h"
 #include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
@@ -101,37 +102,9 @@ void main() {
 }
 )";
 
-// The colour map's entries, then one entry each of the fixed colour and of the colour for "not a number".
-constexpr int kColors = 258;
-constexpr int kFixedEntry = 256, kUnknownEntry = 257;
-
-/// Texture coordinate of an entry's middle.
+/// Texture coordinate of a place among the texels of the colours.
 float placeOf(float entry) {
-  return (entry + 0.5f) / float(kColors);
-}
-
-float placeOfValue(float value, const ParticleView& particles) {
-  if (std::isnan(value)) return placeOf(kUnknownEntry);
-  const float range = particles.highest - particles.lowest;
-  const float t = range > 0 ? (value - particles.lowest) / range
-                            : (value == particles.lowest ? 0.5f : float(value > particles.lowest));
-  return placeOf(255.0f * std::clamp(t, 0.0f, 1.0f));
-}
-
-std::vector<std::uint8_t> colorTexels(const ParticleView& particles) {
-  std::vector<std::uint8_t> texels;
-  const auto add = [&](float r, float g, float b) {
-    for (const float c : {r, g, b, 1.0f})
-      texels.push_back(std::uint8_t(std::lround(255.0f * std::clamp(c, 0.0f, 1.0f))));
-  };
-  for (int i = 0; i < 256; ++i) {
-    const Vec3f color = colorAt(particles.map, float(i) / 255.0f);
-    add(color.x, color.y, color.z);
-  }
-  add(particles.fixed.r, particles.fixed.g, particles.fixed.b);
-  const Vec3f unknown = colorAt(particles.map, std::nanf(""));
-  add(unknown.x, unknown.y, unknown.z);
-  return texels;
+  return (entry + 0.5f) / float(ParticleColors::kCount);
 }
 
 /// Two triangles for each four corners.
@@ -174,6 +147,7 @@ Aabb ParticlePass::load(std::span<const ParticleView> views) {
 Aabb ParticlePass::loadOne(const ParticleView& particles) {
   const bool colored = !particles.values.empty();
   if (colored) WEIR_CHECK(particles.values.size() == particles.positions.size());
+  const ParticleColors colors(particles);
   packed_.clear();
   packed_.reserve(particles.positions.size());
   Aabb box;
@@ -182,11 +156,11 @@ Aabb ParticlePass::loadOne(const ParticleView& particles) {
     if (!isFinite(p)) continue;
     box.extend(p);
     packed_.push_back(
-        {p.x, p.y, p.z, colored ? placeOfValue(particles.values[i], particles) : placeOf(kFixedEntry)});
+        {p.x, p.y, p.z,
+         placeOf(colored ? colors.entryOf(particles.values[i]) : ParticleColors::fixedEntry())});
   }
   if (packed_.empty()) return box;
-  const std::vector<std::uint8_t> texels = colorTexels(particles);
-  colors_.push_back(makeTexture(gl_, kColors, 1, kColor8, GL_LINEAR, texels.data()));
+  colors_.push_back(makeTexture(gl_, ParticleColors::kCount, 1, kColor8, GL_LINEAR, colors.texels().data()));
   for (std::size_t first = 0; first < packed_.size(); first += std::size_t(largestBatch_)) {
     const auto part =
         std::span(packed_).subspan(first).first(std::min(packed_.size() - first, std::size_t(largestBatch_)));
@@ -211,7 +185,7 @@ void ParticlePass::draw(const Program& program, SetUniforms setUniforms) const {
   }
 }
 
-void ParticlePass::drawGeometry(const Frame& frame) const {
+void ParticlePass::drawGeometry(const Frame& frame, const Targets&) {
   draw(geometry_, [&](const Batch& batch) {
     setCameraUniforms(geometry_, frame.camera, frame.width, frame.height);
     geometry_.setMatrix4("uView", frame.camera.view.data());
@@ -221,7 +195,7 @@ void ParticlePass::drawGeometry(const Frame& frame) const {
   });
 }
 
-void ParticlePass::drawShadow(const SunView& sun) const {
+void ParticlePass::drawShadow(const SunView& sun, const Texture&, int) {
   draw(shadow_, [&](const Batch& batch) {
     shadow_.setMatrix4("uToClip", sun.toClip().eval().data());
     shadow_.set("uHalfSize", sun.halfSize);

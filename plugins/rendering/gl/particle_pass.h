@@ -3,21 +3,19 @@
 
 #include <vector>
 
-#include "plugins/rendering/gl/frame.h"
+#include "plugins/rendering/gl/particle_drawer.h"
 
 namespace weir::rendering::gl {
 
-class ParticlePass {
+class ParticlePass final : public ParticleDrawer {
  public:
   explicit ParticlePass(const Functions& gl);
 
-  /// Sends the particles to the GPU and returns the box around their spheres.
-  Aabb load(std::span<const ParticleView> views);
-
-  /// Into Targets::geometry.
-  void drawGeometry(const Frame& frame) const;
-  /// Into the shadow map.
-  void drawShadow(const SunView& sun) const;
+  /// Sends the particles to the GPU.
+  Aabb load(std::span<const ParticleView> views) override;
+  bool comesFirst() const override { return false; }
+  void drawGeometry(const Frame& frame, const Targets& targets) override;
+  void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 
  private:
   struct Batch {

@@ -14,6 +14,7 @@
 #include "plugins/rendering/gl/occlusion_pass.h"
 #include "plugins/rendering/gl/particle_pass.h"
 #include "plugins/rendering/gl/shadow_pass.h"
+#include "plugins/rendering/gl/splat_pass.h"
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
@@ -31,14 +32,19 @@ float occlusionRadius(const View& view, const Aabb& casters) {
   return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
 }
 
+std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
+  if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
+  return std::make_unique<SplatPass>(gl, *splatDevice);
+}
+
 }  // namespace
 
 class Renderer::Passes {
  public:
-  explicit Passes(const Functions& functions)
+  Passes(const Functions& functions, Device* splatDevice)
       : gl(functions),
         meshes(gl),
-        particles_(gl),
+        particles_(makeParticleDrawer(gl, splatDevice)),
         surfaces_(gl),
         shadows_(gl),
         occlusion_(gl),
@@ -59,7 +65,7 @@ class Renderer::Passes {
   void drawGeometry(const Frame& frame);
   Picture read() const;
 
-  ParticlePass particles_;
+  std::unique_ptr<ParticleDrawer> particles_;
   SurfacePass surfaces_;
   ShadowPass shadows_;
   OcclusionPass occlusion_;
@@ -81,7 +87,7 @@ int Renderer::Passes::samplesFor(const View& view) const {
 
 /// Sends what has changed to the GPU; returns the box around all that is seen.
 Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
-  casters = particles_.load(view.particles);
+  casters = particles_->load(view.particles);
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   Aabb seen = casters;
@@ -108,8 +114,10 @@ void Renderer::Passes::drawGeometry(const Frame& frame) {
   gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
   gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
   gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  surfaces_.draw(frame, meshes);
-  particles_.drawGeometry(frame);
+  const bool particlesFirst = particles_->comesFirst();
+  if (particlesFirst) particles_->drawGeometry(frame, *targets_);
+  surfaces_.draw(frame, meshes, particlesFirst);
+  if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
 }
 
 Picture Renderer::Passes::read() const {
@@ -142,7 +150,7 @@ Picture Renderer::Passes::draw(const View& view) {
   }
   if (frame.hasShadows) {
     frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
-    shadows_.draw(frame, meshes, particles_);
+    shadows_.draw(frame, meshes, *particles_);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
@@ -161,9 +169,10 @@ Picture Renderer::Passes::draw(const View& view) {
   return picture;
 }
 
-Renderer::Renderer(std::unique_ptr<Context> context) : context_(std::move(context)) {
+Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> splatDevice)
+    : context_(std::move(context)), splatDevice_(std::move(splatDevice)) {
   const CurrentContext current(*context_);
-  passes_ = std::make_unique<Passes>(context_->functions());
+  passes_ = std::make_unique<Passes>(context_->functions(), splatDevice_.get());
 }
 
 Renderer::~Renderer() {

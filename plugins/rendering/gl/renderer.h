@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "framework/compute/device.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "plugins/rendering/view.h"
 
@@ -16,8 +17,10 @@ class Context;
 /// top; the samples of each pixel are averaged. It may be used from any thread, but from one at a time.
 class Renderer {
  public:
-  /// Throws an io Error if the driver cannot do it.
-  explicit Renderer(std::unique_ptr<Context> context);
+  /// Which particles are seen is found by OpenGL, or, if there is a device, on that; the pictures are the
+  /// same. Where OpenGL is software, the device is much faster. Throws an io Error if the driver cannot do
+  /// it.
+  explicit Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> splatDevice = nullptr);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -38,6 +41,7 @@ class Renderer {
   class Passes;
 
   std::unique_ptr<Context> context_;
+  std::unique_ptr<Device> splatDevice_;
   std::unique_ptr<Passes> passes_;
 };
 

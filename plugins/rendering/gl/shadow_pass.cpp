@@ -50,7 +50,7 @@ ShadowPass::ShadowPass(const Functions& gl)
   gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
-void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, const ParticlePass& particles) {
+void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, ParticleDrawer& particles) {
   const Eigen::Matrix4f toClip = frame.sun.toClip();
   const auto drawSurfaces = [&](const Program& program, bool glass) {
     program.use();
@@ -71,7 +71,7 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, const Particl
   gl_.depthMask(GL_TRUE);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, depthTarget_.name());
   gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  particles.drawShadow(frame.sun);
+  particles.drawShadow(frame.sun, depth_, kResolution);
   drawSurfaces(opaque_, false);
 
   gl_.bindFramebuffer(GL_FRAMEBUFFER, glassTarget_.name());

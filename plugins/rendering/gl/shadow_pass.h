@@ -3,7 +3,7 @@
 
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/rendering/gl/mesh_store.h"
-#include "plugins/rendering/gl/particle_pass.h"
+#include "plugins/rendering/gl/particle_drawer.h"
 
 namespace weir::rendering::gl {
 
@@ -13,7 +13,7 @@ class ShadowPass {
 
   explicit ShadowPass(const Functions& gl);
 
-  void draw(const Frame& frame, const MeshStore& meshes, const ParticlePass& particles);
+  void draw(const Frame& frame, const MeshStore& meshes, ParticleDrawer& particles);
 
   const Texture& depth() const { return depth_; }                ///< compares: GL_COMPARE_REF_TO_TEXTURE
   const Texture& throughGlass() const { return throughGlass_; }  ///< colour of the light that comes through

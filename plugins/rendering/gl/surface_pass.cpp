@@ -79,21 +79,34 @@ SurfacePass::SurfacePass(const Functions& gl)
       groundMesh_(gl),
       disc_(groundMesh_.add(unitDisc())) {}
 
-void SurfacePass::draw(const Frame& frame, const MeshStore& meshes) {
+void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particlesAreThere) {
   program_.use();
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
-  for (const SurfaceView& surface : frame.view.surfaces) {
-    if (surface.look == SurfaceLook::kGlass) continue;
-    setPlacement(program_, frame.camera, surface);
-    program_.set("uColor", rgb(surface.color));
-    program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);
-    meshes.draw(surface.mesh);
+  const std::vector<SurfaceView>& surfaces = frame.view.surfaces;
+  if (!particlesAreThere) {
+    for (const SurfaceView& surface : surfaces) drawSurface(frame, meshes, surface);
+    drawGround(frame);
+    return;
   }
-  if (frame.view.ground.visible) drawGround(frame);
+  // What is there stays where both are equally near, so the order is the other way round.
+  gl_.depthFunc(GL_LESS);
+  drawGround(frame);
+  for (auto surface = surfaces.rbegin(); surface != surfaces.rend(); ++surface)
+    drawSurface(frame, meshes, *surface);
+  gl_.depthFunc(GL_LEQUAL);
+}
+
+void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface) {
+  if (surface.look == SurfaceLook::kGlass) return;
+  setPlacement(program_, frame.camera, surface);
+  program_.set("uColor", rgb(surface.color));
+  program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);
+  meshes.draw(surface.mesh);
 }
 
 void SurfacePass::drawGround(const Frame& frame) {
   const GroundView& ground = frame.view.ground;
+  if (!ground.visible) return;
   const Vec3f up = normalized(frame.view.worldUp);
   const Vec3f middle = ground.center + up * (ground.height - dot(ground.center, up));
   const Eigen::Matrix3f turn =

@@ -19,6 +19,8 @@ std::vector<std::uint8_t> encodePng(const std::filesystem::path& path, const Pic
   image.width = static_cast<png_uint_32>(picture.width);
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGB;
+  // Four times as fast, for files that are a tenth to a fifth larger.
+  image.flags = PNG_IMAGE_FLAG_FAST;
   std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(image));
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)

@@ -22,7 +22,10 @@ void PictureQueue::push(Picture picture) {
   std::unique_lock lock(mutex_);
   WEIR_CHECK(!ending_);
   changed_.wait(lock, [&] { return waiting_.size() < longest_ || error_; });
-  if (error_) std::rethrow_exception(error_);
+  if (const std::exception_ptr error = error_) {
+    lock.unlock();  // unwinding takes locks of its own
+    std::rethrow_exception(error);
+  }
   waiting_.push_back({pushed_++, std::move(picture)});
   changed_.notify_all();
 }
@@ -30,7 +33,10 @@ void PictureQueue::push(Picture picture) {
 void PictureQueue::wait() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return done_ == pushed_ || error_; });
-  if (error_) std::rethrow_exception(error_);
+  if (const std::exception_ptr error = error_) {
+    lock.unlock();  // unwinding takes locks of its own
+    std::rethrow_exception(error);
+  }
 }
 
 void PictureQueue::finish() {

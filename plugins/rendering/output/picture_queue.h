@@ -1,4 +1,4 @@
-// Hands pictures over to background threads, so that the simulation does not wait for encoders.
+// Hands pictures over to background threads, so that drawing does not wait for encoders.
 #pragma once
 
 #include <condition_variable>

@@ -1,9 +1,12 @@
 #include "framework/compute/device.h"
 
+#include <algorithm>
 #include <cstring>
+#include <thread>
 
 #include "framework/base/check.h"
 #include "framework/compute/array.h"
+#include "framework/compute/host_copy.h"
 #include "framework/compute/memory_pool.h"
 #include "framework/compute/readback.h"
 #include "tests/framework/compute/kernels.h"
@@ -157,6 +160,40 @@ TEST_P(DeviceTest, ReadbackComesWithoutABlockingRead) {
   EXPECT_TRUE(readback.request(values.data() + 7));
   EXPECT_EQ(readback.wait(), 0);
   EXPECT_EQ(device->blockingReadbacks(), 0u);
+}
+
+TEST_P(DeviceTest, HostCopiesAreOfTheMomentTheyWereAskedFor) {
+  Array<std::int64_t> values(*device, 200000);
+  dispatch(*device, [&](auto& d) { writeSquares(d, 200000, values.view()); });
+  HostCopy<std::int64_t> copy(*device);
+  copy.resize(300000);
+  copy.start(0, values.data() + 100000, 100000);
+  copy.start(100000, values.data(), 200000);
+  copy.start(300000, values.data(), 0);
+  values.fillZero();
+  std::vector<std::int64_t> got;
+  std::thread([&] {
+    const std::span<const std::int64_t> arrived = copy.wait();
+    got.assign(arrived.begin(), arrived.end());
+  }).join();
+  ASSERT_EQ(got.size(), 300000u);
+  EXPECT_TRUE(std::equal(got.begin(), got.begin() + 100000, got.begin() + 200000));
+  EXPECT_EQ(got[101000], 1000001);
+  EXPECT_EQ(device->blockingReadbacks(), 0u);
+  copy.resize(2);
+  copy.start(0, values.data(), 2);
+  EXPECT_EQ(copy.wait()[1], 0);
+  EXPECT_EQ(copy.wait().size(), 2u);
+  EXPECT_THROW(copy.start(1, values.data(), 2), InternalError);
+}
+
+TEST_P(DeviceTest, AHostCopyMayDieOnItsWay) {
+  Array<std::int64_t> values(*device, 1000000);
+  values.fillZero();
+  HostCopy<std::int64_t> copy(*device);
+  EXPECT_TRUE(copy.wait().empty());
+  copy.resize(1000000);
+  copy.start(0, values.data(), 1000000);
 }
 
 TEST_P(DeviceTest, AReadbackMayDieWhileItIsPending) {

@@ -18,6 +18,7 @@ class SomeCuda final : public Device {
   void* allocate(std::size_t) override { return nullptr; }
   void release(void*, std::size_t) noexcept override {}
   MemoryUse memoryUse() const override { return {}; }
+  std::size_t availableMemory() const override { return 0; }
   void upload(void*, const void*, std::size_t) override {}
   void download(void*, const void*, std::size_t) override {}
   void copy(void*, const void*, std::size_t) override {}

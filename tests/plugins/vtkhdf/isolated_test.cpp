@@ -1,8 +1,10 @@
 // Work in a process of its own: what comes back from it, and what becomes of its crashes.
 #include "plugins/vtkhdf/isolated.h"
 
+#include <atomic>
 #include <csignal>
 #include <stdexcept>
+#include <thread>
 
 #include "plugins/vtkhdf/packed.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
@@ -92,17 +94,27 @@ TEST_F(VtkHdfParticleReaderTest, ReadsTheLastStepWhileAnotherFileIsWritten) {
     VtkHdfWriter writer(done, sampleLayout());
     for (int s = 0; s < 3; ++s) writer.append(SampleStep(s, 5 + s).frame());
   }
-  VtkHdfWriter busy(folder / "busy.vtkhdf", sampleLayout());
+  std::atomic<bool> writing = false;
+  int written = 0;
+  std::jthread busy([&](const std::stop_token& enough) {
+    VtkHdfWriter writer(folder / "busy.vtkhdf", sampleLayout());
+    for (; !enough.stop_requested(); ++written) {
+      writer.append(SampleStep(written, 20000).frame());
+      writing = true;
+    }
+    writer.close();
+  });
+  while (!writing) std::this_thread::yield();
   for (int s = 0; s < 20; ++s) {
-    busy.append(SampleStep(s, 20000).frame());
     const ParticleData data = VtkHdfParticleReader().read(done);
     const SampleStep wanted(2, 7);
     EXPECT_EQ(data.positions, wanted.positions);
     EXPECT_EQ(data.velocities, wanted.velocities);
     EXPECT_EQ(data.unused, (std::vector<std::string>{"birth", "density", "flags", "id"}));
   }
-  busy.close();
-  EXPECT_EQ(VtkHdfReader(folder / "busy.vtkhdf").times().size(), 20u);
+  busy.request_stop();
+  busy.join();
+  EXPECT_EQ(VtkHdfReader(folder / "busy.vtkhdf").times().size(), static_cast<std::size_t>(written));
 }
 
 TEST_F(VtkHdfParticleReaderTest, RefusesAFileWithoutParticles) {

@@ -23,13 +23,13 @@ namespace weir::test {
 namespace {
 
 /// What a fluid holds at a frame, fetched without the export.
-struct Snapshot {
+struct FluidState {
   std::vector<Vec3f> positions, velocities;
   std::vector<float> densities;
   std::vector<int> ids;
 };
 
-Snapshot snapshotOf(Simulation& simulation, const char* fluid) {
+FluidState stateOf(Simulation& simulation, const char* fluid) {
   ParticleSet& set = *static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->particles;
   const std::int64_t n = set.refreshCount();
   return {set.positions().toHost(n), set.velocities().toHost(n), set.get<float>("density").toHost(n),
@@ -40,8 +40,12 @@ Snapshot snapshotOf(Simulation& simulation, const char* fluid) {
 class AtFrames final : public Observer {
  public:
   explicit AtFrames(std::function<void(Simulation&)> action) : action_(std::move(action)) {}
+  std::string name() const override { return "at frames"; }
   void begin(Simulation&) override {}
-  void frame(Simulation& simulation) override { action_(simulation); }
+  std::unique_ptr<weir::Snapshot> capture(Simulation& simulation, std::unique_ptr<weir::Snapshot>) override {
+    action_(simulation);
+    return nullptr;
+  }
   void end(Simulation&, RunEnd) override {}
 
  private:
@@ -104,7 +108,7 @@ class ParticleExportTest : public InFolder, public testing::WithParamInterface<s
   Registry registry_;
 };
 
-void expectEqual(const VtkHdfStep& step, const Snapshot& wanted) {
+void expectEqual(const VtkHdfStep& step, const FluidState& wanted) {
   EXPECT_TRUE(step.positions == wanted.positions);
   EXPECT_TRUE(step.velocities() == wanted.velocities);
   EXPECT_TRUE(valuesOf<float>(step, "density") == wanted.densities);
@@ -116,8 +120,8 @@ TEST_P(ParticleExportTest, HoldsEveryFrameAndCanBeReadByParticleFile) {
   const std::string text = oneFluid();
   const auto first = simulation(text);
   ParticleExport exporter(file_);
-  std::vector<Snapshot> frames;
-  AtFrames record([&](Simulation& s) { frames.push_back(snapshotOf(s, "water")); });
+  std::vector<FluidState> frames;
+  AtFrames record([&](Simulation& s) { frames.push_back(stateOf(s, "water")); });
   Observer* observers[] = {&exporter, &record};
   runSimulation(*first, observers);
 
@@ -138,7 +142,7 @@ TEST_P(ParticleExportTest, HoldsEveryFrameAndCanBeReadByParticleFile) {
 
   const auto second = simulation(oneFluid("run.vtkhdf"));
   second->reset();
-  const Snapshot again = snapshotOf(*second, "water");
+  const FluidState again = stateOf(*second, "water");
   ASSERT_EQ(again.ids.size(), 216u);
   for (std::size_t k = 0; k < again.ids.size(); ++k) {
     const auto row = static_cast<std::size_t>(again.ids[k]);
@@ -150,8 +154,8 @@ TEST_P(ParticleExportTest, HoldsEveryFrameAndCanBeReadByParticleFile) {
 TEST_P(ParticleExportTest, TellsSeveralFluidsApart) {
   const auto sim = simulation(twoFluids());
   ParticleExport exporter(file_);
-  Snapshot water, oil;
-  AtFrames record([&](Simulation& s) { water = snapshotOf(s, "water"), oil = snapshotOf(s, "oil"); });
+  FluidState water, oil;
+  AtFrames record([&](Simulation& s) { water = stateOf(s, "water"), oil = stateOf(s, "oil"); });
   Observer* observers[] = {&exporter, &record};
   runSimulation(*sim, observers);
 
@@ -163,7 +167,7 @@ TEST_P(ParticleExportTest, TellsSeveralFluidsApart) {
   const bool waterFirst = names == "water\noil\n";
   EXPECT_TRUE(waterFirst || names == "oil\nwater\n") << names;
   const auto pick = [&](std::int64_t fluid) {
-    Snapshot picked;
+    FluidState picked;
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] != fluid) continue;
       picked.positions.push_back(step.positions[i]);
@@ -174,7 +178,7 @@ TEST_P(ParticleExportTest, TellsSeveralFluidsApart) {
     return picked;
   };
   for (const bool isWater : {true, false}) {
-    const Snapshot found = pick(isWater == waterFirst ? 0 : 1), &wanted = isWater ? water : oil;
+    const FluidState found = pick(isWater == waterFirst ? 0 : 1), &wanted = isWater ? water : oil;
     EXPECT_TRUE(found.positions == wanted.positions);
     EXPECT_TRUE(found.velocities == wanted.velocities);
     EXPECT_TRUE(found.densities == wanted.densities);

@@ -31,12 +31,15 @@ int wrongPixels(const View& view, const Vec3f& center, const Picture& picture, i
   return wrong;
 }
 
-class Particles : public testing::Test {
+class Particles : public testing::TestWithParam<std::string> {
  protected:
-  gl::Renderer renderer{gl::makeContext()};
+  gl::Renderer renderer{gl::makeContext(), splatDevice(GetParam())};
 };
 
-TEST_F(Particles, SilhouetteIsTheExactEllipse) {
+INSTANTIATE_TEST_SUITE_P(Drawers, Particles, testing::ValuesIn(particleDrawers()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST_P(Particles, SilhouetteIsTheExactEllipse) {
   // In the middle, near a corner where it is far from round, cut by the frame with its middle outside, small
   // and far away, and so near that it fills the picture's height.
   const std::array<std::pair<Vec3f, float>, 5> cases{{{{0, 0, 0}, 1.0f},
@@ -57,7 +60,7 @@ TEST_F(Particles, SilhouetteIsTheExactEllipse) {
   }
 }
 
-TEST_F(Particles, EdgesAreSmooth) {
+TEST_P(Particles, EdgesAreSmooth) {
   const std::array<Vec3f, 1> positions{Vec3f{0, 0, 0}};
   View view = plainView();
   view.particles = {{.positions = positions, .radius = 1, .fixed = kRed}};
@@ -71,7 +74,7 @@ TEST_F(Particles, EdgesAreSmooth) {
   EXPECT_GT(between, 30);
 }
 
-TEST_F(Particles, HaveTheColorsOfTheirValues) {
+TEST_P(Particles, HaveTheColorsOfTheirValues) {
   // A row of spheres, so that the pixel in each one's middle shows one value.
   const std::array<float, 6> values{-3, 2, 3.1f, 4.7f, 6, std::numeric_limits<float>::quiet_NaN()};
   std::array<Vec3f, 6> positions;
@@ -90,7 +93,7 @@ TEST_F(Particles, HaveTheColorsOfTheirValues) {
   }
 }
 
-TEST_F(Particles, NearerOnesHideFartherOnesInAnyOrder) {
+TEST_P(Particles, NearerOnesHideFartherOnesInAnyOrder) {
   const std::array<float, 2> values{0, 1};
   for (const bool swapped : {false, true}) {
     std::array<Vec3f, 2> positions{Vec3f{0, 0, 1}, Vec3f{0, 0, -1}};
@@ -102,7 +105,7 @@ TEST_F(Particles, NearerOnesHideFartherOnesInAnyOrder) {
   }
 }
 
-TEST_F(Particles, MeetWhereTheirSurfacesMeet) {
+TEST_P(Particles, MeetWhereTheirSurfacesMeet) {
   // Two spheres through each other: left of their common plane the left one is in front, right of it the
   // other.
   const std::array<float, 2> values{0, 1};
@@ -116,7 +119,7 @@ TEST_F(Particles, MeetWhereTheirSurfacesMeet) {
   }
 }
 
-TEST_F(Particles, PlacesThatAreNotFiniteAreLeftOut) {
+TEST_P(Particles, PlacesThatAreNotFiniteAreLeftOut) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinite = std::numeric_limits<float>::infinity();
   const std::array<Vec3f, 3> positions{Vec3f{nan, 0, 0}, Vec3f{0, 0, 0}, Vec3f{0, infinite, 0}};
@@ -127,7 +130,7 @@ TEST_F(Particles, PlacesThatAreNotFiniteAreLeftOut) {
   EXPECT_EQ(picture.rgb, renderer.draw(view).rgb);
 }
 
-TEST_F(Particles, EachFluidHasItsRadiusAndColours) {
+TEST_P(Particles, EachFluidHasItsRadiusAndColours) {
   const std::array<Vec3f, 1> left{Vec3f{-1, 0, 0}}, right{Vec3f{1, 0, 0}};
   const std::array<float, 1> value{0};
   View view = plainView();
@@ -144,7 +147,7 @@ TEST_F(Particles, EachFluidHasItsRadiusAndColours) {
   EXPECT_GT(largestDifference(at(-1.5), at(-1)), 100) << "outside of the smaller one";
 }
 
-TEST_F(Particles, MoreThanOneBatchAreAllDrawn) {
+TEST_P(Particles, MoreThanOneBatchAreAllDrawn) {
   // More than are drawn in one go; the last one alone stands in the picture's left half.
   std::vector<Vec3f> positions(300000, Vec3f{1, 0, 0});
   positions.back() = {-1, 0, 0};

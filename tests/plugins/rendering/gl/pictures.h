@@ -3,13 +3,30 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
+#include "tests/support/devices.h"
 
 namespace weir::rendering {
+
+inline const std::string kOpenGl = "OpenGL";
+
+/// The ways in which particles come into a picture: by OpenGL, and on each device.
+inline std::vector<std::string> particleDrawers() {
+  std::vector<std::string> names = test::availableDevices();
+  names.insert(names.begin(), kOpenGl);
+  return names;
+}
+/// For a renderer of that kind.
+inline std::unique_ptr<Device> splatDevice(const std::string& drawer) {
+  return drawer == kOpenGl ? nullptr : openDevice(drawer);
+}
 
 struct Pixel {
   int r, g, b;

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "framework/scene/scene_file.h"
 #include "tests/plugins/rendering/output/read_png.h"
 #include "tests/plugins/rendering/output/video_tools.h"
 #include "tests/support/expect_error.h"
@@ -31,8 +32,8 @@ class PicturesOfRuns : public testing::Test {
 };
 
 TEST_F(PicturesOfRuns, VideoAndImagesShowEveryFrame) {
-  const std::string video = folder / "run.mp4", images = folder / "images";
-  const ChildResult result = runWeir({"run", scene, "--video", video, "--images", images});
+  const std::string video = folder / "run.mp4", images = folder / "images", stats = folder / "stats.json";
+  const ChildResult result = runWeir({"run", scene, "--video", video, "--images", images, "--stats", stats});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_CONTAINS(result.out, video + "\n");
   const VideoInfo info = probeVideo(video);
@@ -42,6 +43,11 @@ TEST_F(PicturesOfRuns, VideoAndImagesShowEveryFrame) {
   EXPECT_EQ(info.frameRate, "50/1");
   for (int frame = 0; frame < info.frames; ++frame)
     EXPECT_TRUE(std::filesystem::exists(images + "/frame_0000" + std::to_string(frame) + ".png")) << frame;
+  const Value statistics = parseJson(readFile(stats), stats);
+  const Value* cost = statistics.find("outputs")->find("pictures");
+  ASSERT_NE(cost, nullptr);
+  EXPECT_GT(cost->find("write_seconds")->asDouble(), 0);
+  EXPECT_GT(cost->find("capture_seconds")->asDouble(), 0);
 }
 
 TEST_F(PicturesOfRuns, AnAttributeOfAPluginColoursTheParticles) {

@@ -1,0 +1,221 @@
+#include "plugins/rendering/gl/splat_kernels.h"
+
+#include <bit>
+#include <cmath>
+
+#include "framework/compute/atomic_min.h"
+#include "framework/compute/parallel.h"
+
+namespace weir::rendering::gl {
+
+namespace {
+
+constexpr std::uint64_t kNobody = ~std::uint64_t{0};
+constexpr std::uint32_t kOneBits = 0x3f800000;  // of 1.0f
+
+/// Numbers that are not negative keep their order as bits.
+WEIR_HD std::uint32_t bitsOf(float depth) {
+  return std::bit_cast<std::uint32_t>(depth > 0 ? depth : 0.0f);
+}
+
+WEIR_HD int clampToInt(float x, int low, int high) {
+  return x > float(low) ? (x < float(high) ? int(x) : high) : low;
+}
+
+/// First and last of the samples in a row or column whose middles lie between two places in clip space; none
+/// if the first is behind the last.
+struct Samples {
+  int first, last;
+
+  WEIR_HD static Samples between(float low, float high, int count) {
+    constexpr float kSlack = 0.01f;  // of a sample, for rounding
+    const float half = 0.5f * float(count);
+    return {clampToInt(std::ceil((low + 1) * half - 0.5f - kSlack), 0, count),
+            clampToInt(std::floor((high + 1) * half - 0.5f + kSlack), -1, count - 1)};
+  }
+};
+
+/// Where the lines through the eye touch a circle in the plane of an axis and the viewing axis (M. Mara, M.
+/// McGuire 2013): the exact bound of a sphere's picture along that axis.
+WEIR_HD Samples touched(float across, float along, float radius, float tangent, int count) {
+  const float touch = std::sqrt(across * across + along * along - radius * radius);
+  return Samples::between((across * touch - along * radius) / (along * touch + across * radius) / tangent,
+                          (across * touch + along * radius) / (along * touch - across * radius) / tangent,
+                          count);
+}
+
+/// The order in which spheres are offered: in small groups from all over the fluid, because many of those
+/// that come late are then found to be hidden before they are looked at closely. Fluids are sorted in space,
+/// so without this, each layer might hide the one before it. Few spheres are shared row by row among several
+/// calls, so that all threads have work.
+struct Shares {
+  static constexpr std::int64_t kGroup = 32;  // neighbours in memory
+  std::int64_t spheres, groups, stride;
+  int parts;
+
+  explicit Shares(std::int64_t count)
+      : spheres(count),
+        groups((count + kGroup - 1) / kGroup),
+        // Steps through all groups, since a prime that does not divide their number shares no factor with it.
+        stride(groups % 7919 != 0 ? 7919 : 7907),
+        parts(count < 65536 ? 8 : 1) {}
+
+  std::int64_t count() const { return groups * kGroup * parts; }
+  /// May be behind the last sphere.
+  WEIR_HD std::int64_t sphere(std::int64_t k) const {
+    const std::int64_t place = k / parts;
+    return place / kGroup * stride % groups * kGroup + place % kGroup;
+  }
+  WEIR_HD int part(std::int64_t k) const { return static_cast<int>(k % parts); }
+};
+
+/// Where a ray meets a sphere: the distance along the camera's axis, and by how much the square of the radius
+/// exceeds that of the ray's distance from the centre, negative for a miss.
+struct Hit {
+  float distance, rest;
+
+  WEIR_HD Hit(const Vec3f& ray, const Vec3f& center, float radius) {
+    const float scale = 1 / dot(ray, ray);
+    const float middle = dot(ray, center) * scale;
+    const Vec3f aside = ray * middle - center;
+    rest = radius * radius - dot(aside, aside);
+    distance = middle - std::sqrt((rest > 0 ? rest : 0.0f) * scale);
+  }
+};
+
+struct OfferDepths {
+  ArrayView<const SplatSphere> spheres;
+  Shares shares;
+  SplatCamera camera;
+  ArrayView<std::uint64_t> nearest;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = shares.sphere(k);
+    if (i >= shares.spheres) return;
+    const float radius = spheres[i].radius;
+    const Vec3f center = camera.point(spheres[i].center);
+    const float along = -center.z;
+    if (along + radius < camera.near) return;  // behind the camera
+    Samples x{0, camera.width - 1}, y{0, camera.height - 1};
+    if (along - radius > camera.near) {  // otherwise it may fill the picture
+      x = touched(center.x, along, radius, camera.tangent.x, camera.width);
+      y = touched(center.y, along, radius, camera.tangent.y, camera.height);
+    }
+    constexpr float kNearer = 0.9999f;  // for rounding
+    const float front = kNearer * (along - radius);
+    const std::uint64_t best =
+        std::uint64_t{bitsOf(camera.depthAt(front > camera.near ? front : camera.near))} << 32;
+    // The later of two is less.
+    const std::uint64_t number = 0xffffffffu - static_cast<std::uint32_t>(i);
+    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
+      std::uint64_t* line = nearest.data + std::int64_t{row} * camera.width;
+      for (int column = x.first; column <= x.last; ++column) {
+        if (currentLeast(line + column) < best) continue;  // all of it is hidden there
+        const Hit hit(camera.ray(column, row), center, radius);
+        if (hit.rest < 0 || hit.distance < camera.near) continue;
+        atomicMin(line + column, std::uint64_t{bitsOf(camera.depthAt(hit.distance))} << 32 | number);
+      }
+    }
+  }
+};
+
+struct ClearNearest {
+  ArrayView<std::uint64_t> nearest;
+  WEIR_HD void operator()(std::int64_t k) const { nearest[k] = kNobody; }
+};
+
+/// -1 … 1 as a number of ten bits.
+WEIR_HD std::uint32_t tenBits(float component) {
+  constexpr float kMost = 1023;
+  const float half = 0.5f + 0.5f * component;
+  return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMost + 0.5f);
+}
+
+WEIR_HD std::uint32_t packedNormal(const Vec3f& n) {
+  return tenBits(n.x) | tenBits(n.y) << 10 | tenBits(n.z) << 20 | 3u << 30;
+}
+
+struct WriteTexels {
+  ArrayView<const SplatSphere> spheres;
+  SplatCamera camera;
+  ArrayView<const std::uint64_t> nearest;
+  SplatTexels out;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::uint64_t seen = nearest[k];
+    if (seen == kNobody) {
+      out.albedo[k] = 0;
+      out.normal[k] = packedNormal({0, 0, 1});
+      out.depth[k] = 1;
+      return;
+    }
+    const SplatSphere& sphere = spheres[0xffffffffu - static_cast<std::uint32_t>(seen)];
+    const Vec3f center = camera.point(sphere.center);
+    const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
+    const Hit hit(ray, center, sphere.radius);
+    out.albedo[k] = sphere.color;
+    out.normal[k] = packedNormal((ray * hit.distance - center) / sphere.radius);
+    out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
+  }
+};
+
+struct ClearShadow {
+  ArrayView<std::uint32_t> depthBits;
+  WEIR_HD void operator()(std::int64_t k) const { depthBits[k] = kOneBits; }
+};
+
+struct OfferShadow {
+  ArrayView<const SplatSphere> spheres;
+  Shares shares;
+  SplatSun sun;
+  ArrayView<std::uint32_t> depthBits;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = shares.sphere(k);
+    if (i >= shares.spheres) return;
+    const Vec3f center = sun.point(spheres[i].center);
+    const float radius = spheres[i].radius / sun.halfSize;  // in clip space
+    const Samples x = Samples::between(center.x - radius, center.x + radius, sun.resolution);
+    const Samples y = Samples::between(center.y - radius, center.y + radius, sun.resolution);
+    const float texel = 2.0f / float(sun.resolution);
+    const float thick = spheres[i].radius * sun.zToDepth;
+    const std::uint32_t best = bitsOf(0.5f + 0.5f * (center.z - thick));
+    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
+      const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
+      std::uint32_t* line = depthBits.data + std::int64_t{row} * sun.resolution;
+      for (int column = x.first; column <= x.last; ++column) {
+        if (currentLeast(line + column) < best) continue;
+        const float u = ((float(column) + 0.5f) * texel - 1 - center.x) / radius;
+        const float rest = 1 - (u * u + v * v);
+        if (rest < 0) continue;
+        atomicMin(line + column, bitsOf(0.5f + 0.5f * (center.z - thick * std::sqrt(rest))));
+      }
+    }
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                   ArrayView<std::uint64_t> nearest, const SplatTexels& out) {
+  parallelFor(device, "clearNearest", nearest.size, ClearNearest{nearest});
+  const Shares shares(spheres.size);
+  parallelFor(device, "offerDepths", shares.count(), OfferDepths{spheres, shares, camera, nearest});
+  parallelFor(device, "writeTexels", nearest.size, WriteTexels{spheres, camera, nearest, out});
+}
+
+template <class Backend>
+void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
+                 ArrayView<std::uint32_t> depthBits) {
+  parallelFor(device, "clearShadow", depthBits.size, ClearShadow{depthBits});
+  const Shares shares(spheres.size);
+  parallelFor(device, "offerShadow", shares.count(), OfferShadow{spheres, shares, sun, depthBits});
+}
+
+template void splatGeometry(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
+                            ArrayView<std::uint64_t>, const SplatTexels&);
+template void splatShadow(ThisBackend&, ArrayView<const SplatSphere>, const SplatSun&,
+                          ArrayView<std::uint32_t>);
+
+}  // namespace weir::rendering::gl

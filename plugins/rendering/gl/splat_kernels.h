@@ -1,0 +1,72 @@
+// Which sphere is seen at each sample of a picture, found on a compute device: every sphere offers its depth
+// to the samples that it covers, and the nearest stays. The arithmetic is that of the shaders of
+// ParticlePass.
+#pragma once
+
+#include <cstdint>
+
+#include "framework/base/vec.h"
+#include "framework/compute/array.h"
+
+namespace weir::rendering::gl {
+
+struct SplatSphere {
+  Vec3f center;             ///< m, finite
+  float radius = 0;         ///< m
+  std::uint32_t color = 0;  ///< red in the lowest byte, then green, blue and the material
+};
+
+/// A camera as the shaders know it.
+struct SplatCamera {
+  Vec3f rows[3];              ///< of the matrix from world to camera space
+  Vec3f moved;                ///< its last column
+  Vec2f tangent;              ///< of half the field of view
+  Vec4f projection;           ///< P00, P11, P22, P23
+  float near = 0;             ///< m
+  int width = 0, height = 0;  ///< samples
+
+  WEIR_HD Vec3f point(const Vec3f& p) const {
+    return {dot(rows[0], p) + moved.x, dot(rows[1], p) + moved.y, dot(rows[2], p) + moved.z};
+  }
+  WEIR_HD float depthAt(float distance) const {
+    return 0.5f + 0.5f * (projection.w / distance - projection.z);
+  }
+  /// The ray through the middle of a sample, of length 1 along the camera's axis.
+  WEIR_HD Vec3f ray(int x, int y) const {
+    return {((float(x) + 0.5f) * (2.0f / float(width)) - 1) * tangent.x,
+            ((float(y) + 0.5f) * (2.0f / float(height)) - 1) * tangent.y, -1};
+  }
+};
+
+/// The sun's parallel projection onto a square of texels.
+struct SplatSun {
+  Vec3f rows[3];  ///< of the matrix from world to clip space
+  Vec3f moved;
+  float halfSize = 1;  ///< m
+  float zToDepth = 1;  ///< clip depth of 1 m
+  int resolution = 0;  ///< texels along a side
+
+  WEIR_HD Vec3f point(const Vec3f& p) const {
+    return {dot(rows[0], p) + moved.x, dot(rows[1], p) + moved.y, dot(rows[2], p) + moved.z};
+  }
+};
+
+/// What is seen at each sample, row by row from the bottom, in the formats of Targets. Samples that no sphere
+/// covers have colour 0, depth 1 and the normal towards the eye.
+struct SplatTexels {
+  ArrayView<std::uint32_t> albedo;  ///< GL_RGBA, GL_UNSIGNED_BYTE
+  ArrayView<std::uint32_t> normal;  ///< GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV
+  ArrayView<float> depth;
+};
+
+/// `nearest` is scratch of width × height elements. Of spheres that are equally near, the last one is seen.
+template <class Backend>
+void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                   ArrayView<std::uint64_t> nearest, const SplatTexels& out);
+
+/// The least depth in clip space, from 0 to 1, of the spheres at each texel; 1 where there is none.
+template <class Backend>
+void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
+                 ArrayView<std::uint32_t> depthBits);
+
+}  // namespace weir::rendering::gl

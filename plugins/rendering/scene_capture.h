@@ -1,0 +1,83 @@
+// Copies what a picture needs of a simulation: once what stays as it is, and at each frame what moved.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/compute/host_copy.h"
+#include "framework/run/observer.h"
+#include "nodes/particles/particle_set.h"
+#include "nodes/solids/solid.h"
+#include "nodes/static_boundary/shapes.h"
+#include "plugins/rendering/render_settings.h"
+#include "plugins/rendering/view.h"
+
+namespace weir::rendering {
+
+/// What does not change during a run.
+struct StillScene {
+  /// A mesh in the frame of its node; where that is at a frame, the snapshot's poses say.
+  struct Surface {
+    TriangleMesh mesh;
+    SurfaceLook look = SurfaceLook::kMatt;
+    Color color;
+  };
+  std::vector<Surface> surfaces;
+  std::vector<Vec3f> lines;    ///< two points a line
+  Aabb bounds;                 ///< of surfaces at time 0, lines and emitters; m
+  std::optional<float> floor;  ///< height of the plane that is the ground, m
+};
+
+/// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
+/// one is used at most.
+struct FluidSnapshot {
+  explicit FluidSnapshot(Device& device) : positions(device), floats(device), vectors(device), ints(device) {}
+
+  float spacing = 0;  ///< m
+  /// Of the numbers that colour the particles; none if they have one colour.
+  std::optional<AttributeType> colorType;
+  HostCopy<Vec3f> positions;
+  HostCopy<float> floats;
+  HostCopy<Vec3f> vectors;
+  HostCopy<int> ints;
+};
+
+/// One frame.
+class SceneSnapshot final : public Snapshot {
+ public:
+  double time = 0;  ///< s
+  std::int64_t particles = 0;
+  std::string colorUnit;
+  std::vector<FluidSnapshot> fluids;
+  std::vector<Pose> poses;  ///< of each surface of the still scene
+  /// In the first snapshot of a run alone.
+  std::unique_ptr<StillScene> still;
+};
+
+class SceneCapture {
+ public:
+  explicit SceneCapture(const RenderSettings& settings) : settings_(settings) {}
+
+  /// The present frame; the particles are still on their way when it returns. `used` may be an earlier
+  /// snapshot of this scene. Throws a scene Error if the settings name what the scene does not have.
+  std::unique_ptr<SceneSnapshot> at(Simulation& simulation, std::unique_ptr<SceneSnapshot> used);
+
+ private:
+  std::unique_ptr<StillScene> collectStill(const Simulation& simulation);
+  void addShape(const Shape& shape, const std::string& node, StillScene& still);
+  void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
+                  StillScene& still);
+  void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  const SurfaceSettings* settingsOf(const std::string& node) const;
+  void checkNames(const Simulation& simulation) const;
+
+  const RenderSettings& settings_;
+  bool collected_ = false;
+  std::vector<const RigidMotion*> motions_;  // of each surface, null for those at rest
+};
+
+}  // namespace weir::rendering
