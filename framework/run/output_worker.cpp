@@ -46,7 +46,8 @@ void OutputWorker::frame(Simulation& simulation) {
   std::unique_ptr<Snapshot> snapshot;
   {
     const Stopwatch watch(waited);
-    snapshot = waitForRoom();
+    // After an error nobody would write it.
+    if (!waitForRoom(snapshot)) return;
   }
   {
     const Stopwatch watch(captured);
@@ -58,14 +59,15 @@ void OutputWorker::frame(Simulation& simulation) {
   time_.capture += captured;
 }
 
-std::unique_ptr<Snapshot> OutputWorker::waitForRoom() {
+bool OutputWorker::waitForRoom(std::unique_ptr<Snapshot>& used) {
   std::unique_lock lock(mutex_);
   WEIR_CHECK(!ending_);
   changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failed_; });
-  if (used_.empty()) return nullptr;
-  std::unique_ptr<Snapshot> snapshot = std::move(used_.back());
+  if (failed_) return false;
+  if (used_.empty()) return true;
+  used = std::move(used_.back());
   used_.pop_back();
-  return snapshot;
+  return true;
 }
 
 void OutputWorker::push(std::unique_ptr<Snapshot> snapshot) {

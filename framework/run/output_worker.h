@@ -57,8 +57,9 @@ class OutputWorker {
   OutputTime time();
 
  private:
-  /// Waits for room; a snapshot that has been written, or null.
-  std::unique_ptr<Snapshot> waitForRoom();
+  /// Waits for room; false if writing has failed. `used` becomes a snapshot that has been written, if there
+  /// is one.
+  bool waitForRoom(std::unique_ptr<Snapshot>& used);
   void push(std::unique_ptr<Snapshot> snapshot);
   void run();
   bool tryWrite(Snapshot& snapshot, double& seconds);
