@@ -61,18 +61,6 @@ void print(const std::string& text) {
   std::fflush(stdout);  // someone watches; main() tells of what cannot be written
 }
 
-/// Why a block cannot fit into the host's memory; empty if it may. Linux promises more than there is and then
-/// ends programs, so this must be known before it is asked for.
-std::string lackOfMemory(const BlockSize& size) {
-  constexpr double kLeastBytes = 330;  // for a particle, and 24 more while the block is sampled
-  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
-  const double needed = (kLeastBytes + 24) * static_cast<double>(size.particles());
-  const double there = availableHostMemory();
-  if (needed <= there) return {};
-  return fmt::format("it needs {:.1f} GiB of memory, of which {:.1f} GiB are there", needed / kGiB,
-                     there / kGiB);
-}
-
 std::string aboutCases() {
   std::string text = "Cases:\n";
   for (const BenchCase& c : benchCases()) text += fmt::format("  {:<13} {}\n", c.name, c.about);
@@ -159,8 +147,6 @@ BenchResult BenchCommand::runJob(Job& job, const std::atomic<bool>& stop) {
   // A device of its own, for the peak of its memory.
   const std::unique_ptr<Device> device = openDevice(device_, threads_);
   if (deterministic_) device->setDeterministic(true);
-  if (job.size && device->kind() == DeviceKind::kCpu) result.measurement.skipped = lackOfMemory(*job.size);
-  if (!result.measurement.skipped.empty()) return result;
   Simulation simulation(std::move(job.scene), *device, program_.log(), program_.registry());
   const MeasurementPlan plan{
       .early = job.benchCase.early, .lateAfter = job.lateAfter, .isClosed = job.benchCase.isClosed};

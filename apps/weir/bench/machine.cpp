@@ -5,8 +5,6 @@
 #include <sys/utsname.h>
 
 #include <ctime>
-#include <fstream>
-#include <limits>
 
 #include "framework/base/build_info.h"
 
@@ -54,16 +52,6 @@ Value machineValue(const Device& device) {
   v["device"] = deviceValue(device);
   v["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   return v;
-}
-
-double availableHostMemory() {
-  std::ifstream file("/proc/meminfo");
-  constexpr double kKibibyte = 1024;
-  for (std::string key; file >> key;) {
-    double kibibytes = 0;
-    if (key == "MemAvailable:" && file >> kibibytes) return kKibibyte * kibibytes;
-  }
-  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace weir::app

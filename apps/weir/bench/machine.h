@@ -17,7 +17,4 @@ std::string_view buildCommit();
 /// isa of the CPU, deterministic}, date (UTC, "2026-11-21T18:00:00Z").
 Value machineValue(const Device& device);
 
-/// Bytes that programs may still have without pushing others out; infinite where the system does not say.
-double availableHostMemory();
-
 }  // namespace weir::app

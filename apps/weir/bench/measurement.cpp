@@ -162,7 +162,7 @@ bool runMoments(Simulation& simulation, const MeasurementPlan& plan, const std::
 Measurement measure(Simulation& simulation, const MeasurementPlan& plan, const std::atomic<bool>& stop,
                     const std::function<void(const std::string&)>& say) {
   Measurement result;
-  std::string* complaint = &result.skipped;  // what does not begin does not fit
+  std::string* complaint = &result.skipped;  // what does not begin, most of all what does not fit
   try {
     simulation.reset();
     complaint = &result.failed;
@@ -170,7 +170,8 @@ Measurement measure(Simulation& simulation, const MeasurementPlan& plan, const s
     const bool diverged = !result.moments.empty() && !result.moments.back().diverged.empty();
     result.interrupted = !ended && !diverged;
   } catch (const Error& e) {
-    if (e.kind() != ErrorKind::kSimulation) throw;
+    const bool begun = complaint == &result.failed;
+    if (begun && e.kind() != ErrorKind::kSimulation) throw;
     *complaint = e.message() + (e.allowed().empty() ? "" : "; allowed: " + e.allowed());
   } catch (const std::bad_alloc&) {
     *complaint = "out of memory";
