@@ -2,6 +2,7 @@
 
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/modules/semi_implicit_passes.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
 namespace weir {
@@ -134,97 +135,6 @@ struct Substitute {
 
 using Control = SemiImplicitSolver::Control;
 using Sums = SemiImplicitSolver::Sums;
-
-struct BeginStep {
-  Control* control;
-  const float* farthest;  // null where all is gone at once
-  float dt;
-  float stage;  // m, the longest way of a stage
-  int most;     // stages
-
-  WEIR_HD void operator()(std::int64_t) const {
-    if (control->steps > 0 && !control->met) ++control->unmet;
-    control->iterations = 0;
-    ++control->steps;
-    control->stage = 1;
-    control->repeats = control->finals = control->begun = control->advance = control->over = 0;
-    const float stages = farthest != nullptr ? ceilf(sqrtf(*farthest) / stage) : 1.0f;
-    control->stages = stages > float(most) ? most : stages > 1 ? int(stages) : 1;
-    control->stride = dt / float(control->stages);
-    control->staged += control->stages;
-    if (control->stages > control->mostStages) control->mostStages = control->stages;
-  }
-};
-
-struct SquareOfWay {
-  float dt;
-  ArrayView<const Vec3f> velocities;
-
-  WEIR_HD float operator()(std::int64_t i) const {
-    const Vec3f way = dt * velocities[i];
-    return isFinite(way) ? dot(way, way) : 0.0f;
-  }
-};
-
-struct Larger {
-  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
-};
-
-/// From the predicted positions back to where the first stage goes.
-struct GoBack {
-  const Control* control;
-  ArrayView<const Vec3f> velocities;
-  ArrayView<Vec3f> positions;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    if (control->stages > 1) positions[i] -= float(control->stages - 1) * control->stride * velocities[i];
-  }
-};
-
-/// With the neighbours of a new search.
-struct BeginPass {
-  Control* control;
-
-  WEIR_HD void operator()(std::int64_t) const {
-    // Where there are stages, the lists of the first pass, made at the predicted positions, are of no use.
-    const bool idle = control->stages > 1 && control->begun == 0;
-    control->done = idle || control->over ? 1 : 0;
-    ++control->begun;
-    control->sinceRestart = 0;
-    control->takesBack = 0;
-    control->momentum = 0;
-    control->objective = 0;
-    control->metInARow = 0;
-    ++control->passes;
-  }
-};
-
-/// To where the search shall look for neighbours: to the next stage, too.
-struct MoveOut {
-  const Control* control;
-  ArrayView<const Vec3f> displacement, velocities;
-  ArrayView<Vec3f> carried, positions;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    carried[i] = displacement[i];
-    positions[i] += displacement[i];
-    if (control->advance) positions[i] += control->stride * velocities[i];
-  }
-};
-
-/// Back to the predicted positions, in the order of the search.
-struct MoveBack {
-  ArrayView<const Vec3f> carried;
-  ArrayView<Vec3f> displacement, positions;
-  ArrayView<Vec4f> state;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i], u = carried[i];
-    state[i] = {p.x, p.y, p.z, 0};
-    displacement[i] = u;
-    positions[i] = p - u;
-  }
-};
 
 /// E_i, and |g_i·Δx_i| where a step is proposed.
 struct Measure {
@@ -489,14 +399,15 @@ void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
   const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
   over_ = false;
   if (staged(fluid))
-    reduce(device, "farthest", count, 0.0f, SquareOfWay{dt, velocities}, Larger{}, farthest_.data());
+    reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, detail::Larger{},
+           farthest_.data());
   constexpr float kStage = 1;  // spacings
   parallelFor(device, "begin", 1,
-              BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,
-                        kStage * fluid.constants.spacing, pathStages});
+              detail::BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,
+                                kStage * fluid.constants.spacing, pathStages});
   if (staged(fluid))
     parallelFor(device, "go back", count,
-                GoBack{control_.data(), velocities, fluid.particles.positions().view()});
+                detail::GoBack{control_.data(), velocities, fluid.particles.positions().view()});
 }
 
 template <class Backend>
@@ -561,7 +472,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
               mostRepeats(),
               passes(),
               false};
-  if (controlled()) parallelFor(device, "begin", 1, BeginPass{control_.data()});
+  if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     parallelFor(device, "density", count, derivative);
@@ -603,14 +514,14 @@ void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
 template <class Backend>
 void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
   parallelFor(device, "move", fluid.particles.count(),
-              MoveOut{control_.data(), displacement_.view(), fluid.particles.velocities().view(),
-                      carried_->view(), fluid.particles.positions().view()});
+              detail::MoveOut{control_.data(), displacement_.view(), fluid.particles.velocities().view(),
+                              carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
   WallIntegrals::find(fluid);
   // The sort has put the particles, and what is carried, into another order and other memory.
-  parallelFor(
-      device, "move", fluid.particles.count(),
-      MoveBack{carried_->view(), displacement_.view(), fluid.particles.positions().view(), state_.view()});
+  parallelFor(device, "move", fluid.particles.count(),
+              detail::MoveBack{carried_->view(), displacement_.view(), fluid.particles.positions().view(),
+                               state_.view()});
   if (fluid.walls.empty()) return;
   fluid.walls.base = std::as_const(*carried_).view();
   fluid.walls.keepLegal(fluid.particles.positions());
