@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <string_view>
 
+#include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/scene/scene_file.h"
 
@@ -70,13 +70,23 @@ std::string named(const std::string& text, const std::string& name) {
   return replaced(replaced(text, "MyPlugin", typeName(name)), "my_plugin", name);
 }
 
-void writeNew(const fs::path& file, const std::string& text) {
+/// A copy of the template in `to`, which does not exist yet. All of it or, if an Error is thrown, nothing.
+void writePlugin(const fs::path& from, const std::vector<fs::path>& files, const fs::path& to,
+                 const std::string& name) {
   std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw ioError("the file cannot be written").at({.file = file.string()});
+  try {
+    for (const fs::path& file : files) {
+      const fs::path copy = to / named(file.lexically_relative(from).string(), name);
+      fs::create_directories(copy.parent_path(), error);
+      if (error)
+        throw ioError("the folder cannot be made: " + error.message())
+            .at({.file = copy.parent_path().string()});
+      writeFileAtomically(copy, named(readTextFile(file, kLargestTemplate), name));
+    }
+  } catch (const Error&) {
+    fs::remove_all(to, error);
+    throw;
+  }
 }
 
 }  // namespace
@@ -95,9 +105,7 @@ int newPlugin(Program& program, const std::string& name, const std::string& fold
     throw ioError("the template of plugins is not where this program expects it: " + from.string(), {},
                   "install Weir again, with its folder share/weir");
 
-  for (const fs::path& file : files)
-    writeNew(to / named(file.lexically_relative(from).string(), name),
-             named(readTextFile(file, kLargestTemplate), name));
+  writePlugin(from, files, to, name);
 
   const fs::path prefix = dataFolder().parent_path().parent_path();
   if (!fs::exists(prefix / "lib/cmake/Weir/WeirConfig.cmake", error))
