@@ -21,10 +21,8 @@ constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
 
 NeighborList::NeighborList(Device& device)
     : shift_(device.kind() == DeviceKind::kCuda ? 5 : 0),
-      sort_(device),
       entries_(device),
       counts_(device),
-      crowding_(device),
       columns_(device),
       events_(device) {
   events_.resize(3);
@@ -57,26 +55,17 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 }
 
 void NeighborList::makeRoom(std::int64_t particles) {
-  const std::int64_t cells = grid_.cellCount();
-  // Grids follow the fluid from frame to frame, so a little more lasts longer.
-  sort_.reserve(particles, cells < sort_.cellRoom() ? 0 : grownSize(sort_.cellRoom(), cells));
   const std::int64_t lists = paddedLists(particles);
-  counts_.reserveDiscarding(lists);
-  crowding_.reserveDiscarding(lists);
-  entries_.reserveDiscarding(lists * room_);
+  counts_.resizeDiscarding(lists);
+  entries_.resizeDiscarding(lists * room_);
 }
 
 double NeighborList::memoryFor(double particles) const {
-  // Up to a quarter more than the cells of a grid, see makeRoom().
-  const double cells =
-      grownSize(static_cast<std::int64_t>(
-                    std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells))),
-                0);
   const double lanes = std::int64_t{1} << shift_, lists = std::ceil(particles / lanes) * lanes;
-  double bytes =
-      CellSort::kPerParticle * bytesOfArray(particles, sizeof(int)) + bytesOfArray(cells, sizeof(int));
-  bytes += bytesOfArrays(lists, counts_) + bytesOfArrays(lists, crowding_) +
-           bytesOfArrays(lists * room_, entries_);
+  const double cells = std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells));
+  constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
+  double bytes = bytesOfArrays(lists, counts_) + bytesOfArrays(lists * room_, entries_) +
+                 bytesOfArray(std::max(particles, cells / kStartsInOne + 1), sizeof(Vec4f));
   // The columns of coordinates that the CPU reads, with what is behind their ends.
   if (shift_ == 0) bytes += bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
   return bytes;

@@ -280,33 +280,55 @@ struct FindNeighborsInLanes {
 
 #endif
 
+// Sorting and listing borrow memory that nobody needs meanwhile.
+
+/// Where each cell starts is asked until the lists are made.
+ArrayView<int> startsIn(ParticleSet& particles, std::int64_t cells) {
+  constexpr std::int64_t kInts = sizeof(Vec4f) / sizeof(int);
+  Array<Vec4f>& wide = particles.wideScratch((cells + kInts) / kInts);
+  return {reinterpret_cast<int*>(wide.data()), cells + 1};
+}
+
+/// Cells are forgotten when velocities go into that place, the order when lists do.
+CellSortMemory sortMemory(ParticleSet& particles, ArrayView<int> start, Array<int>& entries) {
+  const std::int64_t count = particles.bound();
+  int* words = reinterpret_cast<int*>(particles.scratch().data());
+  return {start, {words, count}, {words + count, count}, {entries.data(), count}};
+}
+
+ArrayView<float> crowdingIn(ParticleSet& particles) {
+  Array<Vec3f>& scratch = particles.scratch();
+  return {reinterpret_cast<float*>(scratch.data()), scratch.size()};
+}
+
 }  // namespace
 
 template <class Backend>
 void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
                            ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
+  const ArrayView<int> cellStart = startsIn(particles, grid_.cellCount());
   {
     const ProfileScope scope(device.profiler(), "sort");
-    sort_.sort(device, particles.count(), grid_.cellCount(),
+    const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
+    sortByCell(device, particles.count(), grid_.cellCount(),
                CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, sinks,
                        events + 1, events + 2},
-               particles.counter());
-    particles.permute(sort_.order());
+               particles.counter(), memory);
+    particles.permute(memory.order);
   }
+  const ArrayView<float> crowding = crowdingIn(particles);
+  crowding_ = crowding;
+  crowdingUse_ = particles.scratchUses();
   const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles);
+  listOn(device, particles, cellStart, crowding.data);
 }
 
 template <class Backend>
-void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
-  const std::int64_t lanes = std::int64_t{1} << shift_;
-  const std::int64_t padded = (particles.positions().size() + lanes - 1) / lanes * lanes;
-  counts_.resize(padded);
-  crowding_.resizeDiscarding(padded);
-  entries_.resize(padded * room_);
-  const ListWriter writer{capacity_,        room_,         shift_, entries_.data(), counts_.data(),
-                          crowding_.data(), events_.data()};
+void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
+                          float* crowding) {
+  const ListWriter writer{capacity_,      room_,    shift_,        entries_.data(),
+                          counts_.data(), crowding, events_.data()};
   const Count count = particles.count();
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
@@ -315,9 +337,9 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const Columns columns(columns_, positions.size);
   parallelFor(device, "columns", count, FillColumns{positions, columns});
   parallelFor(device, kName, count,
-              FindNeighborsInLanes{columns, positions, sort_.start(), grid_, radiusSquared, writer});
+              FindNeighborsInLanes{columns, positions, cellStart, grid_, radiusSquared, writer});
 #else
-  const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
+  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer};
   // Above this one thread a particle does as well.
   constexpr TeamPlan kPlan{8, 1 << 15};
   if (shift_ > 0 && count.bound <= kPlan.few)

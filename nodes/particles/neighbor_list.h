@@ -93,10 +93,11 @@ class NeighborList {
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
-  /// reciprocal unless truncated.
+  /// reciprocal unless truncated. Uses all scratch memory of the particles.
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
-  /// Bytes on the device that lists and sorting take, in the largest grid; after configure().
+  /// Bytes on the device that lists and sorting take, in the largest grid, the particles' wideScratch() among
+  /// them; after configure().
   double memoryFor(double particles) const;
 
   /// The shape of the grid, which decides the particles' order, and the events.
@@ -105,8 +106,11 @@ class NeighborList {
 
   NeighborView view() const;
   /// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of
-  /// the spiky kernel over its value at 0, as a by-product.
-  ArrayView<const float> crowding() const { return crowding_.view(); }
+  /// the spiky kernel over its value at 0, as a by-product. It stands in the particles' scratch(), so it is
+  /// empty once someone else has asked for that.
+  ArrayView<const float> crowding(const ParticleSet& particles) const {
+    return particles.scratchUses() == crowdingUse_ ? crowding_ : ArrayView<const float>{};
+  }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
   // Both wait for the device.
@@ -124,7 +128,7 @@ class NeighborList {
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void listOn(Backend& device, const ParticleSet& particles);
+  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart, float* crowding);
 
   float radius_ = 0;
   int capacity_ = 0;
@@ -133,11 +137,11 @@ class NeighborList {
   CellGrid grid_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles
-  CellSort sort_;
   Array<int> entries_, counts_;
-  Array<float> crowding_;
-  Array<float> columns_;  // all x, all y, all z; on the CPU only
-  Array<int> events_;     // NeighborEvents
+  ArrayView<const float> crowding_;
+  std::uint64_t crowdingUse_ = 0;  // of the scratch memory that it stands in
+  Array<float> columns_;           // all x, all y, all z; on the CPU only
+  Array<int> events_;              // NeighborEvents
 };
 
 }  // namespace weir
