@@ -33,6 +33,16 @@ std::unique_ptr<Device> sibling(const Device& device) {
   return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
 }
 
+/// A GPU that computes draws most pictures alone, because OpenGL may have few of its processors. Where OpenGL
+/// is software, the device helps it.
+std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
+  std::unique_ptr<gl::Context> context = gl::makeContext();
+  if (device.kind() == DeviceKind::kCuda)
+    return std::make_unique<gl::Renderer>(std::move(context), sibling(device), gl::ComputeShare::kWhatCanBe);
+  std::unique_ptr<Device> helper = context->isSoftware() ? sibling(device) : nullptr;
+  return std::make_unique<gl::Renderer>(std::move(context), std::move(helper));
+}
+
 class Pictures final : public Observer {
  public:
   explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
@@ -69,10 +79,7 @@ class Pictures final : public Observer {
     title_ = simulation.scene().title;
     capture_.emplace(settings);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
-    std::unique_ptr<gl::Context> context = gl::makeContext();
-    const bool software = context->isSoftware();
-    renderer_ =
-        std::make_unique<gl::Renderer>(std::move(context), software ? sibling(simulation.device()) : nullptr);
+    renderer_ = makeRenderer(simulation.device());
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())

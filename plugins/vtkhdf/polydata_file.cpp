@@ -39,16 +39,15 @@ Growing perStep(NumberType type = NumberType::kInt64, int columns = 1) {
   return {.type = type, .columns = columns, .chunkRows = kStepChunk};
 }
 
-/// Ids and offsets count up, which compresses to almost nothing; floats hardly shrink and would cost time.
+/// Point ids and offsets count up, which compresses to almost nothing. Values of particles hardly shrink,
+/// also those that are integers (particles are sorted in space, so their ids are in no order), and would cost
+/// time.
 Growing ascending(std::int64_t chunkRows) {
   return {.type = NumberType::kInt64, .chunkRows = chunkRows, .deflate = true};
 }
 
 Growing layoutOf(const VtkHdfAttribute& attribute) {
-  return {.type = numberType(attribute.type),
-          .columns = attribute.components,
-          .chunkRows = kParticleChunk,
-          .deflate = attribute.type != VtkHdfType::kFloat32};
+  return {.type = numberType(attribute.type), .columns = attribute.components, .chunkRows = kParticleChunk};
 }
 
 void checkLayout(const VtkHdfLayout& layout) {
@@ -110,11 +109,11 @@ hdf5::Group makeRoot(hdf5::File& file) {
   return root;
 }
 
-/// Appends 0, 1, … count − 1 without holding them all.
-void appendAscending(hdf5::Dataset& set, std::int64_t count) {
-  std::vector<std::int64_t> block(static_cast<std::size_t>(std::min(count, kParticleChunk)));
-  for (std::int64_t first = 0; first < count; first += kParticleChunk) {
-    block.resize(static_cast<std::size_t>(std::min(count - first, kParticleChunk)));
+/// Appends first, first + 1, … end − 1 without holding them all.
+void appendAscending(hdf5::Dataset& set, std::int64_t first, std::int64_t end) {
+  std::vector<std::int64_t> block;
+  for (; first < end; first += kParticleChunk) {
+    block.resize(static_cast<std::size_t>(std::min(end - first, kParticleChunk)));
     std::iota(block.begin(), block.end(), first);
     set.append(std::span<const std::int64_t>(block));
   }
@@ -172,10 +171,10 @@ PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
                       fieldSizes.openGrowing(name, perStep(NumberType::kInt64, 2))});
 }
 
-void PolyDataFile::Cells::truncate(std::int64_t steps, std::int64_t cells, std::int64_t offsetRows) {
-  cellCounts.truncate(steps);
-  connectivityCounts.truncate(steps);
-  connectivity.truncate(cells);
+void PolyDataFile::Cells::truncate(std::int64_t parts, std::int64_t ids, std::int64_t offsetRows) {
+  cellCounts.truncate(parts);
+  connectivityCounts.truncate(parts);
+  connectivity.truncate(ids);
   offsets.truncate(offsetRows);
 }
 
@@ -188,14 +187,22 @@ void PolyDataFile::Steps::truncate(std::int64_t steps) {
 
 void PolyDataFile::truncate(std::int64_t steps) {
   Contents& in = *contents_;
+  const std::vector<std::int64_t> partOfStep = in.steps.partOffsets.read<std::int64_t>(0, steps);
+  const std::vector<std::int64_t> counts = in.pointCounts.readAll<std::int64_t>();
   frames_ = steps;
-  particles_ = 0;
-  for (const std::int64_t count : in.pointCounts.read<std::int64_t>(0, steps)) particles_ += count;
+  for (const std::int64_t part : partOfStep) particles_ += counts.at(static_cast<std::size_t>(part));
+  parts_ = partOfStep.empty() ? 0 : partOfStep.back() + 1;
+  std::int64_t ids = 0;
+  for (std::int64_t part = 0; part < parts_; ++part) {
+    partCount_ = counts.at(static_cast<std::size_t>(part));
+    cells_ += partCount_;
+    ids = std::max(ids, partCount_);
+  }
   in.steps.truncate(steps);
   in.points.truncate(particles_);
-  in.pointCounts.truncate(steps);
-  in.vertices.truncate(steps, particles_, particles_ + steps);
-  for (Cells* none : {&in.lines, &in.polygons, &in.strips}) none->truncate(steps, 0, steps);
+  in.pointCounts.truncate(parts_);
+  in.vertices.truncate(parts_, ids, cells_ + parts_);
+  for (Cells* none : {&in.lines, &in.polygons, &in.strips}) none->truncate(parts_, 0, parts_);
   for (Column& column : in.attributes) {
     column.values.truncate(particles_);
     column.offsets.truncate(steps);
@@ -250,7 +257,6 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
   WEIR_CHECK(frame.fields.size() == to.fields.size());
 
   to.points.append(std::get<std::span<const float>>(flat(frame.positions)));
-  to.pointCounts.append(count);
   for (std::size_t i = 0; i < to.attributes.size(); ++i) {
     std::visit([&](const auto& values) { to.attributes[i].values.append(values); }, frame.attributes[i]);
     to.attributes[i].offsets.append(particles_);
@@ -261,15 +267,16 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
     to.fields[i].offsets.append(frames_);
     to.fields[i].sizes.append(std::span<const std::int64_t>(kOneNumber));
   }
-  writeVertices(count);
+  if (count != partCount_) addPart(count);
 
-  const std::int64_t vertexOffsets[] = {particles_, 0, 0, 0};
+  const std::int64_t cellOffsets[] = {cells_ - partCount_, 0, 0, 0};
+  constexpr std::int64_t kIdOffsets[] = {0, 0, 0, 0};
   to.steps.values.append(frame.time);
-  to.steps.partOffsets.append(frames_);
+  to.steps.partOffsets.append(parts_ - 1);
   to.steps.partCounts.append(std::int64_t{1});
   to.steps.pointOffsets.append(particles_);
-  to.steps.cellOffsets.append(std::span<const std::int64_t>(vertexOffsets));
-  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(vertexOffsets));
+  to.steps.cellOffsets.append(std::span<const std::int64_t>(cellOffsets));
+  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(kIdOffsets));
 
   // The step counts only once all that belongs to it is on its way to the disk.
   file_->flush();
@@ -279,17 +286,21 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
   file_->flush();
 }
 
-void PolyDataFile::writeVertices(std::int64_t count) {
+void PolyDataFile::addPart(std::int64_t count) {
+  contents_->pointCounts.append(count);
   Cells& vertices = contents_->vertices;
   vertices.cellCounts.append(count);
   vertices.connectivityCounts.append(count);
-  appendAscending(vertices.connectivity, count);
-  appendAscending(vertices.offsets, count + 1);
+  appendAscending(vertices.connectivity, vertices.connectivity.rows(), count);
+  appendAscending(vertices.offsets, 0, count + 1);
   for (Cells* none : {&contents_->lines, &contents_->polygons, &contents_->strips}) {
     none->cellCounts.append(std::int64_t{0});
     none->connectivityCounts.append(std::int64_t{0});
     none->offsets.append(std::int64_t{0});
   }
+  ++parts_;
+  cells_ += count;
+  partCount_ = count;
 }
 
 void PolyDataFile::setText(const std::string& name, std::string_view text) {
