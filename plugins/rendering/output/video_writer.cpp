@@ -161,6 +161,10 @@ void VideoWriter::write(Picture picture) {
 }
 
 void VideoWriter::feed(const Picture& picture) {
+  // A file that was removed can be written to, but nobody will ever see it.
+  std::error_code error;
+  if (!fs::exists(part_->path(), error))
+    throw cannotWrite(file_, part_->path().string() + " was removed while it was being written");
   const bool even = picture.width % 2 == 0 && picture.height % 2 == 0;
   if (even ? ffmpeg_->write(picture.rgb) : ffmpeg_->write(evenSized(picture))) return;
   // It has ended, or is about to: time to say why, but not forever.
