@@ -36,7 +36,7 @@ class OutputFailure : public testing::Test {
                                  "--checkpoint",
                                  where + "/run.h5",
                                  "--checkpoint-every",
-                                 "4"};
+                                 "8"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
