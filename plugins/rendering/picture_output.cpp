@@ -7,6 +7,7 @@
 #include "framework/base/text.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/output/growing_video.h"
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
@@ -49,30 +50,43 @@ class Pictures final : public Observer {
 
   std::string name() const override { return "pictures"; }
 
-  void begin(Simulation& simulation) override { begin(simulation, 0); }
+  void begin(Simulation& simulation) override { begin(simulation, 0, std::nullopt); }
 
   std::string_view stateName() const override { return "pictures"; }
 
   void save(const StateWriter& to) override {
     if (images_) images_->wait();
     to.put("frames", frames_);
+    if (!video_) return;
+    video_->save();
+    const VideoState& state = video_->state();
+    const StateWriter video = to.in(kVideo);
+    video.put("frames", state.frames);
+    video.put("width", state.width);
+    video.put("height", state.height);
+    video.put("encoder", std::span<const char>(state.encoder));
   }
 
-  /// Pictures go on in the same folder. A video cannot be gone on with, so the rest of it is another one.
   void resume(Simulation& simulation, const StateReader& from) override {
     std::int64_t frames = 0;
     from.get("frames", frames);
-    if (const auto path = paths_.find(kVideo); path != paths_.end()) {
-      const std::filesystem::path whole = path->second;
-      path->second.replace_filename(whole.stem().string() + ".from_" + std::to_string(frames) +
-                                    whole.extension().string());
-      simulation.log().warn("the frames from " + std::to_string(frames) + " on go to a video of their own, " +
-                            inQuotes(path->second.string()));
+    const StateReader video = from.in(kVideo);
+    std::optional<VideoState> earlier;
+    if (video.has("frames")) {
+      earlier.emplace();
+      video.get("frames", earlier->frames);
+      video.get("width", earlier->width);
+      video.get("height", earlier->height);
+      const std::vector<char> encoder = video.getAll<char>("encoder");
+      earlier->encoder.assign(encoder.begin(), encoder.end());
     }
-    begin(simulation, frames);
+    if (!earlier && frames > 0 && paths_.contains(kVideo))
+      simulation.log().warn("the video begins with frame " + std::to_string(frames) +
+                            ", as the checkpoint is of a run without one");
+    begin(simulation, frames, earlier);
   }
 
-  void begin(Simulation& simulation, std::int64_t firstFrame) {
+  void begin(Simulation& simulation, std::int64_t firstFrame, const std::optional<VideoState>& earlier) {
     frames_ = firstFrame;
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
     settings_ = &settings;
@@ -83,7 +97,8 @@ class Pictures final : public Observer {
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
-      video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate);
+      video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate,
+                     earlier);
     if (const auto path = paths_.find(kImages); path != paths_.end())
       images_.emplace(path->second, firstFrame);
   }
@@ -135,7 +150,7 @@ class Pictures final : public Observer {
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
-  std::optional<VideoWriter> video_;
+  std::optional<GrowingVideo> video_;
   std::optional<ImageSequence> images_;
 };
 

@@ -170,6 +170,10 @@ std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::u
 void ParticleExport::write(Snapshot& snapshot) {
   if (!writer_) makeFile();
   writer_->append(static_cast<Frame&>(snapshot).finish());
+  // A file that was removed can be written to, but nobody will ever read it.
+  std::error_code error;
+  if (!std::filesystem::exists(file_, error))
+    throw ioError("the file was removed while it was being written").at({.file = file_.string()});
 }
 
 void ParticleExport::chooseSources() {
