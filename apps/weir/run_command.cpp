@@ -11,6 +11,7 @@
 #include "apps/weir/interruption.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/run/output_paths.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
 #include "framework/run/series.h"
@@ -63,31 +64,6 @@ std::string summaryOf(const Simulation& simulation) {
                      simulation.time(), durationText(simulation.secondsSinceReset()),
                      groupedText(simulation.stepsDone()), 1e3 * simulation.stepSeconds() / steps,
                      groupedText(simulation.particleCount()));
-}
-
-/// "FILE.mp4 or FILE.mkv"
-std::string allowedEndings(const OutputOption& option) {
-  std::string text;
-  for (const std::string& ending : option.extensions) text += (text.empty() ? "" : ", ") + ending;
-  return "a file that ends in " + text;
-}
-
-void checkPath(const OutputOption& option, const std::string& text) {
-  const std::string what = "--" + option.name + " " + printable(text, 200);
-  const fs::path path = text;
-  if (!option.isFolder()) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    if (std::find(option.extensions.begin(), option.extensions.end(), ending) == option.extensions.end())
-      throw usageError(what + (ending.empty() ? " has no ending" : " ends in " + printable(ending)),
-                       allowedEndings(option));
-  }
-  std::error_code error;
-  const fs::path above = fs::absolute(path).lexically_normal().parent_path();
-  if (!fs::is_directory(above, error))
-    throw ioError(what + ": there is no folder " + inQuotes(above.string()),
-                  "a path in a folder that exists");
 }
 
 }  // namespace
@@ -172,7 +148,7 @@ void RunCommand::checkOutputPaths() const {
   taken[fs::weakly_canonical(scene_, error).string()] = "the scene";
   const auto check = [&](const OutputOption& option, const std::string& text) {
     if (text.empty()) return;
-    checkPath(option, text);
+    checkOutputPath(option, text, "--" + option.name + " " + printable(text, 200));
     const auto [other, isNew] = taken.emplace(fs::weakly_canonical(text, error).string(), "--" + option.name);
     if (!isNew)
       throw usageError(

@@ -42,6 +42,8 @@ class Registry {
   void addModule() {
     addModuleType({M::kInfo, source_, [] { return std::make_unique<M>(); }});
   }
+  /// The same for a type that is made at run time, such as a module in another language.
+  void addModuleType(ModuleType type);
   /// A section of the scene file beside "world" and "nodes", such as "render".
   template <class S>
   void addSection(const std::string& name, const std::string& doc) {
@@ -80,7 +82,6 @@ class Registry {
 
  private:
   void addNodeType(NodeType type);
-  void addModuleType(ModuleType type);
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
 

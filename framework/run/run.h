@@ -21,6 +21,8 @@ struct RunOptions {
   Checkpoints* checkpoints = nullptr;
   /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.
   const StateArrays* resume = nullptr;
+  /// Goes on from where the simulation is, a frame, in place of a reset; the observers see that frame first.
+  bool proceed = false;
   /// Called at frame 0, after every step, and after every frame once the observers have captured it.
   std::function<void(const Simulation&)> onProgress;
 };

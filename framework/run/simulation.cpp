@@ -55,7 +55,16 @@ double Simulation::longestStep() const {
   return stepsVary() ? std::min(world.dt.get(), 1 / world.frameRate) : clock_.longestStep();
 }
 
+void Simulation::setDuration(double duration) {
+  if (!(duration >= time()))
+    throw usageError("found a duration of " + Value(duration).brief() + " s",
+                     "no less than the " + Value(time()).brief() + " s that are simulated already");
+  scene_->world.duration.set(duration);
+  clock_ = clockOf(*scene_);
+}
+
 void Simulation::setUp(std::optional<std::int64_t> last) {
+  clock_ = clockOf(*scene_);
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
   time_ = 0;

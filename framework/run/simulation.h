@@ -41,9 +41,14 @@ class Simulation {
   const Registry& registry() const { return registry_; }
   const Clock& clock() const { return clock_; }
 
-  /// To time 0, frame 0. `last` is the frame at which the run will end, if its duration does not end it
-  /// before. Throws a scene Error if what the scene needs until then does not fit into memory
-  /// (memory_estimate.h).
+  /// Gives the scene away, with all that its nodes hold on the device; only destruction may follow.
+  std::unique_ptr<Scene> release() { return std::move(scene_); }
+  /// The run ends at this time, s, from now on, not before what was simulated already. Throws as clockOf.
+  void setDuration(double duration);
+
+  /// To time 0, frame 0, with the world's frame rate, step and duration as they are now. `last` is the frame
+  /// at which the run will end, if its duration does not end it before. Throws a scene Error if what the
+  /// scene needs until then does not fit into memory (memory_estimate.h).
   void reset(std::optional<std::int64_t> last = {});
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }

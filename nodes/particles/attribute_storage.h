@@ -81,6 +81,12 @@ class AttributeStorage {
   virtual void save(const StateWriter& to, std::int64_t count) const = 0;
   virtual void restore(const StateReader& from) = 0;
 
+  /// See ParticleSet::lend.
+  virtual std::shared_ptr<const void> lend() = 0;
+  /// To be called before the elements move: whoever was lent them keeps their memory, and the present ones are
+  /// copied elsewhere.
+  virtual void leaveToBorrowers() = 0;
+
  private:
   AttributeInfo info_;
 };
@@ -90,6 +96,9 @@ class TypedStorage final : public AttributeStorage {
  public:
   TypedStorage(AttributeInfo info, Device& device, SpareMemory& spares)
       : AttributeStorage(std::move(info)), values(device), spares_(&spares) {}
+  ~TypedStorage() override {
+    if (const std::shared_ptr<Array<T>> kept = lent_.lock()) kept->swap(values);
+  }
 
   void grow(std::int64_t size) override {
     if (info().derived) {
@@ -115,6 +124,24 @@ class TypedStorage final : public AttributeStorage {
   void save(const StateWriter& to, std::int64_t count) const override { to.put(info().name, values, count); }
   void restore(const StateReader& from) override { from.get(info().name, values); }
 
+  std::shared_ptr<const void> lend() override {
+    std::shared_ptr<Array<T>> kept = lent_.lock();
+    if (kept == nullptr) {
+      kept = std::make_shared<Array<T>>(values.device());
+      lent_ = kept;
+    }
+    return kept;
+  }
+  void leaveToBorrowers() override {
+    const std::shared_ptr<Array<T>> kept = lent_.lock();
+    lent_.reset();
+    if (kept == nullptr) return;
+    kept->swap(values);
+    values.resizeDiscarding(kept->size());
+    if (!values.empty())
+      values.device().copy(values.data(), kept->data(), sizeof(T) * static_cast<std::size_t>(values.size()));
+  }
+
   Array<T> values;
 
  private:
@@ -122,6 +149,7 @@ class TypedStorage final : public AttributeStorage {
   void zeroBehindOn(Backend& device, const int* count, std::int64_t amount);
 
   SpareMemory* spares_;
+  std::weak_ptr<Array<T>> lent_;  // where the elements go once they are outdated, if anybody still looks at them
 };
 
 }  // namespace weir::detail

@@ -56,6 +56,16 @@ Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
   return wideScratch_;
 }
 
+std::shared_ptr<const void> ParticleSet::lend(std::string_view name) const {
+  AttributeStorage* lent = storage(name);
+  WEIR_CHECK(lent != nullptr);
+  return lent->lend();
+}
+
+void ParticleSet::leaveToBorrowers() const {
+  for (const auto& storage : storages_) storage->leaveToBorrowers();
+}
+
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
   for (const auto& storage : storages_)
     if (storage->info().name == name) return storage.get();
@@ -121,6 +131,7 @@ std::int64_t ParticleSet::refreshCount() {
 
 void ParticleSet::makeRoom(std::int64_t particles) {
   if (particles <= capacity()) return;
+  leaveToBorrowers();
   constexpr std::int64_t kLeastGrowth = 4096;
   const std::int64_t present = capacity();
   const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);
