@@ -53,7 +53,8 @@ SplatPass::SplatPass(const Functions& gl, Device& device)
 Aabb SplatPass::load(std::span<const ParticleView> views) {
   packed_.clear();
   Aabb box;
-  for (const ParticleView& view : views) box.extend(loadOne(view));
+  for (const ParticleView& view : views)
+    if (!view.water) box.extend(loadOne(view));
   spheres_.assign(packed_);
   return box;
 }
