@@ -19,6 +19,7 @@
 #include "plugins/rendering/gl/water_particle_pass.h"
 #include "plugins/rendering/gl/water_pass.h"
 #include "plugins/rendering/gl/water_shadow.h"
+#include "plugins/rendering/gl/water_splat_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
@@ -42,8 +43,8 @@ std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* 
 }
 
 std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatDevice) {
-  (void)splatDevice;
-  return std::make_unique<WaterParticlePass>(gl);
+  if (splatDevice == nullptr) return std::make_unique<WaterParticlePass>(gl);
+  return std::make_unique<WaterSplatPass>(gl, *splatDevice);
 }
 
 }  // namespace
