@@ -7,6 +7,7 @@
 
 #include "framework/graph/configurable.h"
 #include "plugins/rendering/view.h"
+#include "plugins/rendering/water_settings.h"
 
 namespace weir {
 
@@ -21,9 +22,10 @@ struct EnumNames<rendering::ColorMapName> {
 
 template <>
 struct EnumNames<rendering::SurfaceLook> {
-  static constexpr std::array<EnumName, 3> kNames{EnumName{"matt", "Opaque, without highlights."},
-                                                  EnumName{"glass", "Transparent, with bright rims."},
-                                                  EnumName{"metal", "Opaque and shiny."}};
+  static constexpr std::array<EnumName, 4> kNames{
+      EnumName{"matt", "Opaque, without highlights."}, EnumName{"glass", "Transparent, with bright rims."},
+      EnumName{"metal", "Opaque and shiny."},
+      EnumName{"water", "The surface of a liquid: closed, and clear inside."}};
 };
 
 namespace rendering {
@@ -92,6 +94,7 @@ class SurfaceSettings final : public Configurable {
       "color",
       std::nullopt,
       {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
+  Group<WaterSettings> water{*this, "water", "Of the look \"water\": what its inside does to light."};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 
   /// The colour that is given, or else that of the look.
@@ -103,6 +106,8 @@ class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
+  GroupList<FluidSettings> fluids{*this, "fluids",
+                                  "The looks of fluids, by node; those that are not here are spheres."};
   GroupList<SurfaceSettings> surfaces{*this, "surfaces", "The looks of surfaces, by node."};
   Param<int> width{
       *this, "width", 1280, {.unit = "pixels", .min = 16, .max = 16384, .doc = "Width of the pictures."}};

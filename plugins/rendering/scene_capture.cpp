@@ -32,12 +32,12 @@ const RigidMotion* motionOf(const OutputPort* mesh) {
   return nullptr;
 }
 
-Error unknownQuantity(const ParticleSet& particles, const std::string& name) {
+Error unknownQuantity(const ParticleSet& particles, const std::string& name, const std::string& pointer) {
   std::vector<std::string> names{"speed", "none"};
   for (const AttributeInfo& info : particles.attributes()) names.push_back(info.name);
   Error e = sceneError("the particles have no attribute " + inQuotes(name), joinNames(names),
                        didYouMean(name, names));
-  return e.at({.pointer = "/render/color/by"});
+  return e.at({.pointer = pointer});
 }
 
 template <class T>
@@ -46,16 +46,17 @@ void start(HostCopy<T>& copy, const Array<T>& from, std::int64_t count) {
   copy.start(0, from.data(), count);
 }
 
-/// Asks for the numbers that colour the particles; returns their unit.
-std::string startColors(const ParticleSet& particles, const std::string& name, std::int64_t count,
-                        FluidSnapshot& to) {
+/// Asks for the numbers that colour the particles; returns their unit. `pointer`: where the scene file says
+/// which.
+std::string startColors(const ParticleSet& particles, const std::string& name, const std::string& pointer,
+                        std::int64_t count, FluidSnapshot& to) {
   if (name == "speed") {
     to.colorType = AttributeType::kVec3;
     start(to.vectors, particles.velocities(), count);
     return "m/s";
   }
   const AttributeInfo* info = particles.find(name);
-  if (info == nullptr) throw unknownQuantity(particles, name);
+  if (info == nullptr) throw unknownQuantity(particles, name, pointer);
   to.colorType = info->type;
   switch (info->type) {
     case AttributeType::kFloat:
@@ -102,16 +103,24 @@ std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulat
 }
 
 void SceneCapture::checkNames(const Simulation& simulation) const {
-  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i) {
-    const std::string& name = settings_.surfaces[i].node;
-    if (simulation.scene().graph.find(name) != nullptr) continue;
+  const auto check = [&](const std::string& name, const std::string& list, std::size_t i) {
+    if (simulation.scene().graph.find(name) != nullptr) return;
     std::vector<std::string> names;
     for (const auto& node : simulation.scene().graph.nodes()) names.push_back(node->name());
     Error e =
         sceneError("the scene has no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
     throw e.at(
-        {.file = simulation.scene().file, .pointer = "/render/surfaces/" + std::to_string(i) + "/node"});
-  }
+        {.file = simulation.scene().file, .pointer = "/render/" + list + "/" + std::to_string(i) + "/node"});
+  };
+  for (std::size_t i = 0; i < settings_.fluids.size(); ++i) check(settings_.fluids[i].node, "fluids", i);
+  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
+    check(settings_.surfaces[i].node, "surfaces", i);
+}
+
+const FluidSettings* SceneCapture::fluidSettingsOf(const std::string& node) const {
+  for (std::size_t i = 0; i < settings_.fluids.size(); ++i)
+    if (*settings_.fluids[i].node == node) return &settings_.fluids[i];
+  return nullptr;
 }
 
 const SurfaceSettings* SceneCapture::settingsOf(const std::string& node) const {
@@ -129,6 +138,7 @@ void SceneCapture::addSurface(const TriangleMesh& mesh, const std::string& node,
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
   still.surfaces.push_back({.mesh = mesh, .look = look.look, .color = look.shownColor()});
+  if (look.look == SurfaceLook::kWater) still.surfaces.back().water = waterView(*look.water, 0, 0);
   motions_.push_back(motion);
 }
 
@@ -153,7 +163,6 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
 }
 
 void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const {
-  const std::string& by = settings_.color->by;
   std::size_t i = 0;
   for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
     const Fluid& fluid = **output;
@@ -162,7 +171,14 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     FluidSnapshot& to = snapshot.fluids[i++];
     to.spacing = fluid.constants->spacing;
     start(to.positions, fluid.particles->positions(), count);
-    if (by != "none") snapshot.colorUnit = startColors(*fluid.particles, by, count, to);
+    to.look = fluidSettingsOf(node);
+    to.colorType = std::nullopt;
+    if (to.look != nullptr && to.look->look == FluidLook::kWater) {
+      const std::string& by = to.look->foam->by;
+      if (by != "none") startColors(*fluid.particles, by, "/render/fluids/foam/by", count, to);
+    } else if (const std::string& by = settings_.color->by; by != "none") {
+      snapshot.colorUnit = startColors(*fluid.particles, by, "/render/color/by", count, to);
+    }
   }
 }
 

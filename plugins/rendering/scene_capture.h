@@ -25,6 +25,7 @@ struct StillScene {
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
+    std::optional<WaterView> water;  ///< of the look kWater
   };
   std::vector<Surface> surfaces;
   std::vector<Vec3f> lines;    ///< two points a line
@@ -33,11 +34,12 @@ struct StillScene {
 };
 
 /// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
-/// one is used at most.
+/// or whiten them, one is used at most.
 struct FluidSnapshot {
   explicit FluidSnapshot(Device& device) : positions(device), floats(device), vectors(device), ints(device) {}
 
-  float spacing = 0;  ///< m
+  float spacing = 0;                    ///< m
+  const FluidSettings* look = nullptr;  ///< null: spheres
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   HostCopy<Vec3f> positions;
@@ -72,6 +74,7 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  const FluidSettings* fluidSettingsOf(const std::string& node) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
 

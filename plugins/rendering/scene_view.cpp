@@ -50,6 +50,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.height = settings_.height;
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
+  view.waters = surfaceWaters_;
   addFluids(snapshot, view);
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
@@ -68,9 +69,13 @@ View SceneView::of(SceneSnapshot& snapshot) {
 }
 
 void SceneView::takeStill(StillScene& still) {
-  for (const StillScene::Surface& surface : still.surfaces)
-    surfaces_.push_back(
-        {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
+  for (const StillScene::Surface& surface : still.surfaces) {
+    surfaces_.push_back({.mesh = renderer_.addMesh(surface.mesh),
+                         .look = surface.look,
+                         .color = surface.color,
+                         .water = surfaceWaters_.size()});
+    if (surface.water) surfaceWaters_.push_back(*surface.water);
+  }
   lines_ = std::move(still.lines);
   bounds_ = still.bounds;
   floor_ = still.floor;
@@ -80,17 +85,22 @@ void SceneView::takeStill(StillScene& still) {
 void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   const std::string& by = settings_.color->by;
   const bool colored = by != "none";
-  key_.shown = settings_.color->bar && colored;
+  key_.shown = false;
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
   values_.clear();
+  foam_.clear();
+  foam_.reserve(snapshot.fluids.size());  // views point to its elements
   for (FluidSnapshot& fluid : snapshot.fluids) {
     const std::span<const Vec3f> positions = fluid.positions.wait();
-    values_.push_back(colorsOf(fluid));
+    const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
+    if (!water) key_.shown = settings_.color->bar && colored;
+    values_.push_back(water ? std::vector<float>() : colorsOf(fluid));
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = settings_.color->map,
                               .fixed = settings_.color->fixed});
+    if (water) addWater(fluid, view);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : positions) bounds_.extend(p);
   }
@@ -100,6 +110,21 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;
   }
+}
+
+/// Makes a liquid of the particles that were added last.
+void SceneView::addWater(FluidSnapshot& fluid, View& view) {
+  const FluidSettings& look = *fluid.look;
+  ParticleView& particles = view.particles.back();
+  // Larger than the spheres, so that the gaps between neighbours close.
+  constexpr float kLarger = 1.5f;
+  particles.radius *= kLarger;
+  particles.volume = fluid.spacing * fluid.spacing * fluid.spacing;
+  particles.water = view.waters.size();
+  foam_.push_back(colorsOf(fluid));
+  for (float& value : foam_.back()) value = look.foam->whitenessOf(value);
+  particles.foam = foam_.back();
+  view.waters.push_back(waterView(*look.water, look.smoothing * fluid.spacing, look.foam->opacity));
 }
 
 void SceneView::chooseRange() {

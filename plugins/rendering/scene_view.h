@@ -35,6 +35,7 @@ class SceneView {
  private:
   void takeStill(StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
+  void addWater(FluidSnapshot& fluid, View& view);
   void chooseRange();  // of values_
   CameraPose cameraAt(double time) const;
   CameraPose restingCamera() const;
@@ -42,9 +43,11 @@ class SceneView {
   const RenderSettings& settings_;
   gl::Renderer& renderer_;
   ColorKey key_;
-  std::vector<std::vector<float>> values_;  // of each fluid; empty for one colour
+  std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour
+  std::vector<std::vector<float>> foam_;    // of each liquid; empty for none
   std::vector<SurfaceView> surfaces_;
-  std::vector<Vec3f> lines_;  // two points a line
+  std::vector<WaterView> surfaceWaters_;  // of those surfaces that are one's; they come first in a view
+  std::vector<Vec3f> lines_;              // two points a line
   Aabb bounds_;
   bool boundsAreStatic_ = false;  // else they grow with the particles
   std::optional<float> floor_;    // height of the plane that is the ground

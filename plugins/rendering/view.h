@@ -1,7 +1,9 @@
 // What one picture shows: plain data on the host that a renderer draws.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,8 +14,8 @@
 
 namespace weir::rendering {
 
-/// How a surface looks.
-enum class SurfaceLook { kMatt, kGlass, kMetal };
+/// How a surface looks. Water is a closed surface that is clear inside.
+enum class SurfaceLook { kMatt, kGlass, kMetal, kWater };
 
 /// Where the camera is, what it looks at, and which direction is up in the picture. Metres.
 struct CameraPose {
@@ -28,6 +30,17 @@ struct CameraPose {
 CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, float fovDegrees,
                       float aspectRatio);
 
+/// A clear liquid: what its inside does to light, and how particles become its surface. Where it is, the
+/// particles and the surfaces say that name it.
+struct WaterView {
+  Vec3f absorption{2.4f, 0.62f, 0.34f};  ///< of red, green and blue light, 1/m
+  float scattering = 0.35f;              ///< 1/m; what is scattered has the colour below
+  Color scattered{0.55f, 0.85f, 0.95f, 1};
+  float refractiveIndex = 1.33f;  ///< at least 1
+  float smoothing = 0.03f;        ///< m: how far apart the particles may be that are smoothed together
+  float foamOpacity = 30;         ///< 1/m of foam in the line of sight
+};
+
 /// Spheres of one radius. Particles at places that are not finite are left out.
 struct ParticleView {
   std::span<const Vec3f> positions;
@@ -36,6 +49,11 @@ struct ParticleView {
   ColorMapName map = ColorMapName::kViridis;
   float lowest = 0, highest = 1;  ///< values at the ends of the colour map
   Color fixed{0.16f, 0.45f, 0.85f, 1};
+
+  // Instead of spheres with colours, a liquid:
+  std::optional<std::size_t> water;  ///< index into View::waters
+  std::span<const float> foam;       ///< one per particle, from 0 (clear) to 1 (white); empty: all are clear
+  float volume = 0;                  ///< of one particle, m^3
 };
 
 /// A mesh that was given to the renderer (see Renderer::addMesh).
@@ -48,6 +66,7 @@ struct SurfaceView {
   Color color{0.75f, 0.77f, 0.8f, 1};  ///< of glass: a tenth power of it tints each wall seen straight on
   Quatf rotation;
   Vec3f position;
+  std::size_t water = 0;  ///< for kWater: index into View::waters
 };
 
 /// Separate line segments, such as the edges of a tank.
@@ -82,6 +101,7 @@ struct View {
   Vec3f worldUp{0, 1, 0};  ///< against gravity
   std::vector<ParticleView> particles;
   std::vector<SurfaceView> surfaces;
+  std::vector<WaterView> waters;
   std::vector<LineView> lines;
   GroundView ground;
   LightingView lighting;

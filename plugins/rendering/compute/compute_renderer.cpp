@@ -105,7 +105,7 @@ ComputeRenderer::ComputeRenderer(Device& device)
 bool ComputeRenderer::canDraw(const View& view) {
   std::size_t points = 0;
   for (const LineView& lines : view.lines) points += lines.points.size();
-  return view.surfaces.empty() && points <= 2 * kMostLines;
+  return view.surfaces.empty() && view.waters.empty() && points <= 2 * kMostLines;
 }
 
 void ComputeRenderer::setLines(const gl::Frame& frame) {

@@ -42,6 +42,11 @@ void setCameraUniforms(const Program& program, const Camera& camera, int width, 
   program.set("uPixel", Vec2f{2.0f / float(width), 2.0f / float(height)});
 }
 
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit) {
+  program.setTexture("uBefore", unit, before);
+  program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
+}
+
 void setLightUniforms(const Program& program, const Frame& frame) {
   const View& view = frame.view;
   program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));

@@ -26,6 +26,8 @@ float occlusionRadius(const View& view, const Aabb& casters);
 
 /// The uniforms of kCameraSnippet, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
+/// The uniforms of kBehindSnippet.
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
 /// The uniforms of kLightSnippet.
 void setLightUniforms(const Program& program, const Frame& frame);
 

@@ -10,7 +10,7 @@ namespace weir::rendering::gl {
 namespace {
 
 // Two outputs for one target: the light that is added, and the part of the light behind that comes through.
-const std::string kFragmentShader = kShaderVersion + kLightSnippet + R"(
+const std::string kFragmentShader = kShaderVersion + kBehindSnippet + kLightSnippet + R"(
 uniform vec3 uTint;
 uniform bool uUnlit;
 in vec3 vNormal;
@@ -19,6 +19,7 @@ layout(location = 0, index = 0) out vec4 oAdded;
 layout(location = 0, index = 1) out vec4 oThrough;
 
 void main() {
+  leaveUnlessBehind();
   vec3 towardsEye = -normalize(vPosition);
   vec3 normal = normalize(vNormal);
   if (!gl_FrontFacing) normal = -normal;
@@ -38,7 +39,8 @@ void main() {
 GlassPass::GlassPass(const Functions& gl)
     : gl_(gl), program_(gl, "glass", kSurfaceVertexShader, kFragmentShader) {}
 
-void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const {
+void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes,
+                     const Texture& before) const {
   std::vector<const SurfaceView*> glass;
   for (const SurfaceView& surface : frame.view.surfaces)
     if (surface.look == SurfaceLook::kGlass) glass.push_back(&surface);
@@ -62,6 +64,7 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   program_.use();
   setLightUniforms(program_, frame);
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  setBehindUniforms(program_, frame, before, 0);
   program_.set("uUnlit", int(frame.view.lighting.unlit));
   for (const SurfaceView* surface : glass) {
     setPlacement(program_, frame.camera, *surface);

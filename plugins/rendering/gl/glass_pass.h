@@ -12,7 +12,8 @@ class GlassPass {
 
   /// Into Targets::lightWithDepth. Light goes straight through, without refraction, so that what is inside is
   /// seen where it is. Surfaces come in the order of their distances, the inner sides before the outer ones.
-  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const;
+  /// Only what lies behind the depth that `before` holds is drawn: one texel, or one per sample.
+  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes, const Texture& before) const;
 
  private:
   const Functions& gl_;

@@ -1,58 +1,14 @@
 #include "plugins/rendering/gl/lighting_pass.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "plugins/rendering/gl/shaders.h"
+#include "plugins/rendering/gl/sunlight.h"
 
 namespace weir::rendering::gl {
 namespace {
 
-/// A sunflower's seeds (H. Vogel 1979): evenly spread.
-Vec2f sunflower(int number, int count) {
-  constexpr float kGoldenAngle = 2.3999632f;
-  const float radius = std::sqrt((float(number) + 0.5f) / float(count));
-  return {radius * std::cos(float(number) * kGoldenAngle), radius * std::sin(float(number) * kGoldenAngle)};
-}
-
-// Each sample looks at four places of the shadow map, turned by another angle in each of four neighbouring
-// samples, so that a pixel of 2x2 samples sees sixteen.
-const std::string kShadowSnippet = R"(
-uniform sampler2DShadow uShadow;
-uniform sampler2D uThroughGlass;
-uniform mat4 uToSun;        // from camera space to the shadow map
-uniform float uSoftness;    // radius of the edges, in the shadow map's coordinates
-uniform float uShadowTexel; // m
-
-vec3 sunlight(vec3 position, vec3 normal, float throughGlass) {
-#ifdef SHADOWS
-  vec4 place = uToSun * vec4(position + normal * uShadowTexel * 2.0, 1.0);
-  place.z = min(place.z, 1.0);
-  ivec2 odd = ivec2(gl_FragCoord.xy) & 1;
-  vec2 turn = uSoftness * kTurns[odd.x + 2 * odd.y];
-  float open = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    vec2 offset = vec2(kTaps[i].x * turn.x - kTaps[i].y * turn.y, kTaps[i].x * turn.y + kTaps[i].y * turn.x);
-    open += 0.25 * texture(uShadow, place.xyz + vec3(offset, 0.0));
-  }
-#ifdef GLASS
-  return open * mix(vec3(1.0), texture(uThroughGlass, place.xy + 0.7 * turn).rgb, throughGlass);
-#endif
-  return vec3(open);
-#else
-  return vec3(1.0);
-#endif
-}
-)";
-
-/// Cosine and sine of angles between which the taps' own places are evenly turned.
-Vec2f quarterStep(int number, int count) {
-  const float angle = 0.5f * std::numbers::pi_v<float> * float(number) / float(count);
-  return {std::cos(angle), std::sin(angle)};
-}
-
-const std::string kLightingShader = kCameraSnippet + kMaterialSnippet + kLightSnippet + kShadowSnippet + R"(
+const std::string kLightingShader = kCameraSnippet + kMaterialSnippet + kLightSnippet + R"(
 uniform sampler2D uAlbedo, uNormal, uDepth, uOcclusion;
 uniform vec3 uBackgroundTop, uBackgroundBottom;
 uniform vec3 uGroundMiddle;   // in camera space
@@ -75,7 +31,7 @@ void main() {
 
   float open = texture(uOcclusion, window).r;
   float facing = dot(normal, uSun);
-  vec3 sun = sunlight(position, normal, particle ? 0.5 : 1.0);
+  vec3 sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
   vec3 diffuse = skyLight(normal) * open + kSunColor * sun * max(facing, 0.0) * mix(1.0, open, 0.35);
   vec3 color = surface.rgb * diffuse;
   float rim = fresnel(dot(normal, towardsEye), 0.04);
@@ -133,22 +89,19 @@ LightingPass::LightingPass(const Functions& gl)
       array_(makeVertexArray(gl)) {}
 
 const Program& LightingPass::programFor(const Frame& frame) {
-  const auto has = [&](SurfaceLook look) {
-    return std::any_of(frame.view.surfaces.begin(), frame.view.surfaces.end(),
-                       [&](const SurfaceView& surface) { return surface.look == look; });
-  };
-  std::string defines;
-  if (frame.hasShadows) defines += "#define SHADOWS\n";
-  if (has(SurfaceLook::kGlass)) defines += "#define GLASS\n";
-  if (has(SurfaceLook::kMetal)) defines += "#define METAL\n";
+  const auto& surfaces = frame.view.surfaces;
+  std::string defines = sunlightDefines(frame);
+  if (std::any_of(surfaces.begin(), surfaces.end(),
+                  [](const SurfaceView& surface) { return surface.look == SurfaceLook::kMetal; }))
+    defines += "#define METAL\n";
   const auto known = lighting_.find(defines);
   if (known != lighting_.end()) return known->second;
-  const std::string source = kShaderVersion + defines + placesInCircle("kTaps", 4, sunflower) +
-                             placesInCircle("kTurns", 4, quarterStep) + kLightingShader;
+  const std::string source = kShaderVersion + defines + sunlightSnippet() + kLightingShader;
   return lighting_.emplace(defines, Program(gl_, "lighting", kFullScreenVertexShader, source)).first->second;
 }
 
-void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows) {
+void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows,
+                        const WaterShadow& water) {
   const Program& lighting = programFor(frame);
   const View& view = frame.view;
   gl_.disable(GL_DEPTH_TEST);
@@ -162,15 +115,7 @@ void LightingPass::draw(const Frame& frame, const Targets& targets, const Shadow
   lighting.setTexture("uNormal", 1, targets.normal);
   lighting.setTexture("uDepth", 2, targets.depth);
   lighting.setTexture("uOcclusion", 3, targets.occlusion[0]);
-  lighting.setTexture("uShadow", 4, shadows.depth());
-  lighting.setTexture("uThroughGlass", 5, shadows.throughGlass());
-  if (frame.hasShadows) {
-    const Eigen::Matrix4f toSun = frame.sun.toTexture() * frame.camera.view.inverse();
-    lighting.setMatrix4("uToSun", toSun.data());
-    lighting.set("uShadowTexel", 2 * frame.sun.halfSize / float(ShadowPass::kResolution));
-    constexpr float kSoftTexels = 5;
-    lighting.set("uSoftness", kSoftTexels / float(ShadowPass::kResolution));
-  }
+  setSunlightUniforms(lighting, frame, shadows, water, 4);
   lighting.set("uBackgroundTop", linear(view.backgroundTop));
   lighting.set("uBackgroundBottom", linear(view.backgroundBottom));
   const Vec3f up = normalized(view.worldUp);

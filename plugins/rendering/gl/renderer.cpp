@@ -17,15 +17,25 @@
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/splat_pass.h"
 #include "plugins/rendering/gl/surface_pass.h"
+#include "plugins/rendering/gl/water_particle_pass.h"
+#include "plugins/rendering/gl/water_pass.h"
+#include "plugins/rendering/gl/water_shadow.h"
+#include "plugins/rendering/gl/water_splat_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
 
 constexpr int kMostSamples = 4;
+constexpr float kNearest = 0;
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
   if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
   return std::make_unique<SplatPass>(gl, *splatDevice);
+}
+
+std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatDevice) {
+  if (splatDevice == nullptr) return std::make_unique<WaterParticlePass>(gl);
+  return std::make_unique<WaterSplatPass>(gl, *splatDevice);
 }
 
 }  // namespace
@@ -41,7 +51,12 @@ class Renderer::Passes {
         occlusion_(gl),
         lighting_(gl),
         lines_(gl),
-        glass_(gl) {
+        glass_(gl),
+        waterParticles_(makeWaterDrawer(gl, splatDevice)),
+        waterSurfaces_(gl),
+        waterShadows_(gl),
+        water_(gl),
+        nothingBefore_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest)) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
 
@@ -63,6 +78,11 @@ class Renderer::Passes {
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
+  std::unique_ptr<WaterDrawer> waterParticles_;
+  WaterSurfacePass waterSurfaces_;
+  WaterShadow waterShadows_;
+  WaterPass water_;
+  Texture nothingBefore_;  // one texel with the depth of the eye
   std::optional<Targets> targets_;
   GLint largest_ = 0;
 };
@@ -79,6 +99,7 @@ int Renderer::Passes::samplesFor(const View& view) const {
 /// Sends what has changed to the GPU; returns the box around all that is seen.
 Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
   casters = particles_->load(view.particles);
+  casters.extend(waterParticles_->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   return seenBox(view, casters);
@@ -132,6 +153,7 @@ Picture Renderer::Passes::draw(const View& view) {
   if (frame.hasShadows) {
     frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
     shadows_.draw(frame, meshes, *particles_);
+    if (!view.waters.empty()) waterShadows_.draw(frame, meshes, *waterParticles_, waterSurfaces_);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
@@ -139,9 +161,14 @@ Picture Renderer::Passes::draw(const View& view) {
   } else {
     occlusion_.clear(*targets_);
   }
-  lighting_.draw(frame, *targets_, shadows_);
-  lines_.draw(frame, *targets_);
-  glass_.draw(frame, *targets_, meshes);
+  lighting_.draw(frame, *targets_, shadows_, waterShadows_);
+  const auto drawClear = [&](const Texture& before) {
+    lines_.draw(frame, *targets_, before);
+    glass_.draw(frame, *targets_, meshes, before);
+  };
+  water_.draw(frame, *targets_, {meshes, *waterParticles_, shadows_, waterShadows_, waterSurfaces_},
+              drawClear);
+  drawClear(nothingBefore_);
   lighting_.resolve(frame, *targets_);
   Picture picture = read();
   if (const GLenum error = gl.getError(); error != GL_NO_ERROR)

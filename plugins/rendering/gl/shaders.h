@@ -50,6 +50,15 @@ float distanceAt(float depth) { return uProjection.w / (2.0 * depth - 1.0 + uPro
 vec3 rayAt(vec2 window) { return vec3((window * uPixel - 1.0) * uTangent, -1.0); }
 )";
 
+/// Draws only what lies behind a depth: one texel for all, or one per sample. See setBehindUniforms.
+inline const std::string kBehindSnippet = R"(
+uniform sampler2D uBefore;
+uniform vec2 uSampleSize;  // in texture coordinates
+void leaveUnlessBehind() {
+  if (gl_FragCoord.z < texture(uBefore, gl_FragCoord.xy * uSampleSize).r) discard;
+}
+)";
+
 /// What surfaces are made of, in the alpha channel of their colour.
 inline const std::string kMaterialSnippet = R"(
 const float kMatt = 0.25, kParticle = 0.5, kMetal = 0.75, kGround = 1.0;
