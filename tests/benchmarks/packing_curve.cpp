@@ -4,6 +4,8 @@
 //   weir_packing_curve table [SWEEPS [TILES]]   the table of nodes/particle_fluid/fluid_constants.cpp
 //   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice
 //   loses
+//   weir_packing_curve contact [THREADS [RATIO…]]   how near to signed-distance walls particles may come
+//   weir_packing_curve factor [THREADS [RATIO…]]    the factor of semi-analytic walls
 //
 // The table comes from tiles of fluid at rest, see nodes/particles/relaxed_tile.h, which have no walls and no
 // surface: s makes their mean density the rest density.
@@ -13,10 +15,18 @@
 // particles per d³ at a mean relative density of λ. Gravity is weak, so that the column's own weight does not
 // compress it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by
 // one per thousand takes one per cent of the volume.
+//
+// What walls need comes from the heights at which water settles in tanks of several sizes, see
+// tests/support/settled_tanks.h. `contact` prints the table of contactRatio: the fluid at a signed-distance
+// wall does not know where the wall is, only how near it may come, so what is missing at the wall now is what
+// this distance is too large by. `factor` prints the table of wallFactor: the a between two others at which
+// nothing is missing at walls.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <future>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -30,6 +40,7 @@
 #include "nodes/register_nodes.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "tests/support/settled_tanks.h"
 
 namespace weir {
 namespace {
@@ -155,6 +166,61 @@ void printColumns(const std::vector<double>& ratios) {
   }
 }
 
+/// The fit to all calibration tanks, each filled a few times, on so many threads.
+test::WallFit settleTanks(const test::TankWater& water, int threads) {
+  struct Filling {
+    test::Tank tank;
+    double jitter;
+  };
+  std::vector<Filling> fillings;
+  for (const double jitter : {0.32, 0.3, 0.28})
+    for (const test::Tank& tank : test::calibrationTanks()) fillings.push_back({tank, jitter});
+  std::vector<double> heights(fillings.size());
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> workers;
+  for (int k = 0; k < threads; ++k)
+    workers.push_back(std::async(std::launch::async, [&] {
+      CpuDevice device(1);
+      for (std::size_t i = next++; i < fillings.size(); i = next++) {
+        test::TankWater filled = water;
+        filled.jitter = fillings[i].jitter;
+        heights[i] = test::settledHeight(device, fillings[i].tank, filled);
+      }
+    }));
+  for (std::future<void>& worker : workers) worker.get();
+  std::vector<test::Tank> tanks;
+  for (const Filling& filling : fillings) tanks.push_back(filling.tank);
+  return test::fitWalls(tanks, heights);
+}
+
+void printContact(int threads, const std::vector<double>& ratios) {
+  fmt::print(
+      "| support ratio | bulk | wall | surface | contact | error |\n|---:|---:|---:|---:|---:|---:|\n");
+  for (const double ratio : ratios) {
+    const test::WallFit fit = settleTanks({.supportRatio = ratio}, threads);
+    const double now = contactRatio(ratio, Calibration::kPacking);
+    fmt::print("| {} | {:+.4f} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, fit.bulk, fit.wall,
+               fit.surface, now - fit.wall, fit.wallError);
+    std::fflush(stdout);
+  }
+}
+
+void printFactors(int threads, const std::vector<double>& ratios) {
+  constexpr double kLow = 1.0, kHigh = 1.3;
+  fmt::print("| support ratio | wall, a = {} | a = {} | a | error |\n|---:|---:|---:|---:|---:|\n", kLow,
+             kHigh);
+  for (const double ratio : ratios) {
+    const auto at = [&](double a) {
+      return settleTanks({.supportRatio = ratio, .mesh = true, .wallFactor = a}, threads);
+    };
+    const test::WallFit low = at(kLow), high = at(kHigh);
+    const double slope = (high.wall - low.wall) / (kHigh - kLow);
+    fmt::print("| {} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, low.wall, high.wall,
+               kLow - low.wall / slope, std::hypot(low.wallError, high.wallError) / std::abs(slope));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 }  // namespace weir
 
@@ -163,14 +229,23 @@ int main(int count, char** arguments) {
   const auto number = [&](std::size_t k, int otherwise) {
     return k < words.size() ? std::atoi(words[k].c_str()) : otherwise;
   };
+  const auto ratios = [&](std::size_t first, std::vector<double> otherwise) {
+    std::vector<double> given;
+    for (std::size_t k = first; k < words.size(); ++k) given.push_back(std::atof(words[k].c_str()));
+    return given.empty() ? otherwise : given;
+  };
   if (!words.empty() && words[0] == "table") {
     weir::printTable(number(1, 400), number(2, 3));
   } else if (!words.empty() && words[0] == "columns") {
-    std::vector<double> ratios;
-    for (std::size_t k = 1; k < words.size(); ++k) ratios.push_back(std::atof(words[k].c_str()));
-    weir::printColumns(ratios.empty() ? std::vector<double>{1.2, 1.5, 2.0, 2.4} : ratios);
+    weir::printColumns(ratios(1, {1.2, 1.5, 2.0, 2.4}));
+  } else if (!words.empty() && words[0] == "contact") {
+    weir::printContact(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
+  } else if (!words.empty() && words[0] == "factor") {
+    weir::printFactors(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
   } else {
-    fmt::print(stderr, "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...]\n");
+    fmt::print(stderr,
+               "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | contact [THREADS "
+               "[RATIO...]] | factor [THREADS [RATIO...]]\n");
     return 2;
   }
 }
