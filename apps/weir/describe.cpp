@@ -158,6 +158,12 @@ Value typesAsValue(const Registry& registry, const std::string& type) {
   Value all = Value::object();
   all["nodes"] = std::move(nodes);
   all["modules"] = std::move(modules);
+  if (type.empty()) {
+    all["world"] = parametersAsValue(World());
+    Value& sections = all["sections"] = Value::object();
+    for (const auto& [name, section] : registry.sections())
+      sections[name] = parametersAsValue(*section.create());
+  }
   return all;
 }
 

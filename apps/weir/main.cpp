@@ -11,6 +11,7 @@
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
 #include "apps/weir/run_command.h"
+#include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -60,6 +61,7 @@ int runProgram(Program& program, int argc, char** argv) {
   app.require_subcommand(1);
   RunCommand run(app, program);
   BenchCommand bench(app, program);
+  StudioCommand studio(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -103,6 +105,7 @@ int runProgram(Program& program, int argc, char** argv) {
   }
   if (run.command().parsed()) return run.run();
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
+  if (studio.command().parsed()) return studio.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json)
