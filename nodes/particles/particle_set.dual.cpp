@@ -31,7 +31,8 @@ struct ZeroBehind {
 };
 
 struct AppendBatch {
-  ArrayView<const Vec3f> newPositions, newVelocities;
+  ArrayView<const Vec3f> newPositions;
+  ParticleBatch::VelocityView newVelocities;
   ArrayView<const int> order;  // empty for all
   int firstId;
   const int* count;
@@ -73,7 +74,7 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   const Count count{batch.count, selected.kept};
   parallelFor(
       device, "append", count,
-      AppendBatch{batch.positions.view(), batch.velocities.view(), selected.order, static_cast<int>(nextId_),
+      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
                   counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
