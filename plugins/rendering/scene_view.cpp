@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -9,28 +10,29 @@ namespace weir::rendering {
 
 namespace {
 
-std::vector<float> lengthsOf(std::span<const Vec3f> vectors) {
-  std::vector<float> lengths;
-  lengths.reserve(vectors.size());
-  for (const Vec3f& v : vectors) lengths.push_back(length(v));
-  return lengths;
-}
-
-/// The numbers that colour the particles; none if they have one colour.
-std::vector<float> colorsOf(FluidSnapshot& fluid) {
-  if (!fluid.colorType) return {};
+/// The numbers that colour the particles; none if they have one colour. The vector keeps its memory from
+/// frame to frame.
+void setColors(FluidSnapshot& fluid, std::vector<float>& to) {
+  to.clear();
+  if (!fluid.colorType) return;
   switch (*fluid.colorType) {
     case AttributeType::kFloat: {
       const std::span<const float> numbers = fluid.floats.wait();
-      return {numbers.begin(), numbers.end()};
-    }
-    case AttributeType::kVec3:
-      return lengthsOf(fluid.vectors.wait());
-    case AttributeType::kInt:
+      to.assign(numbers.begin(), numbers.end());
       break;
+    }
+    case AttributeType::kVec3: {
+      const std::span<const Vec3f> vectors = fluid.vectors.wait();
+      to.resize(vectors.size());
+      std::transform(vectors.begin(), vectors.end(), to.begin(), [](const Vec3f& v) { return length(v); });
+      break;
+    }
+    case AttributeType::kInt: {
+      const std::span<const int> numbers = fluid.ints.wait();
+      to.assign(numbers.begin(), numbers.end());
+      break;
+    }
   }
-  const std::span<const int> numbers = fluid.ints.wait();
-  return {numbers.begin(), numbers.end()};
 }
 
 /// The next of 1, 2, 5, 10, … times a power of ten that is not below x > 0.
@@ -83,10 +85,11 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   key_.shown = settings_.color->bar && colored;
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
-  values_.clear();
-  for (FluidSnapshot& fluid : snapshot.fluids) {
+  values_.resize(snapshot.fluids.size());
+  for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
+    FluidSnapshot& fluid = snapshot.fluids[i];
     const std::span<const Vec3f> positions = fluid.positions.wait();
-    values_.push_back(colorsOf(fluid));
+    setColors(fluid, values_[i]);
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = settings_.color->map,
@@ -108,17 +111,16 @@ void SceneView::chooseRange() {
     return;
   }
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
-  float low = rangeFound_ ? key_.low : 0, high = rangeFound_ ? key_.high : 0;
-  bool any = rangeFound_;
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  float low = rangeFound_ ? key_.low : kNone, high = rangeFound_ ? key_.high : -kNone;
   for (const std::vector<float>& values : values_)
     for (const float v : values) {
       if (!std::isfinite(v)) continue;
-      low = any ? std::min(low, v) : v;
-      high = any ? std::max(high, v) : v;
-      any = true;
+      low = v < low ? v : low;
+      high = v > high ? v : high;
     }
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
-  if (!any || !grew) return;
+  if (!(low <= high) || !grew) return;
   rangeFound_ = high > low;
   if (*settings_.color->by == "speed") low = 0;
   const float step = roundUp(std::max(high - low, 1e-6f * std::max(std::abs(high), 1.0f))) / 10;

@@ -29,9 +29,18 @@ run() {
     'BEGIN { n = 1000 / (frames + 1); printf "%.6f %.4g %.4g %.4g\n", wall - setup, capture * n, wait * n, write * n }'
 }
 
+parts_of_pictures() {
+  echo
+  echo "Parts of writing a picture (ms), in the last run with images:"
+  tr -d '\n ' <"$folder/images.json" | sed 's/.*"pictures":{\([^}]*\)}.*/\1/' | tr ',' '\n' |
+    awk -F'[:"]+' -v frames="$(tr -d '\n ' <"$folder/images.json" | sed 's/.*"frames":\([0-9]*\).*/\1/')" \
+      '{ printf "  %s %.2f\n", $2, 1000 * $3 / (frames + 1) }'
+}
+
 for repeat in $(seq "$repeats"); do
   run statistics >>"$folder/none"
   run pictures --images "$folder/images" >>"$folder/images.txt"
+  cp "$folder/stats.json" "$folder/images.json"
   run pictures --video "$folder/run.mp4" >>"$folder/video.txt"
   run export --export "$folder/run.vtkhdf" >>"$folder/export.txt"
 done
@@ -49,3 +58,4 @@ for kind in images video export; do
       'BEGIN { printf "| %s | %.3f | %.1f %% | %s | %s | %s |\n", kind, wall, 100 * (wall / none - 1), c, w, d }'
   }
 done
+parts_of_pictures
