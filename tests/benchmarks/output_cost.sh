@@ -1,6 +1,6 @@
 #!/bin/sh
-# How much longer a dam break takes if every frame, 30 a simulated second, is drawn, filmed or exported: prints
-# a Markdown table. Runs with and without take turns, and of each kind the fastest counts.
+# How much longer a dam break takes if every frame, 30 a simulated second, is drawn, filmed (where there is
+# ffmpeg) or exported: prints a Markdown table. Runs with and without take turns, and of each kind the fastest counts.
 #   output_cost.sh PROGRAM [DEVICE [SIDE [SECONDS [REPEATS]]]]     SIDE: particles along an edge of the cube
 set -eu
 program=$1
@@ -41,7 +41,7 @@ for repeat in $(seq "$repeats"); do
   run statistics >>"$folder/none"
   run pictures --images "$folder/images" >>"$folder/images.txt"
   cp "$folder/stats.json" "$folder/images.json"
-  run pictures --video "$folder/run.mp4" >>"$folder/video.txt"
+  if command -v ffmpeg >/dev/null; then run pictures --video "$folder/run.mp4" >>"$folder/video.txt"; fi
   run export --export "$folder/run.vtkhdf" >>"$folder/export.txt"
 done
 none=$(sort -g "$folder/none" | head -1 | cut -d' ' -f1)
@@ -52,6 +52,7 @@ echo "| output | time of the run (s) | loss | copying a frame (ms) | waiting, a 
 echo "|---|---:|---:|---:|---:|---:|"
 printf '| none | %.3f | | | | |\n' "$none"
 for kind in images video export; do
+  [ -e "$folder/$kind.txt" ] || continue
   sort -g "$folder/$kind.txt" | head -1 | {
     read -r wall capture wait write
     awk -v kind="$kind" -v none="$none" -v wall="$wall" -v c="$capture" -v w="$wait" -v d="$write" \
