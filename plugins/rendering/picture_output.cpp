@@ -140,7 +140,7 @@ class Pictures final : public Observer {
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    if (key.shown) text.bar = ColorBar{settings_->color->map, key.low, key.high, caption};
+    if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
     return text;
   }
 

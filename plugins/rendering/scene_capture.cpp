@@ -102,16 +102,28 @@ std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulat
 }
 
 void SceneCapture::checkNames(const Simulation& simulation) const {
-  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i) {
-    const std::string& name = settings_.surfaces[i].node;
-    if (simulation.scene().graph.find(name) != nullptr) continue;
-    std::vector<std::string> names;
-    for (const auto& node : simulation.scene().graph.nodes()) names.push_back(node->name());
-    Error e =
-        sceneError("the scene has no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
-    throw e.at(
-        {.file = simulation.scene().file, .pointer = "/render/surfaces/" + std::to_string(i) + "/node"});
-  }
+  for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
+    checkName(simulation, settings_.surfaces[i].node, "/render/surfaces/" + std::to_string(i) + "/node");
+  const std::string& followed = settings_.camera->follow;
+  if (followed.empty()) return;
+  checkName(simulation, followed, "/render/camera/follow");
+  const auto puts = [&](const auto& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [&](const auto& output) { return output.first == followed; });
+  };
+  if (puts(outputsOf<Fluid>(simulation)) || puts(outputsOf<TriangleMesh>(simulation))) return;
+  throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no fluid and no mesh",
+                   "a node that puts out a Fluid or a mesh")
+      .at({.file = simulation.scene().file, .pointer = "/render/camera/follow"});
+}
+
+void SceneCapture::checkName(const Simulation& simulation, const std::string& name,
+                             const std::string& pointer) {
+  if (simulation.scene().graph.find(name) != nullptr) return;
+  std::vector<std::string> names;
+  for (const auto& node : simulation.scene().graph.nodes()) names.push_back(node->name());
+  Error e = sceneError("the scene has no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
+  throw e.at({.file = simulation.scene().file, .pointer = pointer});
 }
 
 const SurfaceSettings* SceneCapture::settingsOf(const std::string& node) const {
@@ -128,7 +140,7 @@ void SceneCapture::addSurface(const TriangleMesh& mesh, const std::string& node,
   for (const Vec3f& vertex : mesh.vertices) still.bounds.extend(start.toWorld(vertex));
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
-  still.surfaces.push_back({.mesh = mesh, .look = look.look, .color = look.shownColor()});
+  still.surfaces.push_back({.node = node, .mesh = mesh, .look = look.look, .color = look.shownColor()});
   motions_.push_back(motion);
 }
 
@@ -160,8 +172,10 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     const std::int64_t count = fluid.particles->refreshCount();
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
+    to.node = node;
     to.spacing = fluid.constants->spacing;
     start(to.positions, fluid.particles->positions(), count);
+    if (settings_.arrows->spacing.get()) start(to.velocities, fluid.particles->velocities(), count);
     if (by != "none") snapshot.colorUnit = startColors(*fluid.particles, by, count, to);
   }
 }

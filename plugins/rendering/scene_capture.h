@@ -22,6 +22,7 @@ namespace weir::rendering {
 struct StillScene {
   /// A mesh in the frame of its node; where that is at a frame, the snapshot's poses say.
   struct Surface {
+    std::string node;  ///< that puts the mesh out
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
@@ -35,12 +36,15 @@ struct StillScene {
 /// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
 /// one is used at most.
 struct FluidSnapshot {
-  explicit FluidSnapshot(Device& device) : positions(device), floats(device), vectors(device), ints(device) {}
+  explicit FluidSnapshot(Device& device)
+      : positions(device), velocities(device), floats(device), vectors(device), ints(device) {}
 
+  std::string node;   ///< that puts the fluid out
   float spacing = 0;  ///< m
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   HostCopy<Vec3f> positions;
+  HostCopy<Vec3f> velocities;  ///< if there are arrows
   HostCopy<float> floats;
   HostCopy<Vec3f> vectors;
   HostCopy<int> ints;
@@ -74,6 +78,7 @@ class SceneCapture {
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
+  static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
   const RenderSettings& settings_;
   bool collected_ = false;

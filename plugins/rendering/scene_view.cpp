@@ -6,6 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "plugins/rendering/camera_path.h"
+#include "plugins/rendering/velocity_arrows.h"
+
 namespace weir::rendering {
 
 namespace {
@@ -53,19 +56,20 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
   addFluids(snapshot, view);
+  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
+  if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
   constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
   view.ground.visible = settings_.ground;
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
-  view.camera = cameraAt(snapshot.time);
   return view;
 }
 
@@ -73,6 +77,13 @@ void SceneView::takeStill(StillScene& still) {
   for (const StillScene::Surface& surface : still.surfaces)
     surfaces_.push_back(
         {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
+  for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
+    if (still.surfaces[i].node != *settings_.camera->follow || followedSurface_) continue;
+    followedSurface_ = i;
+    Aabb box;
+    for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);
+    followedMiddle_ = box.center();
+  }
   lines_ = std::move(still.lines);
   bounds_ = still.bounds;
   floor_ = still.floor;
@@ -92,17 +103,31 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     setColors(fluid, values_[i]);
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
-                              .map = settings_.color->map,
+                              .map = settings_.color->colorMap(),
                               .fixed = settings_.color->fixed});
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : positions) bounds_.extend(p);
   }
   if (colored) chooseRange();
+  shown_.resize(view.particles.size());
   for (std::size_t i = 0; i < view.particles.size(); ++i) {
     view.particles[i].values = values_[i];
+    if (!settings_.clips.empty()) shown_[i].choose(settings_.clips, view.particles[i]);
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;
   }
+}
+
+void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
+  const ArrowSettings& settings = *settings_.arrows;
+  arrows_.clear();
+  for (FluidSnapshot& fluid : snapshot.fluids)
+    addVelocityArrows(fluid.positions.wait(), fluid.velocities.wait(), settings_.clips,
+                      *settings.spacing.get(), settings.seconds, view.camera.eye, arrows_);
+  // With light rims, so that they can be seen on dark fluids.
+  constexpr Color kRim{1, 1, 1, 0.75f};
+  view.lines.push_back({.points = arrows_, .color = kRim, .width = 2.4f * settings.width});
+  view.lines.push_back({.points = arrows_, .color = settings.color, .width = settings.width});
 }
 
 void SceneView::chooseRange() {
@@ -141,21 +166,23 @@ CameraPose SceneView::restingCamera() const {
   return camera;
 }
 
-CameraPose SceneView::cameraAt(double time) const {
-  CameraPose camera = restingCamera();
-  const auto& keys = settings_.camera->keyframes;
-  if (keys.empty()) return camera;
-  std::size_t next = 0;
-  while (next < keys.size() && keys[next].time <= time) ++next;
-  const CameraKey& a = keys[next == 0 ? 0 : next - 1];
-  const CameraKey& b = keys[next == keys.size() ? next - 1 : next];
-  const double span = b.time - a.time;
-  const float t = span > 0 ? static_cast<float>((time - a.time) / span) : 0;
-  const float fovA = a.fov.get().value_or(camera.fovDegrees), fovB = b.fov.get().value_or(camera.fovDegrees);
-  camera.eye = (1 - t) * a.eye.get() + t * b.eye.get();
-  camera.target = (1 - t) * a.target.get() + t * b.target.get();
-  camera.fovDegrees = (1 - t) * fovA + t * fovB;
-  return camera;
+std::optional<Vec3f> SceneView::followedPlace(SceneSnapshot& snapshot) const {
+  const std::string& name = settings_.camera->follow;
+  if (name.empty()) return std::nullopt;
+  if (followedSurface_) return snapshot.poses[*followedSurface_].toWorld(followedMiddle_);
+  Vec3d sum;
+  std::int64_t count = 0;
+  for (FluidSnapshot& fluid : snapshot.fluids) {
+    if (fluid.node != name) continue;
+    for (const Vec3f& p : fluid.positions.wait()) {
+      if (!isFinite(p)) continue;
+      sum += Vec3d{p.x, p.y, p.z};
+      ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  const Vec3d middle = sum / static_cast<double>(count);
+  return Vec3f{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
 }
 
 }  // namespace weir::rendering
