@@ -20,12 +20,19 @@ namespace weir {
 /// do; checking a scene therefore means to make its clock, too.
 Clock clockOf(const Scene& scene);
 
+/// A part of an observer's work.
+struct OutputPart {
+  std::string name;
+  double seconds = 0;
+};
+
 /// What an observer of a run cost, in seconds of wall clock.
 struct OutputTime {
   std::string name;
-  double capture = 0;  ///< that the simulation waited while frames were copied
-  double wait = 0;     ///< that it waited because frames came faster than they could be written
-  double write = 0;    ///< in which frames were written beside it
+  double capture = 0;             ///< that the simulation waited while frames were copied
+  double wait = 0;                ///< that it waited because frames came faster than they could be written
+  double write = 0;               ///< in which frames were written beside it
+  std::vector<OutputPart> parts;  ///< of `write`
 };
 
 /// Runs one scene on one device. Two of them in one process do not know of each other. Device, log, registry

@@ -98,6 +98,7 @@ Value outputTimes(const Simulation& simulation) {
     output["capture_seconds"] = time.capture;
     output["wait_seconds"] = time.wait;
     output["write_seconds"] = time.write;
+    for (const OutputPart& part : time.parts) output[part.name + "_seconds"] = part.seconds;
   }
   return v;
 }

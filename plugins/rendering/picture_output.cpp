@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "framework/base/text.h"
+#include "framework/run/stopwatch.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
 #include "plugins/rendering/output/growing_video.h"
@@ -42,6 +43,12 @@ std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
     return std::make_unique<gl::Renderer>(std::move(context), sibling(device), gl::ComputeShare::kWhatCanBe);
   std::unique_ptr<Device> helper = context->isSoftware() ? sibling(device) : nullptr;
   return std::make_unique<gl::Renderer>(std::move(context), std::move(helper));
+}
+
+template <class F>
+decltype(auto) measured(double& seconds, F&& work) {
+  const Stopwatch watch(seconds);
+  return work();
 }
 
 class Pictures final : public Observer {
@@ -110,11 +117,15 @@ class Pictures final : public Observer {
 
   void write(Snapshot& snapshot) override {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
-    Picture picture = renderer_->draw(view_->of(scene));
-    overlay_->draw(overlayText(scene), picture);
-    if (images_) images_->write(picture);
-    if (video_) video_->write(std::move(picture));
+    const View view = measured(viewing_, [&] { return view_->of(scene); });
+    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
+    measured(handingOver_, [&] { handOver(std::move(picture)); });
     ++frames_;
+  }
+
+  std::vector<OutputPart> writeParts() const override {
+    return {{"view", viewing_}, {"draw", drawing_}, {"label", labelling_}, {"hand_over", handingOver_}};
   }
 
   void end(Simulation& simulation, RunEnd) override {
@@ -127,6 +138,13 @@ class Pictures final : public Observer {
   }
 
  private:
+  /// To those who encode it, on threads of their own; waits where they are slower.
+  void handOver(Picture picture) {
+    if (images_ && video_) images_->write(picture);
+    if (images_ && !video_) images_->write(std::move(picture));
+    if (video_) video_->write(std::move(picture));
+  }
+
   OverlayText overlayText(const SceneSnapshot& scene) const {
     OverlayText text;
     text.lightText = wantsLightText(settings_->backgroundTop, settings_->backgroundBottom);
@@ -137,7 +155,7 @@ class Pictures final : public Observer {
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    if (key.shown) text.bar = ColorBar{settings_->color->map, key.low, key.high, caption};
+    if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
     return text;
   }
 
@@ -146,6 +164,7 @@ class Pictures final : public Observer {
   std::string title_;
   std::optional<SceneCapture> capture_;
   // From here on what write() uses.
+  double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
   std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;

@@ -22,6 +22,7 @@ namespace weir::rendering {
 struct StillScene {
   /// A mesh in the frame of its node; where that is at a frame, the snapshot's poses say.
   struct Surface {
+    std::string node;  ///< that puts the mesh out
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
@@ -36,13 +37,16 @@ struct StillScene {
 /// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
 /// or whiten them, one is used at most.
 struct FluidSnapshot {
-  explicit FluidSnapshot(Device& device) : positions(device), floats(device), vectors(device), ints(device) {}
+  explicit FluidSnapshot(Device& device)
+      : positions(device), velocities(device), floats(device), vectors(device), ints(device) {}
 
+  std::string node;                     ///< that puts the fluid out
   float spacing = 0;                    ///< m
   const FluidSettings* look = nullptr;  ///< null: spheres
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   HostCopy<Vec3f> positions;
+  HostCopy<Vec3f> velocities;  ///< if there are arrows
   HostCopy<float> floats;
   HostCopy<Vec3f> vectors;
   HostCopy<int> ints;
@@ -77,6 +81,7 @@ class SceneCapture {
   const FluidSettings* fluidSettingsOf(const std::string& node) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
+  static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
   const RenderSettings& settings_;
   bool collected_ = false;
