@@ -1,29 +1,31 @@
 #include "nodes/fluid_surface/fluid_surface.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "framework/graph/memory_estimate.h"
-#include "nodes/fluid_surface/flat_level.h"
+#include "nodes/fluid_surface/surface_level.h"
 
 namespace weir {
 
-namespace {
-
-/// Particles are averaged over a ball of so many kernel radii.
-constexpr float kNeighborhood = 1.5f;
-
-}  // namespace
-
-void FluidSurface::estimate(const SetupContext&, MemoryNeeds&) {}
+void FluidSurface::estimate(const SetupContext&, MemoryNeeds& needs) {
+  const double n = fluid->most;
+  needs.certain += ParticleKernels::memoryFor(n);
+  needs.device += ParticleKernels::memoryFor(n) + KernelField::memoryFor(n, kernelRadius, cellSize);
+  needs.remedy = [cells = double(cellSize)](double share) {
+    return fmt::format("a cell_size of at least {:.2g} spacings", cells / std::cbrt(share));
+  };
+}
 
 void FluidSurface::reset(const SetupContext& context) {
   State& state = state_.emplace(context.device);
   const float d = fluid->constants->spacing;
-  state.settings = {.spacing = d,
-                    .radius = kernelRadius * d,
-                    .neighborhood = kNeighborhood * kernelRadius * d,
-                    .smoothing = smoothing,
-                    .anisotropy = anisotropy};
+  state.settings = {
+      .spacing = d, .radius = kernelRadius * d, .smoothing = smoothing, .anisotropy = anisotropy};
   state.cell = cellSize * d;
   state.level = level.get() ? *level.get() : flatLevel(context.device, state.settings);
+  state.settings.loneAxis = loneAxis(state.level, state.settings);
   *surface = {Array<Vec3f>(context.device), Array<Vec3f>(context.device), Array<Vec3i>(context.device)};
 }
 

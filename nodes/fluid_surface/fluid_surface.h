@@ -31,11 +31,11 @@ class FluidSurface final : public Node {
                          .doc = "Of the grid on which the surface is found. Smaller is finer and slower."}};
   Param<float> kernelRadius{*this,
                             "kernel_radius",
-                            2,
+                            2.5f,
                             {.unit = "spacings",
-                             .min = 1,
+                             .min = 1.5,
                              .max = 4,
-                             .softMin = 1.5,
+                             .softMin = 2,
                              .softMax = 3,
                              .doc = "How far a particle reaches within fluid. Larger is smoother, and rounds "
                                     "off more."}};

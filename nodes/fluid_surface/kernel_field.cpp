@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
+
 #include "framework/base/error.h"
+#include "framework/graph/memory_estimate.h"
 
 namespace weir {
 
@@ -21,6 +25,20 @@ constexpr std::int64_t kMostNodes = std::numeric_limits<int>::max();
 float KernelField::farthest(float cellSize, float kernelRadius) {
   // Twice the radius is more than any kernel reaches with its node and block rounded.
   return cellSize * BlockKey::kSide * static_cast<float>(BlockKey::kFarthest) - 4 * kernelRadius;
+}
+
+double KernelField::memoryFor(double particles, double kernelRadius, double cellSize) {
+  const double side = cellSize * BlockKey::kSide;  // of a block
+  const double pairs = particles * std::pow(1 + (2 * kernelRadius + cellSize) / side, 3);
+  // Half of all blocks are at the surface, where they are half full.
+  const double blocks = 1.5 * particles / std::pow(side, 3);
+  constexpr int kNumbersOfNode = 3;  // the value, and what is counted for the mesh
+  // The sort by block works in two sets of pairs.
+  return bytesOfArray(particles, sizeof(int)) +
+         2 * (bytesOfArray(pairs, sizeof(std::uint64_t)) + bytesOfArray(pairs, sizeof(int))) +
+         bytesOfArray(pairs, sizeof(int)) +
+         kNumbersOfNode * bytesOfArray(blocks * BlockKey::kNodes, sizeof(float)) +
+         bytesOfArray(blocks * GridView::kAround, sizeof(int));
 }
 
 void KernelField::make(Device& onDevice, const ParticleKernels& kernels, float cellSize) {

@@ -8,8 +8,8 @@ namespace {
 constexpr float kPi = 3.14159265358979f;
 constexpr float kNormalization = 315 / (64 * kPi);  // ∫ W = 1
 constexpr float kVariance = 0.15f;                  // ∫ w·x² / ∫ w over a ball of radius 1
-constexpr float kLoneAxis = 0.5f;                   // of a particle with no others near it
-constexpr float kLongestAxis = 2;                   // bounds what a kernel costs
+constexpr float kLeastAxis = 0.25f;
+constexpr float kLongestAxis = 2;  // bounds what a kernel costs
 // Shares of the sum of weights in full fluid. A layer of single particles has about 0.36.
 constexpr float kLoneShare = 0.1f, kFullShare = 0.3f;
 
@@ -93,7 +93,7 @@ struct MakeKernel {
 
   /// Σ w with one particle in each d³: ∫ w = 2π/3·R³.
   WEIR_HD float fullWeight() const {
-    const float ratio = settings.neighborhood / settings.spacing;
+    const float ratio = settings.radius / settings.spacing;
     return 2 * kPi / 3 * ratio * ratio * ratio;
   }
 
@@ -112,7 +112,7 @@ struct MakeKernel {
   }
 
   WEIR_HD void addCell(int begin, int end, const Vec3f& p, Moments& moments) const {
-    const float inverse = 1 / settings.neighborhood;
+    const float inverse = 1 / settings.radius;
     for (int j = begin; j < end; ++j) {
       const Vec3f d = positions[j] - p;
       const float q2 = dot(d, d) * inverse * inverse;
@@ -120,18 +120,23 @@ struct MakeKernel {
     }
   }
 
+  /// The root of a variance over the usual one.
+  WEIR_HD static float axisOf(double variance, float usual) {
+    return variance > 0 ? sqrtf(static_cast<float>(variance) / usual) : 0;
+  }
+
   WEIR_HD ParticleKernel kernelOf(const Vec3f& center, const SymmetricMatrix& covariance, float blend) const {
     const SymmetricEigen eigen = eigenOf(covariance);
-    const float h = settings.radius, usual = kVariance * settings.neighborhood * settings.neighborhood;
-    const float largest = static_cast<float>(eigen.values.x);
+    const float h = settings.radius, usual = kVariance * h * h;
+    const float longest = axisOf(eigen.values.x, usual);
     ParticleKernel kernel{
         .center = center,
         .weight = settings.spacing * settings.spacing * settings.spacing * kNormalization / (h * h * h)};
     SymmetricMatrix inverse, squares;
     for (int k = 0; k < 3; ++k) {
-      const float value = static_cast<float>(eigen.values[k]), least = largest / settings.anisotropy;
-      const float full = clamped((value > least ? value : least) / usual, kLoneAxis / 2, kLongestAxis);
-      const float axis = kLoneAxis + blend * (full - kLoneAxis);
+      const float own = axisOf(eigen.values[k], usual), least = longest / settings.anisotropy;
+      const float full = clamped(own > least ? own : least, kLeastAxis, kLongestAxis);
+      const float axis = settings.loneAxis + blend * (full - settings.loneAxis);
       const double length = double(h) * double(axis);
       inverse.addProduct(1 / (length * length), eigen.vectors[k]);
       squares.addProduct(length * length, eigen.vectors[k]);

@@ -1,18 +1,20 @@
 // The shapes of particles by which a surface is found: ellipsoids that lie along the fluid (Yu and Turk 2013,
 // "Reconstructing surfaces of particle-based fluids using anisotropic kernels").
 //
-// With weights w_ij = 1 − (r_ij/R)³ of the particles within R, the particle itself included, a particle has
+// With weights w_ij = 1 − (r_ij/h)³ of the particles within h, the particle itself included, a particle has
 //
 //   mean          m_i = Σ w_ij·x_j / Σ w_ij
 //   centre        c_i = (1 − λ)·x_i + λ·m_i
 //   covariance    C_i = Σ w_ij·(x_j − m_i)(x_j − m_i)ᵀ / Σ w_ij = Q·diag(s_1, s_2, s_3)·Qᵀ, s_1 the largest
-//   axes          a_k = max(s_k, s_1/a) / s̄, s̄ = 0.15·R², what s is within fluid on all sides
+//   axes          a_k = max(√s_k, √s_1/a) / √s̄, s̄ = 0.15·h², what s is within fluid on all sides
 //   field         φ(x) = Σ_i V0·W(|G_i·(x − c_i)|)·det G_i,  G_i = Q·diag(1/a_k)·Qᵀ/h,
 //                 W(q) = 315/(64π)·(1 − q²)³
 //
-// So φ is about 1 in fluid and 0 outside. A particle with few others near it is a ball with a_k = 1/2. The
-// paper changes from one to the other at a number of neighbours; here the sum of the weights decides, and the
-// axes are blended between two values of it, so nothing jumps as particles come and go.
+// So φ is about 1 in fluid and 0 outside. Where the paper takes s for the axes this takes its root, as s is
+// the square of a length: kernels at a surface are then less flat, and reach over the way that the mean has
+// moved their centres inwards. A particle with few others near it is a ball with a_k = a_0. The paper changes
+// from one to the other at a number of neighbours; here the axes are blended while Σ w grows from 0.1 to 0.3
+// of what it is in full fluid, so nothing jumps as particles come and go.
 #pragma once
 
 #include "framework/compute/cell_sort.h"
@@ -21,11 +23,11 @@
 namespace weir {
 
 struct KernelSettings {
-  float spacing = 0;       ///< d, m; V0 = d³
-  float radius = 0;        ///< h, m
-  float neighborhood = 0;  ///< R, m
-  float smoothing = 0;     ///< λ, from 0 to 1
-  float anisotropy = 1;    ///< a, at least 1
+  float spacing = 0;      ///< d, m; V0 = d³
+  float radius = 0;       ///< h, m
+  float smoothing = 0;    ///< λ, from 0 to 1
+  float anisotropy = 1;   ///< a, at least 1
+  float loneAxis = 0.5f;  ///< a_0
 };
 
 /// V0·W(|G·(x − c)|)·det G of one particle, as q² = (x − c)ᵀ·M·(x − c).
@@ -45,6 +47,9 @@ class ParticleKernels {
   /// `farthest` from the origin along any axis, have none. Waits for the device.
   void make(Device& device, const Array<Vec3f>& positions, std::int64_t count, const KernelSettings& settings,
             float farthest);
+
+  /// Bytes on the device for so many particles.
+  static double memoryFor(double particles);
 
   /// How many there are.
   std::int64_t size() const { return size_; }

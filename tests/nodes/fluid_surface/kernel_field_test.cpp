@@ -42,7 +42,7 @@ class SlowField {
   };
 
   Kernel kernelAt(const Eigen::Vector3d& x, const std::vector<Vec3f>& positions) const {
-    const double reach = s_.neighborhood;
+    const double reach = s_.radius;
     double weights = 0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     const auto weightOf = [&](const Eigen::Vector3d& y) {
@@ -62,8 +62,10 @@ class SlowField {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
     Eigen::Vector3d axes;
     for (int k = 0; k < 3; ++k) {
-      const double value = std::max(eigen.eigenvalues()[k], eigen.eigenvalues()[2] / s_.anisotropy);
-      axes[k] = 0.5 + blend * (std::clamp(value / (0.15 * reach * reach), 0.25, 2.0) - 0.5);
+      // Of particles in a plane one is 0, or a bit less.
+      const double axis = std::sqrt(std::max(
+          {0.0, eigen.eigenvalues()[k], eigen.eigenvalues()[2] / std::pow(double(s_.anisotropy), 2)}));
+      axes[k] = s_.loneAxis + blend * (std::clamp(axis / std::sqrt(0.15) / reach, 0.25, 2.0) - s_.loneAxis);
     }
     return {x + s_.smoothing * (mean - x), eigen.eigenvectors() * axes.cwiseInverse().asDiagonal() *
                                                eigen.eigenvectors().transpose() / double(s_.radius)};
@@ -114,9 +116,8 @@ TEST_P(KernelFieldTest, IsTheSumOfTheEquationsAndHasBlocksAroundIt) {
   ParticleKernels kernels(*device);
   KernelField field(*device);
   for (const KernelSettings& settings :
-       {KernelSettings{
-            .spacing = d, .radius = 2 * d, .neighborhood = 3 * d, .smoothing = 0.9f, .anisotropy = 4},
-        KernelSettings{.spacing = d, .radius = 1.5f * d, .neighborhood = 2 * d, .anisotropy = 1}}) {
+       {KernelSettings{.spacing = d, .radius = 2 * d, .smoothing = 0.9f, .anisotropy = 4, .loneAxis = 0.3f},
+        KernelSettings{.spacing = d, .radius = 1.5f * d, .anisotropy = 1}}) {
     const SlowField slow(positions, settings);
     kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(positions)), std::ssize(positions),
                  settings, 100);
@@ -138,8 +139,7 @@ TEST_P(KernelFieldTest, CostsFollowTheParticlesAndNotTheirBox) {
   ParticleKernels kernels(*device);
   KernelField field(*device);
   kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(far)), 3,
-               {.spacing = 0.02f, .radius = 0.04f, .neighborhood = 0.06f, .smoothing = 1, .anisotropy = 4},
-               1000);
+               {.spacing = 0.02f, .radius = 0.04f, .smoothing = 1, .anisotropy = 4}, 1000);
   field.make(*device, kernels, 0.01f);
   EXPECT_LE(HostGrid(field.grid()).blocks(), 16u);
 }
@@ -151,13 +151,13 @@ TEST_P(KernelFieldTest, LeavesOutWhatIsNoPlaceOrTooFarAway) {
   ParticleKernels kernels(*device);
   KernelField field(*device);
   kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(bad)), std::ssize(bad),
-               {.spacing = 0.02f, .radius = 0.04f, .neighborhood = 0.06f, .anisotropy = 4}, farthest);
+               {.spacing = 0.02f, .radius = 0.04f, .anisotropy = 4}, farthest);
   EXPECT_EQ(kernels.size(), 1);
   field.make(*device, kernels, 0.01f);
   EXPECT_LE(HostGrid(field.grid()).blocks(), 8u);
   const std::vector<Vec3f> edge{{farthest, -farthest, farthest}};
   kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(edge)), 1,
-               {.spacing = 0.02f, .radius = 0.04f, .neighborhood = 0.06f, .anisotropy = 4}, farthest);
+               {.spacing = 0.02f, .radius = 0.04f, .anisotropy = 4}, farthest);
   field.make(*device, kernels, 0.01f);
   EXPECT_GE(HostGrid(field.grid()).blocks(), 1u);
 }

@@ -1,6 +1,9 @@
-#include "nodes/fluid_surface/flat_level.h"
+#include "nodes/fluid_surface/surface_level.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace weir {
 
@@ -22,7 +25,7 @@ double fieldAt(const std::vector<ParticleKernel>& kernels, const Vec3d& p) {
 float flatLevel(Device& device, const KernelSettings& settings) {
   const float d = settings.spacing;
   // Kernels that reach the middle of the face must not know of the block's other faces.
-  const int half = static_cast<int>(std::ceil((settings.neighborhood + 2 * settings.radius) / d)) + 1;
+  const int half = static_cast<int>(std::ceil(3 * settings.radius / d)) + 1;
   std::vector<Vec3f> block;
   for (int k = 0; k < half; ++k)
     for (int j = -half; j < half; ++j)
@@ -41,6 +44,19 @@ float flatLevel(Device& device, const KernelSettings& settings) {
     for (int j = 0; j < kSamples; ++j)
       sum += fieldAt(near, {(i + 0.5) / kSamples * double(d), 0, (j + 0.5) / kSamples * double(d)});
   return static_cast<float>(sum / (kSamples * kSamples));
+}
+
+float loneAxis(float level, const KernelSettings& settings) {
+  const double h = double(settings.radius) / double(settings.spacing);
+  const double k = h * std::cbrt(double(level) * 64 * std::numbers::pi / 315);
+  const double wanted = std::cbrt(3 / (4 * std::numbers::pi)) / h;
+  // The radius grows with the axis up to 2/(3k).
+  double low = 0, high = std::min(1.0, 2 / (3 * k));
+  for (int i = 0; i < 60; ++i) {
+    const double axis = (low + high) / 2;
+    (axis * std::sqrt(1 - k * axis) < wanted ? low : high) = axis;
+  }
+  return static_cast<float>(high);
 }
 
 }  // namespace weir
