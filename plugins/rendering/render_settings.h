@@ -28,6 +28,20 @@ struct EnumNames<rendering::SurfaceLook> {
 
 namespace rendering {
 
+/// Which particles are drawn.
+enum class ShownParticles { kAuto, kAll, kNone };
+
+}  // namespace rendering
+
+template <>
+struct EnumNames<rendering::ShownParticles> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"auto", "Those of fluids whose surface is not shown."}, EnumName{"all", "All."},
+      EnumName{"none", "None."}};
+};
+
+namespace rendering {
+
 /// One moment of a moving camera. Between moments, eye, target and field of view change linearly.
 class CameraKey final : public Configurable {
  public:
@@ -82,7 +96,7 @@ class ColorSettings final : public Configurable {
   void validate() const override;
 };
 
-/// The look of the surface that a node puts out.
+/// The look of the surface that a node puts out, be it solid or a fluid's.
 class SurfaceSettings final : public Configurable {
  public:
   Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
@@ -91,7 +105,8 @@ class SurfaceSettings final : public Configurable {
       *this,
       "color",
       std::nullopt,
-      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
+      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear, and "
+              "for fluids the particles' one colour."}};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 
   /// The colour that is given, or else that of the look.
@@ -113,6 +128,8 @@ class RenderSettings final : public Configurable {
       "particle_size",
       1.0f,
       {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
+  Param<ShownParticles> particles{
+      *this, "particles", ShownParticles::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};

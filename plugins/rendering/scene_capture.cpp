@@ -78,6 +78,7 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->still = collected_ ? nullptr : collectStill(simulation);
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
+  captureFluidSurfaces(simulation, *snapshot);
   snapshot->particles = simulation.particleCount();
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
@@ -156,6 +157,7 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
   const std::string& by = settings_.color->by;
   std::size_t i = 0;
   for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
+    if (!showsParticles(*output)) continue;
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
@@ -164,6 +166,31 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     start(to.positions, fluid.particles->positions(), count);
     if (by != "none") snapshot.colorUnit = startColors(*fluid.particles, by, count, to);
   }
+}
+
+void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const {
+  std::size_t i = 0;
+  for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation)) {
+    const SurfaceSettings* own = settingsOf(node);
+    if (own != nullptr && !own->visible) continue;
+    if (i == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
+    FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[i++];
+    to.mesh.start(**output);
+    to.look = own != nullptr ? own->look.get() : SurfaceLook::kMatt;
+    to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
+  }
+}
+
+bool SceneCapture::showsParticles(const OutputPort& fluid) const {
+  if (settings_.particles != ShownParticles::kAuto) return settings_.particles == ShownParticles::kAll;
+  return std::none_of(fluid.links().begin(), fluid.links().end(), [this](const InputPort* input) {
+    const Node& taker = input->node();
+    const auto& outputs = taker.outputs();
+    const SurfaceSettings* own = settingsOf(taker.name());
+    return (own == nullptr || own->visible) &&
+           std::any_of(outputs.begin(), outputs.end(),
+                       [](const OutputPort* output) { return output->typeName() == DynamicMesh::kPortType; });
+  });
 }
 
 }  // namespace weir::rendering

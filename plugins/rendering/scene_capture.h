@@ -10,6 +10,7 @@
 
 #include "framework/compute/host_copy.h"
 #include "framework/run/observer.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
 #include "nodes/static_boundary/shapes.h"
@@ -46,6 +47,15 @@ struct FluidSnapshot {
   HostCopy<int> ints;
 };
 
+/// The surface of a fluid, on its way to the host.
+struct FluidSurfaceSnapshot {
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device) {}
+
+  DynamicMeshCopy mesh;
+  SurfaceLook look = SurfaceLook::kMatt;
+  Color color;
+};
+
 /// One frame.
 class SceneSnapshot final : public Snapshot {
  public:
@@ -53,6 +63,7 @@ class SceneSnapshot final : public Snapshot {
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
+  std::vector<FluidSurfaceSnapshot> fluidSurfaces;
   std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
   std::unique_ptr<StillScene> still;
@@ -72,6 +83,8 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  bool showsParticles(const OutputPort& fluid) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
 

@@ -56,6 +56,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
+  addFluidSurfaces(snapshot, view);
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
   constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
@@ -80,7 +81,7 @@ void SceneView::takeStill(StillScene& still) {
 void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   const std::string& by = settings_.color->by;
   const bool colored = by != "none";
-  key_.shown = settings_.color->bar && colored;
+  key_.shown = settings_.color->bar && colored && !snapshot.fluids.empty();
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
   values_.clear();
@@ -99,6 +100,19 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     view.particles[i].values = values_[i];
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;
+  }
+}
+
+void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
+  for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
+    FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
+    const MeshSpan mesh = surface.mesh.wait();
+    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(renderer_.addMesh({}));
+    renderer_.replaceMesh(fluidSurfaces_[i], mesh);
+    if (mesh.triangles.empty()) continue;
+    view.surfaces.push_back({.mesh = fluidSurfaces_[i], .look = surface.look, .color = surface.color});
+    if (boundsAreStatic_) continue;
+    for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
   }
 }
 

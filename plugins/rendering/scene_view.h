@@ -35,6 +35,7 @@ class SceneView {
  private:
   void takeStill(StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
+  void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
   void chooseRange();  // of values_
   CameraPose cameraAt(double time) const;
   CameraPose restingCamera() const;
@@ -43,7 +44,8 @@ class SceneView {
   gl::Renderer& renderer_;
   ColorKey key_;
   std::vector<std::vector<float>> values_;  // of each fluid; empty for one colour
-  std::vector<SurfaceView> surfaces_;
+  std::vector<SurfaceView> surfaces_;       // that are still
+  std::vector<MeshId> fluidSurfaces_;
   std::vector<Vec3f> lines_;  // two points a line
   Aabb bounds_;
   bool boundsAreStatic_ = false;  // else they grow with the particles
