@@ -71,6 +71,8 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].most;
   for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
   most_ = atFirst + born;
+  fluid->most = most_;
+  fluid->spacing = spacing;
   // What is proportional to their number is so to 1/spacing³.
   needs.remedy = [d = double(spacing)](double share) {
     const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
@@ -130,7 +132,7 @@ void ParticleFluid::reset(const SetupContext& context) {
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
   if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
-  *fluid = {&state.particles, &constants_, &state.walls.solids};
+  *fluid = {&state.particles, &constants_, &state.walls.solids, most_, spacing};
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};

@@ -31,6 +31,20 @@ struct EnumNames<rendering::SurfaceLook> {
 
 namespace rendering {
 
+/// Which particles are drawn.
+enum class ParticleDisplay { kAuto, kAll, kNone };
+
+}  // namespace rendering
+
+template <>
+struct EnumNames<rendering::ParticleDisplay> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"auto", "Those of fluids whose surface is not shown."}, EnumName{"all", "All."},
+      EnumName{"none", "None."}};
+};
+
+namespace rendering {
+
 /// One moment of a moving camera; what is between them, see camera_path.h.
 class CameraKey final : public Configurable {
  public:
@@ -160,7 +174,7 @@ class ArrowSettings final : public Configurable {
                       .doc = "Width of their lines in a picture that is 720 pixels high."}};
 };
 
-/// The look of the surface that a node puts out.
+/// The look of the surface that a node puts out, be it solid or a fluid's.
 class SurfaceSettings final : public Configurable {
  public:
   Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
@@ -169,7 +183,8 @@ class SurfaceSettings final : public Configurable {
       *this,
       "color",
       std::nullopt,
-      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
+      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear, and "
+              "for fluids the particles' one colour."}};
   Group<WaterSettings> water{*this, "water", "Of the look \"water\": what its inside does to light."};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 
@@ -196,6 +211,8 @@ class RenderSettings final : public Configurable {
       "particle_size",
       1.0f,
       {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
+  Param<ParticleDisplay> particles{
+      *this, "particles", ParticleDisplay::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};

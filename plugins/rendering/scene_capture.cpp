@@ -61,6 +61,7 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->still = collected_ ? nullptr : collectStill(simulation);
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
+  captureFluidSurfaces(simulation, *snapshot);
   snapshot->particles = simulation.particleCount();
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
@@ -160,6 +161,7 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
 void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const {
   std::size_t i = 0;
   for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
+    if (!showsParticles(*output)) continue;
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
@@ -177,6 +179,33 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
       snapshot.colorUnit = startColors(*fluid.particles, by, "/render/color/by", count, to);
     }
   }
+}
+
+void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const {
+  std::size_t i = 0;
+  for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation.scene().graph)) {
+    const SurfaceSettings* own = settingsOf(node);
+    if (own != nullptr && !own->visible) continue;
+    if (i == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
+    FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[i++];
+    to.mesh.start(**output);
+    to.look = own != nullptr ? own->look.get() : SurfaceLook::kMatt;
+    to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
+    to.water = std::nullopt;
+    if (to.look == SurfaceLook::kWater) to.water = waterView(*own->water, 0, 0);
+  }
+}
+
+bool SceneCapture::showsParticles(const OutputPort& fluid) const {
+  if (settings_.particles != ParticleDisplay::kAuto) return settings_.particles == ParticleDisplay::kAll;
+  return std::none_of(fluid.links().begin(), fluid.links().end(), [this](const InputPort* input) {
+    const Node& taker = input->node();
+    const auto& outputs = taker.outputs();
+    const SurfaceSettings* own = settingsOf(taker.name());
+    return (own == nullptr || own->visible) &&
+           std::any_of(outputs.begin(), outputs.end(),
+                       [](const OutputPort* output) { return output->typeName() == DynamicMesh::kPortType; });
+  });
 }
 
 }  // namespace weir::rendering

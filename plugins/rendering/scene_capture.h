@@ -10,6 +10,7 @@
 
 #include "framework/compute/host_copy.h"
 #include "framework/run/observer.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
 #include "nodes/static_boundary/shapes.h"
@@ -52,6 +53,16 @@ struct FluidSnapshot {
   HostCopy<int> ints;
 };
 
+/// The surface of a fluid, on its way to the host.
+struct FluidSurfaceSnapshot {
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device) {}
+
+  DynamicMeshCopy mesh;
+  SurfaceLook look = SurfaceLook::kMatt;
+  Color color;
+  std::optional<WaterView> water;  ///< of the look "water"
+};
+
 /// One frame.
 class SceneSnapshot final : public Snapshot {
  public:
@@ -59,6 +70,7 @@ class SceneSnapshot final : public Snapshot {
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
+  std::vector<FluidSurfaceSnapshot> fluidSurfaces;
   std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
   std::unique_ptr<StillScene> still;
@@ -79,6 +91,8 @@ class SceneCapture {
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
   const FluidSettings* fluidSettingsOf(const std::string& node) const;
+  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  bool showsParticles(const OutputPort& fluid) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
   static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);

@@ -63,6 +63,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
+  addFluidSurfaces(snapshot, view);
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
@@ -152,6 +153,23 @@ void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   constexpr Color kRim{1, 1, 1, 0.75f};
   view.lines.push_back({.points = arrows_, .color = kRim, .width = 2.4f * settings.width});
   view.lines.push_back({.points = arrows_, .color = settings.color, .width = settings.width});
+}
+
+void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
+  for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
+    FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
+    const MeshSpan mesh = surface.mesh.wait();
+    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(renderer_.addMesh({}));
+    renderer_.replaceMesh(fluidSurfaces_[i], mesh);
+    if (mesh.triangles.empty()) continue;
+    view.surfaces.push_back({.mesh = fluidSurfaces_[i],
+                             .look = surface.look,
+                             .color = surface.color,
+                             .water = view.waters.size()});
+    if (surface.water) view.waters.push_back(*surface.water);
+    if (boundsAreStatic_) continue;
+    for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
+  }
 }
 
 void SceneView::chooseRange() {

@@ -203,6 +203,11 @@ void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
   passes_->meshes.replace(id, mesh);
 }
 
+void Renderer::replaceMesh(MeshId id, const MeshSpan& mesh) {
+  const CurrentContext current(*context_);
+  passes_->meshes.replace(id, mesh);
+}
+
 void Renderer::removeMesh(MeshId id) {
   const CurrentContext current(*context_);
   passes_->meshes.remove(id);
