@@ -25,6 +25,10 @@ void ColorSettings::validate() const {
     throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
 }
 
+void EnvironmentSettings::validate() const {
+  if (length(sun.get()) == 0) throw sceneError("sun is [0, 0, 0]", "a direction").inParameter(sun.name());
+}
+
 Color SurfaceSettings::shownColor() const {
   constexpr Color kGrey{0.75f, 0.77f, 0.8f, 1}, kClear{0.94f, 0.97f, 0.97f, 1};
   return color.get().value_or(look == SurfaceLook::kGlass ? kClear : kGrey);

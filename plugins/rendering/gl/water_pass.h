@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/water_shadow.h"
 #include "plugins/rendering/gl/water_smoothing.h"
@@ -23,6 +24,7 @@ class WaterPass {
     const ShadowPass& shadows;
     const WaterShadow& waterShadows;
     const WaterSurfacePass& surfaces;
+    const Environment& environment;
   };
 
   /// Into Targets::lightWithDepth: the light where a liquid is seen, and its depth. The farthest liquid comes

@@ -26,7 +26,7 @@ class WaterSmoothing {
  public:
   explicit WaterSmoothing(const Functions& gl);
 
-  /// From water.depth and water.normal into water.nearness[0]. What lies far behind is drawn towards the
+  /// From water.depth and water.normal into water.nearness[1]. What lies far behind is drawn towards the
   /// pixel in the middle, and what lies far before is left out, so that outlines stay sharp (narrow-range
   /// filter of N. Truong, C. Yuksel 2018). `width` is that of the Gaussian weight, m.
   void smoothSurface(const Frame& frame, const WaterTargets& water, float width) const;
@@ -35,7 +35,7 @@ class WaterSmoothing {
 
  private:
   const Functions& gl_;
-  Program gather_, narrowRange_, blur_;
+  Program gather_, narrowRange_, polish_, blur_;
   VertexArray array_;
 };
 
