@@ -42,7 +42,7 @@ float roughness(vec2 p) {
 vec3 sky(vec3 d) {
   float height = max(d.y, 0.0);
   float towards = max(dot(d, uTowardsSun), 0.0);
-  vec3 light = mix(vec3(0.10, 0.25, 0.58), vec3(0.72, 0.83, 0.94), exp(-3.4 * height));
+  vec3 light = mix(vec3(0.06, 0.19, 0.52), vec3(0.58, 0.75, 0.93), exp(-3.0 * height));
   light += vec3(1.0, 0.86, 0.66) * (0.22 * pow(towards, 6.0) + 1.2 * pow(towards, 160.0));
   vec2 place = 1.7 * d.xz / (height + 0.12) + vec2(3.1, 7.7);
   float cloud = smoothstep(0.47, 0.80, roughness(place)) * smoothstep(0.03, 0.30, height);

@@ -34,8 +34,8 @@ void setLightUniforms(const Program& program, const Frame& frame) {
   // The sky lights in a paler colour than it has, or everything would look blue.
   constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
   program.set("uSkyColor", outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop)));
-  program.set("uSkyStrength", outside ? 0.42f : 0.56f);
-  program.set("uSunColor", outside ? Vec3f{1.02f, 0.94f, 0.80f} : Vec3f{0.74f, 0.71f, 0.66f});
+  program.set("uSkyStrength", outside ? 0.36f : 0.56f);
+  program.set("uSunColor", outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f});
   program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
 }
 

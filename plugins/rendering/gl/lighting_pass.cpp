@@ -101,7 +101,7 @@ vec3 filmic(vec3 light) {
 vec3 toned(vec3 light) {
   if (uUnlit) return min(light, 1.0);
   light *= uExposure;
-  return uFilmic ? filmic(0.72 * light) : shoulder(light);
+  return uFilmic ? filmic(0.8 * light) : shoulder(light);
 }
 
 vec3 encoded(vec3 light) {

@@ -11,6 +11,18 @@
 namespace weir::rendering::gl {
 namespace {
 
+const std::string kBackgroundShader = kShaderVersion + kCameraSnippet + R"(
+uniform sampler2D uDepth;
+uniform vec2 uSize;  // of the map
+out float oDistance;
+
+void main() {
+  vec2 place = gl_FragCoord.xy / uSize * vec2(textureSize(uDepth, 0));
+  float depth = texelFetch(uDepth, ivec2(place), 0).r;
+  oDistance = depth < 1.0 ? distanceAt(depth) : 1e30;
+}
+)";
+
 const std::string kResolveShader = kShaderVersion + R"(
 uniform sampler2D uLight;
 uniform int uSamples;
@@ -144,6 +156,7 @@ std::vector<std::size_t> farthestFirst(const View& view, const MeshStore& meshes
 WaterPass::WaterPass(const Functions& gl)
     : gl_(gl),
       smoothing_(gl),
+      background_(gl, "background of a liquid", kFullScreenVertexShader, kBackgroundShader),
       resolve_(gl, "scene behind a liquid", kFullScreenVertexShader, kResolveShader),
       compose_(gl, "liquid in the scene", kFullScreenVertexShader, kComposeShader),
       array_(makeVertexArray(gl)) {}
@@ -172,7 +185,7 @@ void WaterPass::draw(const Frame& frame, const Targets& targets, const Parts& pa
 void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water,
                         const std::function<void(const Texture& depth)>& drawBehind) {
   const WaterView& view = frame.view.waters[water];
-  drawMaps(frame, parts, water);
+  drawMaps(frame, targets, parts, water);
   smoothing_.smoothSurface(frame, *water_, view.smoothing);
   smoothing_.smoothThickness(frame, *water_, 0.5f * view.smoothing);
   drawBehind(water_->depth);
@@ -182,7 +195,8 @@ void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts&
 }
 
 /// Depth, normals and thickness of the liquid.
-void WaterPass::drawMaps(const Frame& frame, const Parts& parts, std::size_t water) const {
+void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts& parts,
+                         std::size_t water) const {
   constexpr std::array<float, 4> kNothing{0, 0, 0, 0};
   constexpr float kFarthest = 1;
   gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->surface.name());
@@ -195,13 +209,25 @@ void WaterPass::drawMaps(const Frame& frame, const Parts& parts, std::size_t wat
   parts.particles.drawDepth(frame, water, water_->depth);
   parts.surfaces.drawDepth(frame, water, parts.meshes);
 
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
   gl_.disable(GL_DEPTH_TEST);
+  gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
+  drawBackground(frame, targets);
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
   gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  parts.particles.drawThickness(frame, water, water_->depth,
+  parts.particles.drawThickness(frame, water, water_->depth, {water_->background, water_->backgroundTarget},
                                 {water_->thickness[0], water_->thicknessWidth, water_->thicknessHeight});
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
   parts.surfaces.drawThickness(frame, water, parts.meshes);
+}
+
+void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const {
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->backgroundTarget.name());
+  gl_.bindVertexArray(array_.name());
+  background_.use();
+  setCameraUniforms(background_, frame.camera, frame.width, frame.height);
+  background_.setTexture("uDepth", 0, targets.depth);
+  background_.set("uSize", Vec2f{float(water_->thicknessWidth), float(water_->thicknessHeight)});
+  gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void WaterPass::resolveScene(const Frame& frame, const Targets& targets) const {

@@ -147,6 +147,8 @@ WaterTargets::WaterTargets(const Functions& gl, const Targets& targets)
   depth = makeTexture(gl, width * targets.samples, height * targets.samples, kDepth32F, GL_NEAREST);
   normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor10, GL_NEAREST);
   surface = makeFramebuffer(gl, {&normal}, &depth);
+  background = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat1, GL_NEAREST);
+  backgroundTarget = makeFramebuffer(gl, {&background}, nullptr);
   for (int i = 0; i < 2; ++i) {
     thickness[i] = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat2, GL_LINEAR);
     thicknessTargets[i] = makeFramebuffer(gl, {&thickness[i]}, nullptr);
@@ -181,7 +183,7 @@ void WaterSmoothing::smoothSurface(const Frame& frame, const WaterTargets& water
 
   narrowRange_.use();
   const float pixels = 0.5f * float(frame.view.height) / frame.camera.tangent.y;  // of 1 m at 1 m
-  narrowRange_.set("uRange", 1.5f * width);
+  narrowRange_.set("uRange", 2.5f * width);
   for (const float share : {1.0f, 0.45f})
     for (int axis = 0; axis < 2; ++axis) {
       gl_.bindFramebuffer(GL_FRAMEBUFFER, water.nearnessTargets[1 - axis].name());
