@@ -29,6 +29,20 @@ struct EnumNames<rendering::SurfaceLook> {
       EnumName{"water", "The surface of a liquid: closed, and clear inside."}};
 };
 
+template <>
+struct EnumNames<rendering::EnvironmentLook> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"studio", "A plain background; mirrors show a pale room with lamps."},
+      EnumName{"sky", "A blue sky with clouds, and the ground to the horizon."}};
+};
+
+template <>
+struct EnumNames<rendering::ToneCurve> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"plain", "Colours as they are, but for a soft shoulder where there is too much light."},
+      EnumName{"filmic", "The contrast of film, with paler highlights."}};
+};
+
 namespace rendering {
 
 /// Which particles are drawn.
@@ -193,9 +207,30 @@ class SurfaceSettings final : public Configurable {
   void validate() const override;
 };
 
+/// Light and surroundings.
+class EnvironmentSettings final : public Configurable {
+ public:
+  Param<EnvironmentLook> look{
+      *this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
+  Param<Vec3f> sun{
+      *this, "sun", LightingView{}.towardsSun, {.doc = "The direction towards the sun, of any length."}};
+  Param<float> exposure{
+      *this, "exposure", 1, {.min = 0, .max = 100, .aboveMin = true, .doc = "Multiplies all light."}};
+  Param<ToneCurve> tone{*this, "tone", ToneCurve::kPlain, {.doc = "How light becomes colours."}};
+  Param<float> groundTiles{
+      *this,
+      "ground_tiles",
+      0,
+      {.unit = "m", .min = 0, .doc = "Side of the tiles of the floor, which make refraction seen; 0: no tiles."}};
+  Param<Color> groundColor{*this, "ground_color", GroundView{}.color, {.doc = "Colour of the floor."}};
+
+  void validate() const override;
+};
+
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
+  Group<EnvironmentSettings> environment{*this, "environment", "Light and surroundings."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
   GroupList<FluidSettings> fluids{*this, "fluids",
                                   "The looks of fluids, by node; those that are not here are spheres."};

@@ -72,6 +72,13 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
+  const EnvironmentSettings& environment = *settings_.environment;
+  view.ground.color = environment.groundColor;
+  view.ground.tiles = environment.groundTiles;
+  view.lighting.towardsSun = environment.sun;
+  view.lighting.exposure = environment.exposure;
+  view.lighting.tone = environment.tone;
+  view.environment.look = environment.look;
   return view;
 }
 

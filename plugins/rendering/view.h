@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,9 +34,9 @@ CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, 
 /// A clear liquid: what its inside does to light, and how particles become its surface. Where it is, the
 /// particles and the surfaces say that name it.
 struct WaterView {
-  Vec3f absorption{2.4f, 0.62f, 0.34f};  ///< of red, green and blue light, 1/m
-  float scattering = 0.35f;              ///< 1/m; what is scattered has the colour below
-  Color scattered{0.55f, 0.85f, 0.95f, 1};
+  Vec3f absorption{4.2f, 1.1f, 0.55f};  ///< of red, green and blue light, 1/m
+  float scattering = 0.6f;              ///< 1/m; what is scattered has the colour below
+  Color scattered{0.35f, 0.75f, 0.88f, 1};
   float refractiveIndex = 1.33f;  ///< at least 1
   float smoothing = 0.03f;        ///< m: how far apart the particles may be that are smoothed together
   float foamOpacity = 30;         ///< 1/m of foam in the line of sight
@@ -83,6 +84,32 @@ struct GroundView {
   Vec3f center;       ///< its middle, before it is moved to the height
   float radius = 10;  ///< m
   Color color{0.91f, 0.915f, 0.92f, 1};
+  float tiles = 0;  ///< side of its tiles, m; 0: it is plain
+};
+
+/// What surrounds the scene.
+enum class EnvironmentLook {
+  kStudio,  ///< the background of View; mirrors show a room with lamps
+  kSky      ///< a blue sky with clouds
+};
+
+/// Light from all directions: rows from straight below to straight above, columns all around, the middle one
+/// in the direction of z where y is up. Linear, 1 is white paper in the sun.
+struct LightImage {
+  int width = 0, height = 0;
+  std::vector<float> rgb;  ///< three per pixel
+};
+
+struct EnvironmentView {
+  EnvironmentLook look = EnvironmentLook::kStudio;
+  std::shared_ptr<const LightImage> image;  ///< instead of the look
+  friend bool operator==(const EnvironmentView&, const EnvironmentView&) = default;
+};
+
+/// How light becomes colours.
+enum class ToneCurve {
+  kPlain,  ///< as it is, but for a soft shoulder where it is too bright
+  kFilmic  ///< the contrast of film, with paler highlights
 };
 
 struct LightingView {
@@ -91,6 +118,8 @@ struct LightingView {
   bool occlusion = true;  ///< darkens what is hemmed in (screen-space ambient occlusion)
   float occlusionRadius =
       0;  ///< m; 0: six of the largest particle's radii, or a part of the scene's size without particles
+  ToneCurve tone = ToneCurve::kPlain;
+  float exposure = 1;  ///< factor of all light
   bool unlit = false;  ///< every surface has its plain colour, so that colours can be read exactly
 };
 
@@ -105,6 +134,7 @@ struct View {
   std::vector<LineView> lines;
   GroundView ground;
   LightingView lighting;
+  EnvironmentView environment;
   Color backgroundTop{0.78f, 0.84f, 0.9f, 1};
   Color backgroundBottom{0.95f, 0.96f, 0.97f, 1};
 };

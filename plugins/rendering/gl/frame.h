@@ -10,6 +10,9 @@ namespace weir::rendering::gl {
 /// sRGB components, as colours are given, in linear light.
 Vec3f linear(const Color& color);
 
+/// Whether the surroundings are the background.
+bool isOutside(const View& view);
+
 struct Frame {
   const View& view;
   int samples = 1;            ///< per axis and pixel

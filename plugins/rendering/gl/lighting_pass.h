@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/water_shadow.h"
@@ -15,7 +16,7 @@ class LightingPass {
   explicit LightingPass(const Functions& gl);
 
   /// From targets.geometry, occlusion[0] and what the sun sees into targets.lighting.
-  void draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows, const WaterShadow& water);
+  void draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows, const WaterShadow& water, const Environment& environment);
 
   /// From targets.light into targets.picture: the mean of each pixel's samples, with a soft shoulder instead
   /// of overexposed highlights.

@@ -49,6 +49,7 @@ class Renderer::Passes {
         surfaces_(gl),
         shadows_(gl),
         occlusion_(gl),
+        environment_(gl),
         lighting_(gl),
         lines_(gl),
         glass_(gl),
@@ -75,6 +76,7 @@ class Renderer::Passes {
   SurfacePass surfaces_;
   ShadowPass shadows_;
   OcclusionPass occlusion_;
+  Environment environment_;
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
@@ -161,12 +163,13 @@ Picture Renderer::Passes::draw(const View& view) {
   } else {
     occlusion_.clear(*targets_);
   }
-  lighting_.draw(frame, *targets_, shadows_, waterShadows_);
+  environment_.load(view);
+  lighting_.draw(frame, *targets_, shadows_, waterShadows_, environment_);
   const auto drawClear = [&](const Texture& before) {
     lines_.draw(frame, *targets_, before);
-    glass_.draw(frame, *targets_, meshes, before);
+    glass_.draw(frame, *targets_, meshes, before, environment_);
   };
-  water_.draw(frame, *targets_, {meshes, *waterParticles_, shadows_, waterShadows_, waterSurfaces_},
+  water_.draw(frame, *targets_, {meshes, *waterParticles_, shadows_, waterShadows_, waterSurfaces_, environment_},
               drawClear);
   drawClear(nothingBefore_);
   lighting_.resolve(frame, *targets_);

@@ -73,12 +73,12 @@ uniform vec3 uUp;
 uniform vec3 uSkyColor;
 uniform vec3 uGroundColor;
 
-const vec3 kSunColor = vec3(0.74, 0.71, 0.66);
-const float kSkyStrength = 0.56;
+uniform vec3 uSunColor;
+uniform float uSkyStrength;
 
 vec3 skyLight(vec3 normal) {
   float above = 0.5 + 0.5 * dot(normal, uUp);
-  return kSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
+  return uSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
 }
 
 float lamp(vec3 direction, vec3 towards, vec3 across, vec2 size) {

@@ -14,6 +14,12 @@ struct ThicknessMap {
   int width = 0, height = 0;
 };
 
+/// What a liquid is seen before, at each texel of a ThicknessMap.
+struct LiquidBackground {
+  const Texture& distance;  ///< kFloat1: of what is opaque, along the camera's axis, m
+  const Framebuffer& target;
+};
+
 class WaterDrawer {
  public:
   virtual ~WaterDrawer() = default;
@@ -27,10 +33,10 @@ class WaterDrawer {
   /// been drawn there.
   virtual void drawDepth(const Frame& frame, std::size_t water, const Texture& depth) = 0;
   /// Into a cleared map, which is bound; nothing has been drawn there. A particle adds its volume, spread
-  /// over its sphere's picture, or over a texel if that is larger. Foam counts the less the deeper it lies
-  /// behind `front`, what drawDepth() drew.
+  /// over its sphere's picture, or over a texel if that is larger; not where it lies behind `background`.
+  /// Foam counts the less the deeper it lies behind `front`, what drawDepth() drew.
   virtual void drawThickness(const Frame& frame, std::size_t water, const Texture& front,
-                             const ThicknessMap& map) = 0;
+                             const LiquidBackground& background, const ThicknessMap& map) = 0;
   /// The same two as the sun sees them, all foam alike.
   virtual void drawSunDepth(const SunView& sun, std::size_t water, const Texture& depth, int resolution) = 0;
   virtual void drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) = 0;

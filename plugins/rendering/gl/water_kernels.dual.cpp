@@ -86,19 +86,19 @@ struct AddThickness {
   ArrayView<const WaterParticle> particles;
   Shares shares;
   ThicknessView view;
-  FoamFront front;
+  LiquidBetween between;
   ArrayView<std::uint32_t> sums;
 
   WEIR_HD float clip(int row, const Vec3f& p) const { return dot(view.rows[row], p) + view.moved[row]; }
 
   /// The part of a particle's foam that is seen at a texel.
   WEIR_HD float seen(int column, int row, float along, float radius) const {
-    if (front.depth.size == 0) return 1;
-    const int x = int((float(column) + 0.5f) * (float(front.width) / float(view.width)));
-    const int y = int((float(row) + 0.5f) * (float(front.height) / float(view.height)));
-    const float depth = std::bit_cast<float>(front.depth[std::int64_t{y} * front.width + x]);
-    const float distance = front.projection.w / (2 * depth - 1 + front.projection.z);
-    const float part = 1 - (along - distance) / (front.depthOfFoam * radius);
+    if (between.front.size == 0) return 1;
+    const int x = int((float(column) + 0.5f) * (float(between.width) / float(view.width)));
+    const int y = int((float(row) + 0.5f) * (float(between.height) / float(view.height)));
+    const float depth = std::bit_cast<float>(between.front[std::int64_t{y} * between.width + x]);
+    const float distance = between.projection.w / (2 * depth - 1 + between.projection.z);
+    const float part = 1 - (along - distance) / (between.depthOfFoam * radius);
     return part > 0 ? (part < 1 ? part : 1.0f) : 0.0f;
   }
 
@@ -124,8 +124,10 @@ struct AddThickness {
         const float u = (float(column) + 0.5f - middleX) / drawn;
         const float rest = 1 - (u * u + v * v);
         if (rest < 0) continue;
+        const std::int64_t texel = std::int64_t{row} * view.width + column;
+        if (between.background.size > 0 && along > between.background[texel]) continue;
         const float chord = middle * std::sqrt(rest);
-        std::uint32_t* sum = sums.data + 2 * (std::int64_t{row} * view.width + column);
+        std::uint32_t* sum = sums.data + 2 * texel;
         atomicAdd(sum, static_cast<std::uint32_t>(chord + 0.5f));
         if (p.foam > 0)
           atomicAdd(sum + 1,
@@ -165,10 +167,10 @@ void splatWaterSunDepth(Backend& device, ArrayView<const WaterParticle> particle
 
 template <class Backend>
 void splatThickness(Backend& device, ArrayView<const WaterParticle> particles, const ThicknessView& view,
-                    const FoamFront& front, ArrayView<std::uint32_t> sums, ArrayView<Vec2f> thickness) {
+                    const LiquidBetween& between, ArrayView<std::uint32_t> sums, ArrayView<Vec2f> thickness) {
   parallelFor(device, "clear thickness", sums.size, ClearSums{sums});
   const Shares shares(particles.size);
-  parallelFor(device, "thickness", shares.count(), AddThickness{particles, shares, view, front, sums});
+  parallelFor(device, "thickness", shares.count(), AddThickness{particles, shares, view, between, sums});
   parallelFor(device, "thickness in metres", thickness.size, ToMetres{sums, view.unit, thickness});
 }
 
@@ -177,6 +179,6 @@ template void splatWaterDepth(ThisBackend&, ArrayView<const WaterParticle>, cons
 template void splatWaterSunDepth(ThisBackend&, ArrayView<const WaterParticle>, const SplatSun&,
                                  ArrayView<std::uint32_t>);
 template void splatThickness(ThisBackend&, ArrayView<const WaterParticle>, const ThicknessView&,
-                             const FoamFront&, ArrayView<std::uint32_t>, ArrayView<Vec2f>);
+                             const LiquidBetween&, ArrayView<std::uint32_t>, ArrayView<Vec2f>);
 
 }  // namespace weir::rendering::gl

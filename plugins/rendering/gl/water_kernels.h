@@ -28,9 +28,10 @@ struct ThicknessView {
   float unit = 1;     ///< m that a sum of 1 means
 };
 
-/// What lies behind the front of a liquid: see kFoamDepth. Of the sun, which sees all foam, `depth` is empty.
-struct FoamFront {
-  ArrayView<const std::uint32_t> depth;  ///< bits of depths in [0, 1]
+/// Between what a liquid is seen. Of the sun, which sees all of it, both arrays are empty.
+struct LiquidBetween {
+  ArrayView<const std::uint32_t> front;    ///< bits of its depths in [0, 1], at each sample; see kFoamDepth
+  ArrayView<const float> background;       ///< distance of what is opaque, at each texel, m
   int width = 0, height = 0;
   Vec4f projection;       ///< P00, P11, P22, P23
   float depthOfFoam = 0;  ///< in radii
@@ -50,6 +51,6 @@ void splatWaterSunDepth(Backend& device, ArrayView<const WaterParticle> particle
 /// texel.
 template <class Backend>
 void splatThickness(Backend& device, ArrayView<const WaterParticle> particles, const ThicknessView& view,
-                    const FoamFront& front, ArrayView<std::uint32_t> sums, ArrayView<Vec2f> thickness);
+                    const LiquidBetween& between, ArrayView<std::uint32_t> sums, ArrayView<Vec2f> thickness);
 
 }  // namespace weir::rendering::gl

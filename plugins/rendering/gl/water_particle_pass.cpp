@@ -43,8 +43,8 @@ const std::string kThicknessFragmentShader = kShaderVersion + kCameraSnippet + R
 uniform vec2 uSize;
 uniform float uRadius;
 uniform float uVolumeOfSphere;
-uniform float uFoamDepth;     // m; none if it is 0
-uniform sampler2D uFront;
+uniform float uFoamDepth;     // m; 0 for the sun
+uniform sampler2D uFront, uBackground;
 flat in vec4 vSphere;
 flat in float vAlong;
 layout(location = 0) out vec2 oThickness;
@@ -58,6 +58,7 @@ void main() {
   float chord = 2.0 * uRadius * sqrt(rest) * spread * spread * uVolumeOfSphere;
   float foam = vSphere.w;
   if (uFoamDepth > 0.0) {
+    if (vAlong > texelFetch(uBackground, ivec2(gl_FragCoord.xy), 0).r) discard;
     vec2 scale = vec2(textureSize(uFront, 0)) / uSize;
     float front = distanceAt(texelFetch(uFront, ivec2(gl_FragCoord.xy * scale), 0).r);
     foam *= clamp(1.0 - (vAlong - front) / uFoamDepth, 0.0, 1.0);
@@ -81,7 +82,7 @@ WaterParticlePass::WaterParticlePass(const Functions& gl)
       thickness_(gl, "thickness of a liquid", kThicknessVertexShader, kThicknessFragmentShader),
       array_(makeVertexArray(gl)),
       indices_(makeBuffer(gl)),
-      noFront_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST)) {
+      nothing_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST)) {
   GLint texels = 0;
   gl.getIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   constexpr int kBatch = 1 << 17;
@@ -163,7 +164,7 @@ void WaterParticlePass::drawDepth(const Frame& frame, std::size_t water, const T
 }
 
 void WaterParticlePass::drawThickness(const Frame& frame, std::size_t water, const Texture& front,
-                                      const ThicknessMap& map) {
+                                      const LiquidBackground& background, const ThicknessMap& map) {
   const Eigen::Matrix4f toClip = frame.camera.projection() * frame.camera.view;
   addThickness(water, map, [&](const Batch& batch) {
     setCameraUniforms(thickness_, frame.camera, map.width, map.height);
@@ -172,6 +173,7 @@ void WaterParticlePass::drawThickness(const Frame& frame, std::size_t water, con
     thickness_.set("uNear", frame.camera.near);
     thickness_.set("uFoamDepth", kFoamDepth * batch.radius);
     thickness_.setTexture("uFront", 1, front);
+    thickness_.setTexture("uBackground", 2, background.distance);
   });
 }
 
@@ -189,7 +191,8 @@ void WaterParticlePass::drawSunThickness(const SunView& sun, std::size_t water, 
     thickness_.set("uTexels", 0.5f * float(map.height) / sun.halfSize);
     thickness_.set("uNear", 0.0f);
     thickness_.set("uFoamDepth", 0.0f);
-    thickness_.setTexture("uFront", 1, noFront_);
+    thickness_.setTexture("uFront", 1, nothing_);
+    thickness_.setTexture("uBackground", 2, nothing_);
   });
 }
 

@@ -14,7 +14,7 @@ class WaterParticlePass final : public WaterDrawer {
   Aabb load(std::span<const ParticleView> views) override;
   void drawDepth(const Frame& frame, std::size_t water, const Texture& depth) override;
   void drawThickness(const Frame& frame, std::size_t water, const Texture& front,
-                     const ThicknessMap& map) override;
+                     const LiquidBackground& background, const ThicknessMap& map) override;
   void drawSunDepth(const SunView& sun, std::size_t water, const Texture& depth, int resolution) override;
   void drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) override;
 
@@ -38,7 +38,7 @@ class WaterParticlePass final : public WaterDrawer {
   Program depth_, sunDepth_, thickness_;
   VertexArray array_;
   Buffer indices_;
-  Texture centers_, noFront_;
+  Texture centers_, nothing_;
   int largestBatch_ = 0;
   std::vector<Batch> batches_;
   std::vector<Vec4f> packed_;  // position, and part of foam

@@ -4,13 +4,24 @@
 #include <array>
 #include <numeric>
 
-#include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/shaders.h"
 #include "plugins/rendering/gl/sunlight.h"
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
+
+const std::string kBackgroundShader = kShaderVersion + kCameraSnippet + R"(
+uniform sampler2D uDepth;
+uniform vec2 uSize;  // of the map
+out float oDistance;
+
+void main() {
+  vec2 place = gl_FragCoord.xy / uSize * vec2(textureSize(uDepth, 0));
+  float depth = texelFetch(uDepth, ivec2(place), 0).r;
+  oDistance = depth < 1.0 ? distanceAt(depth) : 1e30;
+}
+)";
 
 const std::string kResolveShader = kShaderVersion + R"(
 uniform sampler2D uLight;
@@ -36,12 +47,15 @@ out vec4 oLight;
 
 vec3 pointAt(ivec2 place, float nearness) { return rayAt(vec2(place) + 0.5) / abs(nearness); }
 
-// The difference to the neighbour on the one side or the other, whichever is less far away.
+// The difference to the neighbours, above all to that which is less far away.
 vec3 slope(ivec2 place, ivec2 across, vec3 here) {
   float before = texelFetch(uNearness, place - across, 0).r, behind = texelFetch(uNearness, place + across, 0).r;
   vec3 a = here - pointAt(place - across, before), b = pointAt(place + across, behind) - here;
   if (before == 0.0) return behind == 0.0 ? vec3(across, 0.0) : b;
-  return behind == 0.0 || abs(a.z) < abs(b.z) ? a : b;
+  if (behind == 0.0) return a;
+  float step = here.z * uPixel.y * uTangent.y;
+  vec2 weights = 1.0 / (vec2(a.z * a.z, b.z * b.z) + step * step);
+  return (a * weights.x + b * weights.y) / (weights.x + weights.y);
 }
 
 vec3 normalOf(ivec2 place, float nearness, vec3 here) {
@@ -86,15 +100,15 @@ void main() {
   vec3 extinction = uAbsorption + uScattering;
   vec3 through = exp(-extinction * way);
   vec3 sun = sunlight(position, normal, 1.0, false);
-  vec3 inside = skyLight(uUp) + 0.6 * kSunColor * sun;
+  vec3 inside = skyLight(uUp) + 0.6 * uSunColor * sun;
   vec3 scattered = uScattered * uScattering / max(extinction, 1e-6) * (1.0 - through) * inside;
   vec3 refracted = behind * through + scattered;
   float straight = (uRefractiveIndex - 1.0) / (uRefractiveIndex + 1.0);
   float mirror = fresnel(dot(normal, towardsEye), straight * straight);
   vec3 mirrored = environment(reflect(-towardsEye, normal));
-  vec3 color = mix(refracted, mirrored, mirror) + 0.03 * kSunColor * sun * highlight(normal, towardsEye, 400.0);
+  vec3 color = mix(refracted, mirrored, mirror) + 0.03 * uSunColor * sun * highlight(normal, towardsEye, 400.0);
   float foam = 1.0 - exp(-uFoamOpacity * thickness.y);
-  vec3 white = 0.93 * (skyLight(normal) + kSunColor * sun * max(dot(normal, uSun), 0.0));
+  vec3 white = 0.93 * (skyLight(normal) + uSunColor * sun * max(dot(normal, uSun), 0.0));
   if (uUnlit) color = behind * through, white = vec3(1.0);
   oLight = vec4(mix(color, white, foam), 1.0);
 }
@@ -142,6 +156,7 @@ std::vector<std::size_t> farthestFirst(const View& view, const MeshStore& meshes
 WaterPass::WaterPass(const Functions& gl)
     : gl_(gl),
       smoothing_(gl),
+      background_(gl, "background of a liquid", kFullScreenVertexShader, kBackgroundShader),
       resolve_(gl, "scene behind a liquid", kFullScreenVertexShader, kResolveShader),
       compose_(gl, "liquid in the scene", kFullScreenVertexShader, kComposeShader),
       array_(makeVertexArray(gl)) {}
@@ -170,7 +185,7 @@ void WaterPass::draw(const Frame& frame, const Targets& targets, const Parts& pa
 void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water,
                         const std::function<void(const Texture& depth)>& drawBehind) {
   const WaterView& view = frame.view.waters[water];
-  drawMaps(frame, parts, water);
+  drawMaps(frame, targets, parts, water);
   smoothing_.smoothSurface(frame, *water_, view.smoothing);
   smoothing_.smoothThickness(frame, *water_, 0.5f * view.smoothing);
   drawBehind(water_->depth);
@@ -180,7 +195,8 @@ void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts&
 }
 
 /// Depth, normals and thickness of the liquid.
-void WaterPass::drawMaps(const Frame& frame, const Parts& parts, std::size_t water) const {
+void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts& parts,
+                         std::size_t water) const {
   constexpr std::array<float, 4> kNothing{0, 0, 0, 0};
   constexpr float kFarthest = 1;
   gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->surface.name());
@@ -193,13 +209,25 @@ void WaterPass::drawMaps(const Frame& frame, const Parts& parts, std::size_t wat
   parts.particles.drawDepth(frame, water, water_->depth);
   parts.surfaces.drawDepth(frame, water, parts.meshes);
 
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
   gl_.disable(GL_DEPTH_TEST);
+  gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
+  drawBackground(frame, targets);
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
   gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  parts.particles.drawThickness(frame, water, water_->depth,
+  parts.particles.drawThickness(frame, water, water_->depth, {water_->background, water_->backgroundTarget},
                                 {water_->thickness[0], water_->thicknessWidth, water_->thicknessHeight});
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
   parts.surfaces.drawThickness(frame, water, parts.meshes);
+}
+
+void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const {
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->backgroundTarget.name());
+  gl_.bindVertexArray(array_.name());
+  background_.use();
+  setCameraUniforms(background_, frame.camera, frame.width, frame.height);
+  background_.setTexture("uDepth", 0, targets.depth);
+  background_.set("uSize", Vec2f{float(water_->thicknessWidth), float(water_->thicknessHeight)});
+  gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void WaterPass::resolveScene(const Frame& frame, const Targets& targets) const {
@@ -219,13 +247,13 @@ void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& p
   program.use();
   setCameraUniforms(program, frame.camera, targets.pictureWidth, targets.pictureHeight);
   setLightUniforms(program, frame);
-  setEnvironmentUniforms(program, frame);
-  program.setTexture("uNearness", 0, water_->nearness[0]);
+  program.setTexture("uNearness", 0, water_->nearness[1]);
   program.setTexture("uNormal", 1, water_->normal);
   program.setTexture("uThickness", 2, water_->thickness[0]);
   program.setTexture("uScene", 3, water_->scene);
   program.setTexture("uDepth", 4, targets.depth);
   setSunlightUniforms(program, frame, parts.shadows, parts.waterShadows, 5);
+  parts.environment.setUniforms(program, frame, 9);
   program.set("uSamples", frame.samples);
   program.set("uUnlit", int(frame.view.lighting.unlit));
   program.set("uAbsorption", view.absorption);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/water_shadow.h"
 #include "plugins/rendering/gl/water_smoothing.h"
@@ -23,6 +24,7 @@ class WaterPass {
     const ShadowPass& shadows;
     const WaterShadow& waterShadows;
     const WaterSurfacePass& surfaces;
+    const Environment& environment;
   };
 
   /// Into Targets::lightWithDepth: the light where a liquid is seen, and its depth. The farthest liquid comes
@@ -34,7 +36,8 @@ class WaterPass {
  private:
   void drawOne(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water,
                const std::function<void(const Texture& depth)>& drawBehind);
-  void drawMaps(const Frame& frame, const Parts& parts, std::size_t water) const;
+  void drawMaps(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water) const;
+  void drawBackground(const Frame& frame, const Targets& targets) const;
   void resolveScene(const Frame& frame, const Targets& targets) const;
   void shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view);
   void compose(const Frame& frame, const Targets& targets) const;
@@ -42,7 +45,7 @@ class WaterPass {
 
   const Functions& gl_;
   WaterSmoothing smoothing_;
-  Program resolve_, compose_;
+  Program background_, resolve_, compose_;
   std::map<std::string, Program> shading_;  // by what the sun's light needs
   VertexArray array_;
   std::optional<WaterTargets> water_;

@@ -27,7 +27,7 @@ void main() {
       weights += weight;
     }
   vec2 thickness = max(sum / weights, 0.0);
-  float bent = 0.3 * (1.0 - exp(-thickness.x / uUneven));
+  float bent = 0.45 * (1.0 - exp(-thickness.x / uUneven));
   oThrough = vec4(exp(-uExtinction * thickness.x - 0.35 * uFoamOpacity * thickness.y) * (1.0 - bent), 1.0);
   gl_FragDepth = texelFetch(uDepth, place, 0).r;
 }
@@ -91,7 +91,7 @@ void WaterShadow::drawOne(const Frame& frame, std::size_t water, const MeshStore
   absorb_.setTexture("uDepth", 1, ownDepth_);
   absorb_.set("uExtinction", view.absorption + Vec3f{1, 1, 1} * (0.5f * view.scattering));
   absorb_.set("uFoamOpacity", view.foamOpacity);
-  absorb_.set("uUneven", view.smoothing);
+  absorb_.set("uUneven", 0.5f * view.smoothing + 1e-6f);
   gl_.bindVertexArray(array_.name());
   gl_.enable(GL_BLEND);
   gl_.blendFunc(GL_DST_COLOR, GL_ZERO);

@@ -29,10 +29,11 @@ void main() {
 }
 )";
 
-// Places in pairs, outwards. The range grows with what lies in it, so that slopes are not cut off.
+// Places in pairs, outwards. The range grows with what lies in it, so that slopes are not cut off. All limits
+// are soft, or spray would become noise.
 const std::string kNarrowRangeShader = kShaderVersion + R"(
 uniform sampler2D uNearness;
-uniform int uStepX;  // 1: along x, 0: along y
+uniform int uStepX;        // 1: along x, 0: along y
 uniform float uWidth;      // of the Gaussian at a distance of 1 m, in pixels
 uniform float uRange;      // m
 out float oNearness;
@@ -40,38 +41,68 @@ out float oNearness;
 const int kPairs = 9;
 const float kLargest = 60.0;  // pixels
 
+// What lies behind the range counts as if it were a little behind the middle.
+float drawnNear(float distance, float farthest, float behind) {
+  return distance <= farthest ? distance : max(behind, 2.0 * farthest - distance);
+}
+
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
   float here = texelFetch(uNearness, place, 0).r;
   oNearness = here;
   if (here <= 0.0) return;
+  ivec2 unit = ivec2(uStepX, 1 - uStepX);
   float width = min(uWidth * here, 0.5 * kLargest);
   float stride = max(1.0, 2.0 * width / float(kPairs));
   float distance = 1.0 / here;
   float nearest = distance - uRange, farthest = distance + uRange;
-  float behind = 1.0 / (distance + 0.35 * uRange);
+  float behind = distance + 0.2 * uRange;
   float sum = here, weights = 1.0;
   ivec2 last = textureSize(uNearness, 0) - 1;
   for (int i = 1; i <= kPairs; ++i) {
     int away = int(float(i) * stride + 0.5);
     float part = float(away) / width;
     float weight = exp(-0.5 * part * part);
-    if (weight < 0.1) break;
-    float a = texelFetch(uNearness, clamp(place + away * ivec2(uStepX, 1 - uStepX), ivec2(0), last), 0).r;
-    float b = texelFetch(uNearness, clamp(place - away * ivec2(uStepX, 1 - uStepX), ivec2(0), last), 0).r;
-    float da = a > 0.0 ? 1.0 / a : 1e9, db = b > 0.0 ? 1.0 / b : 1e9;
-    if (da < nearest || db < nearest) continue;  // both, or the middle would move
-    sum += weight * ((da > farthest ? behind : a) + (db > farthest ? behind : b));
+    if (weight < 0.05) break;
+    float a = texelFetch(uNearness, clamp(place + away * unit, ivec2(0), last), 0).r;
+    float b = texelFetch(uNearness, clamp(place - away * unit, ivec2(0), last), 0).r;
+    float da = abs(a) > 0.0 ? 1.0 / abs(a) : 1e9, db = abs(b) > 0.0 ? 1.0 / abs(b) : 1e9;
+    float over = (nearest - min(da, db)) / uRange;  // both count less, or the middle would move
+    weight *= 1.0 - smoothstep(0.0, 1.0, over);
+    sum += weight * (1.0 / drawnNear(da, farthest, behind) + 1.0 / drawnNear(db, farthest, behind));
     weights += 2.0 * weight;
-    if (da <= farthest) {
-      nearest = min(nearest, da - uRange);
-      farthest = max(farthest, da + uRange);
-    }
-    if (db <= farthest) {
-      nearest = min(nearest, db - uRange);
-      farthest = max(farthest, db + uRange);
-    }
+    if (over > 0.0) continue;
+    nearest = min(nearest, min(da, db) - uRange);
+    if (da <= farthest) farthest = max(farthest, da + uRange);
+    if (db <= farthest) farthest = max(farthest, db + uRange);
   }
+  oNearness = sum / weights;
+}
+)";
+
+// A small round of both axes together takes away the streaks that the axes leave one by one.
+const std::string kPolishShader = kShaderVersion + R"(
+uniform sampler2D uNearness;
+uniform float uRange;  // m
+out float oNearness;
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  float here = texelFetch(uNearness, place, 0).r;
+  oNearness = here;
+  if (here <= 0.0) return;
+  ivec2 last = textureSize(uNearness, 0) - 1;
+  float sum = here, weights = 1.0;
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -2; x <= 2; ++x) {
+      if (x == 0 && y == 0) continue;
+      float there = texelFetch(uNearness, clamp(place + ivec2(x, y), ivec2(0), last), 0).r;
+      if (there <= 0.0) continue;
+      float apart = (1.0 / there - 1.0 / here) / uRange;
+      float weight = exp(-0.22 * float(x * x + y * y) - 2.0 * apart * apart);
+      sum += weight * there;
+      weights += weight;
+    }
   oNearness = sum / weights;
 }
 )";
@@ -116,6 +147,8 @@ WaterTargets::WaterTargets(const Functions& gl, const Targets& targets)
   depth = makeTexture(gl, width * targets.samples, height * targets.samples, kDepth32F, GL_NEAREST);
   normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor10, GL_NEAREST);
   surface = makeFramebuffer(gl, {&normal}, &depth);
+  background = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat1, GL_NEAREST);
+  backgroundTarget = makeFramebuffer(gl, {&background}, nullptr);
   for (int i = 0; i < 2; ++i) {
     thickness[i] = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat2, GL_LINEAR);
     thicknessTargets[i] = makeFramebuffer(gl, {&thickness[i]}, nullptr);
@@ -132,6 +165,7 @@ WaterSmoothing::WaterSmoothing(const Functions& gl)
     : gl_(gl),
       gather_(gl, "nearness of a liquid", kFullScreenVertexShader, kGatherShader),
       narrowRange_(gl, "smooth surface of a liquid", kFullScreenVertexShader, kNarrowRangeShader),
+      polish_(gl, "polished surface of a liquid", kFullScreenVertexShader, kPolishShader),
       blur_(gl, "smooth thickness of a liquid", kFullScreenVertexShader, kBlurShader),
       array_(makeVertexArray(gl)) {}
 
@@ -150,7 +184,6 @@ void WaterSmoothing::smoothSurface(const Frame& frame, const WaterTargets& water
   narrowRange_.use();
   const float pixels = 0.5f * float(frame.view.height) / frame.camera.tangent.y;  // of 1 m at 1 m
   narrowRange_.set("uRange", 2.5f * width);
-  // The second, narrower round takes away the streaks that the axes of the first one leave.
   for (const float share : {1.0f, 0.45f})
     for (int axis = 0; axis < 2; ++axis) {
       gl_.bindFramebuffer(GL_FRAMEBUFFER, water.nearnessTargets[1 - axis].name());
@@ -159,6 +192,11 @@ void WaterSmoothing::smoothSurface(const Frame& frame, const WaterTargets& water
       narrowRange_.set("uWidth", share * width * pixels);
       gl_.drawArrays(GL_TRIANGLES, 0, 3);
     }
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, water.nearnessTargets[1].name());
+  polish_.use();
+  polish_.setTexture("uNearness", 0, water.nearness[0]);
+  polish_.set("uRange", width);
+  gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void WaterSmoothing::smoothThickness(const Frame& frame, const WaterTargets& water, float width) const {
@@ -168,7 +206,7 @@ void WaterSmoothing::smoothThickness(const Frame& frame, const WaterTargets& wat
   blur_.use();
   blur_.set("uWidth", width * 0.5f * float(water.thicknessHeight) / frame.camera.tangent.y);
   blur_.set("uTexel", Vec2f{1.0f / float(water.thicknessWidth), 1.0f / float(water.thicknessHeight)});
-  blur_.setTexture("uNearness", 1, water.nearness[0]);
+  blur_.setTexture("uNearness", 1, water.nearness[1]);
   for (int axis = 0; axis < 2; ++axis) {
     gl_.bindFramebuffer(GL_FRAMEBUFFER, water.thicknessTargets[1 - axis].name());
     blur_.setTexture("uThickness", 0, water.thickness[axis]);

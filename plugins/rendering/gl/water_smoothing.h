@@ -12,6 +12,8 @@ struct WaterTargets {
   Texture depth, normal;  ///< per sample; normals with an alpha of 1 where a mesh is seen
   Framebuffer surface;
   int thicknessWidth, thicknessHeight;
+  Texture background;    ///< distance of what is opaque, at half the size
+  Framebuffer backgroundTarget;
   Texture thickness[2];  ///< at half the size
   Framebuffer thicknessTargets[2];
   /// One over the distance along the camera's axis, which is linear on planes; 0 where there is none, below 0
@@ -26,7 +28,7 @@ class WaterSmoothing {
  public:
   explicit WaterSmoothing(const Functions& gl);
 
-  /// From water.depth and water.normal into water.nearness[0]. What lies far behind is drawn towards the
+  /// From water.depth and water.normal into water.nearness[1]. What lies far behind is drawn towards the
   /// pixel in the middle, and what lies far before is left out, so that outlines stay sharp (narrow-range
   /// filter of N. Truong, C. Yuksel 2018). `width` is that of the Gaussian weight, m.
   void smoothSurface(const Frame& frame, const WaterTargets& water, float width) const;
@@ -35,7 +37,7 @@ class WaterSmoothing {
 
  private:
   const Functions& gl_;
-  Program gather_, narrowRange_, blur_;
+  Program gather_, narrowRange_, polish_, blur_;
   VertexArray array_;
 };
 

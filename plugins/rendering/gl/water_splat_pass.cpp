@@ -30,6 +30,7 @@ WaterSplatPass::WaterSplatPass(const Functions& gl, Device& device)
       depth_(device),
       sunDepth_(device),
       sums_(device),
+      background_(device),
       thickness_(device),
       depthCopy_(device),
       thicknessCopy_(device) {}
@@ -92,16 +93,24 @@ void WaterSplatPass::drawDepth(const Frame& frame, std::size_t water, const Text
 }
 
 void WaterSplatPass::drawThickness(const Frame& frame, std::size_t water, const Texture&,
-                                   const ThicknessMap& map) {
+                                   const LiquidBackground& background, const ThicknessMap& map) {
   if (!has(water)) return;
   ThicknessView view = thicknessView(frame.camera.projection() * frame.camera.view, map);
   view.texels = 0.5f * float(map.height) / frame.camera.tangent.y;
   view.near = frame.camera.near;
-  addThickness(
-      water, view,
-      {static_cast<const Array<std::uint32_t>&>(depth_).view(), frame.width, frame.height,
-       frame.camera.projectionTerms(), kFoamDepth},
-      map);
+  backgroundOnHost_.resize(std::size_t(map.width) * std::size_t(map.height));
+  gl_.bindFramebuffer(GL_FRAMEBUFFER, background.target.name());
+  gl_.readPixels(0, 0, map.width, map.height, kFloat1.format, kFloat1.type, backgroundOnHost_.data());
+  background_.assign(backgroundOnHost_);
+  const auto constView = [](const auto& array) { return array.view(); };
+  addThickness(water, view,
+               {.front = constView(depth_),
+                .background = constView(background_),
+                .width = frame.width,
+                .height = frame.height,
+                .projection = frame.camera.projectionTerms(),
+                .depthOfFoam = kFoamDepth},
+               map);
 }
 
 void WaterSplatPass::drawSunDepth(const SunView& sun, std::size_t water, const Texture& depth,
@@ -124,7 +133,7 @@ void WaterSplatPass::drawSunThickness(const SunView& sun, std::size_t water, con
   addThickness(water, view, {}, map);
 }
 
-void WaterSplatPass::addThickness(std::size_t water, ThicknessView view, const FoamFront& front,
+void WaterSplatPass::addThickness(std::size_t water, ThicknessView view, const LiquidBetween& between,
                                   const ThicknessMap& map) {
   // So fine that small shares of a particle count, so coarse that a million of them fit into a sum.
   view.unit = liquids_[water].largest / 2048;
@@ -132,7 +141,7 @@ void WaterSplatPass::addThickness(std::size_t water, ThicknessView view, const F
   sums_.resizeDiscarding(2 * texels);
   thickness_.resizeDiscarding(texels);
   dispatch(device_, [&](auto& device) {
-    splatThickness(device, liquids_[water].particles.view(), view, front, sums_.view(), thickness_.view());
+    splatThickness(device, liquids_[water].particles.view(), view, between, sums_.view(), thickness_.view());
   });
   upload(map.texture, map.width, map.height, kFloat2, onHost(thickness_, thicknessCopy_));
 }

@@ -18,7 +18,7 @@ class WaterSplatPass final : public WaterDrawer {
   Aabb load(std::span<const ParticleView> views) override;
   void drawDepth(const Frame& frame, std::size_t water, const Texture& depth) override;
   void drawThickness(const Frame& frame, std::size_t water, const Texture& front,
-                     const ThicknessMap& map) override;
+                     const LiquidBackground& background, const ThicknessMap& map) override;
   void drawSunDepth(const SunView& sun, std::size_t water, const Texture& depth, int resolution) override;
   void drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) override;
 
@@ -33,7 +33,7 @@ class WaterSplatPass final : public WaterDrawer {
 
   Aabb loadOne(const ParticleView& particles);
   bool has(std::size_t water) const { return water < liquids_.size() && !liquids_[water].packed.empty(); }
-  void addThickness(std::size_t water, ThicknessView view, const FoamFront& front, const ThicknessMap& map);
+  void addThickness(std::size_t water, ThicknessView view, const LiquidBetween& between, const ThicknessMap& map);
   void upload(const Texture& texture, int width, int height, const TextureFormat& format,
               const void* texels) const;
   /// The same numbers on the host.
@@ -44,7 +44,9 @@ class WaterSplatPass final : public WaterDrawer {
   Device& device_;
   std::vector<Liquid> liquids_;
   Array<std::uint32_t> depth_, sunDepth_, sums_;
+  Array<float> background_;
   Array<Vec2f> thickness_;
+  std::vector<float> backgroundOnHost_;
   HostCopy<std::uint32_t> depthCopy_;
   HostCopy<Vec2f> thicknessCopy_;
 };
