@@ -4,11 +4,15 @@
 
 #include <optional>
 
+#include "framework/base/build_info.h"
 #include "framework/base/text.h"
 #include "framework/run/stopwatch.h"
+#include "framework/scene/scene_file.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/output/frame_ledger.h"
 #include "plugins/rendering/output/growing_video.h"
+#include "plugins/rendering/output/image_file.h"
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
@@ -108,6 +112,14 @@ class Pictures final : public Observer {
                      earlier);
     if (const auto path = paths_.find(kImages); path != paths_.end())
       images_.emplace(path->second, firstFrame);
+    if (!images_) return;
+    if (!simulation.isReplay()) {
+      FrameLedger::remove(paths_.at(kImages));
+    } else {
+      ledger_.emplace(paths_.at(kImages));
+      made_.emplace().add(version());
+      made_->add(writeJson(sceneToValue(simulation.scene())));
+    }
   }
 
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
@@ -117,10 +129,9 @@ class Pictures final : public Observer {
 
   void write(Snapshot& snapshot) override {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
+    if (made_) addStill(scene);
     const View view = measured(viewing_, [&] { return view_->of(scene); });
-    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
-    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
-    measured(handingOver_, [&] { handOver(std::move(picture)); });
+    if (!made_ || !isThere(scene, view)) draw(scene, view);
     ++frames_;
   }
 
@@ -130,7 +141,10 @@ class Pictures final : public Observer {
 
   void end(Simulation& simulation, RunEnd) override {
     if (images_) {
+      if (there_ > 0 && images_->frameCount() != frames_) skipImages();
       images_->finish();
+      if (there_ > 0)
+        simulation.log().info(std::to_string(there_) + " pictures were there and have not been drawn again");
       if (const std::string leftovers = images_->leftovers(); !leftovers.empty())
         simulation.log().warn(leftovers);
     }
@@ -138,11 +152,60 @@ class Pictures final : public Observer {
   }
 
  private:
+  void draw(const SceneSnapshot& scene, const View& view) {
+    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
+    measured(handingOver_, [&] { handOver(std::move(picture)); });
+  }
+
   /// To those who encode it, on threads of their own; waits where they are slower.
   void handOver(Picture picture) {
+    if (images_ && images_->frameCount() != frames_) skipImages();
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
     if (video_) video_->write(std::move(picture));
+  }
+
+  void addStill(const SceneSnapshot& scene) {
+    if (!scene.still) return;
+    for (const StillScene::Surface& surface : scene.still->surfaces)
+      made_->addAll(std::span<const Vec3f>(surface.mesh.vertices));
+  }
+
+  /// Of a replay: whether the picture of this frame need not be drawn. All frames before it belong to what it
+  /// is made of, as colours and cameras follow what was seen so far.
+  bool isThere(const SceneSnapshot& scene, const View& view) {
+    made_->addAll(std::span(&scene.time, 1));
+    for (const ParticleView& particles : view.particles) {
+      made_->addAll(particles.positions);
+      made_->addAll(particles.values);
+    }
+    const std::uint64_t digest = made_->value();
+    if (!ledger_->has(frames_, digest)) {
+      ledger_->note(frames_, digest);
+      return false;
+    }
+    if (video_) {
+      std::optional<Picture> picture = pictureThere();
+      if (!picture) return false;
+      video_->write(std::move(*picture));
+    }
+    ++there_;
+    return true;
+  }
+
+  std::optional<Picture> pictureThere() const {
+    try {
+      return readPng(paths_.at(kImages) / ImageSequence::nameOf(frames_));
+    } catch (const Error&) {
+      return std::nullopt;  // damaged: it is drawn again
+    }
+  }
+
+  /// Images go on with the next frame, behind some that were there.
+  void skipImages() {
+    images_->finish();
+    images_.emplace(paths_.at(kImages), frames_);
   }
 
   OverlayText overlayText(const SceneSnapshot& scene) const {
@@ -171,6 +234,10 @@ class Pictures final : public Observer {
   std::unique_ptr<Overlay> overlay_;
   std::optional<GrowingVideo> video_;
   std::optional<ImageSequence> images_;
+  // Of replays with images alone.
+  std::optional<FrameLedger> ledger_;
+  std::optional<Digest> made_;  // of all that the pictures so far are made of
+  std::int64_t there_ = 0;      // that have not been drawn again
 };
 
 }  // namespace

@@ -62,7 +62,6 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
   captureFluidSurfaces(simulation, *snapshot);
-  snapshot->particles = simulation.particleCount();
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
     snapshot->poses.push_back(motion != nullptr ? motion->poseAt(simulation.time()) : Pose{});
@@ -160,10 +159,12 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
 
 void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const {
   std::size_t i = 0;
+  snapshot.particles = 0;
   for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
-    if (!showsParticles(*output)) continue;
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
+    snapshot.particles += count;
+    if (!showsParticles(*output)) continue;
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;

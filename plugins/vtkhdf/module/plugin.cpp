@@ -5,6 +5,7 @@
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
+#include "plugins/vtkhdf/vtkhdf_recording.h"
 
 namespace weir {
 namespace {
@@ -28,6 +29,7 @@ WEIR_PLUGIN("vtkhdf", "Exports particles to VTKHDF files, for ParaView and VTK, 
   using namespace weir;
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
+  registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });
   registry.addService<CheckpointStore>("hdf5", [] { return std::make_unique<Hdf5CheckpointStore>(); });
   registry.addService<InfoSource>("vtkhdf", [] { return std::make_unique<Hdf5Info>(); });
 }
