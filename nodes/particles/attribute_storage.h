@@ -35,9 +35,8 @@ class AttributeStorage {
   virtual ~AttributeStorage() = default;
 
   const AttributeInfo& info() const { return info_; }
-  /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived. What
-  /// is outgrown is given back, unless it is lent (ParticleSet::lend).
-  virtual void grow(std::int64_t size, bool lent) = 0;
+  /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived.
+  virtual void grow(std::int64_t size) = 0;
   /// The present elements and room for them in another order, which finishPermutation() makes the present
   /// one.
   virtual PermutedColumn beginPermutation() = 0;
@@ -57,13 +56,7 @@ class TypedStorage final : public AttributeStorage {
   TypedStorage(AttributeInfo info, Device& device)
       : AttributeStorage(std::move(info)), values(device), spare_(device) {}
 
-  void grow(std::int64_t size, bool lent) override {
-    if (!lent) outgrown_.clear();
-    if (lent) {
-      outgrown_.push_back(std::move(spare_));
-      outgrown_.push_back(std::move(values));
-      values = copyOf(outgrown_.back(), size);
-    }
+  void grow(std::int64_t size) override {
     // What is given back here makes room for the copy: old and new elements together are no more than the new
     // ones and their spare will be.
     spare_ = Array<T>(values.device());
@@ -95,18 +88,7 @@ class TypedStorage final : public AttributeStorage {
   template <class Backend>
   void zeroBehindOn(Backend& device, const int* count, std::int64_t amount);
 
-  /// With room for `size` elements.
-  static Array<T> copyOf(const Array<T>& from, std::int64_t size) {
-    Array<T> copy(from.device());
-    copy.reserve(size);
-    copy.resize(from.size());
-    if (!from.empty())
-      from.device().copy(copy.data(), from.data(), sizeof(T) * static_cast<std::size_t>(from.size()));
-    return copy;
-  }
-
   Array<T> spare_;
-  std::vector<Array<T>> outgrown_;  // while they were lent
 };
 
 }  // namespace weir::detail

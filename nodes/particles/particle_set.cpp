@@ -12,10 +12,7 @@ namespace weir {
 using detail::AttributeStorage;
 using detail::TypedStorage;
 
-ParticleSet::ParticleSet(Device& device)
-    : device_(&device),
-      storages_(std::make_shared<std::vector<std::unique_ptr<AttributeStorage>>>()),
-      counter_(device) {
+ParticleSet::ParticleSet(Device& device) : device_(&device), counter_(device) {
   counter_.resize(1);
   counter_.fillZero();
   positions_ = &add<Vec3f>({"position", AttributeType::kVec3, "m", "Position."});
@@ -41,7 +38,7 @@ double ParticleSet::memoryFor(double particles) {
 }
 
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
-  for (const auto& storage : *storages_)
+  for (const auto& storage : storages_)
     if (storage->info().name == name) return storage.get();
   return nullptr;
 }
@@ -53,7 +50,7 @@ const AttributeInfo* ParticleSet::find(std::string_view name) const {
 
 std::vector<AttributeInfo> ParticleSet::attributes() const {
   std::vector<AttributeInfo> infos;
-  for (const auto& storage : *storages_) infos.push_back(storage->info());
+  for (const auto& storage : storages_) infos.push_back(storage->info());
   return infos;
 }
 
@@ -72,7 +69,7 @@ Array<T>& ParticleSet::add(const AttributeInfo& info) {
   added->values.resizeDiscarding(capacity());
   added->values.fillZero();
   Array<T>& values = added->values;
-  storages_->push_back(std::move(added));
+  storages_.push_back(std::move(added));
   return values;
 }
 
@@ -110,8 +107,7 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);
   const std::int64_t room = std::max(particles, std::min(grown, most_));
   // One after another, so that never more than one of them is there twice.
-  const bool lent = storages_.use_count() > 1;
-  for (const auto& storage : *storages_) storage->grow(room, lent);
+  for (const auto& storage : storages_) storage->grow(room);
 }
 
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
@@ -121,7 +117,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
   const std::int64_t need = bound_ + batch.count;
   makeRoom(need);
-  for (const auto& storage : *storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
+  for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
   dispatch(*device_, [&](auto& device) { appendOn(device, batch, selected); });
   bound_ = need;
   nextId_ += batch.count;
@@ -140,7 +136,7 @@ void ParticleSet::clear() {
 void ParticleSet::save(const StateWriter& to) const {
   to.put("count", bound_);
   to.put("next_id", nextId_);
-  for (const auto& storage : *storages_) storage->save(to, bound_);
+  for (const auto& storage : storages_) storage->save(to, bound_);
 }
 
 void ParticleSet::restore(const StateReader& from) {
@@ -149,7 +145,7 @@ void ParticleSet::restore(const StateReader& from) {
   makeRoom(bound_);
   const int count = static_cast<int>(bound_);
   device_->upload(counter_.data(), &count, sizeof(int));
-  for (const auto& storage : *storages_) storage->restore(from);
+  for (const auto& storage : storages_) storage->restore(from);
 }
 
 }  // namespace weir

@@ -85,13 +85,13 @@ void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
     parallelFor(device, "permute", count(), permute);
     permute.used = 0;
   };
-  for (const auto& storage : *storages_) {
+  for (const auto& storage : storages_) {
     if (storage->info().derived) continue;
     permute.columns[permute.used++] = storage->beginPermutation();
     if (permute.used == Permute::kMost) launch();
   }
   if (permute.used > 0) launch();
-  for (const auto& storage : *storages_)
+  for (const auto& storage : storages_)
     if (!storage->info().derived) storage->finishPermutation();
 }
 

@@ -93,11 +93,6 @@ class ParticleSet {
   void permute(ArrayView<const int> order);
   void clear();
 
-  /// Keeps the memory of all attributes as it is from being used for anything else for as long as the result
-  /// lives. What stands in it is the particles until they are sorted, grow in number, or this set goes; after
-  /// that it means nothing, but may be read and written. The device must outlive the result.
-  std::shared_ptr<const void> lend() const { return storages_; }
-
   /// All particles in their order, with all attributes that the set has at the time.
   void save(const StateWriter& to) const;
   void restore(const StateReader& from);
@@ -111,8 +106,7 @@ class ParticleSet {
   detail::AttributeStorage* storage(std::string_view name) const;
 
   Device* device_;
-  // Shared with those that were lent it.
-  std::shared_ptr<std::vector<std::unique_ptr<detail::AttributeStorage>>> storages_;
+  std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
   Array<Vec3f>* positions_ = nullptr;
   Array<Vec3f>* velocities_ = nullptr;
   Array<int>* ids_ = nullptr;

@@ -153,7 +153,7 @@ class Scene:
 
     def copy(self) -> Scene:
         """Another scene that says the same, at time 0. Modules that are written in Python must be registered."""
-        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", os.getcwd(), []))
+        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", "/", []))
 
     def __repr__(self) -> str:
         return f"<Scene {self.title!r}: " + ", ".join(f"{name} ({type})" for name, type in self._core.nodes()) + ">"
