@@ -1,11 +1,14 @@
 """The code blocks of docs/python.md, one after another, as a reader would run them."""
 
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import weir
 
 PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
@@ -32,7 +35,7 @@ def script(folder: Path) -> str:
 def test_every_block_runs(tmp_path):
     assert len(BLOCKS) >= 7
     found = subprocess.run([sys.executable, "-B", "-c", script(tmp_path)], cwd=tmp_path, capture_output=True, text=True,
-                           timeout=600)
+                           timeout=600, env=os.environ | {"PYTHONPATH": str(Path(weir.__file__).absolute().parents[1])})
     if "ffmpeg" in found.stderr and "OpenGL" in found.stderr:
         pytest.skip("there is no ffmpeg or OpenGL: " + found.stderr.splitlines()[-1])
     assert found.returncode == 0, found.stderr
