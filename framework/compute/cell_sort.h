@@ -36,6 +36,9 @@ class CellSort {
                {start_.view(), cell_.view(), provisional_.view(), order_.view()});
   }
 
+  /// Arrays of integers that it holds for each particle.
+  static constexpr int kPerParticle = 3;
+
   ArrayView<const int> start() const { return start_.view(); }
   ArrayView<const int> order() const { return order_.view(); }
 

@@ -59,6 +59,10 @@ void Simulation::setDuration(double duration) {
   if (!(duration >= time()))
     throw usageError("found a duration of " + Value(duration).brief() + " s",
                      "no less than the " + Value(time()).brief() + " s that are simulated already");
+  if (frame_ >= clock_.frameCount() && !atFrame())
+    throw usageError(
+        "the simulation is behind its last frame, in steps that a longer duration would not have",
+        "another duration before that, or one that is a whole number of frames from the start");
   scene_->world.duration.set(duration);
   clock_ = clockOf(*scene_);
 }

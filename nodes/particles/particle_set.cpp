@@ -46,24 +46,12 @@ double ParticleSet::memoryFor(double particles) {
 
 Array<Vec3f>& ParticleSet::scratch() {
   ++scratchUses_;
-  Array<Vec3f>& spare = spares_->get<Vec3f>(*device_, 0);
-  spare.resizeDiscarding(capacity());
-  return spare;
+  return spares_->get<Vec3f>(*device_, 0, capacity());
 }
 
 Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
   wideScratch_.resizeDiscarding(std::max(least, capacity()));
   return wideScratch_;
-}
-
-std::shared_ptr<const void> ParticleSet::lend(std::string_view name) const {
-  AttributeStorage* lent = storage(name);
-  WEIR_CHECK(lent != nullptr);
-  return lent->lend();
-}
-
-void ParticleSet::leaveToBorrowers() const {
-  for (const auto& storage : storages_) storage->leaveToBorrowers();
 }
 
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
@@ -131,7 +119,6 @@ std::int64_t ParticleSet::refreshCount() {
 
 void ParticleSet::makeRoom(std::int64_t particles) {
   if (particles <= capacity()) return;
-  leaveToBorrowers();
   constexpr std::int64_t kLeastGrowth = 4096;
   const std::int64_t present = capacity();
   const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);

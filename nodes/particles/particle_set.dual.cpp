@@ -81,7 +81,6 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
 
 template <class Backend>
 void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
-  leaveToBorrowers();
   std::vector<detail::AttributeStorage*> left;
   for (const auto& storage : storages_)
     if (!storage->info().derived) left.push_back(storage.get());

@@ -108,12 +108,6 @@ class ParticleSet {
   void permute(ArrayView<const int> order);
   void clear();
 
-  /// Keeps the memory of an attribute, which must be there, for as long as the result lives. What stands in it is
-  /// the particles until they are sorted, grow in number, or this set goes; then it stays as it was, and the set
-  /// goes on with a copy, so old elements may be read and written without harm. The device must outlive the
-  /// result.
-  std::shared_ptr<const void> lend(std::string_view name) const;
-
   /// All particles in their order, with all attributes that the set has at the time.
   void save(const StateWriter& to) const;
   void restore(const StateReader& from);
@@ -126,7 +120,6 @@ class ParticleSet {
   void makeRoom(std::int64_t particles);
   bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
   detail::AttributeStorage* storage(std::string_view name) const;
-  void leaveToBorrowers() const;
 
   Device* device_;
   std::unique_ptr<detail::SpareMemory> spares_;

@@ -129,9 +129,11 @@ nb::object Particles::array(const std::string& name) const {
                      didYouMean(name, names()))
         .inNode(node_);
   const auto count = static_cast<std::size_t>(particles.refreshCount());
-  const LentMemory lent{scene_->device(), particles.lend(name)};
   nb::object result;
-  withArray(particles, *info, [&](auto& values) { result = viewOf(lent, values, count); });
+  withArray(particles, *info, [&](auto& values) {
+    const std::shared_ptr<Device>& device = scene_->device();
+    result = viewOf({device, values.empty() ? nullptr : device->lend(values.data())}, values, count);
+  });
   return result;
 }
 

@@ -18,7 +18,7 @@ namespace nb = nanobind;
 /// What arrays keep alive: first the memory goes, then the device.
 struct LentMemory {
   std::shared_ptr<Device> device;
-  std::shared_ptr<const void> memory;
+  std::shared_ptr<void> memory;
 };
 
 /// Memory on a CUDA device, for libraries that know __cuda_array_interface__ or DLPack.

@@ -89,8 +89,12 @@ void makeAbsolute(Scene& scene, Value& root, const fs::path& folder) {
 
 }  // namespace
 
-PythonScene::PythonScene(std::shared_ptr<Library> library, std::unique_ptr<Scene> scene)
-    : library_(std::move(library)), log_(logToPython), scene_(std::move(scene)) {
+PythonScene::PythonScene(std::shared_ptr<Library> library, std::unique_ptr<Scene> scene,
+                         const std::string& folder)
+    : library_(std::move(library)),
+      folder_(folder.empty() ? fs::path() : fs::absolute(folder)),
+      log_(logToPython),
+      scene_(std::move(scene)) {
   registry();
   attachModules();
 }
@@ -250,11 +254,10 @@ void PythonScene::attachModules() {
 
 std::string PythonScene::toJson(const std::string& folder) const {
   Value root = sceneToValue(scene());
-  const fs::path from = fs::path(scene().file).parent_path();
   std::error_code error;
-  const bool elsewhere =
-      !folder.empty() && fs::weakly_canonical(folder, error) != fs::weakly_canonical(from, error);
-  if (elsewhere && !scene().file.empty()) makeAbsolute(scene(), root, fs::absolute(from, error));
+  if (!folder.empty() && !folder_.empty() &&
+      fs::weakly_canonical(folder, error) != fs::weakly_canonical(folder_, error))
+    makeAbsolute(scene(), root, folder_);
   return writeJson(root);
 }
 

@@ -7,6 +7,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,7 +35,8 @@ struct Target {
 
 class PythonScene : public std::enable_shared_from_this<PythonScene> {
  public:
-  PythonScene(std::shared_ptr<Library> library, std::unique_ptr<Scene> scene);
+  /// `folder` is what relative paths in the scene are relative to; "" if there are none.
+  PythonScene(std::shared_ptr<Library> library, std::unique_ptr<Scene> scene, const std::string& folder);
   ~PythonScene();
   PythonScene(const PythonScene&) = delete;
   PythonScene& operator=(const PythonScene&) = delete;
@@ -55,7 +57,8 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   void insertModule(const std::string& node, std::unique_ptr<Module> module, const std::string& name,
                     std::optional<std::size_t> index);
 
-  /// As a scene file has it; paths are relative to `folder`, or absolute where they are not below it.
+  /// As a scene file in `folder` has it: relative paths become absolute if that is another one than they came
+  /// from. With "" they stay as they are.
   std::string toJson(const std::string& folder) const;
 
   /// Takes the scene into a simulation; the one before ends. Its number tells who owns it. The device is
@@ -97,6 +100,7 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   void noteChange(const Configurable& of, const Target& target, const Value& values);
 
   std::shared_ptr<Library> library_;
+  std::filesystem::path folder_;                             // absolute; "" if no path is relative
   std::vector<std::shared_ptr<const Registry>> registries_;  // all that made something here
   Log log_;
   std::shared_ptr<Device> device_;

@@ -38,7 +38,7 @@ std::shared_ptr<PythonScene> parse(const std::shared_ptr<Library>& library, cons
   std::vector<std::string> warnings;
   std::unique_ptr<Scene> built = buildScene(root, place, *library->registry(), overrides, warnings);
   built->text = text;
-  auto scene = std::make_shared<PythonScene>(library, std::move(built));
+  auto scene = std::make_shared<PythonScene>(library, std::move(built), folder);
   for (const std::string& warning : warnings) scene->log().warn(warning);
   return scene;
 }
@@ -46,7 +46,8 @@ std::shared_ptr<PythonScene> parse(const std::shared_ptr<Library>& library, cons
 std::shared_ptr<PythonScene> load(const std::shared_ptr<Library>& library, const std::string& file,
                                   const std::vector<std::string>& changes) {
   const std::filesystem::path path(file);
-  return parse(library, readTextFile(path, kLargestSceneFile), file, path.parent_path().string(), changes);
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  return parse(library, readTextFile(path, kLargestSceneFile), file, folder.string(), changes);
 }
 
 nb::list nodesOf(const PythonScene& scene) {
@@ -119,7 +120,7 @@ void bindScene(nb::module_& m) {
           nb::arg("kind"), nb::arg("name") = "", nb::arg("module") = "");
   nb::class_<S>(m, "Scene", "What weir.Scene is made of.")
       .def(nb::new_([](std::shared_ptr<Library> library) {
-             return std::make_shared<S>(library, emptyScene(*library->registry()));
+             return std::make_shared<S>(library, emptyScene(*library->registry()), "");
            }),
            nb::arg("library"))
       .def_static("load", &load, nb::arg("library"), nb::arg("file"), nb::arg("changes"))

@@ -37,3 +37,8 @@ class Error(Exception):
 
     def __str__(self) -> str:
         return self.args[0]
+
+
+def usage_error(found: str, allowed: str) -> Error:
+    """The error of a call that cannot be understood."""
+    return Error(f"{found}\n  allowed: {allowed}", "usage", "", found, allowed)

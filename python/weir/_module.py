@@ -51,8 +51,11 @@ class Module(_core.ModuleBase):
     An exception that a method raises ends the step, and is raised by whoever asked for it.
     """
 
+    _made = False
+
     def __init__(self, **params: Any):
         super().__init__()
+        self._made = True
         self._begin(type(self).__name__, inspect.cleandoc(type(self).__doc__ or ""))
         for name, param in self.declared().items():
             self._define(name, param.default, **param.spec)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from . import _core
-from ._errors import Error
+from ._errors import usage_error
 from ._library import library
 from ._module import Module
 from ._parameters import Parameters, make_class
@@ -39,8 +39,7 @@ def link(core: _core.Scene, output: Port | str, input: Port | str) -> None:
     """Link an output to an input, given as ports or as texts such as "tank.boundary"."""
     for end in (output, input):
         if isinstance(end, Port) and end.node._core is not core:
-            raise Error(f"'{end.path}' is of another scene", "usage", "", f"'{end.path}' is of another scene",
-                        "ports of nodes of one scene")
+            raise usage_error(f"'{end.path}' is of another scene", "ports of nodes of one scene")
     texts = [end.path if isinstance(end, Port) else end for end in (output, input)]
     core.link(" -> ".join(texts))
 
@@ -101,8 +100,8 @@ class Modules(Mapping):
         `module` is an object of a class that derives from weir.Module, such a class, or the name of a type.
         """
         if (before is None) == (after is None):
-            raise Error("found both before and after" if before else "found neither before nor after", "usage",
-                        allowed=f"one of them, with the name of a module: {', '.join(self)}")
+            raise usage_error("found both before and after" if before else "found neither before nor after",
+                              f"one of them, with the name of a module: {', '.join(self)}")
         neighbor = before if before is not None else after
         self[neighbor]  # an error for an unknown name
         index = list(self).index(neighbor) + (after is not None)
@@ -115,6 +114,8 @@ class Modules(Mapping):
     def _put(self, name: str, module: Any, index: int | None, params: dict[str, Any]) -> ModuleHandle | Module:
         if isinstance(module, type):
             module = module() if issubclass(module, Module) else module.__name__
+        if isinstance(module, Module) and not module._made:
+            raise usage_error(f"the {type(module).__name__} is not made", "super().__init__(**params) in its __init__")
         self._core.insert_module(self._node, module, name, index, params)
         return self[name]
 

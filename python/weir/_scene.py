@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, TypeVar, overload
 
 from . import _core, _nodes
-from ._errors import Error
+from ._errors import usage_error
 from ._library import library
 from ._parameters import Parameters, make_class
 
@@ -153,7 +153,7 @@ class Scene:
 
     def copy(self) -> Scene:
         """Another scene that says the same, at time 0. Modules that are written in Python must be registered."""
-        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", os.getcwd(), []))
+        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", "/", []))
 
     def __repr__(self) -> str:
         return f"<Scene {self.title!r}: " + ", ".join(f"{name} ({type})" for name, type in self._core.nodes()) + ">"
@@ -184,4 +184,4 @@ def as_scene(scene: Scene | str | os.PathLike) -> Scene:
         return scene
     if isinstance(scene, (str, os.PathLike)):
         return load(scene)
-    raise Error(f"found a {type(scene).__name__} as a scene", "usage", allowed="a weir.Scene, or the path of a scene file")
+    raise usage_error(f"found a {type(scene).__name__} as a scene", "a weir.Scene, or the path of a scene file")
