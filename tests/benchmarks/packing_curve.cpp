@@ -170,11 +170,12 @@ void printColumns(const std::vector<double>& ratios) {
 test::WallFit settleTanks(const test::TankWater& water, int threads) {
   struct Filling {
     test::Tank tank;
-    double jitter;
+    int number;
   };
+  constexpr int kFillings = 3;
   std::vector<Filling> fillings;
-  for (const double jitter : {0.32, 0.3, 0.28})
-    for (const test::Tank& tank : test::calibrationTanks()) fillings.push_back({tank, jitter});
+  for (int number = 0; number < kFillings; ++number)
+    for (const test::Tank& tank : test::calibrationTanks()) fillings.push_back({tank, number});
   std::vector<double> heights(fillings.size());
   std::atomic<std::size_t> next{0};
   std::vector<std::future<void>> workers;
@@ -183,7 +184,8 @@ test::WallFit settleTanks(const test::TankWater& water, int threads) {
       CpuDevice device(1);
       for (std::size_t i = next++; i < fillings.size(); i = next++) {
         test::TankWater filled = water;
-        filled.jitter = fillings[i].jitter;
+        filled.jitter += 0.02 * fillings[i].number;
+        filled.seed += fillings[i].number;
         heights[i] = test::settledHeight(device, fillings[i].tank, filled);
       }
     }));
@@ -195,14 +197,18 @@ test::WallFit settleTanks(const test::TankWater& water, int threads) {
 
 void printContact(int threads, const std::vector<double>& ratios) {
   fmt::print(
-      "| support ratio | bulk | wall | surface | contact | error |\n|---:|---:|---:|---:|---:|---:|\n");
-  for (const double ratio : ratios) {
-    const test::WallFit fit = settleTanks({.supportRatio = ratio}, threads);
-    const double now = contactRatio(ratio, Calibration::kPacking);
-    fmt::print("| {} | {:+.4f} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, fit.bulk, fit.wall,
-               fit.surface, now - fit.wall, fit.wallError);
-    std::fflush(stdout);
-  }
+      "| support ratio | water | bulk | surface | wall | contact | error "
+      "|\n|---:|---|---:|---:|---:|---:|---:|\n");
+  for (const double ratio : ratios)
+    for (const bool fresh : {true, false}) {
+      test::TankWater water{.supportRatio = ratio, .fresh = fresh};
+      if (fresh) water.seconds = 0.2;
+      const test::WallFit fit = settleTanks(water, threads);
+      const double now = contactRatio(ratio, Calibration::kPacking);
+      fmt::print("| {} | {} | {:+.4f} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio,
+                 fresh ? "fresh" : "settled", fit.bulk, fit.surface, fit.wall, now - fit.wall, fit.wallError);
+      std::fflush(stdout);
+    }
 }
 
 void printFactors(int threads, const std::vector<double>& ratios) {

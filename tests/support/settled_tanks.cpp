@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kSpacing = 0.01, kStep = 2e-3, kBulkModulus = 1e7;  // m, s, Pa
 constexpr float kGravity = 9.8f;                                     // m/s²
+constexpr int kRestSteps = 3000;
 
 Value members(std::initializer_list<std::pair<const char*, Value>> given) {
   Value v = Value::object();
@@ -45,11 +46,13 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
     return graph.add(std::move(node), name);
   };
   const double w = tank.width, h = tank.height;
-  add("BoxSampler", "block",
-      members({{"min", corner(0, 0, 0)},
-               {"max", corner(w / 2, 2 * h, w)},
-               {"jitter", water.jitter},
-               {"arrangement", "lattice"}}));
+  Value block = members({{"min", corner(0, 0, 0)}, {"max", corner(w, h, w)}});
+  if (!water.fresh) {
+    block["max"] = corner(w / 2, 2 * h, w);
+    block["arrangement"] = "lattice";
+    block["jitter"] = water.jitter;
+  }
+  add("BoxSampler", "block", block);
   const Value low = corner(0, 0, 0), high = corner(w, 6 * h, w);
   if (water.mesh) {
     add("BoxMesh", "tank", members({{"min", low}, {"max", high}}));
@@ -62,7 +65,7 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
   made->assignAll(members({{"spacing", kSpacing},
                            {"support_ratio", water.supportRatio},
                            {"bulk_modulus", kBulkModulus},
-                           {"rest_steps", 0}}),
+                           {"rest_steps", water.fresh ? kRestSteps : 0}}),
                   {});
   const Value solver = members({{"tolerance", 1e-3}, {"iterations", 1000}, {"acceleration", "nesterov"}});
   made->pipeline()->assign(members({{"solver", members({{"params", solver}})}}), registry, {});
@@ -77,7 +80,7 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
 
   Log log;
   const Vec3f gravity{0, -kGravity, 0};
-  graph.reset({device, log, registry, gravity, kStep, 1});
+  graph.reset({device, log, registry, gravity, kStep, water.seed});
   if (water.wallFactor) {
     // No parameter of scenes: it is found here once for all of them.
     auto& constants = const_cast<FluidConstants&>(*fluid.fluid->constants);

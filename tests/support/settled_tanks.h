@@ -29,10 +29,12 @@ std::vector<Tank> calibrationTanks();
 
 struct TankWater {
   double supportRatio = 1.5;
-  bool mesh = false;                 ///< walls of SemiAnalyticalSFI, else of StaticBoundary
+  bool fresh = false;  ///< fills the tank as relaxed by its sampler, instead of collapsing there
+  bool mesh = false;   ///< walls of SemiAnalyticalSFI, else of StaticBoundary
   std::optional<double> wallFactor;  ///< a, in place of the one that the fluid has
   double seconds = 4;
-  double jitter = 0.3;  ///< of the lattice that it starts as
+  double jitter = 0.3;  ///< of the lattice that it starts as, where it collapses
+  std::int64_t seed = 1;
 };
 
 /// Twice the height of the centre of mass of water that has settled in a tank, over its volume's height.
