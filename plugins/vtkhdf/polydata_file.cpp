@@ -110,20 +110,24 @@ hdf5::Group makeRoot(hdf5::File& file) {
   return root;
 }
 
-/// Appends 0, 1, … count − 1 without holding them all.
-void appendAscending(hdf5::Dataset& set, std::int64_t count) {
+std::int64_t sumOf(const std::vector<std::int64_t>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+/// Appends 0, step, … (count − 1)·step without holding them all.
+void appendAscending(hdf5::Dataset& set, std::int64_t count, std::int64_t step = 1) {
   std::vector<std::int64_t> block(static_cast<std::size_t>(std::min(count, kParticleChunk)));
   for (std::int64_t first = 0; first < count; first += kParticleChunk) {
     block.resize(static_cast<std::size_t>(std::min(count - first, kParticleChunk)));
-    std::iota(block.begin(), block.end(), first);
+    for (std::size_t k = 0; k < block.size(); ++k) block[k] = step * (first + static_cast<std::int64_t>(k));
     set.append(std::span<const std::int64_t>(block));
   }
 }
 
 }  // namespace
 
-PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind)
-    : Cells(root.openGroup(kind), kind == "Vertices" ? kParticleChunk : kStepChunk) {}
+PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows)
+    : Cells(root.openGroup(kind), chunkRows) {}
 
 PolyDataFile::Cells::Cells(hdf5::Group group, std::int64_t chunkRows)
     : cellCounts(group.openGrowing("NumberOfCells", perStep())),
@@ -149,10 +153,10 @@ PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
       points(root.openGrowing("Points",
                               {.type = NumberType::kFloat32, .columns = 3, .chunkRows = kParticleChunk})),
       pointCounts(root.openGrowing("NumberOfPoints", perStep())),
-      vertices(root, "Vertices"),
-      lines(root, "Lines"),
-      polygons(root, "Polygons"),
-      strips(root, "Strips") {
+      vertices(root, "Vertices", layout.triangles ? kStepChunk : kParticleChunk),
+      lines(root, "Lines", kStepChunk),
+      polygons(root, "Polygons", layout.triangles ? kParticleChunk : kStepChunk),
+      strips(root, "Strips", kStepChunk) {
   hdf5::Group pointData = root.openGroup("PointData");
   hdf5::Group pointOffsets = steps.group.openGroup("PointDataOffsets");
   hdf5::Group units = simulation.openGroup("units");
@@ -172,11 +176,43 @@ PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
                       fieldSizes.openGrowing(name, perStep(NumberType::kInt64, 2))});
 }
 
-void PolyDataFile::Cells::truncate(std::int64_t steps, std::int64_t cells, std::int64_t offsetRows) {
+std::int64_t PolyDataFile::Cells::countCells(std::int64_t steps) const {
+  return sumOf(cellCounts.read<std::int64_t>(0, steps));
+}
+
+void PolyDataFile::Cells::truncate(std::int64_t steps) {
+  connectivity.truncate(sumOf(connectivityCounts.read<std::int64_t>(0, steps)));
+  offsets.truncate(countCells(steps) + steps);
   cellCounts.truncate(steps);
   connectivityCounts.truncate(steps);
-  connectivity.truncate(cells);
-  offsets.truncate(offsetRows);
+}
+
+void PolyDataFile::Cells::appendNone() {
+  cellCounts.append(std::int64_t{0});
+  connectivityCounts.append(std::int64_t{0});
+  offsets.append(std::int64_t{0});
+}
+
+void PolyDataFile::Cells::appendPoints(std::int64_t count) {
+  cellCounts.append(count);
+  connectivityCounts.append(count);
+  appendAscending(connectivity, count);
+  appendAscending(offsets, count + 1);
+}
+
+void PolyDataFile::Cells::appendTriangles(std::span<const Vec3i> triangles) {
+  const auto count = static_cast<std::int64_t>(triangles.size());
+  cellCounts.append(count);
+  connectivityCounts.append(3 * count);
+  appendAscending(offsets, count + 1, 3);
+  std::vector<std::int64_t> block;
+  for (std::size_t first = 0; first < triangles.size(); first += kParticleChunk) {
+    block.clear();
+    for (const Vec3i& t :
+         triangles.subspan(first, std::min<std::size_t>(kParticleChunk, triangles.size() - first)))
+      block.insert(block.end(), {t.x, t.y, t.z});
+    connectivity.append(std::span<const std::int64_t>(block));
+  }
 }
 
 void PolyDataFile::Steps::truncate(std::int64_t steps) {
@@ -189,22 +225,22 @@ void PolyDataFile::Steps::truncate(std::int64_t steps) {
 void PolyDataFile::truncate(std::int64_t steps) {
   Contents& in = *contents_;
   frames_ = steps;
-  particles_ = 0;
-  for (const std::int64_t count : in.pointCounts.read<std::int64_t>(0, steps)) particles_ += count;
+  points_ = sumOf(in.pointCounts.read<std::int64_t>(0, steps));
+  cells_ = (triangles_ ? in.polygons : in.vertices).countCells(steps);
   in.steps.truncate(steps);
-  in.points.truncate(particles_);
+  in.points.truncate(points_);
   in.pointCounts.truncate(steps);
-  in.vertices.truncate(steps, particles_, particles_ + steps);
-  for (Cells* none : {&in.lines, &in.polygons, &in.strips}) none->truncate(steps, 0, steps);
+  for (Cells* cells : {&in.vertices, &in.lines, &in.polygons, &in.strips}) cells->truncate(steps);
   for (Column& column : in.attributes) {
-    column.values.truncate(particles_);
+    column.values.truncate(points_);
     column.offsets.truncate(steps);
   }
   for (Field& field : in.fields)
     for (hdf5::Dataset* set : {&field.values, &field.offsets, &field.sizes}) set->truncate(steps);
 }
 
-PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, std::int64_t steps) {
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, std::int64_t steps)
+    : triangles_(layout.triangles) {
   checkLayout(layout);
   const fs::path real = target(file), draft = draftOf(real);
   std::error_code error;
@@ -233,7 +269,7 @@ void PolyDataFile::replaceBy(const fs::path& real, const fs::path& draft, const 
   }
 }
 
-PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) {
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) : triangles_(layout.triangles) {
   checkLayout(layout);
   const fs::path real = target(file);
   const fs::path draft = draftOf(real);
@@ -253,7 +289,7 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
   to.pointCounts.append(count);
   for (std::size_t i = 0; i < to.attributes.size(); ++i) {
     std::visit([&](const auto& values) { to.attributes[i].values.append(values); }, frame.attributes[i]);
-    to.attributes[i].offsets.append(particles_);
+    to.attributes[i].offsets.append(points_);
   }
   for (std::size_t i = 0; i < to.fields.size(); ++i) {
     constexpr std::int64_t kOneNumber[] = {1, 1};
@@ -261,35 +297,29 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
     to.fields[i].offsets.append(frames_);
     to.fields[i].sizes.append(std::span<const std::int64_t>(kOneNumber));
   }
-  writeVertices(count);
+  for (Cells* none : {&to.lines, &to.strips, triangles_ ? &to.vertices : &to.polygons}) none->appendNone();
+  if (triangles_)
+    to.polygons.appendTriangles(frame.triangles);
+  else
+    to.vertices.appendPoints(count);
 
-  const std::int64_t vertexOffsets[] = {particles_, 0, 0, 0};
+  // Of vertices, lines, polygons and strips.
+  const std::int64_t cellOffsets[] = {triangles_ ? 0 : cells_, 0, triangles_ ? cells_ : 0, 0};
+  const std::int64_t idOffsets[] = {triangles_ ? 0 : cells_, 0, triangles_ ? 3 * cells_ : 0, 0};
   to.steps.values.append(frame.time);
   to.steps.partOffsets.append(frames_);
   to.steps.partCounts.append(std::int64_t{1});
-  to.steps.pointOffsets.append(particles_);
-  to.steps.cellOffsets.append(std::span<const std::int64_t>(vertexOffsets));
-  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(vertexOffsets));
+  to.steps.pointOffsets.append(points_);
+  to.steps.cellOffsets.append(std::span<const std::int64_t>(cellOffsets));
+  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(idOffsets));
 
   // The step counts only once all that belongs to it is on its way to the disk.
   file_->flush();
-  particles_ += count;
+  points_ += count;
+  cells_ += triangles_ ? static_cast<std::int64_t>(frame.triangles.size()) : count;
   ++frames_;
   to.steps.group.setAttribute("NSteps", frames_);
   file_->flush();
-}
-
-void PolyDataFile::writeVertices(std::int64_t count) {
-  Cells& vertices = contents_->vertices;
-  vertices.cellCounts.append(count);
-  vertices.connectivityCounts.append(count);
-  appendAscending(vertices.connectivity, count);
-  appendAscending(vertices.offsets, count + 1);
-  for (Cells* none : {&contents_->lines, &contents_->polygons, &contents_->strips}) {
-    none->cellCounts.append(std::int64_t{0});
-    none->connectivityCounts.append(std::int64_t{0});
-    none->offsets.append(std::int64_t{0});
-  }
 }
 
 void PolyDataFile::setText(const std::string& name, std::string_view text) {

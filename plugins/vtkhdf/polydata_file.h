@@ -1,4 +1,5 @@
-// The growing file behind VtkHdfWriter: temporal PolyData in VTKHDF 2.0, one vertex cell a particle.
+// The growing file behind VtkHdfWriter: temporal PolyData in VTKHDF 2.0, one vertex cell a
+// particle, or a surface's triangles as polygons.
 //
 // The layout is the one that VTK's own documentation of the format gives for temporal PolyData, with
 // everything written out for each step, so that readers that do not fill in optional parts get it right as
@@ -40,10 +41,16 @@ class PolyDataFile {
  private:
   /// The four data sets by which PolyData lists cells of one kind.
   struct Cells {
-    Cells(hdf5::Group& root, const std::string& kind);
+    Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows);
     Cells(hdf5::Group group, std::int64_t chunkRows);
-    /// Leaves the first steps, in which there are so many cells and as many ids, and offsets.
-    void truncate(std::int64_t steps, std::int64_t cells, std::int64_t offsetRows);
+    /// Leaves the first steps.
+    void truncate(std::int64_t steps);
+    /// Of the first steps.
+    std::int64_t countCells(std::int64_t steps) const;
+    void appendNone();
+    /// One cell for each of so many points.
+    void appendPoints(std::int64_t count);
+    void appendTriangles(std::span<const Vec3i> triangles);
     hdf5::Dataset cellCounts, connectivityCounts, connectivity, offsets;
   };
   /// The group Steps: where in each data set a step begins.
@@ -75,11 +82,11 @@ class PolyDataFile {
   /// Lets `fill` make the file at `draft`, then puts it in its place; at an error nothing is left of it.
   template <class F>
   void replaceBy(const std::filesystem::path& real, const std::filesystem::path& draft, const F& fill);
-  void writeVertices(std::int64_t count);
 
   std::unique_ptr<hdf5::File> file_;
   std::unique_ptr<Contents> contents_;
-  std::int64_t frames_ = 0, particles_ = 0;
+  bool triangles_;
+  std::int64_t frames_ = 0, points_ = 0, cells_ = 0;
 };
 
 }  // namespace weir
