@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "framework/compute/profiler.h"
 #include "framework/graph/memory_estimate.h"
 #include "nodes/fluid_surface/surface_level.h"
 
@@ -31,6 +32,7 @@ void FluidSurface::reset(const SetupContext& context) {
 
 void FluidSurface::frame(const StepContext& context) {
   State& state = *state_;
+  const ProfileScope scope(context.device.profiler(), name());
   const std::int64_t count = fluid->particles->refreshCount();
   state.kernels.make(context.device, fluid->particles->positions(), count, state.settings,
                      KernelField::farthest(state.cell, state.settings.radius));

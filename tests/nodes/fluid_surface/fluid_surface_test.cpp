@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 
 #include "nodes/fluid_surface/surface_level.h"
 #include "tests/nodes/fluid_surface/host_mesh.h"
@@ -69,6 +70,8 @@ TEST_P(FluidSurfaceTest, BallHasTheVolumeOfItsParticlesAndTheAreaOfASphere) {
           SurfaceScene(*device, particles, test::object({{"mesh_smoothing", passes}})).mesh();
       expectGood(mesh);
       EXPECT_EQ(test::eulerCharacteristic(mesh), 2);
+      std::printf("radius %g spacings, %d passes: volume %.4f, area %.4f of what they should be\n", ratio,
+                  passes, mesh.volume() / volume, mesh.area() / (4 * M_PI * radius * radius));
       EXPECT_NEAR(mesh.volume() / volume, 1, 0.05);
       EXPECT_NEAR(mesh.area() / (4 * M_PI * radius * radius), 1, 0.05);
     }
@@ -145,6 +148,7 @@ TEST_P(FluidSurfaceTest, AFlatPoolIsFlat) {
     const TriangleMesh mesh = test::onHost(*scene.node<FluidSurface>("surface").surface);
     expectGood(mesh);
     const Roughness found = roughnessOf(mesh);
+    std::printf("height %.3f spacings, %.4f spacings rms\n", found.meanHeight, found.rms);
     EXPECT_NEAR(found.meanHeight, 10, 0.2);
     EXPECT_LT(found.rms, 0.05);
     EXPECT_NEAR(mesh.volume() / (0.16 * 0.16 * 0.1), 1, 0.05);

@@ -143,6 +143,64 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
 }
 
+/// A fan of `count` triangles about point 0, moved by the step.
+struct SampleFan {
+  SampleFan(int step, int count) : time(step) {
+    for (int i = 0; i < count + (count > 0 ? 2 : 0); ++i)
+      vertices.push_back({static_cast<float>(i), static_cast<float>(step), 0});
+    for (int i = 0; i < count; ++i) triangles.push_back({0, i + 1, i + 2});
+  }
+  VtkHdfFrame frame() const {
+    return {.time = time,
+            .positions = vertices,
+            .attributes = {flat(vertices)},
+            .fields = {static_cast<double>(triangles.size())},
+            .triangles = triangles};
+  }
+
+  double time;
+  std::vector<Vec3f> vertices;
+  std::vector<Vec3i> triangles;
+};
+
+const VtkHdfLayout kFanLayout{
+    .attributes = {{"Normals", 3, VtkHdfType::kFloat32, ""}}, .fields = {"triangles"}, .triangles = true};
+
+TEST_F(VtkHdfWriterTest, TrianglesArePolygonsAndCanBeGoneOnWith) {
+  using Integers = std::vector<std::int64_t>;
+  const auto whole = folder / "whole.vtkhdf", resumed = folder / "resumed.vtkhdf";
+  {
+    VtkHdfWriter writer(whole, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 3}, {3, 1}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 40}, {3, 20}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout, 2);
+    for (const auto& [step, count] : {std::pair{2, 3}, {3, 1}}) writer.append(SampleFan(step, count).frame());
+  }
+  for (const auto& file : {whole, resumed}) {
+    const RawFile raw(file);
+    EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (Integers{4, 0, 5, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfCells"), (Integers{2, 0, 3, 1}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfConnectivityIds"), (Integers{6, 0, 9, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Connectivity"),
+              (Integers{0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 1, 2}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Offsets"), (Integers{0, 3, 6, 0, 0, 3, 6, 9, 0, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfCells"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Offsets"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 4, 4, 9}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 5, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 6, 0, 0, 0, 15, 0}));
+  }
+}
+
 TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {
   const char* file = std::getenv("WEIR_VTKHDF_SAMPLE");
   if (!file) GTEST_SKIP() << "read_with_vtk.py says where to";
