@@ -24,6 +24,7 @@ struct VtkHdfAttribute {
 struct VtkHdfLayout {
   std::vector<VtkHdfAttribute> attributes;
   std::vector<std::string> fields;  ///< one number a frame each, in the file's FieldData
+  bool roundPositions = false;      ///< they are round numbers, which compress well
 };
 
 /// Values of one attribute, particle by particle: particles × components numbers.

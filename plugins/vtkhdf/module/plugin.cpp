@@ -2,6 +2,7 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/info_source.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/export_settings.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
@@ -27,6 +28,7 @@ class Hdf5Info final : public InfoSource {
 WEIR_PLUGIN("vtkhdf", "Exports particles to VTKHDF files, for ParaView and VTK, and reads them back.",
             registry) {
   using namespace weir;
+  registry.addSection<ExportSettings>("export", "What --export writes: attributes, frames, precision.");
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
   registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });
