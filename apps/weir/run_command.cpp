@@ -79,8 +79,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_->add_option("--stats", stats_, "Write numbers about the run: times, memory, momentum, energies, …")
       ->type_name("FILE.json");
   command_
-      ->add_option("--series", series_, "Write the same numbers for every frame, as one JSON object a line")
-      ->type_name("FILE.jsonl");
+      ->add_option("--series", series_,
+                   "Write the same numbers for every frame: one JSON object a line, or a table (.csv)")
+      ->type_name("FILE.jsonl|FILE.csv");
   command_
       ->add_option(
           "--checkpoint", checkpoint_,
@@ -116,12 +117,13 @@ void RunCommand::checkOutputPaths() const {
   TakenPaths taken;
   taken.addInput(scene_, "the scene");
   outputs_->checkPaths(taken);
-  const auto check = [&](const std::string& name, const std::string& ending, const std::string& path) {
-    taken.addOutput({.name = name, .argument = "", .extensions = {ending}, .doc = ""}, path);
+  const auto check = [&](const std::string& name, const std::vector<std::string>& endings,
+                         const std::string& path) {
+    taken.addOutput({.name = name, .argument = "", .extensions = endings, .doc = ""}, path);
   };
-  check("checkpoint", ".h5", checkpoint_);
-  check("stats", ".json", stats_);
-  check("series", ".jsonl", series_);
+  check("checkpoint", {".h5"}, checkpoint_);
+  check("stats", {".json"}, stats_);
+  check("series", {".jsonl", ".csv"}, series_);
 }
 
 std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {

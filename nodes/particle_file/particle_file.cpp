@@ -39,6 +39,10 @@ std::optional<std::size_t> firstNotFinite(const ParticleData& data) {
 
 }  // namespace
 
+ParticleData ParticleReader::readAt(const std::filesystem::path&, double) const {
+  throw sceneError("a time is given, but files of this kind hold one moment only", "no time");
+}
+
 void ParticleFile::validate() const {
   if (file->empty())
     throw sceneError("no file is given", "the path of a file with particles").inParameter(file.name());
@@ -49,12 +53,22 @@ ParticleData ParticleFile::read(const Registry& registry) const {
   std::vector<std::string> known;
   for (const auto& reader : allReaders(registry))
     for (const std::string& extension : reader->extensions()) {
-      if (extension == ending) return reader->read(file->resolved);
+      if (extension == ending) return readWith(*reader);
       known.push_back(extension);
     }
   throw sceneError(inQuotes(file->text) + (ending.empty() ? " has no ending" : " is of no known kind"),
                    "a file that ends in " + joinNames(known), "plugins can bring more kinds of files")
       .inParameter(file.name());
+}
+
+ParticleData ParticleFile::readWith(const ParticleReader& reader) const {
+  if (!time.get()) return reader.read(file->resolved);
+  try {
+    return reader.readAt(file->resolved, *time.get());
+  } catch (Error& error) {
+    if (error.kind() != ErrorKind::kScene) throw;
+    throw error.inParameter(time.name());
+  }
 }
 
 void ParticleFile::estimate(const SetupContext& context, MemoryNeeds& needs) {

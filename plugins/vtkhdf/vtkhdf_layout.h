@@ -26,6 +26,7 @@ struct VtkHdfLayout {
   std::vector<VtkHdfAttribute> attributes;
   std::vector<std::string> fields;  ///< one number a frame each, in the file's FieldData
   bool triangles = false;           ///< the points are vertices of triangles, and no cells of their own
+  bool roundPositions = false;      ///< they are round numbers, which compress well
 };
 
 /// Values of one attribute, particle by particle: particles × components numbers.

@@ -2,6 +2,7 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/info_source.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/export_settings.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/surface_export.h"
@@ -29,6 +30,7 @@ WEIR_PLUGIN("vtkhdf",
             "Exports particles and surfaces to VTKHDF files, for ParaView and VTK, and reads particles back.",
             registry) {
   using namespace weir;
+  registry.addSection<ExportSettings>("export", "What --export writes: attributes, frames, precision.");
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<OutputKind>("vtkhdf surfaces", [] { return std::make_unique<SurfaceExportKind>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
