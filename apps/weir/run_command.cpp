@@ -11,6 +11,7 @@
 #include "apps/weir/interruption.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/run/guarded_output.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
 #include "framework/run/series.h"
@@ -142,9 +143,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
 }
 
 void RunCommand::addOutputOptions() {
-  for (auto& [name, kind] : program_.registry().createServices<OutputKind>()) {
-    Output output;
-    output.options = kind->options();
+  for (auto& [name, kind, source] : program_.registry().createServices<OutputKind>()) {
+    Output output{
+        .name = name, .source = source, .kind = {}, .options = optionsOf(*kind, name, source), .paths = {}};
     output.paths.resize(output.options.size());
     output.kind = std::move(kind);
     outputs_.push_back(std::move(output));
@@ -192,7 +193,8 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
     OutputPaths paths;
     for (std::size_t i = 0; i < output.options.size(); ++i)
       if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty()) observers.push_back(output.kind->create(paths));
+    if (!paths.empty())
+      observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
   }
   if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));
   observers.push_back(std::make_unique<StatisticsOutput>(stats_, program_.log()));
@@ -202,7 +204,7 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
   std::vector<std::string> endings;
-  for (auto& [name, store] : program_.registry().createServices<CheckpointStore>()) {
+  for (auto& [name, store, source] : program_.registry().createServices<CheckpointStore>()) {
     endings.emplace_back(store->extension());
     if (fs::path(path).extension() == store->extension()) return std::move(store);
   }
