@@ -182,9 +182,12 @@ std::string describeProgram(const Program& program, const Registry& registry) {
                     plugin.file().string());
   text += "  searched in:\n";
   for (const auto& folder : pluginFolders()) text += fmt::format("      {}\n", folder.string());
-  for (const auto& [name, source] : registry.createServices<InfoSource>()) {
+  for (const auto& [name, info, source] : registry.createServices<InfoSource>()) {
     text += fmt::format("\n{}\n", name);
-    for (const InfoEntry& entry : source->info()) text += fmt::format("  {}: {}\n", entry.name, entry.text);
+    const auto where = [&] { return hookText("information " + inQuotes(name), "info", source); };
+    callGuarded(source, where, [&] {
+      for (const InfoEntry& entry : info->info()) text += fmt::format("  {}: {}\n", entry.name, entry.text);
+    });
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "framework/base/text.h"
+#include "framework/run/guarded_output.h"
 #include "framework/run/output_paths.h"
 
 namespace weir::app {
@@ -28,10 +29,10 @@ void TakenPaths::addOutput(const OutputOption& option, const std::string& path) 
 }
 
 OutputOptions::OutputOptions(CLI::App& command, Program& program, bool replaysOnly) {
-  for (auto& [name, kind] : program.registry().createServices<OutputKind>()) {
+  for (auto& [name, kind, source] : program.registry().createServices<OutputKind>()) {
     if (replaysOnly && !kind->showsReplays()) continue;
-    Output output;
-    output.options = kind->options();
+    Output output{
+        .name = name, .source = source, .kind = {}, .options = optionsOf(*kind, name, source), .paths = {}};
     output.paths.resize(output.options.size());
     output.kind = std::move(kind);
     outputs_.push_back(std::move(output));
@@ -62,7 +63,8 @@ std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
     OutputPaths paths;
     for (std::size_t i = 0; i < output.options.size(); ++i)
       if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty()) observers.push_back(output.kind->create(paths));
+    if (!paths.empty()) 
+      observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
   }
   return observers;
 }

@@ -136,7 +136,7 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
   std::vector<std::string> endings;
-  for (auto& [name, store] : program_.registry().createServices<CheckpointStore>()) {
+  for (auto& [name, store, source] : program_.registry().createServices<CheckpointStore>()) {
     endings.emplace_back(store->extension());
     if (fs::path(path).extension() == store->extension()) return std::move(store);
   }

@@ -10,10 +10,19 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/graph/guard.h"
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
 
 namespace weir {
+
+/// An implementation of an interface, under its name, and the library that it comes from.
+template <class I>
+struct Service {
+  std::string name;
+  std::unique_ptr<I> implementation;
+  std::string source;
+};
 
 class Registry {
  public:
@@ -59,14 +68,21 @@ class Registry {
   /// Each throws a scene Error with a suggestion for an unknown type.
   std::unique_ptr<Node> createNode(std::string_view type) const;
   std::unique_ptr<Module> createModule(std::string_view type) const;
-  /// One of each service behind I, by name.
+  std::unique_ptr<Configurable> createSection(const std::string& name) const;
+  /// One of each service behind I, by name. Whoever calls them guards what comes from a plugin (guard.h).
   template <class I>
-  std::vector<std::pair<std::string, std::unique_ptr<I>>> createServices() const {
-    std::vector<std::pair<std::string, std::unique_ptr<I>>> all;
+  std::vector<Service<I>> createServices() const {
+    std::vector<Service<I>> all;
     const auto services = services_.find(std::string(I::kInterface));
     if (services == services_.end()) return all;
-    for (const auto& [name, factory] : services->second)
-      all.emplace_back(name, std::any_cast<const std::function<std::unique_ptr<I>()>&>(factory)());
+    for (const auto& [name, type] : services->second) {
+      const auto& factory = std::any_cast<const std::function<std::unique_ptr<I>()>&>(type.factory);
+      std::unique_ptr<I> made;
+      callGuarded(
+          type.source, [&] { return serviceText(services->first, name, type.source); },
+          [&] { made = factory(); });
+      all.push_back({name, std::move(made), type.source});
+    }
     return all;
   }
 
@@ -84,13 +100,20 @@ class Registry {
   void addNodeType(NodeType type);
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
+  static std::string serviceText(const std::string& interface, const std::string& name,
+                                 const std::string& source);
+
+  struct ServiceType {
+    std::string source;
+    std::any factory;
+  };
 
   std::vector<std::shared_ptr<const void>> libraries_;  // first, so that they outlive all that follows
   std::string source_{kOwnSource};
   std::map<std::string, NodeType> nodes_;
   std::map<std::string, ModuleType> modules_;
   std::map<std::string, SectionType> sections_;
-  std::map<std::string, std::map<std::string, std::any>> services_;
+  std::map<std::string, std::map<std::string, ServiceType>> services_;
 };
 
 }  // namespace weir

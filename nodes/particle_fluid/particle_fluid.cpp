@@ -62,7 +62,7 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
                  WallField(device).memoryFor(particles, room.solids) +
                  ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);  // the density
-  pipeline_.forEachEnabled([&](const FluidModule& module) { bytes += module.memory(room); });
+  pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
   return bytes;
 }
 
@@ -94,8 +94,8 @@ void ParticleFluid::save(const StateWriter& to) const {
   state.particles.save(to.in("particles"));
   state.neighbors.save(to.in("neighbors"));
   to.put("rest_steps", state.restSteps);
-  for (const auto& module : pipeline_.modules())
-    static_cast<const FluidModule&>(*module).save(to.in("modules").in(module->name()));
+  pipeline_.forEach("save",
+                    [&](const FluidModule& module) { module.save(to.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::restore(const StateReader& from) {
@@ -109,8 +109,8 @@ void ParticleFluid::restore(const StateReader& from) {
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
-  for (const auto& module : pipeline_.modules())
-    static_cast<FluidModule&>(*module).restore(from.in("modules").in(module->name()));
+  pipeline_.forEach("restore",
+                    [&](FluidModule& module) { module.restore(from.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
@@ -144,7 +144,7 @@ void ParticleFluid::reset(const SetupContext& context) {
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
-  pipeline_.forEach([&](FluidModule& module) { module.reset(step); });
+  pipeline_.forEach("reset", [&](FluidModule& module) { module.reset(step); });
 }
 
 void ParticleFluid::comeToRest(const StepContext& context) {
@@ -192,7 +192,7 @@ void ParticleFluid::step(const StepContext& context) {
 }
 
 void ParticleFluid::runPipeline(FluidStep& step) {
-  pipeline_.forEachEnabled([&](FluidModule& module) {
+  pipeline_.forEachEnabled("step", [&](FluidModule& module) {
     const ProfileScope scope(step.device.profiler(), module.name());
     module.step(step);
   });
@@ -243,7 +243,7 @@ void ParticleFluid::warnOfSettings(const SetupContext& context) {
                              .log = context.log,
                              .node = name()};
   warnOfFluid(outlook, there, context);
-  pipeline_.forEachEnabled([&](FluidModule& module) { module.warn(outlook); });
+  pipeline_.forEachEnabled("warn", [&](FluidModule& module) { module.warn(outlook); });
 }
 
 void ParticleFluid::checkEvents() {
@@ -274,7 +274,7 @@ void ParticleFluid::report(NodeReport& report) {
   report.events.push_back({"particles left the domain and were removed", state.events.escaped});
   report.events.push_back(
       {"particles with positions that are no numbers were removed", state.events.nonFinite});
-  pipeline_.forEachEnabled([&](FluidModule& module) { module.report(report); });
+  pipeline_.forEachEnabled("report", [&](FluidModule& module) { module.report(report); });
 }
 
 }  // namespace weir

@@ -9,7 +9,7 @@
 #include "framework/base/build_info.h"
 #include "framework/compute/device.h"
 #include "framework/graph/type_values.h"
-#include "framework/run/output_kind.h"
+#include "framework/run/guarded_output.h"
 #include "framework/scene/scene_file.h"
 #include "nodes/register_nodes.h"
 #include "python/src/errors.h"
@@ -83,8 +83,8 @@ nb::object describeTypes(const Library& library) {
 
 nb::object describeOutputs(const Library& library) {
   Value all = Value::object();
-  for (const auto& [service, kind] : library.registry()->createServices<OutputKind>())
-    for (const OutputOption& option : kind->options()) {
+  for (const auto& [service, kind, source] : library.registry()->createServices<OutputKind>())
+    for (const OutputOption& option : optionsOf(*kind, service, source)) {
       Value& v = all[option.name];
       v["argument"] = option.argument;
       v["doc"] = option.doc;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "framework/base/text.h"
+#include "framework/run/guarded_output.h"
 #include "framework/run/output_paths.h"
 #include "framework/run/run.h"
 #include "framework/run/series.h"
@@ -32,9 +33,9 @@ std::vector<std::unique_ptr<Observer>> makeObservers(const Registry& registry,
                                                      std::map<std::string, std::string> asked) {
   std::vector<std::unique_ptr<Observer>> observers;
   std::vector<std::string> known{kSeries};
-  for (const auto& [service, kind] : registry.createServices<OutputKind>()) {
+  for (const auto& [service, kind, source] : registry.createServices<OutputKind>()) {
     OutputPaths paths;
-    for (const OutputOption& option : kind->options()) {
+    for (const OutputOption& option : optionsOf(*kind, service, source)) {
       known.push_back(option.name);
       const auto path = asked.find(option.name);
       if (path == asked.end()) continue;
@@ -42,7 +43,7 @@ std::vector<std::unique_ptr<Observer>> makeObservers(const Registry& registry,
       paths[option.name] = path->second;
       asked.erase(path);
     }
-    if (!paths.empty()) observers.push_back(kind->create(paths));
+    if (!paths.empty()) observers.push_back(makeGuardedObserver(*kind, service, source, paths));
   }
   if (const auto path = asked.find(kSeries); path != asked.end()) {
     const OutputOption option{.name = kSeries, .argument = "FILE.jsonl", .extensions = {".jsonl"}, .doc = ""};

@@ -6,6 +6,7 @@ leave nothing behind. What is not run says why; documents.py tells how a page sa
 """
 
 import argparse
+import ast
 import json
 import os
 import re
@@ -23,7 +24,7 @@ from documents import Mistake  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("framework", "nodes", "plugins", "apps", "tests", "tools", "examples", "resources", "cmake", "docs")
-LONGEST = 240  # seconds that one block may take
+LONGEST = 600  # seconds that one block may take
 LANGUAGES = {"sh", "json", "jsonc", "cpp", "python", "cmake", "text"}
 
 
@@ -54,6 +55,7 @@ class PageCheck:
         self.path, self.name, self.build, self.folder = path, name, build, folder
         self.checker = commands.Checker(ROOT, build)
         self.mistakes, self.skipped = [], []
+        self.compared = {}  # the last block that was compared with a file, by its name
         self.counts = {"run": 0, "checked": 0, "scenes": 0, "compared": 0, "names": 0}
         self.seconds = 0.0
 
@@ -101,6 +103,8 @@ class PageCheck:
             text = re.sub(rf"\b{re.escape(word)}\b", value, text)
         if block.mark.source:
             self.compare(block.mark.source, text)
+        elif block.mark.edited:
+            self.edit(block.mark.edited, text)
         elif block.mark.skip and block.language != "sh":
             self.skip(block.line, block.mark.skip)
         elif block.language == "sh":
@@ -111,7 +115,7 @@ class PageCheck:
             self.check_python(block, text)
         elif block.language != "text":
             raise Mistake(f"{block.language} needs a mark that says where it is from")
-        if block.mark.file:
+        if block.mark.file and not block.mark.scene:
             target = self.folder / block.mark.file
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(without_comments(text) if block.language == "jsonc" else text)
@@ -133,13 +137,27 @@ class PageCheck:
                 raise Mistake(f"{source} has no line '{wanted}' there")
             at = found + 1
         self.counts["compared"] += 1
+        self.compared[source] = text
+
+    def edit(self, name, text):
+        file, old = self.folder / name, self.compared.get(name)
+        if old is None or not file.is_file():
+            raise Mistake(f"no block before it was compared with {name}, a file that the page's commands made")
+        whole = file.read_text()
+        if whole.count(old) != 1:
+            raise Mistake(f"{name} does not hold the block before it, as it stands, once")
+        file.write_text(whole.replace(old, text))
+        self.counts["compared"] += 1
 
     def environment(self):
         home = self.folder / "home"
         kept = {k: v for k, v in os.environ.items() if not k.startswith(("WEIR_", "CMAKE_PREFIX"))}
         kept.update(HOME=str(home), PATH=f"{self.build / 'bin'}:{os.environ['PATH']}", PYTHONDONTWRITEBYTECODE="1")
+        if (self.build / "python").is_dir():
+            kept["PYTHONPATH"] = str(self.build / "python")  # the package weir, where the build has made it
         if shutil.which("ccache"):
             kept.update(CMAKE_CXX_COMPILER_LAUNCHER="ccache", CMAKE_CUDA_COMPILER_LAUNCHER="ccache",
+                        CCACHE_BASEDIR=str(self.folder), CCACHE_NOHASHDIR="1",
                         CCACHE_DIR=os.environ.get("CCACHE_DIR", str(Path.home() / ".cache/ccache")))
         return kept
 
@@ -200,13 +218,24 @@ class PageCheck:
         return json.loads("{" + text + "}" if is_piece and not text.startswith("{") else text)
 
     def check_python(self, block, text):
-        done = subprocess.run([sys.executable, "-c", "import weir"], capture_output=True, check=False, cwd=self.folder)
-        if done.returncode != 0:
-            compile(text, self.name, "exec")
-            self.skip(block.line, "Python has no package weir here; its syntax was checked")
+        missing = self.missing_modules(text)
+        if missing:
+            self.skip(block.line, f"Python has no {', '.join(missing)} here; its syntax was checked")
             return
         self.execute([sys.executable, "-c", text], block.line, block.mark.exit)
         self.counts["run"] += 1
+
+    def missing_modules(self, text):
+        """The modules that the code imports and that this Python does not have."""
+        try:
+            tree = ast.parse(text)
+        except SyntaxError as error:
+            raise Mistake(f"this is no Python: {error}") from None
+        names = [a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names]
+        names += [node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        tops = sorted({name.split(".")[0] for name in names})
+        return [top for top in tops if subprocess.run(
+            [sys.executable, "-c", f"import {top}"], capture_output=True, check=False, cwd=self.folder, env=self.environment()).returncode != 0]
 
     def check_code(self, code):
         """A name in back quotes: a path of the repository, or a command."""

@@ -9,8 +9,10 @@ A mark is a comment on the line before a block:
                                           exit=N: the block shall end with this code
                                           plugin=FILE: a plugin that a scene needs
     <!-- check: file NAME -->             the block is also written to this file, for blocks that follow
-    <!-- check: into SCENE at PLACE -->   a piece of JSON, which belongs into that scene at that place (a.b.c)
+    <!-- check: into SCENE at PLACE -->   a piece of JSON, which belongs into that scene at that place (a.b.c), or
+                                          without `at` into its outermost object; `file` keeps the whole scene
     <!-- check: from FILE -->             each line of the block stands in that file, in this order
+    <!-- check: edit FILE -->             the block takes the place of the last one that was `from` this file, there
 
 Several are separated by semicolons.
 """
@@ -33,6 +35,7 @@ class Mark:
     skip: str = ""
     file: str = ""
     source: str = ""
+    edited: str = ""
     scene: str = ""
     place: str = ""
     exit: int = 0
@@ -61,7 +64,7 @@ class Page:
 
 def read_mark(text):
     mark = Mark()
-    for part in re.split(r";\s*(?=(?:skip,|with|file|into|from) )", text):
+    for part in re.split(r";\s*(?=(?:skip,|with|file|into|from|edit) )", text):
         kind, _, rest = part.strip().partition(" ")
         if kind == "skip,":
             mark.skip = rest
@@ -69,8 +72,10 @@ def read_mark(text):
             mark.file = rest
         elif kind == "from":
             mark.source = rest
-        elif kind == "into" and " at " in rest:
-            mark.scene, mark.place = rest.split(" at ")
+        elif kind == "edit":
+            mark.edited = rest
+        elif kind == "into":
+            mark.scene, _, mark.place = rest.partition(" at ")
         elif kind == "with":
             read_words(mark, rest)
         else:

@@ -49,7 +49,7 @@ TEST_F(FilesOfRuns, SurfacesAreReadBackByAssimp) {
   EXPECT_EQ(count("obj"), 3u);
   Registry registry;
   const Plugin plugin(library, registry);
-  const auto reader = std::move(registry.createServices<MeshReader>().at(0).second);
+  const auto reader = std::move(registry.createServices<MeshReader>().at(0).implementation);
   double firstX = 0;
   for (int frame = 0; frame < 3; ++frame) {
     const std::string name = "/skin_0000" + std::to_string(frame);

@@ -51,10 +51,10 @@ class CheckedPage(unittest.TestCase):
         self.expect_mistake("<!-- check: with SCENE=a.json -->\n```sh\ntrue\n```\n", 2, "SCENE")
 
     def test_what_is_not_run_says_why_and_is_still_looked_up(self):
-        done = self.check("<!-- check: skip, it takes long; an hour -->\n```sh\nweir run resources/scenes/dam_break.json --video a.mp4\n```\n")
+        done = self.check("<!-- check: skip, it takes long; an hour -->\n```sh\nweir run resources/scenes/dam_break.json --stats a.json\n```\n")
         self.assertEqual((done.mistakes, done.skipped), ([], [(2, "it takes long; an hour")]))
         skip = "<!-- check: skip, long -->\n```sh\n"
-        self.expect_mistake(skip + "weir run resources/scenes/dam_break.json --vido a.mp4\n```\n", 2, "no option --vido")
+        self.expect_mistake(skip + "weir run resources/scenes/dam_break.json --stast a.json\n```\n", 2, "no option --stast")
         self.expect_mistake(skip + "weir run resources/scenes/dam_break.json --set water.spcing=1\n```\n", 2, "spcing")
         self.expect_mistake(skip + "weir run resources/scenes/none.json\n```\n", 2, "no scene")
         self.expect_mistake(skip + "./dev vlidate\n```\n", 2, "vlidate")
@@ -80,6 +80,26 @@ class CheckedPage(unittest.TestCase):
         self.expect_mistake(mark + right.replace("256", "255"), 2, "char doc[255];")
         self.expect_mistake(mark + "```cpp\n  char doc[256];\n  int interfaceVersion;\n```\n", 2, "interfaceVersion")
         self.expect_mistake("```cpp\nint a;\n```\n", 1, "a mark")
+
+    def test_code_that_takes_the_place_of_other_code_does_so(self):
+        made = "```sh\nprintf 'int a;\\nint b;\\n' >a.h\n```\n\n<!-- check: from a.h -->\n```cpp\nint b;\n```\n\n"
+        edit = "<!-- check: edit a.h -->\n```cpp\nint c;\n```\n\n"
+        self.assertEqual(self.check(made + edit + "```sh\ngrep -q 'int c' a.h\n! grep 'int b' a.h\n```\n").mistakes, [])
+        self.expect_mistake(edit, 2, "no block before it")
+
+    def test_pieces_of_a_scene_are_put_together(self):
+        scene = '<!-- check: file a.json -->\n```json\n{ "weir": 1, "nodes": { "w": { "type": "ParticleFluid" } } }\n```\n\n'
+        piece = '<!-- check: into a.json at nodes; file a.json -->\n```json\n"b": { "type": "BoxSampler" }\n```\n\n'
+        links = '<!-- check: into a.json; file a.json -->\n```json\n"links": ["b.particles -> w.initial"]\n```\n\n'
+        done = self.check(scene + piece + links + "```sh\nweir run a.json --frames 0 --set w.spacing=0.2 --set w.rest_steps=0\n```\n")
+        self.assertEqual((done.mistakes, done.counts["scenes"]), ([], 3))
+        self.expect_mistake(scene + links, 7, "'b'")
+
+    def test_python_is_run_or_says_what_is_missing(self):
+        self.assertEqual(self.check("```python\nimport json\nassert json.loads('1') == 1\n```\n").counts["run"], 1)
+        self.expect_mistake("```python\nraise ValueError('odd')\n```\n", 1, "odd")
+        self.expect_mistake("```python\nif\n```\n", 1, "no Python")
+        self.assertIn("no_such_module", self.check("```python\nimport no_such_module\n```\n").skipped[0][1])
 
     def test_blocks_marks_paths_and_links_are_looked_at(self):
         self.expect_mistake("```\nls\n```\n", 1, "allowed are")
