@@ -85,9 +85,10 @@ Eigen::Matrix3f upright(const View& view) {
 }  // namespace
 
 Environment::Environment(const Functions& gl)
-    : gl_(gl), paint_(gl, "surroundings", kFullScreenVertexShader, kPaintShader), array_(makeVertexArray(gl)) {}
+    : gl_(gl), array_(makeVertexArray(gl)), surroundings_(makeTexture(gl, 1, 1, kColor8, GL_NEAREST)) {}
 
 void Environment::load(const View& view) {
+  if (view.waters.empty() && !isOutside(view)) return;
   if (loaded_ && *loaded_ == view.environment && loadedSun_ == view.lighting.towardsSun) return;
   loaded_ = view.environment;
   loadedSun_ = view.lighting.towardsSun;
@@ -109,10 +110,11 @@ void Environment::paint(const View& view) {
   gl_.viewport(0, 0, kWidth, kHeight);
   gl_.disable(GL_DEPTH_TEST);
   gl_.bindVertexArray(array_.name());
-  paint_.use();
+  if (!paint_) paint_.emplace(gl_, "surroundings", kFullScreenVertexShader, kPaintShader);
+  paint_->use();
   const Eigen::Vector3f sun = upright(view) * toEigen(normalized(view.lighting.towardsSun));
-  paint_.set("uTowardsSun", fromEigen(sun));
-  paint_.set("uSky", int(view.environment.look == EnvironmentLook::kSky));
+  paint_->set("uTowardsSun", fromEigen(sun));
+  paint_->set("uSky", int(view.environment.look == EnvironmentLook::kSky));
   gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 

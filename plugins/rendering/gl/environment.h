@@ -28,7 +28,7 @@ class Environment {
  public:
   explicit Environment(const Functions& gl);
 
-  /// Makes the surroundings of a view, if they have changed.
+  /// Makes the surroundings of a view, if they are seen there and have changed.
   void load(const View& view);
   /// From camera space to that of the surroundings, in which y is up.
   static Eigen::Matrix3f fromCamera(const Frame& frame);
@@ -39,7 +39,7 @@ class Environment {
   void paint(const View& view);
 
   const Functions& gl_;
-  Program paint_;
+  std::optional<Program> paint_;
   VertexArray array_;
   Texture surroundings_;
   std::optional<EnvironmentView> loaded_;

@@ -10,7 +10,8 @@ namespace weir::rendering::gl {
 namespace {
 
 // Two outputs for one target: the light that is added, and the part of the light behind that comes through.
-const std::string kFragmentShader = kShaderVersion + kBehindSnippet + kLightSnippet + kEnvironmentSnippet + R"(
+const std::string kFragmentShader =
+    kShaderVersion + kBehindSnippet + kLightSnippet + kEnvironmentSnippet + R"(
 uniform vec3 uTint;
 uniform bool uUnlit, uOutside;
 in vec3 vNormal;
@@ -42,8 +43,7 @@ GlassPass::GlassPass(const Functions& gl)
     : gl_(gl), program_(gl, "glass", kSurfaceVertexShader, kFragmentShader) {}
 
 void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes,
-                     const Texture& before,
-                     const Environment& environment) const {
+                     const Texture& before, const Environment& environment) const {
   std::vector<const SurfaceView*> glass;
   for (const SurfaceView& surface : frame.view.surfaces)
     if (surface.look == SurfaceLook::kGlass) glass.push_back(&surface);

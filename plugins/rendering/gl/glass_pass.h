@@ -14,7 +14,8 @@ class GlassPass {
   /// Into Targets::lightWithDepth. Light goes straight through, without refraction, so that what is inside is
   /// seen where it is. Surfaces come in the order of their distances, the inner sides before the outer ones.
   /// Only what lies behind the depth that `before` holds is drawn: one texel, or one per sample.
-  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes, const Texture& before, const Environment& environment) const;
+  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes, const Texture& before,
+            const Environment& environment) const;
 
  private:
   const Functions& gl_;

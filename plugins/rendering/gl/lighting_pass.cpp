@@ -8,7 +8,8 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kLightingShader = kCameraSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
+const std::string kLightingShader =
+    kCameraSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
 uniform sampler2D uAlbedo, uNormal, uDepth, uOcclusion;
 uniform vec3 uBackgroundTop, uBackgroundBottom;
 uniform vec3 uGroundMiddle;   // in camera space
@@ -139,7 +140,7 @@ const Program& LightingPass::programFor(const Frame& frame) {
 }
 
 void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows,
-                        const WaterShadow& water, const Environment& environment) {
+                        const WaterShadow* water, const Environment& environment) {
   const Program& lighting = programFor(frame);
   const View& view = frame.view;
   gl_.disable(GL_DEPTH_TEST);

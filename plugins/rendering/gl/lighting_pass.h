@@ -15,8 +15,10 @@ class LightingPass {
  public:
   explicit LightingPass(const Functions& gl);
 
-  /// From targets.geometry, occlusion[0] and what the sun sees into targets.lighting.
-  void draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows, const WaterShadow& water, const Environment& environment);
+  /// From targets.geometry, occlusion[0] and what the sun sees into targets.lighting. `water` is null if
+  /// there is no liquid.
+  void draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows, const WaterShadow* water,
+            const Environment& environment);
 
   /// From targets.light into targets.picture: the mean of each pixel's samples, with a soft shoulder instead
   /// of overexposed highlights.

@@ -38,6 +38,16 @@ std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatD
   return std::make_unique<WaterSplatPass>(gl, *splatDevice);
 }
 
+struct Liquids {
+  Liquids(const Functions& gl, Device* splatDevice)
+      : particles(makeWaterDrawer(gl, splatDevice)), surfaces(gl), shadows(gl), pass(gl) {}
+
+  std::unique_ptr<WaterDrawer> particles;
+  WaterSurfacePass surfaces;
+  WaterShadow shadows;
+  WaterPass pass;
+};
+
 }  // namespace
 
 class Renderer::Passes {
@@ -53,10 +63,7 @@ class Renderer::Passes {
         lighting_(gl),
         lines_(gl),
         glass_(gl),
-        waterParticles_(makeWaterDrawer(gl, splatDevice)),
-        waterSurfaces_(gl),
-        waterShadows_(gl),
-        water_(gl),
+        splatDevice_(splatDevice),
         nothingBefore_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest)) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
@@ -70,6 +77,7 @@ class Renderer::Passes {
   int samplesFor(const View& view) const;
   Aabb load(const View& view, Aabb& casters);
   void drawGeometry(const Frame& frame);
+  void drawClear(const Frame& frame);
   Picture read() const;
 
   std::unique_ptr<ParticleDrawer> particles_;
@@ -80,11 +88,9 @@ class Renderer::Passes {
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
-  std::unique_ptr<WaterDrawer> waterParticles_;
-  WaterSurfacePass waterSurfaces_;
-  WaterShadow waterShadows_;
-  WaterPass water_;
-  Texture nothingBefore_;  // one texel with the depth of the eye
+  Device* splatDevice_;
+  std::optional<Liquids> liquids_;  // once there are any: their programs take time to build
+  Texture nothingBefore_;           // one texel with the depth of the eye
   std::optional<Targets> targets_;
   GLint largest_ = 0;
 };
@@ -101,7 +107,8 @@ int Renderer::Passes::samplesFor(const View& view) const {
 /// Sends what has changed to the GPU; returns the box around all that is seen.
 Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
   casters = particles_->load(view.particles);
-  casters.extend(waterParticles_->load(view.particles));
+  if (!view.waters.empty() && !liquids_) liquids_.emplace(gl, splatDevice_);
+  if (liquids_) casters.extend(liquids_->particles->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   return seenBox(view, casters);
@@ -122,6 +129,20 @@ void Renderer::Passes::drawGeometry(const Frame& frame) {
   if (particlesFirst) particles_->drawGeometry(frame, *targets_);
   surfaces_.draw(frame, meshes, particlesFirst);
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
+}
+
+/// Liquids, glass and lines over the lit scene.
+void Renderer::Passes::drawClear(const Frame& frame) {
+  const auto drawBehind = [&](const Texture& before) {
+    lines_.draw(frame, *targets_, before);
+    glass_.draw(frame, *targets_, meshes, before, environment_);
+  };
+  if (!frame.view.waters.empty())
+    liquids_->pass.draw(
+        frame, *targets_,
+        {meshes, *liquids_->particles, shadows_, liquids_->shadows, liquids_->surfaces, environment_},
+        drawBehind);
+  drawBehind(nothingBefore_);
 }
 
 Picture Renderer::Passes::read() const {
@@ -155,7 +176,7 @@ Picture Renderer::Passes::draw(const View& view) {
   if (frame.hasShadows) {
     frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
     shadows_.draw(frame, meshes, *particles_);
-    if (!view.waters.empty()) waterShadows_.draw(frame, meshes, *waterParticles_, waterSurfaces_);
+    if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *liquids_->particles, liquids_->surfaces);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
@@ -164,14 +185,8 @@ Picture Renderer::Passes::draw(const View& view) {
     occlusion_.clear(*targets_);
   }
   environment_.load(view);
-  lighting_.draw(frame, *targets_, shadows_, waterShadows_, environment_);
-  const auto drawClear = [&](const Texture& before) {
-    lines_.draw(frame, *targets_, before);
-    glass_.draw(frame, *targets_, meshes, before, environment_);
-  };
-  water_.draw(frame, *targets_, {meshes, *waterParticles_, shadows_, waterShadows_, waterSurfaces_, environment_},
-              drawClear);
-  drawClear(nothingBefore_);
+  lighting_.draw(frame, *targets_, shadows_, liquids_ ? &liquids_->shadows : nullptr, environment_);
+  drawClear(frame);
   lighting_.resolve(frame, *targets_);
   Picture picture = read();
   if (const GLenum error = gl.getError(); error != GL_NO_ERROR)

@@ -1,5 +1,5 @@
-// What the kernels that splat spheres share: which samples a sphere covers, where a ray meets it, and in which
-// order spheres come.
+// What the kernels that splat spheres share: which samples a sphere covers, where a ray meets it, and in
+// which order spheres come.
 #pragma once
 
 #include <bit>

@@ -82,11 +82,13 @@ const std::string& sunlightSnippet() {
 }
 
 void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,
-                         const WaterShadow& water, int unit) {
+                         const WaterShadow* water, int unit) {
   program.setTexture("uShadow", unit, shadows.depth());
   program.setTexture("uThroughGlass", unit + 1, shadows.throughGlass());
-  program.setTexture("uWaterDepth", unit + 2, water.depth());
-  program.setTexture("uThroughWater", unit + 3, water.through());
+  if (water != nullptr) {
+    program.setTexture("uWaterDepth", unit + 2, water->depth());
+    program.setTexture("uThroughWater", unit + 3, water->through());
+  }
   if (!frame.hasShadows) return;
   const Eigen::Matrix4f toSun = frame.sun.toTexture() * frame.camera.view.inverse();
   program.setMatrix4("uToSun", toSun.data());

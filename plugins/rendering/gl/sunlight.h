@@ -17,8 +17,8 @@ std::string sunlightDefines(const Frame& frame);
 /// part of the sun's light that arrives.
 const std::string& sunlightSnippet();
 
-/// Its uniforms; takes four texture units from `unit` on.
+/// Its uniforms; takes four texture units from `unit` on. `water` may be null if there is no liquid.
 void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,
-                         const WaterShadow& water, int unit);
+                         const WaterShadow* water, int unit);
 
 }  // namespace weir::rendering::gl

@@ -20,18 +20,18 @@ struct WaterParticle {
 
 /// What a sum of thickness is made of.
 struct ThicknessView {
-  Vec3f rows[4];      ///< of the matrix from world to clip space
-  float moved[4];     ///< its last column
-  float texels = 0;   ///< of 1 m at a distance of 1 m
-  float near = 0;     ///< particles before it are left out, m
+  Vec3f rows[4];     ///< of the matrix from world to clip space
+  float moved[4];    ///< its last column
+  float texels = 0;  ///< of 1 m at a distance of 1 m
+  float near = 0;    ///< particles before it are left out, m
   int width = 0, height = 0;
-  float unit = 1;     ///< m that a sum of 1 means
+  float unit = 1;  ///< m that a sum of 1 means
 };
 
 /// Between what a liquid is seen. Of the sun, which sees all of it, both arrays are empty.
 struct LiquidBetween {
-  ArrayView<const std::uint32_t> front;    ///< bits of its depths in [0, 1], at each sample; see kFoamDepth
-  ArrayView<const float> background;       ///< distance of what is opaque, at each texel, m
+  ArrayView<const std::uint32_t> front;  ///< bits of its depths in [0, 1], at each sample; see kFoamDepth
+  ArrayView<const float> background;     ///< distance of what is opaque, at each texel, m
   int width = 0, height = 0;
   Vec4f projection;       ///< P00, P11, P22, P23
   float depthOfFoam = 0;  ///< in radii

@@ -252,7 +252,7 @@ void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& p
   program.setTexture("uThickness", 2, water_->thickness[0]);
   program.setTexture("uScene", 3, water_->scene);
   program.setTexture("uDepth", 4, targets.depth);
-  setSunlightUniforms(program, frame, parts.shadows, parts.waterShadows, 5);
+  setSunlightUniforms(program, frame, parts.shadows, &parts.waterShadows, 5);
   parts.environment.setUniforms(program, frame, 9);
   program.set("uSamples", frame.samples);
   program.set("uUnlit", int(frame.view.lighting.unlit));

@@ -20,9 +20,9 @@ void main() {
   ivec2 last = textureSize(uThickness, 0) - 1;
   vec2 sum = vec2(0.0);
   float weights = 0.0;
-  for (int y = -2; y <= 2; ++y)
-    for (int x = -2; x <= 2; ++x) {
-      float weight = exp(-0.35 * float(x * x + y * y));
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
+      float weight = exp(-0.4 * float(x * x + y * y));
       sum += weight * texelFetch(uThickness, clamp(place + ivec2(x, y), ivec2(0), last), 0).rg;
       weights += weight;
     }

@@ -9,7 +9,7 @@ namespace weir::rendering::gl {
 
 class WaterShadow {
  public:
-  static constexpr int kResolution = 768;  ///< texels along a side
+  static constexpr int kResolution = 512;  ///< texels along a side
 
   explicit WaterShadow(const Functions& gl);
 

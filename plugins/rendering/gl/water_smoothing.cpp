@@ -38,7 +38,7 @@ uniform float uWidth;      // of the Gaussian at a distance of 1 m, in pixels
 uniform float uRange;      // m
 out float oNearness;
 
-const int kPairs = 9;
+const int kPairs = 6;
 const float kLargest = 60.0;  // pixels
 
 // What lies behind the range counts as if it were a little behind the middle.
@@ -93,13 +93,13 @@ void main() {
   if (here <= 0.0) return;
   ivec2 last = textureSize(uNearness, 0) - 1;
   float sum = here, weights = 1.0;
-  for (int y = -2; y <= 2; ++y)
-    for (int x = -2; x <= 2; ++x) {
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
       if (x == 0 && y == 0) continue;
       float there = texelFetch(uNearness, clamp(place + ivec2(x, y), ivec2(0), last), 0).r;
       if (there <= 0.0) continue;
       float apart = (1.0 / there - 1.0 / here) / uRange;
-      float weight = exp(-0.22 * float(x * x + y * y) - 2.0 * apart * apart);
+      float weight = exp(-0.4 * float(x * x + y * y) - 2.0 * apart * apart);
       sum += weight * there;
       weights += weight;
     }

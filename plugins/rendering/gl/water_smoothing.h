@@ -12,7 +12,7 @@ struct WaterTargets {
   Texture depth, normal;  ///< per sample; normals with an alpha of 1 where a mesh is seen
   Framebuffer surface;
   int thicknessWidth, thicknessHeight;
-  Texture background;    ///< distance of what is opaque, at half the size
+  Texture background;  ///< distance of what is opaque, at half the size
   Framebuffer backgroundTarget;
   Texture thickness[2];  ///< at half the size
   Framebuffer thicknessTargets[2];

@@ -33,7 +33,8 @@ class WaterSplatPass final : public WaterDrawer {
 
   Aabb loadOne(const ParticleView& particles);
   bool has(std::size_t water) const { return water < liquids_.size() && !liquids_[water].packed.empty(); }
-  void addThickness(std::size_t water, ThicknessView view, const LiquidBetween& between, const ThicknessMap& map);
+  void addThickness(std::size_t water, ThicknessView view, const LiquidBetween& between,
+                    const ThicknessMap& map);
   void upload(const Texture& texture, int width, int height, const TextureFormat& format,
               const void* texels) const;
   /// The same numbers on the host.
