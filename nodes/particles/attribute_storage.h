@@ -44,11 +44,16 @@ struct SpareMemory {
     else
       return ints;
   }
+  /// `size` elements. Where there is no particle they are 0, as in the attributes.
   template <class T>
-  Array<T>& get(Device& device, std::size_t index) {
+  Array<T>& get(Device& device, std::size_t index, std::int64_t size) {
     Arrays<T>& arrays = of<T>();
     while (arrays.size() <= index) arrays.push_back(std::make_unique<Array<T>>(device));
-    return *arrays[index];
+    Array<T>& array = *arrays[index];
+    const bool fresh = array.capacity() < size;
+    array.resizeDiscarding(size);
+    if (fresh) array.fillZero();
+    return array;
   }
   void release() {
     vectors.clear();
@@ -70,7 +75,8 @@ class AttributeStorage {
   virtual ~AttributeStorage() = default;
 
   const AttributeInfo& info() const { return info_; }
-  /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived.
+  /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived; new
+  /// ones are zero.
   virtual void grow(std::int64_t size) = 0;
   /// The present elements and spare room for them in another order, which finishPermutation() makes the
   /// present one. `spare` numbers the arrays of this type that are in use at the time.
@@ -96,18 +102,22 @@ class TypedStorage final : public AttributeStorage {
       values.resizeDiscarding(size);
       values.fillZero();
     } else {
+      const std::int64_t present = values.size();
       values.reserve(size);
       values.resize(size);
+      values.device().fillBytes(values.data() + present, 0,
+                                static_cast<std::size_t>(size - present) * sizeof(T));
     }
   }
   PermutedColumn beginPermutation(std::size_t spare) override {
     static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
-    Array<T>& room = spares_->get<T>(values.device(), spare);
-    room.resizeDiscarding(values.size());
+    Array<T>& room = spares_->get<T>(values.device(), spare, values.size());
     return {reinterpret_cast<const std::uint32_t*>(values.data()),
             reinterpret_cast<std::uint32_t*>(room.data()), sizeof(T) / sizeof(std::uint32_t)};
   }
-  void finishPermutation(std::size_t spare) override { values.swap(spares_->get<T>(values.device(), spare)); }
+  void finishPermutation(std::size_t spare) override {
+    values.swap(spares_->get<T>(values.device(), spare, values.size()));
+  }
   void zeroBehind(Device& device, const int* count, std::int64_t amount) override {
     dispatch(device, [&](auto& backend) { zeroBehindOn(backend, count, amount); });
   }

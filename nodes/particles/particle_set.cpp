@@ -46,9 +46,7 @@ double ParticleSet::memoryFor(double particles) {
 
 Array<Vec3f>& ParticleSet::scratch() {
   ++scratchUses_;
-  Array<Vec3f>& spare = spares_->get<Vec3f>(*device_, 0);
-  spare.resizeDiscarding(capacity());
-  return spare;
+  return spares_->get<Vec3f>(*device_, 0, capacity());
 }
 
 Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
