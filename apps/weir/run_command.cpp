@@ -95,8 +95,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
                    "Go on from a checkpoint of the same scene; outputs go on behind what they have")
       ->type_name("FILE.h5");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
-  command_->add_flag("--deterministic", deterministic_,
-                     "Make results bitwise the same from run to run on CUDA, too");
+  command_->add_flag(
+      "--deterministic", deterministic_,
+      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads));

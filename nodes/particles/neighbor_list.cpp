@@ -74,7 +74,10 @@ void NeighborList::makeRoom(std::int64_t particles) {
   // Codes are read four at a time, those behind a list's end with them.
   if (fresh) entries_.fillZero();
   groups_.resizeDiscarding(groups);
-  blocks_.resizeDiscarding(blocksFor(particles) * room_ * kListGroup);
+  const std::int64_t indices = blocksFor(particles) * room_ * kListGroup;
+  const bool freshBlocks = blocks_.capacity() < indices;
+  blocks_.resizeDiscarding(indices);
+  if (freshBlocks) blocks_.fillZero();
 }
 
 std::int64_t NeighborList::blocksFor(std::int64_t particles) const {

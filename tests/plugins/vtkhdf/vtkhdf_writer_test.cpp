@@ -39,6 +39,23 @@ TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no drafts are left behind";
 }
 
+TEST_F(VtkHdfWriterTest, DoesNotSayWhenItWasWritten) {
+  // So two files of the same data are the same.
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, {3, 2});
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto look = [](hid_t, const char* name, const auto* info, void* seen) {
+    EXPECT_EQ(info->ctime, 0) << name;
+    EXPECT_EQ(info->mtime, 0) << name;
+    ++*static_cast<int*>(seen);
+    return herr_t{0};
+  };
+  int seen = 0;
+  H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_INC, look, &seen, H5O_INFO_TIME);
+  EXPECT_GT(seen, 20);
+  H5Fclose(id);
+}
+
 /// Reads integers with HDF5's own interface, not with ours.
 class RawFile {
  public:
