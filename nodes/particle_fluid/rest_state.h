@@ -29,6 +29,9 @@ class RestState {
   /// The batches that the fluid's particles came from, in their order, all of them and nothing else.
   RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches);
 
+  /// Bytes on the device for so many particles.
+  static double memoryFor(double particles) { return particles * double(sizeof(Vec3f)); }
+
   /// Whether there is a container at all.
   bool wanted() const;
   /// Takes at most `most` steps, by calling `step`; says how many.

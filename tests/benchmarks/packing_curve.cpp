@@ -16,13 +16,14 @@
 // compress it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by
 // one per thousand takes one per cent of the volume.
 //
-// What walls need comes from the heights at which water settles in tanks of several sizes, see
-// tests/support/settled_tanks.h. `contact` prints the table of contactRatio: the fluid at a signed-distance
+// What walls need comes from the heights at which water rests in tanks of several sizes, see
+// tests/support/resting_tanks.h. `contact` prints the table of contactRatio: the fluid at a signed-distance
 // wall does not know where the wall is, only how near it may come, so what is missing at the wall now is what
 // this distance is too large by. `factor` prints the table of wallFactor: the a between two others at which
 // nothing is missing at walls.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -40,7 +41,7 @@
 #include "nodes/register_nodes.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/static_boundary/static_boundary.h"
-#include "tests/support/settled_tanks.h"
+#include "tests/support/resting_tanks.h"
 
 namespace weir {
 namespace {
@@ -166,63 +167,64 @@ void printColumns(const std::vector<double>& ratios) {
   }
 }
 
-/// The fit to all calibration tanks, each filled a few times, on so many threads.
-test::WallFit settleTanks(const test::TankWater& water, int threads) {
-  struct Filling {
-    test::Tank tank;
-    int number;
-  };
+struct Walls {
+  double offset = 0, error = 0;  // spacings: of several fillings, the mean and its standard error
+};
+
+/// How much too far away walls hold water, from all calibration tanks filled a few times, on so many threads.
+Walls restInTanks(const test::TankWater& water, int threads) {
   constexpr int kFillings = 3;
-  std::vector<Filling> fillings;
-  for (int number = 0; number < kFillings; ++number)
-    for (const test::Tank& tank : test::calibrationTanks()) fillings.push_back({tank, number});
-  std::vector<double> heights(fillings.size());
+  const std::vector<test::Tank> tanks = test::calibrationTanks();
+  std::vector<double> heights(kFillings * tanks.size());
   std::atomic<std::size_t> next{0};
   std::vector<std::future<void>> workers;
   for (int k = 0; k < threads; ++k)
     workers.push_back(std::async(std::launch::async, [&] {
       CpuDevice device(1);
-      for (std::size_t i = next++; i < fillings.size(); i = next++) {
+      for (std::size_t i = next++; i < heights.size(); i = next++) {
         test::TankWater filled = water;
-        filled.jitter += 0.02 * fillings[i].number;
-        filled.seed += fillings[i].number;
-        heights[i] = test::settledHeight(device, fillings[i].tank, filled);
+        filled.seed = 1 + static_cast<std::int64_t>(i / tanks.size());
+        heights[i] = test::restingHeight(device, tanks[i % tanks.size()], filled);
       }
     }));
   for (std::future<void>& worker : workers) worker.get();
-  std::vector<test::Tank> tanks;
-  for (const Filling& filling : fillings) tanks.push_back(filling.tank);
-  return test::fitWalls(tanks, heights);
+  Walls walls;
+  double squares = 0;
+  for (int filling = 0; filling < kFillings; ++filling) {
+    const auto first = heights.begin() + static_cast<std::ptrdiff_t>(tanks.size()) * filling;
+    const double offset = test::wallOffset(tanks, {first, first + static_cast<std::ptrdiff_t>(tanks.size())});
+    walls.offset += offset / kFillings;
+    squares += offset * offset / kFillings;
+  }
+  walls.error = std::sqrt(std::max(0.0, squares - walls.offset * walls.offset) / (kFillings - 1));
+  return walls;
 }
 
 void printContact(int threads, const std::vector<double>& ratios) {
-  fmt::print(
-      "| support ratio | water | bulk | surface | wall | contact | error "
-      "|\n|---:|---|---:|---:|---:|---:|---:|\n");
-  for (const double ratio : ratios)
-    for (const bool fresh : {true, false}) {
-      test::TankWater water{.supportRatio = ratio, .fresh = fresh};
-      if (fresh) water.seconds = 0.2;
-      const test::WallFit fit = settleTanks(water, threads);
-      const double now = contactRatio(ratio, Calibration::kPacking);
-      fmt::print("| {} | {} | {:+.4f} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio,
-                 fresh ? "fresh" : "settled", fit.bulk, fit.surface, fit.wall, now - fit.wall, fit.wallError);
-      std::fflush(stdout);
-    }
+  fmt::print("| support ratio | contact | error |\n|---:|---:|---:|\n");
+  for (const double ratio : ratios) {
+    const Walls walls = restInTanks({.supportRatio = ratio}, threads);
+    fmt::print("| {} | {:.3f} | {:.3f} |\n", ratio, contactRatio(ratio, Calibration::kPacking) - walls.offset,
+               walls.error);
+    std::fflush(stdout);
+  }
 }
 
 void printFactors(int threads, const std::vector<double>& ratios) {
   constexpr double kLow = 1.0, kHigh = 1.3;
-  fmt::print("| support ratio | wall, a = {} | a = {} | a | error |\n|---:|---:|---:|---:|---:|\n", kLow,
-             kHigh);
+  constexpr double kCalming = 0.3;  // to rest with the factor that it is given then
+  fmt::print(
+      "| support ratio | missing at walls, a = {} | a = {} | a | error |\n|---:|---:|---:|---:|---:|\n", kLow,
+      kHigh);
   for (const double ratio : ratios) {
-    const auto at = [&](double a) {
-      return settleTanks({.supportRatio = ratio, .mesh = true, .wallFactor = a}, threads);
+    const auto with = [&](double a) {
+      return restInTanks({.supportRatio = ratio, .mesh = true, .wallFactor = a, .seconds = kCalming},
+                         threads);
     };
-    const test::WallFit low = at(kLow), high = at(kHigh);
-    const double slope = (high.wall - low.wall) / (kHigh - kLow);
-    fmt::print("| {} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, low.wall, high.wall,
-               kLow - low.wall / slope, std::hypot(low.wallError, high.wallError) / std::abs(slope));
+    const Walls low = with(kLow), high = with(kHigh);
+    const double slope = (high.offset - low.offset) / (kHigh - kLow);
+    fmt::print("| {} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, low.offset, high.offset,
+               kLow - low.offset / slope, std::hypot(low.error, high.error) / std::abs(slope));
     std::fflush(stdout);
   }
 }

@@ -1,6 +1,5 @@
-#include "tests/support/settled_tanks.h"
+#include "tests/support/resting_tanks.h"
 
-#include <array>
 #include <cmath>
 #include <memory>
 
@@ -18,7 +17,6 @@ namespace {
 
 constexpr double kSpacing = 0.01, kStep = 2e-3, kBulkModulus = 1e7;  // m, s, Pa
 constexpr float kGravity = 9.8f;                                     // m/s²
-constexpr int kRestSteps = 3000;
 
 Value members(std::initializer_list<std::pair<const char*, Value>> given) {
   Value v = Value::object();
@@ -33,10 +31,10 @@ Value corner(double x, double y, double z) {
 }  // namespace
 
 std::vector<Tank> calibrationTanks() {
-  return {{6, 6}, {6, 12}, {8, 8}, {10, 10}, {12, 6}, {12, 12}};
+  return {{8, 8}, {8, 16}, {16, 8}, {12, 12}, {16, 16}, {20, 20}};
 }
 
-double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
+double restingHeight(Device& device, const Tank& tank, const TankWater& water) {
   Registry registry;
   registerNodes(registry);
   SceneGraph graph;
@@ -46,13 +44,7 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
     return graph.add(std::move(node), name);
   };
   const double w = tank.width, h = tank.height;
-  Value block = members({{"min", corner(0, 0, 0)}, {"max", corner(w, h, w)}});
-  if (!water.fresh) {
-    block["max"] = corner(w / 2, 2 * h, w);
-    block["arrangement"] = "lattice";
-    block["jitter"] = water.jitter;
-  }
-  add("BoxSampler", "block", block);
+  add("BoxSampler", "block", members({{"min", corner(0, 0, 0)}, {"max", corner(w, h, w)}}));
   const Value low = corner(0, 0, 0), high = corner(w, 6 * h, w);
   if (water.mesh) {
     add("BoxMesh", "tank", members({{"min", low}, {"max", high}}));
@@ -62,11 +54,9 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
         members({{"shape", "box"}, {"min", low}, {"max", high}, {"inverted", true}}));
   }
   auto made = std::make_unique<ParticleFluid>();
-  made->assignAll(members({{"spacing", kSpacing},
-                           {"support_ratio", water.supportRatio},
-                           {"bulk_modulus", kBulkModulus},
-                           {"rest_steps", water.fresh ? kRestSteps : 0}}),
-                  {});
+  made->assignAll(
+      members({{"spacing", kSpacing}, {"support_ratio", water.supportRatio}, {"bulk_modulus", kBulkModulus}}),
+      {});
   const Value solver = members({{"tolerance", 1e-3}, {"iterations", 1000}, {"acceleration", "nesterov"}});
   made->pipeline()->assign(members({{"solver", members({{"params", solver}})}}), registry, {});
   auto& fluid = static_cast<ParticleFluid&>(graph.add(std::move(made), "water"));
@@ -100,44 +90,15 @@ double settledHeight(Device& device, const Tank& tank, const TankWater& water) {
   return 2 * (sum / count) / (count / (w * w));
 }
 
-WallFit fitWalls(const std::vector<Tank>& tanks, const std::vector<double>& heights) {
-  constexpr std::size_t kUnknowns = 3;
+double wallOffset(const std::vector<Tank>& tanks, const std::vector<double>& heights) {
   WEIR_CHECK(tanks.size() == heights.size());
-  WEIR_CHECK(tanks.size() > kUnknowns);
-  using Row = std::array<double, kUnknowns>;
-  const auto rowOf = [](const Tank& t) { return Row{1, 4.0 / t.width + 2.0 / t.height, 1.0 / t.height}; };
-  // Normal equations, beside them the unit matrix, which elimination makes the inverse.
-  std::array<std::array<double, 2 * kUnknowns>, kUnknowns> m{};
-  Row right{};
-  for (std::size_t i = 0; i < kUnknowns; ++i) m[i][kUnknowns + i] = 1;
+  double both = 0, squares = 0;
   for (std::size_t k = 0; k < tanks.size(); ++k) {
-    const Row row = rowOf(tanks[k]);
-    for (std::size_t i = 0; i < kUnknowns; ++i) {
-      right[i] += row[i] * (heights[k] - 1);
-      for (std::size_t j = 0; j < kUnknowns; ++j) m[i][j] += row[i] * row[j];
-    }
+    const double each = 4.0 / tanks[k].width + 2.0 / tanks[k].height;
+    both += each * (heights[k] - 1);
+    squares += each * each;
   }
-  for (std::size_t p = 0; p < kUnknowns; ++p) {
-    const double pivot = m[p][p];
-    for (double& value : m[p]) value /= pivot;
-    for (std::size_t i = 0; i < kUnknowns; ++i) {
-      if (i == p) continue;
-      const double times = m[i][p];
-      for (std::size_t j = 0; j < 2 * kUnknowns; ++j) m[i][j] -= times * m[p][j];
-    }
-  }
-  Row found{};
-  for (std::size_t i = 0; i < kUnknowns; ++i)
-    for (std::size_t j = 0; j < kUnknowns; ++j) found[i] += m[i][kUnknowns + j] * right[j];
-  double squares = 0;
-  for (std::size_t k = 0; k < tanks.size(); ++k) {
-    const Row row = rowOf(tanks[k]);
-    double left = heights[k] - 1;
-    for (std::size_t i = 0; i < kUnknowns; ++i) left -= row[i] * found[i];
-    squares += left * left;
-  }
-  const double variance = squares / double(tanks.size() - kUnknowns);
-  return {found[0], found[1], found[2], std::sqrt(variance * m[1][kUnknowns + 1])};
+  return both / squares;
 }
 
 }  // namespace weir::test
