@@ -8,7 +8,8 @@
 //
 // Where a window is too narrow, because the group's particles or rows of the grid lie far apart, the group is
 // wide: its entries are indices. They have the place of the group's codes while no list has more than half of
-// what it may have, and otherwise take one of a few blocks that are kept for this.
+// what it may have, and otherwise take one of a few blocks that are kept for this. Where these run out, lists
+// are cut off at half; which ones depends on who comes first.
 #pragma once
 
 #include <climits>

@@ -25,7 +25,7 @@ std::string splash(const std::string& modules, const std::string& nodes, const s
                  "params": {"position": [0.1, 0.3, 0.1], "width": 0.06, "height": 0.06, "speed": 2}},
       "drain": {"type": "Sink", "params": {"min": [0.15, 0, -0.2], "max": [0.2, 0.03, 0.2]}},
       "water": {"type": "ParticleFluid",
-                "params": {"spacing": 0.016, "rest_steps": 0, "domain_max": [9, 0.4, 9]},
+                "params": {"spacing": 0.02, "rest_steps": 0, "domain_max": [9, 0.4, 9]},
                 "modules": {)" +
          modules + "}}" + nodes + R"(},
     "links": ["pool.particles -> water.initial", "block.particles -> water.initial",
@@ -111,7 +111,7 @@ TEST_P(TwoRuns, EndInTheSameBits) {
     const std::unique_ptr<Device> other = openDevice(GetParam());
     const Bits second = run(*other, scene.text, kFrames);
     ASSERT_EQ(first.size(), second.size());
-    EXPECT_GT(first.at("position").size(), 1500 * sizeof(Vec3f)) << scene.name;
+    EXPECT_GT(first.at("position").size(), 800 * sizeof(Vec3f)) << scene.name;
     for (const auto& [name, bits] : first) EXPECT_TRUE(bits == second.at(name)) << scene.name << ": " << name;
   }
 }
