@@ -6,10 +6,15 @@
 namespace weir {
 
 RestState::RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches)
-    : fluid_(fluid), sum_(fluid.device, 1), before_(fluid.device, fluid.particles.bound()) {
-  before_.fillZero();
-  for (const ParticleBatch* batch : batches)
+    : fluid_(fluid), sum_(fluid.device, 1), before_(fluid.device) {
+  std::int64_t ids = 0;  // those that were left out had some, too
+  for (const ParticleBatch* batch : batches) {
     batches_.push_back({batch, batch->pressure == StartPressure::kNone});
+    ids += batch->count;
+  }
+  if (!wanted()) return;
+  before_.resizeDiscarding(ids);
+  before_.fillZero();
 }
 
 bool RestState::wanted() const {

@@ -29,8 +29,8 @@ class WaterDrawer {
 
   // Each of the following draws the particles of one liquid, View::waters[water].
 
-  /// The nearest spheres into a cleared depth texture of the frame's samples, which is bound; nothing has
-  /// been drawn there.
+  /// The nearest spheres, drawn back by insetOf(), into a cleared depth texture of the frame's samples, which
+  /// is bound; nothing has been drawn there.
   virtual void drawDepth(const Frame& frame, std::size_t water, const Texture& depth) = 0;
   /// Into a cleared map, which is bound; nothing has been drawn there. A particle adds its volume, spread
   /// over its sphere's picture, or over a texel if that is larger; not where it lies behind `background`.
@@ -49,6 +49,10 @@ inline bool isWater(const ParticleView& particles, std::size_t water) {
 
 /// How deep below the front foam is seen, in radii of particles.
 inline constexpr float kFoamDepth = 6;
+
+/// By how much a sphere stands out from the space that its particle fills, m. Without this, liquids would
+/// stand out from the walls that hold them.
+float insetOf(const ParticleView& particles);
 
 /// By how much the volume of a particle exceeds that of its sphere.
 float volumeOfSphere(const ParticleView& particles);

@@ -23,7 +23,7 @@ struct OfferWaterDepth {
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = shares.sphere(k);
     if (i >= shares.spheres) return;
-    const float radius = particles[i].radius;
+    const float radius = particles[i].radius, inset = particles[i].inset;
     const Vec3f center = camera.point(particles[i].center);
     const float along = -center.z;
     if (along + radius < camera.near) return;  // behind the camera
@@ -33,7 +33,7 @@ struct OfferWaterDepth {
       y = touched(center.y, along, radius, camera.tangent.y, camera.height);
     }
     constexpr float kNearer = 0.9999f;  // for rounding
-    const float front = kNearer * (along - radius);
+    const float front = kNearer * (along - radius + inset);
     const std::uint32_t best = bitsOf(camera.depthAt(front > camera.near ? front : camera.near));
     for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
       std::uint32_t* line = depthBits.data + std::int64_t{row} * camera.width;
@@ -41,7 +41,7 @@ struct OfferWaterDepth {
         if (currentLeast(line + column) < best) continue;  // all of it is hidden there
         const Hit hit(camera.ray(column, row), center, radius);
         if (hit.rest < 0 || hit.distance < camera.near) continue;
-        atomicMin(line + column, bitsOf(camera.depthAt(hit.distance)));
+        atomicMin(line + column, bitsOf(camera.depthAt(hit.distance + inset)));
       }
     }
   }

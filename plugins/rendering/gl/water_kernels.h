@@ -15,6 +15,7 @@ struct WaterParticle {
   Vec3f center;      ///< m, finite
   float radius = 0;  ///< m
   float foam = 0;    ///< part, in [0, 1]
+  float inset = 0;   ///< see insetOf(), m
   float chord = 0;   ///< way through its middle that has the particle's volume, m
 };
 

@@ -1,6 +1,7 @@
 #include "plugins/rendering/gl/water_particle_pass.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "framework/base/check.h"
@@ -10,10 +11,11 @@ namespace weir::rendering::gl {
 namespace {
 
 const std::string kDepthFragmentShader = kShaderVersion + kCameraSnippet + kSphereHitSnippet + R"(
+uniform float uInset;  // m
 layout(location = 0) out vec4 oNormal;
 
 void main() {
-  gl_FragDepth = depthAt(distanceOfSphere(rayAt(gl_FragCoord.xy)));
+  gl_FragDepth = depthAt(distanceOfSphere(rayAt(gl_FragCoord.xy)) + uInset);
   oNormal = vec4(0.0);  // is found later
 }
 )";
@@ -69,6 +71,10 @@ void main() {
 
 }  // namespace
 
+float insetOf(const ParticleView& particles) {
+  return std::max(0.0f, particles.radius - 0.5f * std::cbrt(particles.volume));
+}
+
 float volumeOfSphere(const ParticleView& particles) {
   const float r = particles.radius;
   const float sphere = 4 * std::numbers::pi_v<float> / 3 * r * r * r;
@@ -118,7 +124,7 @@ Aabb WaterParticlePass::loadOne(const ParticleView& particles) {
     const auto part =
         std::span(packed_).subspan(first).first(std::min(packed_.size() - first, std::size_t(largestBatch_)));
     batches_.push_back({makeBuffer(gl_), GLsizei(part.size()), *particles.water, particles.radius,
-                        volumeOfSphere(particles)});
+                        volumeOfSphere(particles), insetOf(particles)});
     upload(batches_.back().centers, GL_TEXTURE_BUFFER, std::as_bytes(part), GL_STREAM_DRAW);
   }
   if (packed_.empty()) return box;
@@ -156,7 +162,8 @@ void WaterParticlePass::addThickness(std::size_t water, const ThicknessMap& map,
 }
 
 void WaterParticlePass::drawDepth(const Frame& frame, std::size_t water, const Texture&) {
-  draw(depth_, water, [&](const Batch&) {
+  draw(depth_, water, [&](const Batch& batch) {
+    depth_.set("uInset", batch.inset);
     setCameraUniforms(depth_, frame.camera, frame.width, frame.height);
     depth_.setMatrix4("uView", frame.camera.view.data());
     depth_.set("uNear", frame.camera.near);

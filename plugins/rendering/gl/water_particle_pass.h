@@ -23,7 +23,7 @@ class WaterParticlePass final : public WaterDrawer {
     Buffer centers;
     GLsizei particles;
     std::size_t water;
-    float radius, volumeOfSphere;
+    float radius, volumeOfSphere, inset;
   };
 
   Aabb loadOne(const ParticleView& particles);

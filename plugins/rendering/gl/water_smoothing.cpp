@@ -38,7 +38,7 @@ uniform float uWidth;      // of the Gaussian at a distance of 1 m, in pixels
 uniform float uRange;      // m
 out float oNearness;
 
-const int kPairs = 6;
+const int kPairs = 9;
 const float kLargest = 60.0;  // pixels
 
 // What lies behind the range counts as if it were a little behind the middle.
@@ -93,13 +93,13 @@ void main() {
   if (here <= 0.0) return;
   ivec2 last = textureSize(uNearness, 0) - 1;
   float sum = here, weights = 1.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -2; x <= 2; ++x) {
       if (x == 0 && y == 0) continue;
       float there = texelFetch(uNearness, clamp(place + ivec2(x, y), ivec2(0), last), 0).r;
       if (there <= 0.0) continue;
       float apart = (1.0 / there - 1.0 / here) / uRange;
-      float weight = exp(-0.4 * float(x * x + y * y) - 2.0 * apart * apart);
+      float weight = exp(-0.25 * float(x * x + y * y) - 2.0 * apart * apart);
       sum += weight * there;
       weights += weight;
     }
@@ -184,7 +184,8 @@ void WaterSmoothing::smoothSurface(const Frame& frame, const WaterTargets& water
   narrowRange_.use();
   const float pixels = 0.5f * float(frame.view.height) / frame.camera.tangent.y;  // of 1 m at 1 m
   narrowRange_.set("uRange", 2.5f * width);
-  for (const float share : {1.0f, 0.45f})
+  // The narrower rounds take away the streaks that the axes of the wider ones leave.
+  for (const float share : {1.0f, 0.5f, 0.25f})
     for (int axis = 0; axis < 2; ++axis) {
       gl_.bindFramebuffer(GL_FRAMEBUFFER, water.nearnessTargets[1 - axis].name());
       narrowRange_.setTexture("uNearness", 0, water.nearness[axis]);

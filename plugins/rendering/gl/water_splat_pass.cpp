@@ -49,13 +49,14 @@ Aabb WaterSplatPass::loadOne(const ParticleView& particles) {
   if (foams) WEIR_CHECK(particles.foam.size() == particles.positions.size());
   while (liquids_.size() <= *particles.water) liquids_.emplace_back(device_);
   Liquid& liquid = liquids_[*particles.water];
+  const float inset = insetOf(particles);
   const float chord = 2 * particles.radius * volumeOfSphere(particles);
   Aabb box;
   for (std::size_t i = 0; i < particles.positions.size(); ++i) {
     const Vec3f& p = particles.positions[i];
     if (!isFinite(p)) continue;
     box.extend(p);
-    liquid.packed.push_back({p, particles.radius, foams ? particles.foam[i] : 0.0f, chord});
+    liquid.packed.push_back({p, particles.radius, foams ? particles.foam[i] : 0.0f, inset, chord});
   }
   if (box.empty()) return box;
   liquid.largest = std::max(liquid.largest, particles.radius);
