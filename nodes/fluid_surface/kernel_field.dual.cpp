@@ -1,4 +1,5 @@
 #include "nodes/fluid_surface/kernel_field.h"
+#include "framework/compute/lanes.h"
 
 namespace weir {
 
@@ -99,12 +100,22 @@ struct LocalKernel {
     const float across = yy * dy * dy + 2 * yz * dy * dz + zz * dz * dz;
     // The least that q² is on this line.
     if (across * xx - along * along >= xx) return;
-    for (int x = 0; x < BlockKey::kSide; ++x) {
-      const float dx = static_cast<float>(x) - center.x;
-      const float rest = 1 - ((xx * dx + 2 * along) * dx + across);
-      const float t = rest > 0 ? rest : 0;
-      row[x] += weight * t * t * t;
-    }
+#ifdef WEIR_HAS_LANES
+    static_assert(BlockKey::kSide == Lanes::kCount);
+    const Lanes x(Lanes::Vector{0, 1, 2, 3, 4, 5, 6, 7});
+    const Lanes sum = Lanes::load(row) + valueAt(x - Lanes(center.x), along, across);
+    __builtin_memcpy(row, &sum.v, sizeof sum.v);
+#else
+    for (int x = 0; x < BlockKey::kSide; ++x)
+      row[x] += valueAt(static_cast<float>(x) - center.x, along, across);
+#endif
+  }
+
+ private:
+  template <class T>
+  WEIR_HD T valueAt(const T& dx, float along, float across) const {
+    const T t = positivePart(1 - ((xx * dx + 2 * along) * dx + across));
+    return weight * t * t * t;
   }
 };
 

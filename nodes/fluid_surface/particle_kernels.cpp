@@ -6,7 +6,7 @@ namespace weir {
 
 double ParticleKernels::memoryFor(double particles) {
   return CellSort::kPerParticle * bytesOfArray(particles, sizeof(int)) +
-         bytesOfArray(particles, sizeof(Vec3f)) + bytesOfArray(particles, sizeof(ParticleKernel));
+         bytesOfArray(3 * particles, sizeof(float)) + bytesOfArray(particles, sizeof(ParticleKernel));
 }
 
 void ParticleKernels::make(Device& onDevice, const Array<Vec3f>& positions, std::int64_t count,
@@ -20,7 +20,7 @@ void ParticleKernels::make(Device& onDevice, const Array<Vec3f>& positions, std:
   dispatch(onDevice, [&](auto& device) { sortOn(device, positions.view(), count, grid, farthest); });
   size_ = kept_.toHost().front();
   kernels_.resizeDiscarding(size_);
-  dispatch(onDevice, [&](auto& device) { makeOn(device, grid, settings); });
+  dispatch(onDevice, [&](auto& device) { makeOn(device, grid, count, settings); });
 }
 
 }  // namespace weir

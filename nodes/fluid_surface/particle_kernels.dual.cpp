@@ -1,4 +1,5 @@
 #include "nodes/fluid_surface/particle_kernels.h"
+#include "framework/compute/lanes.h"
 #include "nodes/fluid_surface/symmetric_eigen.h"
 
 namespace weir {
@@ -43,49 +44,77 @@ struct CellKey {
   }
 };
 
+/// The coordinates of the sorted particles in columns, so that eight of them are read at a time. Behind each
+/// column there is room for eight more.
+struct Columns {
+  static constexpr std::int64_t kMore = 8;
+
+  ArrayView<float> x, y, z;
+
+  Columns(Array<float>& memory, std::int64_t particles) {
+    const std::int64_t height = particles + kMore;
+    memory.resizeDiscarding(3 * height);
+    x = {memory.data(), height}, y = {memory.data() + height, height},
+    z = {memory.data() + 2 * height, height};
+  }
+};
+
 struct Reorder {
   ArrayView<const Vec3f> positions;
   ArrayView<const int> order;
-  ArrayView<Vec3f> sorted;
-  WEIR_HD void operator()(std::int64_t k) const { sorted[k] = positions[order[k]]; }
+  Columns sorted;
+  WEIR_HD void operator()(std::int64_t k) const {
+    const Vec3f p = positions[order[k]];
+    sorted.x[k] = p.x, sorted.y[k] = p.y, sorted.z[k] = p.z;
+  }
 };
 
-/// Weighted sums over the particles near one, seen from it.
+/// Weighted sums over the particles near one, seen from it. T is float, or Lanes of them.
+template <class T>
 struct Moments {
-  float weight = 0;
-  Vec3f first;
-  float xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+  T weight{}, x{}, y{}, z{}, xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 
-  WEIR_HD void add(float w, const Vec3f& d) {
+  WEIR_HD void add(const T& w, const Vec3<T>& d) {
+    const Vec3<T> wd{w * d.x, w * d.y, w * d.z};
     weight += w;
-    const Vec3f wd = w * d;
-    first += wd;
+    x += wd.x, y += wd.y, z += wd.z;
     xx += wd.x * d.x, yy += wd.y * d.y, zz += wd.z * d.z;
     xy += wd.x * d.y, xz += wd.x * d.z, yz += wd.y * d.z;
   }
-  WEIR_HD Vec3f mean() const { return first / weight; }
-  WEIR_HD SymmetricMatrix covariance() const {
-    const double s = 1.0 / double(weight);
-    SymmetricMatrix c{s * double(xx), s * double(yy), s * double(zz),
-                      s * double(xy), s * double(xz), s * double(yz)};
-    c.addProduct(-s * s, {first.x, first.y, first.z});
-    return c;
-  }
 };
 
+#ifdef WEIR_HAS_LANES
+Moments<float> sumOf(const Moments<Lanes>& m) {
+  return {sumOfLanes(m.weight), sumOfLanes(m.x),  sumOfLanes(m.y),  sumOfLanes(m.z),  sumOfLanes(m.xx),
+          sumOfLanes(m.yy),     sumOfLanes(m.zz), sumOfLanes(m.xy), sumOfLanes(m.xz), sumOfLanes(m.yz)};
+}
+#endif
+
+WEIR_HD Vec3f meanOf(const Moments<float>& m) {
+  return Vec3f{m.x, m.y, m.z} / m.weight;
+}
+
+WEIR_HD SymmetricMatrix covarianceOf(const Moments<float>& m) {
+  const double s = 1.0 / double(m.weight);
+  SymmetricMatrix c{s * double(m.xx), s * double(m.yy), s * double(m.zz),
+                    s * double(m.xy), s * double(m.xz), s * double(m.yz)};
+  c.addProduct(-s * s, {m.x, m.y, m.z});
+  return c;
+}
+
 struct MakeKernel {
-  ArrayView<const Vec3f> positions;
+  Columns sorted;
   ArrayView<const int> cellStart;
   CellGrid grid;
   KernelSettings settings;
   ArrayView<ParticleKernel> kernels;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i];
-    const Moments moments = momentsAt(p);
+    const Vec3f p{sorted.x[i], sorted.y[i], sorted.z[i]};
+    const Moments<float> moments = momentsAt(p);
     const float share = moments.weight / fullWeight();
     const float blend = clamped((share - kLoneShare) / (kFullShare - kLoneShare), 0, 1);
-    kernels[i] = kernelOf(p + settings.smoothing * moments.mean(), moments.covariance(), blend);
+    kernels[i] = kernelOf(p + settings.smoothing * meanOf(moments), covarianceOf(moments), blend);
   }
 
  private:
@@ -97,28 +126,58 @@ struct MakeKernel {
     return 2 * kPi / 3 * ratio * ratio * ratio;
   }
 
-  WEIR_HD Moments momentsAt(const Vec3f& p) const {
-    Moments moments;
+  WEIR_HD Moments<float> momentsAt(const Vec3f& p) const {
+#ifdef WEIR_HAS_LANES
+    Moments<Lanes> moments;
+#else
+    Moments<float> moments;
+#endif
     const Vec3i cell = grid.cellOf(p);
+    const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
     for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const int c =
-              grid.index({CellGrid::step(cell.x, dx, grid.cells.x), CellGrid::step(cell.y, dy, grid.cells.y),
-                          CellGrid::step(cell.z, dz, grid.cells.z)});
-          addCell(cellStart[c], cellStart[c + 1], p, moments);
+      for (int dy = -1; dy <= 1; ++dy) {
+        const int row = grid.index(
+            {0, CellGrid::step(cell.y, dy, grid.cells.y), CellGrid::step(cell.z, dz, grid.cells.z)});
+        if (inside) {
+          // The cells of a row stand side by side.
+          addRange(cellStart[row + cell.x - 1], cellStart[row + cell.x + 2], p, moments);
+          continue;
         }
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
+          addRange(cellStart[c], cellStart[c + 1], p, moments);
+        }
+      }
+#ifdef WEIR_HAS_LANES
+    return sumOf(moments);
+#else
     return moments;
+#endif
   }
 
-  WEIR_HD void addCell(int begin, int end, const Vec3f& p, Moments& moments) const {
-    const float inverse = 1 / settings.radius;
+#ifdef WEIR_HAS_LANES
+  void addRange(int begin, int end, const Vec3f& p, Moments<Lanes>& moments) const {
+    const Lanes inverseSquare(1 / (settings.radius * settings.radius));
+    for (int j = begin; j < end; j += Lanes::kCount) {
+      const Vec3<Lanes> d{Lanes::load(sorted.x.data + j) - p.x, Lanes::load(sorted.y.data + j) - p.y,
+                          Lanes::load(sorted.z.data + j) - p.z};
+      const Lanes q2 = dot(d, d) * inverseSquare;
+      const LaneMask near = (LaneInts::from(j) < end) & (q2 < Lanes(1.0f));
+      // What is beyond the range may be no number.
+      moments.add(keptWhere(near, 1 - q2 * sqrtf(q2)),
+                  {keptWhere(near, d.x), keptWhere(near, d.y), keptWhere(near, d.z)});
+    }
+  }
+#else
+  WEIR_HD void addRange(int begin, int end, const Vec3f& p, Moments<float>& moments) const {
+    const float inverseSquare = 1 / (settings.radius * settings.radius);
     for (int j = begin; j < end; ++j) {
-      const Vec3f d = positions[j] - p;
-      const float q2 = dot(d, d) * inverse * inverse;
+      const Vec3f d{sorted.x[j] - p.x, sorted.y[j] - p.y, sorted.z[j] - p.z};
+      const float q2 = dot(d, d) * inverseSquare;
       if (q2 < 1) moments.add(1 - q2 * sqrtf(q2), d);
     }
   }
+#endif
 
   /// The root of a variance over the usual one.
   WEIR_HD static float axisOf(double variance, float usual) {
@@ -164,20 +223,20 @@ template <class Backend>
 void ParticleKernels::sortOn(Backend& device, ArrayView<const Vec3f> positions, std::int64_t count,
                              const CellGrid& grid, float farthest) {
   sort_.sort(device, count, grid.cellCount(), CellKey{positions, {farthest}, grid}, kept_.data());
-  sorted_.resizeDiscarding(count);
   parallelFor(device, "surface reorder", Count(count, kept_.data()),
-              Reorder{positions, sort_.order(), sorted_.view()});
+              Reorder{positions, sort_.order(), Columns(columns_, count)});
 }
 
 template <class Backend>
-void ParticleKernels::makeOn(Backend& device, const CellGrid& grid, const KernelSettings& settings) {
+void ParticleKernels::makeOn(Backend& device, const CellGrid& grid, std::int64_t count,
+                             const KernelSettings& settings) {
   parallelFor(device, "surface kernels", size_,
-              MakeKernel{std::as_const(sorted_).view(), sort_.start(), grid, settings, kernels_.view()});
+              MakeKernel{Columns(columns_, count), sort_.start(), grid, settings, kernels_.view()});
 }
 
 template void ParticleKernels::boundOn(ThisBackend&, ArrayView<const Vec3f>, std::int64_t, float);
 template void ParticleKernels::sortOn(ThisBackend&, ArrayView<const Vec3f>, std::int64_t, const CellGrid&,
                                       float);
-template void ParticleKernels::makeOn(ThisBackend&, const CellGrid&, const KernelSettings&);
+template void ParticleKernels::makeOn(ThisBackend&, const CellGrid&, std::int64_t, const KernelSettings&);
 
 }  // namespace weir

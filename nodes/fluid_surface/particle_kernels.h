@@ -41,7 +41,7 @@ struct ParticleKernel {
 class ParticleKernels {
  public:
   explicit ParticleKernels(Device& device)
-      : sort_(device), sorted_(device), kept_(device, 1), box_(device, 1), kernels_(device) {}
+      : sort_(device), columns_(device), kept_(device, 1), box_(device, 1), kernels_(device) {}
 
   /// Makes them for the first `count` of these positions. Those that are not finite, or farther than
   /// `farthest` from the origin along any axis, have none. Waits for the device.
@@ -61,11 +61,12 @@ class ParticleKernels {
   template <class Backend>
   void sortOn(Backend& device, ArrayView<const Vec3f> positions, std::int64_t count, const CellGrid& grid,
               float farthest);
+  /// Of `count` positions, as sorted before.
   template <class Backend>
-  void makeOn(Backend& device, const CellGrid& grid, const KernelSettings& settings);
+  void makeOn(Backend& device, const CellGrid& grid, std::int64_t count, const KernelSettings& settings);
 
   CellSort sort_;
-  Array<Vec3f> sorted_;
+  Array<float> columns_;  // x, y and z of the sorted particles
   Array<int> kept_;
   Array<Aabb> box_;
   Array<ParticleKernel> kernels_;
