@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstring>
+#include <string_view>
 #include <iterator>
 
 namespace weir {
@@ -21,6 +22,14 @@ char* put(char* to, const T& value) {
   return to + sizeof value;
 }
 
+/// Some readers, assimp among them, take numbers that begin like a blank for more of the header's end. The last
+/// bit of the first coordinate is turned then.
+void keepFromHeader(std::string& text, std::size_t start) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  if (start < text.size() && kBlanks.find(text[start]) != std::string_view::npos)
+    text[start] = static_cast<char>(text[start] ^ 1);
+}
+
 }  // namespace
 
 std::string plyOf(const MeshSpan& mesh) {
@@ -36,6 +45,7 @@ std::string plyOf(const MeshSpan& mesh) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) to = put(put(to, mesh.vertices[i]), mesh.normals[i]);
   constexpr unsigned char kCorners = 3;
   for (const Vec3i& t : mesh.triangles) to = put(put(to, kCorners), t);
+  keepFromHeader(text, start);
   return text;
 }
 
@@ -64,6 +74,7 @@ std::string plyOf(std::int64_t count, const std::vector<PlyColumn>& columns) {
     for (const PlyColumn& column : columns)
       std::visit([&](const auto& numbers) { to = put(to, numbers[i * column.stride + column.first]); },
                  column.numbers);
+  keepFromHeader(text, start);
   return text;
 }
 

@@ -57,13 +57,13 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.backgroundBottom = settings_.backgroundBottom;
   view.waters = surfaceWaters_;
   addFluids(snapshot, view);
-  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
   addFluidSurfaces(snapshot, view);
+  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
