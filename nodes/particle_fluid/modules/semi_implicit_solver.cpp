@@ -98,13 +98,8 @@ bool SemiImplicitSolver::isDone() {
   return seen->done != 0;
 }
 
-void SemiImplicitSolver::endPass() {
-  if (!tolerance.get()) return;
-  if (!recordObjective) {
-    isDone();
-    return;
-  }
-  // Passes of which the device makes nothing must not be recorded.
+void SemiImplicitSolver::endPass(int pass) {
+  if (!tolerance.get() || pass + 1 < passes()) return;
   if (controlSeen_->pending()) controlSeen_->wait();
   controlSeen_->request(control_.data());
   over_ = controlSeen_->wait().over != 0;

@@ -505,6 +505,9 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
               passes(),
               false};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
+  // How many iterations follow the last one that counts depends on when the host hears of it; they change
+  // nothing.
+  const int* done = &control_.data()->done;
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     parallelFor(device, "density", count, derivative);
@@ -518,7 +521,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       controlSeen_->request(control_.data());
     }
     parallelFor(device, "update", count, update);
-    contain(device, fluid);
+    contain(device, fluid, done);
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
@@ -529,18 +532,18 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                   Extrapolate{control_.data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
                               displacement(fluid).view(), fluid.walls.view().share, state_.view()});
-    contain(device, fluid);
+    contain(device, fluid, done);
   }
-  endPass();
+  endPass(pass);
 }
 
 template <class Backend>
-void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
+void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* done) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "contain", fluid.particles.count(),
                 Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                        displacement(fluid).view(), state_.view()});
+                        displacement(fluid).view(), state_.view(), done});
 }
 
 template <class Backend>

@@ -16,7 +16,7 @@ namespace {
 
 /// A splash: a block falls on still water, a nozzle pours, a drain takes particles away.
 std::string splash(const std::string& modules, const std::string& nodes, const std::string& links) {
-  return R"({"weir": 1, "world": {"dt": 0.002, "frame_rate": 50, "duration": 1},
+  return R"({"weir": 1, "world": {"dt": 0.004, "frame_rate": 50, "duration": 1},
     "nodes": {
       "pool": {"type": "BoxSampler", "params": {"min": [-0.2, 0, -0.2], "max": [0.2, 0.06, 0.2]}},
       "block": {"type": "BoxSampler", "params": {"min": [-0.1, 0.12, -0.1], "max": [0.05, 0.25, 0.05],
