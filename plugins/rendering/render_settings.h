@@ -119,8 +119,7 @@ class SurfaceSettings final : public Configurable {
 /// Light and surroundings.
 class EnvironmentSettings final : public Configurable {
  public:
-  Param<EnvironmentLook> look{
-      *this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
+  Param<EnvironmentLook> look{*this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
   Param<Vec3f> sun{
       *this, "sun", LightingView{}.towardsSun, {.doc = "The direction towards the sun, of any length."}};
   Param<float> exposure{
@@ -130,7 +129,9 @@ class EnvironmentSettings final : public Configurable {
       *this,
       "ground_tiles",
       0,
-      {.unit = "m", .min = 0, .doc = "Side of the tiles of the floor, which make refraction seen; 0: no tiles."}};
+      {.unit = "m",
+       .min = 0,
+       .doc = "Side of the tiles of the floor, which make refraction seen; 0: no tiles."}};
   Param<Color> groundColor{*this, "ground_color", GroundView{}.color, {.doc = "Colour of the floor."}};
 
   void validate() const override;
