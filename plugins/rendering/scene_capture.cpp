@@ -112,10 +112,10 @@ void SceneCapture::checkName(const Simulation& simulation, const std::string& na
   throw e.at({.file = simulation.scene().file, .pointer = pointer});
 }
 
-const FluidSettings* SceneCapture::fluidSettingsOf(const std::string& node) const {
-  for (std::size_t i = 0; i < settings_.fluids.size(); ++i)
-    if (*settings_.fluids[i].node == node) return &settings_.fluids[i];
-  return nullptr;
+std::size_t SceneCapture::placeOfFluid(const std::string& node) const {
+  std::size_t i = 0;
+  while (i < settings_.fluids.size() && *settings_.fluids[i].node != node) ++i;
+  return i;
 }
 
 const SurfaceSettings* SceneCapture::settingsOf(const std::string& node) const {
@@ -171,11 +171,13 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     to.spacing = fluid.constants->spacing;
     start(to.positions, fluid.particles->positions(), count);
     if (settings_.arrows->spacing.get()) start(to.velocities, fluid.particles->velocities(), count);
-    to.look = fluidSettingsOf(node);
+    const std::size_t place = placeOfFluid(node);
+    to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.colorType = std::nullopt;
     if (to.look != nullptr && to.look->look == FluidLook::kWater) {
       const std::string& by = to.look->foam->by;
-      if (by != "none") startColors(*fluid.particles, by, "/render/fluids/foam/by", count, to);
+      if (by != "none")
+        startColors(*fluid.particles, by, "/render/fluids/" + std::to_string(place) + "/foam/by", count, to);
     } else if (const std::string& by = settings_.color->by; by != "none") {
       snapshot.colorUnit = startColors(*fluid.particles, by, "/render/color/by", count, to);
     }

@@ -90,9 +90,10 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
-  const FluidSettings* fluidSettingsOf(const std::string& node) const;
   void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
   bool showsParticles(const OutputPort& fluid) const;
+  /// Which of the fluids' settings are those of a node; their number if there are none.
+  std::size_t placeOfFluid(const std::string& node) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
   static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);

@@ -78,7 +78,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.lighting.towardsSun = environment.sun;
   view.lighting.exposure = environment.exposure;
   view.lighting.tone = environment.tone;
-  view.environment.look = environment.look;
+  view.environment = environment.look;
   return view;
 }
 

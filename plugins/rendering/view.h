@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -93,19 +92,6 @@ enum class EnvironmentLook {
   kSky      ///< a blue sky with clouds
 };
 
-/// Light from all directions: rows from straight below to straight above, columns all around, the middle one
-/// in the direction of z where y is up. Linear, 1 is white paper in the sun.
-struct LightImage {
-  int width = 0, height = 0;
-  std::vector<float> rgb;  ///< three per pixel
-};
-
-struct EnvironmentView {
-  EnvironmentLook look = EnvironmentLook::kStudio;
-  std::shared_ptr<const LightImage> image;  ///< instead of the look
-  friend bool operator==(const EnvironmentView&, const EnvironmentView&) = default;
-};
-
 /// How light becomes colours.
 enum class ToneCurve {
   kPlain,  ///< as it is, but for a soft shoulder where it is too bright
@@ -134,7 +120,7 @@ struct View {
   std::vector<LineView> lines;
   GroundView ground;
   LightingView lighting;
-  EnvironmentView environment;
+  EnvironmentLook environment = EnvironmentLook::kStudio;
   Color backgroundTop{0.78f, 0.84f, 0.9f, 1};
   Color backgroundBottom{0.95f, 0.96f, 0.97f, 1};
 };

@@ -57,7 +57,7 @@ void report(int threads, int particles, int pictures) {
   View view;
   view.camera = poseSeeing({{0, 0, 0}, {2, 1, 1}}, {0.55f, 0.42f, 0.72f}, {0, 1, 0}, 40, 16.0f / 9.0f);
   view.ground.center = {1, 0, 0.5f};
-  view.environment.look = EnvironmentLook::kSky;
+  view.environment = EnvironmentLook::kSky;
   view.particles = {{.positions = positions, .radius = 0.5f * spacing}};
   gl::Renderer renderer(gl::makeContext(), openDevice("cpu", threads));
   const Times spheres = medians(renderer, view, pictures);

@@ -92,14 +92,8 @@ void Environment::load(const View& view) {
   if (loaded_ && *loaded_ == view.environment && loadedSun_ == view.lighting.towardsSun) return;
   loaded_ = view.environment;
   loadedSun_ = view.lighting.towardsSun;
-  const auto& image = view.environment.image;
-  if (image) {
-    surroundings_ = makeTexture(gl_, image->width, image->height, {GL_RGB16F, GL_RGB, GL_FLOAT}, GL_LINEAR,
-                                image->rgb.data());
-  } else {
-    surroundings_ = makeTexture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
-    paint(view);
-  }
+  surroundings_ = makeTexture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
+  paint(view);
   gl_.bindTexture(GL_TEXTURE_2D, surroundings_.name());
   gl_.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
 }
@@ -114,7 +108,7 @@ void Environment::paint(const View& view) {
   paint_->use();
   const Eigen::Vector3f sun = upright(view) * toEigen(normalized(view.lighting.towardsSun));
   paint_->set("uTowardsSun", fromEigen(sun));
-  paint_->set("uSky", int(view.environment.look == EnvironmentLook::kSky));
+  paint_->set("uSky", int(view.environment == EnvironmentLook::kSky));
   gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -124,7 +118,6 @@ Eigen::Matrix3f Environment::fromCamera(const Frame& frame) {
 
 void Environment::setUniforms(const Program& program, const Frame& frame, int unit) const {
   program.setMatrix3("uToSurroundings", fromCamera(frame).eval().data());
-  program.set("uGroundBelow", int(frame.view.environment.image == nullptr));
   program.setTexture("uSurroundings", unit, surroundings_);
 }
 

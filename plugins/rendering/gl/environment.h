@@ -1,4 +1,4 @@
-// What surrounds a scene, as the background and mirrors show it: a studio, a sky, or an image.
+// What surrounds a scene, as the background and mirrors show it: a studio or a sky.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,11 @@ namespace weir::rendering::gl {
 inline const std::string kEnvironmentSnippet = R"(
 uniform sampler2D uSurroundings;  // all directions: around, and from below to above
 uniform mat3 uToSurroundings;     // from camera space
-uniform bool uGroundBelow;        // the lower half is the ground and what it fades into
 
+// The lower half is the ground and what it fades into.
 vec3 environment(vec3 direction) {
   vec3 d = uToSurroundings * direction;
   vec2 place = vec2(atan(d.x, d.z) * 0.15915494 + 0.5, asin(clamp(d.y, -1.0, 1.0)) * 0.31830989 + 0.5);
-  if (!uGroundBelow) return textureLod(uSurroundings, place, 0.0).rgb;
   vec3 above = textureLod(uSurroundings, vec2(place.x, max(place.y, 0.503)), 0.0).rgb;
   vec3 lit = uGroundColor * (skyLight(uUp) + uSunColor * max(dot(uUp, uSun), 0.0));
   return mix(above, 0.8 * lit, smoothstep(0.0, 0.22, -d.y));
@@ -42,7 +41,7 @@ class Environment {
   std::optional<Program> paint_;
   VertexArray array_;
   Texture surroundings_;
-  std::optional<EnvironmentView> loaded_;
+  std::optional<EnvironmentLook> loaded_;
   Vec3f loadedSun_;
 };
 

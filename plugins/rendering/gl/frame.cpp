@@ -48,7 +48,7 @@ void setBehindUniforms(const Program& program, const Frame& frame, const Texture
 }
 
 bool isOutside(const View& view) {
-  return view.environment.look == EnvironmentLook::kSky || view.environment.image != nullptr;
+  return view.environment == EnvironmentLook::kSky;
 }
 
 void setLightUniforms(const Program& program, const Frame& frame) {

@@ -93,7 +93,7 @@ TEST_F(Reference, WaterUnderTheSky) {
   std::vector<float> foam;
   for (const Vec3f& p : waves.positions) foam.push_back(p.y > 0.35f ? 0.6f : 0.0f);
   View view = smallView();
-  view.environment.look = EnvironmentLook::kSky;
+  view.environment = EnvironmentLook::kSky;
   view.lighting.tone = ToneCurve::kFilmic;
   view.ground.tiles = 0.25f;
   view.ground.color = {0.5f, 0.49f, 0.47f, 1};
@@ -119,7 +119,7 @@ TEST_F(Reference, Looks) {
     x += 0.8f;
   }
   expectLike("looks_studio", view);
-  view.environment.look = EnvironmentLook::kSky;
+  view.environment = EnvironmentLook::kSky;
   expectLike("looks_sky", view);
 }
 

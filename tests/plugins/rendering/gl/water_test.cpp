@@ -223,7 +223,7 @@ TEST_P(Water, PicturesAreThoseOfOpenGl) {
   view.height = 240;
   view.camera = {.eye = {1.6f, 1.3f, 2.4f}, .target = {0, 0.4f, 0}, .fovDegrees = 40};
   view.ground.tiles = 0.25f;
-  view.environment.look = EnvironmentLook::kSky;
+  view.environment = EnvironmentLook::kSky;
   view.lighting.tone = ToneCurve::kFilmic;
   view.waters = {{.smoothing = 0.12f}};
   view.particles = {liquidOf(positions, 0.06f)};

@@ -119,6 +119,43 @@ TEST_F(PicturesOfRuns, TheSurfaceOfAFluidIsShownInPlaceOfItsParticles) {
   EXPECT_GT(red("both0"), 500);
 }
 
+TEST_F(PicturesOfRuns, AFluidLooksLikeWaterIfTheSceneSaysSo) {
+  const auto run = [&](const std::string& name, const std::string& render) {
+    std::string text = kFallingCube;
+    text.replace(text.find("\"width\""), 0, render + ", ");
+    return runWeir({"run", folder.write(name + ".json", text), "--images", folder / name, "--frames", "1"});
+  };
+  const std::string water = R"("fluids": [{ "node": "water", "look": "water" }])";
+  const std::string foam =
+      R"("fluids": [{ "node": "water", "look": "water", "foam": { "by": "speed", "range": [0, 0.1] } }])";
+  const std::string spheres = R"("fluids": [{ "node": "water", "look": "spheres" }])";
+  std::vector<rendering::Picture> pictures;
+  for (const auto& [name, render] : {std::pair{"water", water}, {"foam", foam}, {"spheres", spheres}}) {
+    const ChildResult result = run(name, render);
+    ASSERT_EQ(result.code, 0) << result.err;
+    pictures.push_back(readPng(folder / name + "/frame_00001.png"));
+  }
+  EXPECT_NE(pictures[0].rgb, pictures[1].rgb);
+  EXPECT_NE(pictures[0].rgb, pictures[2].rgb);
+}
+
+TEST_F(PicturesOfRuns, WrongLooksOfFluidsAreErrors) {
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {R"("fluids": [{ "node": "watr", "look": "water" }])", "did you mean 'water'"},
+      {R"("fluids": [{ "node": "water", "foam": { "by": "anger" } }])", "/render/fluids/0/foam/by"},
+      {R"("fluids": [{ "node": "water", "foam": { "range": [2, 2] } }])", "two different values"},
+      {R"("fluids": [{ "node": "water", "water": { "absorption": [1, -1, 1] } }])", "absorption"},
+      {R"("environment": { "sun": [0, 0, 0] })", "a direction"}};
+  for (const auto& [render, message] : wrong) {
+    std::string text = kFallingCube;
+    text.replace(text.find("\"width\""), 0, render + ", ");
+    const ChildResult result =
+        runWeir({"run", folder.write("wrong.json", text), "--images", folder / "wrong", "--frames", "0"});
+    EXPECT_EQ(result.code, 3) << render;
+    EXPECT_CONTAINS(result.err, message);
+  }
+}
+
 TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     ChildOptions options;
