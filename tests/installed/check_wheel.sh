@@ -4,13 +4,14 @@
 #
 # usage: check_wheel.sh BUILD SOURCE PYTHON
 set -eu
-build=$1 source=$(cd "$2" && pwd) python=$3
+build=$(cd "$1" && pwd) source=$(cd "$2" && pwd)
+python=$(cd "$(dirname "$3")" && pwd)/$(basename "$3")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 unset WEIR_PLUGIN_PATH LD_LIBRARY_PATH PYTHONPATH
 fail() { printf 'check: %s\n' "$*" >&2; exit 1; }
 
-"$source/tools/packaging/make_wheel.sh" "$build" "$source" "$python" "$folder"
+"$python" -B "$source/tools/packaging/make_wheel.py" "$build" "$source" "$folder"
 "$python" -m venv "$folder/fresh"
 "$folder/fresh/bin/pip" install --quiet --disable-pip-version-check "$folder"/weir-*.whl
 cd "$folder"
