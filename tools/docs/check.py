@@ -298,7 +298,7 @@ def main():
     parser = argparse.ArgumentParser(prog="./dev check-docs", description=__doc__.split("\n", 1)[0])
     parser.add_argument("--build", type=Path, required=True, metavar="DIR", help="the build whose program is used")
     parser.add_argument("--only", default="", metavar="PAGES", help="some pages, such as README,extending")
-    parser.add_argument("--jobs", type=int, default=max(1, (os.cpu_count() or 2) // 2), metavar="N", help="pages at a time")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 2, metavar="N", help="pages at a time")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "check_docs", metavar="DIR", help="where commands run")
     chosen = parser.parse_args()
     build = chosen.build.resolve()
