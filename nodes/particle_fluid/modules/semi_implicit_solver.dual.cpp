@@ -505,9 +505,6 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
               passes(),
               false};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
-  // How many iterations follow the last one that counts depends on when the host hears of it; they change
-  // nothing.
-  const int* done = &control_.data()->done;
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     parallelFor(device, "density", count, derivative);
@@ -521,7 +518,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       controlSeen_->request(control_.data());
     }
     parallelFor(device, "update", count, update);
-    contain(device, fluid, done);
+    contain(device, fluid);
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
@@ -532,18 +529,18 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                   Extrapolate{control_.data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
                               displacement(fluid).view(), fluid.walls.view().share, state_.view()});
-    contain(device, fluid, done);
+    contain(device, fluid);
   }
   endPass(pass);
 }
 
 template <class Backend>
-void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* done) {
+void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "contain", fluid.particles.count(),
                 Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                        displacement(fluid).view(), state_.view(), done});
+                        displacement(fluid).view(), state_.view()});
 }
 
 template <class Backend>

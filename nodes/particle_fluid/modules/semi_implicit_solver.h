@@ -164,7 +164,7 @@ class SemiImplicitSolver final : public FluidModule {
   void iterate(Backend& device, FluidStep& fluid, int pass);
   /// Moves particles out of solids; only where iterations are controlled.
   template <class Backend>
-  void contain(Backend& device, FluidStep& fluid, const int* done = nullptr);
+  void contain(Backend& device, FluidStep& fluid);
   /// Finds neighbours where the particles are now.
   template <class Backend>
   void searchAgain(Backend& device, FluidStep& fluid);
