@@ -46,7 +46,7 @@ struct ParticleView {
   std::span<const Vec3f> positions;
   std::span<const float> values;  ///< one per particle; empty: all have the fixed colour
   float radius = 0.01f;           ///< m
-  ColorMapName map = ColorMapName::kViridis;
+  ColorMap map;
   float lowest = 0, highest = 1;  ///< values at the ends of the colour map
   Color fixed{0.16f, 0.45f, 0.85f, 1};
 

@@ -1,5 +1,6 @@
 #include "plugins/rendering/gl/frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace weir::rendering::gl {
@@ -9,6 +10,30 @@ Vec3f linear(const Color& color) {
     return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
   };
   return {component(color.r), component(color.g), component(color.b)};
+}
+
+Aabb seenBox(const View& view, const Aabb& casters) {
+  Aabb seen = casters;
+  for (const LineView& lines : view.lines)
+    for (const Vec3f& point : lines.points)
+      if (isFinite(point)) seen.extend(point);
+  if (view.ground.visible) {
+    const Vec3f up = normalized(view.worldUp);
+    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
+    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
+    seen.extend(Aabb{middle - around, middle + around});
+  }
+  return seen;
+}
+
+float occlusionRadius(const View& view, const Aabb& casters) {
+  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
+  float largest = 0;
+  for (const ParticleView& particles : view.particles)
+    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
+  if (largest > 0) return 6 * largest;
+  constexpr float kPartOfScene = 0.04f;
+  return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
 }
 
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height) {

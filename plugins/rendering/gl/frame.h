@@ -22,6 +22,11 @@ struct Frame {
   SunView sun;  ///< only with shadows
 };
 
+/// The box around all that is seen: what casts shadows, lines and the ground.
+Aabb seenBox(const View& view, const Aabb& casters);
+/// How far ambient occlusion reaches, m.
+float occlusionRadius(const View& view, const Aabb& casters);
+
 /// The uniforms of kCameraSnippet, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
 /// The uniforms of kBehindSnippet.

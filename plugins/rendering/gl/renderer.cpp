@@ -6,6 +6,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "plugins/rendering/compute/compute_renderer.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/glass_pass.h"
 #include "plugins/rendering/gl/lighting_pass.h"
@@ -26,16 +27,6 @@ namespace {
 
 constexpr int kMostSamples = 4;
 constexpr float kNearest = 0;
-
-float occlusionRadius(const View& view, const Aabb& casters) {
-  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
-  float largest = 0;
-  for (const ParticleView& particles : view.particles)
-    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
-  if (largest > 0) return 6 * largest;
-  constexpr float kPartOfScene = 0.04f;
-  return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
-}
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
   if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
@@ -120,17 +111,7 @@ Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
   if (liquids_) casters.extend(liquids_->particles->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
-  Aabb seen = casters;
-  for (const LineView& lines : view.lines)
-    for (const Vec3f& point : lines.points)
-      if (isFinite(point)) seen.extend(point);
-  if (view.ground.visible) {
-    const Vec3f up = normalized(view.worldUp);
-    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
-    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
-    seen.extend(Aabb{middle - around, middle + around});
-  }
-  return seen;
+  return seenBox(view, casters);
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
@@ -214,10 +195,15 @@ Picture Renderer::Passes::draw(const View& view) {
   return picture;
 }
 
-Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> splatDevice)
-    : context_(std::move(context)), splatDevice_(std::move(splatDevice)) {
+Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> device, ComputeShare share)
+    : context_(std::move(context)), device_(std::move(device)) {
+  const bool drawsAlone = device_ != nullptr && share == ComputeShare::kWhatCanBe;
+  if (drawsAlone) compute_ = std::make_unique<ComputeRenderer>(*device_);
   const CurrentContext current(*context_);
-  passes_ = std::make_unique<Passes>(context_->functions(), splatDevice_.get());
+  // What the device does not draw alone is left to OpenGL if that is a GPU's: textures would have to go
+  // there.
+  const bool splats = device_ != nullptr && (!drawsAlone || context_->isSoftware());
+  passes_ = std::make_unique<Passes>(context_->functions(), splats ? device_.get() : nullptr);
 }
 
 Renderer::~Renderer() {
@@ -235,12 +221,18 @@ void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
   passes_->meshes.replace(id, mesh);
 }
 
+void Renderer::replaceMesh(MeshId id, const MeshSpan& mesh) {
+  const CurrentContext current(*context_);
+  passes_->meshes.replace(id, mesh);
+}
+
 void Renderer::removeMesh(MeshId id) {
   const CurrentContext current(*context_);
   passes_->meshes.remove(id);
 }
 
 Picture Renderer::draw(const View& view) {
+  if (compute_ && ComputeRenderer::canDraw(view)) return compute_->draw(view);
   const CurrentContext current(*context_);
   return passes_->draw(view);
 }

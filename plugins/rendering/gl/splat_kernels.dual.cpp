@@ -23,6 +23,7 @@ struct OfferDepths {
     const std::int64_t i = shares.sphere(k);
     if (i >= shares.spheres) return;
     const float radius = spheres[i].radius;
+    if (!(radius > 0)) return;
     const Vec3f center = camera.point(spheres[i].center);
     const float along = -center.z;
     if (along + radius < camera.near) return;  // behind the camera
@@ -102,7 +103,7 @@ struct OfferShadow {
 
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = shares.sphere(k);
-    if (i >= shares.spheres) return;
+    if (i >= shares.spheres || !(spheres[i].radius > 0)) return;
     const Vec3f center = sun.point(spheres[i].center);
     const float radius = spheres[i].radius / sun.halfSize;  // in clip space
     const Samples x = Samples::between(center.x - radius, center.x + radius, sun.resolution);

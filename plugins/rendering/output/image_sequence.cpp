@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -22,11 +23,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kThreads = 2;
-constexpr std::size_t kLongestQueue = 4;
-
-std::string nameOf(std::int64_t frame) {
-  return fmt::format("frame_{:05}.png", frame);
+/// A picture takes longer to compress than to draw, so several are compressed at once.
+int threadCount() {
+  constexpr unsigned kFewest = 2, kMost = 8, kShare = 3;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / kShare, kFewest, kMost));
+}
+std::size_t longestQueue() {
+  return static_cast<std::size_t>(2 * threadCount());
 }
 
 /// The number in the name of a frame; none if the name is no frame's.
@@ -34,7 +37,7 @@ std::optional<std::int64_t> frameOf(const std::string& name) {
   const std::string_view digits = std::string_view(name).substr(std::min<std::size_t>(name.size(), 6));
   std::int64_t frame = -1;
   const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-  if (end.ec != std::errc() || frame < 0 || nameOf(frame) != name) return std::nullopt;
+  if (end.ec != std::errc() || frame < 0 || ImageSequence::nameOf(frame) != name) return std::nullopt;
   return frame;
 }
 
@@ -53,16 +56,20 @@ void makeFolder(const fs::path& folder) {
 /// Fails here rather than after hours of simulation.
 fs::path usable(fs::path folder) {
   makeFolder(folder);
-  const PartFile probe(folder / nameOf(0));
+  const PartFile probe(folder / ImageSequence::nameOf(0));
   return folder;
 }
 
 }  // namespace
 
+std::string ImageSequence::nameOf(std::int64_t frame) {
+  return fmt::format("frame_{:05}.png", frame);
+}
+
 ImageSequence::ImageSequence(fs::path folder, std::int64_t first)
     : folder_(usable(std::move(folder))),
       frameCount_(first),
-      queue_(kThreads, kLongestQueue, [this, first](std::int64_t number, const Picture& picture) {
+      queue_(threadCount(), longestQueue(), [this, first](std::int64_t number, const Picture& picture) {
         writePng(folder_ / nameOf(first + number), picture);
       }) {}
 
