@@ -74,7 +74,7 @@ class OutputFailure : public testing::Test {
 };
 
 TEST_F(OutputFailure, AFullDisk) {
-  const SmallDisk disk("3m");
+  const SmallDisk disk("2m");
   if (!disk.isThere()) GTEST_SKIP() << "this user may not mount a file system";
   std::vector<std::string> more;
   if (canMakeVideos()) more = {"--video", disk / "run.mp4"};

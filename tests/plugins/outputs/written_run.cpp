@@ -62,8 +62,9 @@ std::size_t expectReadable(const std::string& file) {
   const VtkHdfReader reader(file);
   const std::size_t steps = reader.times().size();
   for (std::size_t k = 0; k < steps; ++k) EXPECT_NO_THROW(reader.read(k)) << "step " << k << " of " << file;
+  // The first one, which has the oldest VTK: read_with_vtk.py has all of them read a file.
   std::istringstream pythons(WEIR_TEST_PYTHONS);
-  for (std::string python; std::getline(pythons, python, ':');) {
+  if (std::string python; std::getline(pythons, python, ':')) {
     const ChildResult result = runChild(python, {"-B", WEIR_READ_STEPS, file});
     EXPECT_EQ(result.code, 0) << result.out << result.err;
     EXPECT_EQ(result.out, std::to_string(steps) + "\n");

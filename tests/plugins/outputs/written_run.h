@@ -25,8 +25,8 @@ std::vector<Value> seriesIn(const std::string& file);
 /// All steps of two exports are the same, bit by bit.
 void expectSameExports(const std::string& one, const std::string& other);
 
-/// VTK itself reads all steps of the export, where the build knows Pythons that have it (WEIR_TEST_PYTHONS);
-/// Weir's own reader does anyway. Returns how many steps there are.
+/// VTK itself reads all steps of the export, where the build knows a Python that has it (the first one of
+/// WEIR_TEST_PYTHONS); Weir's own reader does anyway. Returns how many steps there are.
 std::size_t expectReadable(const std::string& file);
 
 }  // namespace weir::test
