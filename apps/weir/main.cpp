@@ -12,6 +12,7 @@
 #include "apps/weir/program.h"
 #include "apps/weir/render_command.h"
 #include "apps/weir/run_command.h"
+#include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -62,6 +63,7 @@ int runProgram(Program& program, int argc, char** argv) {
   RunCommand run(app, program);
   RenderCommand render(app, program);
   BenchCommand bench(app, program);
+  StudioCommand studio(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -106,6 +108,7 @@ int runProgram(Program& program, int argc, char** argv) {
   if (run.command().parsed()) return run.run();
   if (render.command().parsed()) return render.run();
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
+  if (studio.command().parsed()) return studio.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json)

@@ -2,43 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "framework/base/text.h"
+#include "framework/run/guarded_output.h"
+#include "framework/run/output_paths.h"
 
 namespace weir::app {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-/// "FILE.mp4 or FILE.mkv"
-std::string allowedEndings(const OutputOption& option) {
-  std::string text;
-  for (const std::string& ending : option.extensions) text += (text.empty() ? "" : ", ") + ending;
-  return "a file that ends in " + text;
-}
-
-void checkPath(const OutputOption& option, const std::string& text) {
-  const std::string what = "--" + option.name + " " + printable(text, 200);
-  const fs::path path = text;
-  if (!option.isFolder()) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    if (std::find(option.extensions.begin(), option.extensions.end(), ending) == option.extensions.end())
-      throw usageError(what + (ending.empty() ? " has no ending" : " ends in " + printable(ending)),
-                       allowedEndings(option));
-  }
-  std::error_code error;
-  const fs::path above = fs::absolute(path).lexically_normal().parent_path();
-  if (!fs::is_directory(above, error))
-    throw ioError(what + ": there is no folder " + inQuotes(above.string()),
-                  "a path in a folder that exists");
-}
-
-}  // namespace
 
 void TakenPaths::addInput(const std::string& path, const std::string& what) {
   std::error_code error;
@@ -47,7 +19,7 @@ void TakenPaths::addInput(const std::string& path, const std::string& what) {
 
 void TakenPaths::addOutput(const OutputOption& option, const std::string& path) {
   if (path.empty()) return;
-  checkPath(option, path);
+  checkOutputPath(option, path, "--" + option.name + " " + printable(path, 200));
   std::error_code error;
   const auto [other, isNew] = taken_.emplace(fs::weakly_canonical(path, error).string(), "--" + option.name);
   if (!isNew)
@@ -57,10 +29,10 @@ void TakenPaths::addOutput(const OutputOption& option, const std::string& path) 
 }
 
 OutputOptions::OutputOptions(CLI::App& command, Program& program, bool replaysOnly) {
-  for (auto& [name, kind] : program.registry().createServices<OutputKind>()) {
+  for (auto& [name, kind, source] : program.registry().createServices<OutputKind>()) {
     if (replaysOnly && !kind->showsReplays()) continue;
-    Output output;
-    output.options = kind->options();
+    Output output{
+        .name = name, .source = source, .kind = {}, .options = optionsOf(*kind, name, source), .paths = {}};
     output.paths.resize(output.options.size());
     output.kind = std::move(kind);
     outputs_.push_back(std::move(output));
@@ -91,7 +63,8 @@ std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
     OutputPaths paths;
     for (std::size_t i = 0; i < output.options.size(); ++i)
       if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty()) observers.push_back(output.kind->create(paths));
+    if (!paths.empty()) 
+      observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
   }
   return observers;
 }

@@ -44,6 +44,7 @@ class OutputOptions {
 
  private:
   struct Output {
+    std::string name, source;  // of the kind, and the library that brings it
     std::unique_ptr<OutputKind> kind;
     std::vector<OutputOption> options;
     std::vector<std::string> paths;  // as given, one for each option; empty if it was not

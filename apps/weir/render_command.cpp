@@ -82,7 +82,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
 std::unique_ptr<Recording> RenderCommand::openRecording() const {
   std::vector<std::string> endings;
   const std::string ending = lowerCase(fs::path(file_).extension().string());
-  for (auto& [name, reader] : program_.registry().createServices<RecordingReader>())
+  for (auto& [name, reader, source] : program_.registry().createServices<RecordingReader>())
     for (const std::string& known : reader->extensions()) {
       if (known == ending) return reader->open(file_);
       endings.push_back(known);

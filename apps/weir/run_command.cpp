@@ -7,6 +7,7 @@
 #include "apps/weir/shown_run.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/run/output_paths.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
 #include "framework/run/series.h"
@@ -94,8 +95,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
                    "Go on from a checkpoint of the same scene; outputs go on behind what they have")
       ->type_name("FILE.h5");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
-  command_->add_flag("--deterministic", deterministic_,
-                     "Make results bitwise the same from run to run on CUDA, too");
+  command_->add_flag(
+      "--deterministic", deterministic_,
+      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads));
@@ -135,7 +137,7 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
   std::vector<std::string> endings;
-  for (auto& [name, store] : program_.registry().createServices<CheckpointStore>()) {
+  for (auto& [name, store, source] : program_.registry().createServices<CheckpointStore>()) {
     endings.emplace_back(store->extension());
     if (fs::path(path).extension() == store->extension()) return std::move(store);
   }

@@ -10,12 +10,16 @@ namespace weir {
 
 namespace {
 
-/// Pinned memory, and an event behind the last copy to it.
+/// Pinned memory, and an event behind the last copy to it. Copies go by way of memory on the device, which is
+/// quick, and from there to the host on a stream of their own while the device goes on. Where the device has
+/// not room enough for that, they go straight to the host.
 class CudaHostCopyMemory final : public detail::HostCopyMemory {
  public:
   explicit CudaHostCopyMemory(CudaDevice& device)
       : device_(device), index_(device.index()), name_(device.name()) {
     makeCurrent();
+    device_.check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "frame copy");
+    device_.check(cudaEventCreateWithFlags(&aside_, cudaEventDisableTiming), "frame copy");
     device_.check(cudaEventCreateWithFlags(&arrived_, cudaEventDisableTiming | cudaEventBlockingSync),
                   "frame copy");
   }
@@ -24,20 +28,38 @@ class CudaHostCopyMemory final : public detail::HostCopyMemory {
     static_cast<void>(cudaSetDevice(index_));
     free();
     static_cast<void>(cudaEventDestroy(arrived_));
+    static_cast<void>(cudaEventDestroy(aside_));
+    static_cast<void>(cudaStreamDestroy(stream_));
   }
 
   void reserve(std::size_t bytes) override {
     makeCurrent();
     free();
     device_.check(cudaMallocHost(&bytes_, bytes), "frame copy");
+    std::size_t available = 0, total = 0;
+    device_.check(cudaMemGetInfo(&available, &total), "frame copy");
+    // Simulations that grow need the rest.
+    if (bytes > available || available - bytes < total / 2) return;
+    if (cudaMalloc(&staging_, bytes) == cudaSuccess) return;
+    staging_ = nullptr;
+    static_cast<void>(cudaGetLastError());
   }
 
   void start(std::size_t at, const void* from, std::size_t bytes) override {
     makeCurrent();
-    device_.check(cudaMemcpyAsync(static_cast<char*>(bytes_) + at, from, bytes, cudaMemcpyDeviceToHost,
-                                  device_.stream()),
-                  "frame copy");
-    device_.check(cudaEventRecord(arrived_, device_.stream()), "frame copy");
+    const cudaStream_t work = device_.stream();
+    char* to = static_cast<char*>(bytes_) + at;
+    if (staging_ == nullptr) {
+      device_.check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, work), "frame copy");
+      device_.check(cudaEventRecord(arrived_, work), "frame copy");
+      return;
+    }
+    char* aside = static_cast<char*>(staging_) + at;
+    device_.check(cudaMemcpyAsync(aside, from, bytes, cudaMemcpyDeviceToDevice, work), "frame copy");
+    device_.check(cudaEventRecord(aside_, work), "frame copy");
+    device_.check(cudaStreamWaitEvent(stream_, aside_, 0), "frame copy");
+    device_.check(cudaMemcpyAsync(to, aside, bytes, cudaMemcpyDeviceToHost, stream_), "frame copy");
+    device_.check(cudaEventRecord(arrived_, stream_), "frame copy");
   }
 
   // The device is at work for another thread, so nothing is asked of it here, not even for its error
@@ -56,14 +78,16 @@ class CudaHostCopyMemory final : public detail::HostCopyMemory {
   void makeCurrent() const { device_.check(cudaSetDevice(index_), "frame copy"); }
   void free() {
     static_cast<void>(cudaEventSynchronize(arrived_));  // a copy may still be on its way
+    static_cast<void>(cudaFree(std::exchange(staging_, nullptr)));
     static_cast<void>(cudaFreeHost(std::exchange(bytes_, nullptr)));
   }
 
   CudaDevice& device_;
   int index_;
   std::string name_;
-  cudaEvent_t arrived_ = nullptr;
-  void* bytes_ = nullptr;
+  cudaStream_t stream_ = nullptr;
+  cudaEvent_t aside_ = nullptr, arrived_ = nullptr;
+  void *bytes_ = nullptr, *staging_ = nullptr;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "framework/graph/state.h"
 #include "framework/run/simulation.h"
@@ -54,6 +55,8 @@ class Observer {
   /// Once for each snapshot, in the order of the frames, on another thread than all else. May use neither the
   /// simulation nor its device. After an error it is not called again.
   virtual void write(Snapshot&) {}
+  /// Of the time in write(), what its parts took so far; asked when the last frame has been written.
+  virtual std::vector<OutputPart> writeParts() const { return {}; }
   /// After the last frame has been written; files must be complete and readable when it returns. Called once
   /// if begin() or resume() succeeded, also if the run was interrupted, or failed here or elsewhere. There
   /// may have been no frame.

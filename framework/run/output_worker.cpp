@@ -1,29 +1,11 @@
 #include "framework/run/output_worker.h"
 
-#include <chrono>
 #include <utility>
 
 #include "framework/base/check.h"
+#include "framework/run/stopwatch.h"
 
 namespace weir {
-
-namespace {
-
-/// Adds the time of its life to a number of seconds.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point start_ = Clock::now();
-};
-
-}  // namespace
 
 void FirstError::keepCurrent() {
   const std::scoped_lock lock(mutex_);
@@ -108,6 +90,7 @@ OutputTime OutputWorker::time() {
   const std::scoped_lock lock(mutex_);
   OutputTime time = time_;
   time.name = observer_.name();
+  time.parts = observer_.writeParts();
   return time;
 }
 

@@ -111,7 +111,8 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
     simulation.resume(StateReader(*options.resume), options.lastFrame);
     showProgress();
   } else {
-    simulation.reset(options.lastFrame);
+    if (!options.proceed) simulation.reset(options.lastFrame);
+    simulation.refresh();
     showFrame();
   }
   while (simulation.frame() < last) {

@@ -55,7 +55,20 @@ double Simulation::longestStep() const {
   return stepsVary() ? std::min(world.dt.get(), 1 / world.frameRate) : clock_.longestStep();
 }
 
+void Simulation::setDuration(double duration) {
+  if (!(duration >= time()))
+    throw usageError("found a duration of " + Value(duration).brief() + " s",
+                     "no less than the " + Value(time()).brief() + " s that are simulated already");
+  if (frame_ >= clock_.frameCount() && !atFrame())
+    throw usageError(
+        "the simulation is behind its last frame, in steps that a longer duration would not have",
+        "another duration before that, or one that is a whole number of frames from the start");
+  scene_->world.duration.set(duration);
+  clock_ = clockOf(*scene_);
+}
+
 void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
+  clock_ = clockOf(*scene_);
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
   time_ = 0;
@@ -82,8 +95,8 @@ void Simulation::checkMemory(const SetupContext& context) {
   if (!warning.empty()) context.log.warn(warning);
   if (memoryNeeds_.particles > 0)
     context.log.info("memory: up to " + shortBytes(memoryNeeds_.device) +
-              (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
-              groupedText(std::llround(memoryNeeds_.particles)) + " particles");
+                     (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
+                     groupedText(std::llround(memoryNeeds_.particles)) + " particles");
   if (device_.kind() != DeviceKind::kCpu) estimate.checkHost(static_cast<double>(availableHostMemory()));
 }
 

@@ -20,12 +20,19 @@ namespace weir {
 /// do; checking a scene therefore means to make its clock, too.
 Clock clockOf(const Scene& scene);
 
+/// A part of an observer's work.
+struct OutputPart {
+  std::string name;
+  double seconds = 0;
+};
+
 /// What an observer of a run cost, in seconds of wall clock.
 struct OutputTime {
   std::string name;
-  double capture = 0;  ///< that the simulation waited while frames were copied
-  double wait = 0;     ///< that it waited because frames came faster than they could be written
-  double write = 0;    ///< in which frames were written beside it
+  double capture = 0;             ///< that the simulation waited while frames were copied
+  double wait = 0;                ///< that it waited because frames came faster than they could be written
+  double write = 0;               ///< in which frames were written beside it
+  std::vector<OutputPart> parts;  ///< of `write`
 };
 
 /// Runs one scene on one device. Two of them in one process do not know of each other. Device, log, registry
@@ -41,9 +48,14 @@ class Simulation {
   const Registry& registry() const { return registry_; }
   const Clock& clock() const { return clock_; }
 
-  /// To time 0, frame 0. `last` is the frame at which the run will end, if its duration does not end it
-  /// before. Throws a scene Error if what the scene needs until then does not fit into memory
-  /// (memory_estimate.h).
+  /// Gives the scene away, with all that its nodes hold on the device; only destruction may follow.
+  std::unique_ptr<Scene> release() { return std::move(scene_); }
+  /// The run ends at this time, s, from now on, not before what was simulated already. Throws as clockOf.
+  void setDuration(double duration);
+
+  /// To time 0, frame 0, with the world's frame rate, step and duration as they are now. `last` is the frame
+  /// at which the run will end, if its duration does not end it before. Throws a scene Error if what the
+  /// scene needs until then does not fit into memory (memory_estimate.h).
   void reset(std::optional<std::int64_t> last = {});
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }

@@ -98,6 +98,7 @@ Value outputTimes(const Simulation& simulation) {
     output["capture_seconds"] = time.capture;
     output["wait_seconds"] = time.wait;
     output["write_seconds"] = time.write;
+    for (const OutputPart& part : time.parts) output[part.name + "_seconds"] = part.seconds;
   }
   return v;
 }
@@ -126,7 +127,8 @@ void addReports(Simulation& simulation, Value& statistics) {
     NodeReport report;
     try {
       callGuarded(
-          node->source(), [&] { return node->source(); }, [&] { node->report(report); });
+          node->source(), [&] { return hookText("", "report", node->source()); },
+          [&] { node->report(report); });
     } catch (const std::exception& e) {
       entry["error"] = e.what();
       continue;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "framework/base/text.h"
@@ -17,11 +18,11 @@ namespace weir {
 namespace {
 
 /// The built-in readers, then those of plugins by name.
-std::vector<std::unique_ptr<ParticleReader>> allReaders(const Registry& registry) {
-  std::vector<std::unique_ptr<ParticleReader>> readers;
-  readers.push_back(std::make_unique<CsvReader>());
-  readers.push_back(std::make_unique<PlyReader>());
-  for (auto& [name, reader] : registry.createServices<ParticleReader>()) readers.push_back(std::move(reader));
+std::vector<Service<ParticleReader>> allReaders(const Registry& registry) {
+  std::vector<Service<ParticleReader>> readers;
+  readers.push_back({"csv", std::make_unique<CsvReader>(), std::string(kOwnSource)});
+  readers.push_back({"ply", std::make_unique<PlyReader>(), std::string(kOwnSource)});
+  for (auto& service : registry.createServices<ParticleReader>()) readers.push_back(std::move(service));
   return readers;
 }
 
@@ -51,11 +52,18 @@ void ParticleFile::validate() const {
 ParticleData ParticleFile::read(const Registry& registry) const {
   const std::string ending = lowerCase(file->resolved.extension().string());
   std::vector<std::string> known;
-  for (const auto& reader : allReaders(registry))
-    for (const std::string& extension : reader->extensions()) {
-      if (extension == ending) return readWith(*reader);
-      known.push_back(extension);
-    }
+  for (const auto& [name, reader, source] : allReaders(registry)) {
+    std::optional<ParticleData> data;
+    const auto where = [&] { return hookText("particle reader " + inQuotes(name), "", source); };
+    const auto ask = [&] {
+      for (const std::string& extension : reader->extensions()) {
+        if (extension == ending && !data) data = readWith(*reader);
+        known.push_back(extension);
+      }
+    };
+    callGuarded(source, where, ask, /*filesSayEnough=*/true);
+    if (data) return std::move(*data);
+  }
   throw sceneError(inQuotes(file->text) + (ending.empty() ? " has no ending" : " is of no known kind"),
                    "a file that ends in " + joinNames(known), "plugins can bring more kinds of files")
       .inParameter(file.name());

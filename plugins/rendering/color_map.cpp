@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+
+#include "framework/base/check.h"
 
 namespace weir::rendering {
 namespace {
@@ -69,6 +72,19 @@ Vec3f colorAt(ColorMapName map, float t) {
   const std::size_t left = std::min(std::size_t(place), table.size() - 2);
   const float fraction = place - float(left);
   return unpack(table[left]) * (1 - fraction) + unpack(table[left + 1]) * fraction;
+}
+
+ColorMap::ColorMap(std::vector<Vec3f> colors) : colors_(std::move(colors)) {
+  WEIR_CHECK(colors_.size() >= 2u);
+}
+
+Vec3f ColorMap::at(float t) const {
+  if (colors_.empty()) return colorAt(name_, t);
+  if (std::isnan(t)) return kNeutral;
+  const float place = std::clamp(t, 0.0f, 1.0f) * float(colors_.size() - 1);
+  const std::size_t left = std::min(std::size_t(place), colors_.size() - 2);
+  const float part = place - float(left);
+  return colors_[left] * (1 - part) + colors_[left + 1] * part;
 }
 
 std::array<std::uint8_t, 3 * 256> colorTable(ColorMapName map) {

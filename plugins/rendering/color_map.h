@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "framework/base/vec.h"
 
@@ -16,6 +17,21 @@ enum class ColorMapName { kViridis, kTurbo, kCividis, kCoolwarm, kWater };
 /// Mikhailov 2019), cividis (J. Nuñez, C. Anderton, R. Renslow 2018), coolwarm (K. Moreland 2009). Water is
 /// our own.
 Vec3f colorAt(ColorMapName map, float t);
+
+/// A map by name, or of colours of one's own.
+class ColorMap {
+ public:
+  ColorMap(ColorMapName name = ColorMapName::kViridis) : name_(name) {}
+  /// At least two sRGB colours, evenly spread from 0 to 1, linear between them.
+  explicit ColorMap(std::vector<Vec3f> colors);
+
+  /// As colorAt().
+  Vec3f at(float t) const;
+
+ private:
+  ColorMapName name_ = ColorMapName::kViridis;
+  std::vector<Vec3f> colors_;  // empty: that of the name
+};
 
 /// 256 entries of 8-bit sRGB red, green, blue: entry i is the colour at i/255.
 std::array<std::uint8_t, 3 * 256> colorTable(ColorMapName map);

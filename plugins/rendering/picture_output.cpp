@@ -6,6 +6,7 @@
 
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
+#include "framework/run/stopwatch.h"
 #include "framework/scene/scene_file.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
@@ -36,6 +37,22 @@ std::filesystem::path fontFolder() {
 std::unique_ptr<Device> sibling(const Device& device) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
   return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
+}
+
+/// A GPU that computes draws most pictures alone, because OpenGL may have few of its processors. Where OpenGL
+/// is software, the device helps it.
+std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
+  std::unique_ptr<gl::Context> context = gl::makeContext();
+  if (device.kind() == DeviceKind::kCuda)
+    return std::make_unique<gl::Renderer>(std::move(context), sibling(device), gl::ComputeShare::kWhatCanBe);
+  std::unique_ptr<Device> helper = context->isSoftware() ? sibling(device) : nullptr;
+  return std::make_unique<gl::Renderer>(std::move(context), std::move(helper));
+}
+
+template <class F>
+decltype(auto) measured(double& seconds, F&& work) {
+  const Stopwatch watch(seconds);
+  return work();
 }
 
 class Pictures final : public Observer {
@@ -87,10 +104,7 @@ class Pictures final : public Observer {
     title_ = simulation.scene().title;
     capture_.emplace(settings);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
-    std::unique_ptr<gl::Context> context = gl::makeContext();
-    const bool software = context->isSoftware();
-    renderer_ =
-        std::make_unique<gl::Renderer>(std::move(context), software ? sibling(simulation.device()) : nullptr);
+    renderer_ = makeRenderer(simulation.device());
     view_ = std::make_unique<SceneView>(settings, *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
@@ -116,9 +130,13 @@ class Pictures final : public Observer {
   void write(Snapshot& snapshot) override {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
     if (made_) addStill(scene);
-    const View view = view_->of(scene);
+    const View view = measured(viewing_, [&] { return view_->of(scene); });
     if (!made_ || !isThere(scene, view)) draw(scene, view);
     ++frames_;
+  }
+
+  std::vector<OutputPart> writeParts() const override {
+    return {{"view", viewing_}, {"draw", drawing_}, {"label", labelling_}, {"hand_over", handingOver_}};
   }
 
   void end(Simulation& simulation, RunEnd) override {
@@ -135,12 +153,16 @@ class Pictures final : public Observer {
 
  private:
   void draw(const SceneSnapshot& scene, const View& view) {
-    Picture picture = renderer_->draw(view);
-    overlay_->draw(overlayText(scene), picture);
-    if (images_) {
-      if (images_->frameCount() != frames_) skipImages();
-      images_->write(picture);
-    }
+    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
+    measured(handingOver_, [&] { handOver(std::move(picture)); });
+  }
+
+  /// To those who encode it, on threads of their own; waits where they are slower.
+  void handOver(Picture picture) {
+    if (images_ && images_->frameCount() != frames_) skipImages();
+    if (images_ && video_) images_->write(picture);
+    if (images_ && !video_) images_->write(std::move(picture));
     if (video_) video_->write(std::move(picture));
   }
 
@@ -196,7 +218,7 @@ class Pictures final : public Observer {
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    if (key.shown) text.bar = ColorBar{settings_->color->map, key.low, key.high, caption};
+    if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
     return text;
   }
 
@@ -205,6 +227,7 @@ class Pictures final : public Observer {
   std::string title_;
   std::optional<SceneCapture> capture_;
   // From here on what write() uses.
+  double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
   std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;

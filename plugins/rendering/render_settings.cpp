@@ -1,5 +1,7 @@
 #include "plugins/rendering/render_settings.h"
 
+#include <cmath>
+
 #include "framework/base/error.h"
 
 namespace weir::rendering {
@@ -8,6 +10,8 @@ void CameraSettings::validate() const {
   if (length(up.get()) == 0) throw sceneError("up is [0, 0, 0]", "a direction").inParameter(up.name());
   if (eye.get() && target.get() && *eye.get() == *target.get())
     throw sceneError("eye and target are the same point", "two points").inParameter(eye.name());
+  if (orbitPeriod.get() && *orbitPeriod.get() == 0)
+    throw sceneError("orbit_period is 0", "a time above or below 0").inParameter(orbitPeriod.name());
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     if (keyframes[i].eye.get() == keyframes[i].target.get())
       throw sceneError("eye and target of keyframe " + std::to_string(i) + " are the same point",
@@ -23,6 +27,32 @@ void ColorSettings::validate() const {
   const auto& ends = range.get();
   if (ends && !(ends->x < ends->y))
     throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
+  if (table->size() == 1)
+    throw sceneError("the table has one colour", "two or more").inParameter(table.name());
+  for (const Vec3f& color : table.get())
+    for (int c = 0; c < 3; ++c)
+      if (!(color[c] >= 0 && color[c] <= 1))
+        throw sceneError("a colour of the table has the component " + std::to_string(color[c]), "0 to 1")
+            .inParameter(table.name());
+}
+
+ColorMap ColorSettings::colorMap() const {
+  return table->empty() ? ColorMap(map) : ColorMap(table);
+}
+
+bool ClipSettings::shows(const Vec3f& place) const {
+  const float above = dot(place - point, normalized(normal.get()));
+  const auto& thick = thickness.get();
+  return thick ? std::abs(above) <= 0.5f * *thick : above <= 0;
+}
+
+void ClipSettings::validate() const {
+  if (length(normal.get()) == 0)
+    throw sceneError("normal is [0, 0, 0]", "a direction").inParameter(normal.name());
+}
+
+void EnvironmentSettings::validate() const {
+  if (length(sun.get()) == 0) throw sceneError("sun is [0, 0, 0]", "a direction").inParameter(sun.name());
 }
 
 Color SurfaceSettings::shownColor() const {

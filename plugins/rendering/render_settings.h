@@ -4,9 +4,11 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "framework/graph/configurable.h"
 #include "plugins/rendering/view.h"
+#include "plugins/rendering/water_settings.h"
 
 namespace weir {
 
@@ -21,14 +23,43 @@ struct EnumNames<rendering::ColorMapName> {
 
 template <>
 struct EnumNames<rendering::SurfaceLook> {
-  static constexpr std::array<EnumName, 3> kNames{EnumName{"matt", "Opaque, without highlights."},
-                                                  EnumName{"glass", "Transparent, with bright rims."},
-                                                  EnumName{"metal", "Opaque and shiny."}};
+  static constexpr std::array<EnumName, 4> kNames{
+      EnumName{"matt", "Opaque, without highlights."}, EnumName{"glass", "Transparent, with bright rims."},
+      EnumName{"metal", "Opaque and shiny."},
+      EnumName{"water", "The surface of a liquid: closed, and clear inside."}};
+};
+
+template <>
+struct EnumNames<rendering::EnvironmentLook> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"studio", "A plain background; mirrors show a pale room with lamps."},
+      EnumName{"sky", "A blue sky with clouds, and the ground to the horizon."}};
+};
+
+template <>
+struct EnumNames<rendering::ToneCurve> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"plain", "Colours as they are, but for a soft shoulder where there is too much light."},
+      EnumName{"filmic", "The contrast of film, with paler highlights."}};
 };
 
 namespace rendering {
 
-/// One moment of a moving camera. Between moments, eye, target and field of view change linearly.
+/// Which particles are drawn.
+enum class ParticleDisplay { kAuto, kAll, kNone };
+
+}  // namespace rendering
+
+template <>
+struct EnumNames<rendering::ParticleDisplay> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"auto", "Those of fluids whose surface is not shown."}, EnumName{"all", "All."},
+      EnumName{"none", "None."}};
+};
+
+namespace rendering {
+
+/// One moment of a moving camera; what is between them, see camera_path.h.
 class CameraKey final : public Configurable {
  public:
   Param<double> time{*this, "time", 0.0, {.unit = "s", .min = 0, .doc = "Simulated time of this moment."}};
@@ -57,6 +88,25 @@ class CameraSettings final : public Configurable {
       *this, "fov", 40, {.unit = "degrees", .min = 1, .max = 170, .doc = "Vertical field of view."}};
   GroupList<CameraKey> keyframes{*this, "keyframes",
                                  "Moments of a moving camera, in the order of their times."};
+  Param<bool> smooth{
+      *this,
+      "smooth",
+      true,
+      {.doc = "Between keyframes the camera goes smoothly, and starts and stops gently; or else on straight "
+              "lines."}};
+  Param<std::optional<float>> orbitPeriod{
+      *this,
+      "orbit_period",
+      std::nullopt,
+      {.unit = "s",
+       .doc = "Time in which the camera goes once around its target, about the direction up; negative: the "
+              "other way round. Without it there is no orbit."}};
+  Param<std::string> follow{
+      *this,
+      "follow",
+      "",
+      {.doc = "Name of a node that the camera follows: its target is the middle of that fluid or mesh, and "
+              "the eye keeps its distance and direction from there."}};
 
   void validate() const override;
 };
@@ -75,14 +125,70 @@ class ColorSettings final : public Configurable {
       std::nullopt,
       {.doc = "Values at the two ends of the colour map; found from the first frames if it is left out."}};
   Param<ColorMapName> map{*this, "map", ColorMapName::kViridis, {.doc = "The colours."}};
+  Param<std::vector<Vec3f>> table{
+      *this,
+      "table",
+      {},
+      {.doc =
+           "Colours of one's own in place of map: [red, green, blue] from 0 to 1, evenly spread from low to "
+           "high values."}};
   Param<Color> fixed{
       *this, "fixed", {0.16f, 0.45f, 0.85f, 1}, {.doc = "The one colour for \"by\": \"none\"."}};
+  /// That of the table, or else the one that is named.
+  ColorMap colorMap() const;
   Param<bool> bar{*this, "bar", true, {.doc = "Show the colours with their values."}};
 
   void validate() const override;
 };
 
-/// The look of the surface that a node puts out.
+/// Hides particles on one side of a plane, or leaves a slice.
+class ClipSettings final : public Configurable {
+ public:
+  Param<Vec3f> point{*this, "point", {}, {.unit = "m", .doc = "A point of the plane."}};
+  Param<Vec3f> normal{*this,
+                      "normal",
+                      {0, 0, 1},
+                      {.doc = "Across the plane; particles on the side where it points are hidden."}};
+  Param<std::optional<float>> thickness{
+      *this,
+      "thickness",
+      std::nullopt,
+      {.unit = "m",
+       .min = 1e-9,
+       .doc = "With it, only the slice of this thickness is shown that has the plane as its middle."}};
+
+  /// Whether a particle there is shown.
+  bool shows(const Vec3f& place) const;
+  void validate() const override;
+};
+
+/// Arrows along the velocities of particles.
+class ArrowSettings final : public Configurable {
+ public:
+  Param<std::optional<float>> spacing{
+      *this,
+      "spacing",
+      std::nullopt,
+      {.unit = "m",
+       .min = 1e-9,
+       .doc = "There is one arrow for each cube of this size that holds particles, of their mean velocity. "
+              "Without it there are no arrows."}};
+  Param<float> seconds{
+      *this,
+      "seconds",
+      0.05f,
+      {.unit = "s", .min = 1e-9, .doc = "An arrow is as long as the way that is gone in this time."}};
+  Param<Color> color{*this, "color", {0.08f, 0.09f, 0.11f, 0.9f}, {.doc = "Their colour."}};
+  Param<float> width{*this,
+                     "width",
+                     1.6f,
+                     {.unit = "pixels",
+                      .min = 0.1,
+                      .max = 100,
+                      .doc = "Width of their lines in a picture that is 720 pixels high."}};
+};
+
+/// The look of the surface that a node puts out, be it solid or a fluid's.
 class SurfaceSettings final : public Configurable {
  public:
   Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
@@ -91,7 +197,9 @@ class SurfaceSettings final : public Configurable {
       *this,
       "color",
       std::nullopt,
-      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
+      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear, and "
+              "for fluids the particles' one colour."}};
+  Group<WaterSettings> water{*this, "water", "Of the look \"water\": what its inside does to light."};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 
   /// The colour that is given, or else that of the look.
@@ -99,10 +207,36 @@ class SurfaceSettings final : public Configurable {
   void validate() const override;
 };
 
+/// Light and surroundings.
+class EnvironmentSettings final : public Configurable {
+ public:
+  Param<EnvironmentLook> look{*this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
+  Param<Vec3f> sun{
+      *this, "sun", LightingView{}.towardsSun, {.doc = "The direction towards the sun, of any length."}};
+  Param<float> exposure{
+      *this, "exposure", 1, {.min = 0, .max = 100, .aboveMin = true, .doc = "Multiplies all light."}};
+  Param<ToneCurve> tone{*this, "tone", ToneCurve::kPlain, {.doc = "How light becomes colours."}};
+  Param<float> groundTiles{
+      *this,
+      "ground_tiles",
+      0,
+      {.unit = "m",
+       .min = 0,
+       .doc = "Side of the tiles of the floor, which make refraction seen; 0: no tiles."}};
+  Param<Color> groundColor{*this, "ground_color", GroundView{}.color, {.doc = "Colour of the floor."}};
+
+  void validate() const override;
+};
+
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
+  Group<EnvironmentSettings> environment{*this, "environment", "Light and surroundings."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
+  GroupList<FluidSettings> fluids{*this, "fluids",
+                                  "The looks of fluids, by node; those that are not here are spheres."};
+  GroupList<ClipSettings> clips{*this, "clips", "Planes that cut the fluids open."};
+  Group<ArrowSettings> arrows{*this, "arrows", "Arrows that show velocities."};
   GroupList<SurfaceSettings> surfaces{*this, "surfaces", "The looks of surfaces, by node."};
   Param<int> width{
       *this, "width", 1280, {.unit = "pixels", .min = 16, .max = 16384, .doc = "Width of the pictures."}};
@@ -113,6 +247,8 @@ class RenderSettings final : public Configurable {
       "particle_size",
       1.0f,
       {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
+  Param<ParticleDisplay> particles{
+      *this, "particles", ParticleDisplay::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};

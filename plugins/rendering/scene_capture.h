@@ -10,6 +10,7 @@
 
 #include "framework/compute/host_copy.h"
 #include "framework/run/observer.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
 #include "nodes/static_boundary/shapes.h"
@@ -22,9 +23,11 @@ namespace weir::rendering {
 struct StillScene {
   /// A mesh in the frame of its node; where that is at a frame, the snapshot's poses say.
   struct Surface {
+    std::string node;  ///< that puts the mesh out
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
+    std::optional<WaterView> water;  ///< of the look kWater
   };
   std::vector<Surface> surfaces;
   std::vector<Vec3f> lines;    ///< two points a line
@@ -33,17 +36,31 @@ struct StillScene {
 };
 
 /// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
-/// one is used at most.
+/// or whiten them, one is used at most.
 struct FluidSnapshot {
-  explicit FluidSnapshot(Device& device) : positions(device), floats(device), vectors(device), ints(device) {}
+  explicit FluidSnapshot(Device& device)
+      : positions(device), velocities(device), floats(device), vectors(device), ints(device) {}
 
-  float spacing = 0;  ///< m
+  std::string node;                     ///< that puts the fluid out
+  float spacing = 0;                    ///< m
+  const FluidSettings* look = nullptr;  ///< null: spheres
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   HostCopy<Vec3f> positions;
+  HostCopy<Vec3f> velocities;  ///< if there are arrows
   HostCopy<float> floats;
   HostCopy<Vec3f> vectors;
   HostCopy<int> ints;
+};
+
+/// The surface of a fluid, on its way to the host.
+struct FluidSurfaceSnapshot {
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device) {}
+
+  DynamicMeshCopy mesh;
+  SurfaceLook look = SurfaceLook::kMatt;
+  Color color;
+  std::optional<WaterView> water;  ///< of the look "water"
 };
 
 /// One frame.
@@ -53,6 +70,7 @@ class SceneSnapshot final : public Snapshot {
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
+  std::vector<FluidSurfaceSnapshot> fluidSurfaces;
   std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
   std::unique_ptr<StillScene> still;
@@ -72,8 +90,12 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  const FluidSettings* fluidSettingsOf(const std::string& node) const;
+  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  bool showsParticles(const OutputPort& fluid) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
+  static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
   const RenderSettings& settings_;
   bool collected_ = false;

@@ -2,35 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
+
+#include "plugins/rendering/camera_path.h"
+#include "plugins/rendering/velocity_arrows.h"
 
 namespace weir::rendering {
 
 namespace {
 
-std::vector<float> lengthsOf(std::span<const Vec3f> vectors) {
-  std::vector<float> lengths;
-  lengths.reserve(vectors.size());
-  for (const Vec3f& v : vectors) lengths.push_back(length(v));
-  return lengths;
-}
-
-/// The numbers that colour the particles; none if they have one colour.
-std::vector<float> colorsOf(FluidSnapshot& fluid) {
-  if (!fluid.colorType) return {};
+/// The numbers that colour the particles; none if they have one colour. The vector keeps its memory from
+/// frame to frame.
+void setColors(FluidSnapshot& fluid, std::vector<float>& to) {
+  to.clear();
+  if (!fluid.colorType) return;
   switch (*fluid.colorType) {
     case AttributeType::kFloat: {
       const std::span<const float> numbers = fluid.floats.wait();
-      return {numbers.begin(), numbers.end()};
-    }
-    case AttributeType::kVec3:
-      return lengthsOf(fluid.vectors.wait());
-    case AttributeType::kInt:
+      to.assign(numbers.begin(), numbers.end());
       break;
+    }
+    case AttributeType::kVec3: {
+      const std::span<const Vec3f> vectors = fluid.vectors.wait();
+      to.resize(vectors.size());
+      std::transform(vectors.begin(), vectors.end(), to.begin(), [](const Vec3f& v) { return length(v); });
+      break;
+    }
+    case AttributeType::kInt: {
+      const std::span<const int> numbers = fluid.ints.wait();
+      to.assign(numbers.begin(), numbers.end());
+      break;
+    }
   }
-  const std::span<const int> numbers = fluid.ints.wait();
-  return {numbers.begin(), numbers.end()};
 }
 
 /// The next of 1, 2, 5, 10, … times a power of ten that is not below x > 0.
@@ -50,27 +55,48 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.height = settings_.height;
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
+  view.waters = surfaceWaters_;
   addFluids(snapshot, view);
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
+  addFluidSurfaces(snapshot, view);
+  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
+  if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
   constexpr float kGroundShare = 4;  // of the size of the scene, so that its rim is out of sight
   view.ground.visible = settings_.ground;
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
-  view.camera = cameraAt(snapshot.time);
+  const EnvironmentSettings& environment = *settings_.environment;
+  view.ground.color = environment.groundColor;
+  view.ground.tiles = environment.groundTiles;
+  view.lighting.towardsSun = environment.sun;
+  view.lighting.exposure = environment.exposure;
+  view.lighting.tone = environment.tone;
+  view.environment.look = environment.look;
   return view;
 }
 
 void SceneView::takeStill(StillScene& still) {
-  for (const StillScene::Surface& surface : still.surfaces)
-    surfaces_.push_back(
-        {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
+  for (const StillScene::Surface& surface : still.surfaces) {
+    surfaces_.push_back({.mesh = renderer_.addMesh(surface.mesh),
+                         .look = surface.look,
+                         .color = surface.color,
+                         .water = surfaceWaters_.size()});
+    if (surface.water) surfaceWaters_.push_back(*surface.water);
+  }
+  for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
+    if (still.surfaces[i].node != *settings_.camera->follow || followedSurface_) continue;
+    followedSurface_ = i;
+    Aabb box;
+    for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);
+    followedMiddle_ = box.center();
+  }
   lines_ = std::move(still.lines);
   bounds_ = still.bounds;
   floor_ = still.floor;
@@ -80,25 +106,76 @@ void SceneView::takeStill(StillScene& still) {
 void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   const std::string& by = settings_.color->by;
   const bool colored = by != "none";
-  key_.shown = settings_.color->bar && colored;
+  key_.shown = false;
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
-  values_.clear();
-  for (FluidSnapshot& fluid : snapshot.fluids) {
+  values_.resize(snapshot.fluids.size());
+  foam_.resize(snapshot.fluids.size());
+  for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
+    FluidSnapshot& fluid = snapshot.fluids[i];
     const std::span<const Vec3f> positions = fluid.positions.wait();
-    values_.push_back(colorsOf(fluid));
+    const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
+    if (!water) key_.shown = settings_.color->bar && colored;
+    setColors(fluid, water ? foam_[i] : values_[i]);
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
-                              .map = settings_.color->map,
+                              .map = settings_.color->colorMap(),
                               .fixed = settings_.color->fixed});
+    if (water) addWater(fluid, view);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : positions) bounds_.extend(p);
   }
   if (colored) chooseRange();
+  shown_.resize(view.particles.size());
   for (std::size_t i = 0; i < view.particles.size(); ++i) {
     view.particles[i].values = values_[i];
+    if (!settings_.clips.empty()) shown_[i].choose(settings_.clips, view.particles[i]);
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;
+  }
+}
+
+/// Makes a liquid of the particles that were added last.
+void SceneView::addWater(FluidSnapshot& fluid, View& view) {
+  const FluidSettings& look = *fluid.look;
+  std::vector<float>& foam = foam_[view.particles.size() - 1];
+  ParticleView& particles = view.particles.back();
+  // Larger than the spheres, so that the gaps between neighbours close.
+  constexpr float kLarger = 1.5f;
+  particles.radius *= kLarger;
+  particles.volume = fluid.spacing * fluid.spacing * fluid.spacing;
+  particles.water = view.waters.size();
+  for (float& value : foam) value = look.foam->whitenessOf(value);
+  particles.foam = foam;
+  view.waters.push_back(waterView(*look.water, look.smoothing * fluid.spacing, look.foam->opacity));
+}
+
+void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
+  const ArrowSettings& settings = *settings_.arrows;
+  arrows_.clear();
+  for (FluidSnapshot& fluid : snapshot.fluids)
+    addVelocityArrows(fluid.positions.wait(), fluid.velocities.wait(), settings_.clips,
+                      *settings.spacing.get(), settings.seconds, view.camera.eye, arrows_);
+  // With light rims, so that they can be seen on dark fluids.
+  constexpr Color kRim{1, 1, 1, 0.75f};
+  view.lines.push_back({.points = arrows_, .color = kRim, .width = 2.4f * settings.width});
+  view.lines.push_back({.points = arrows_, .color = settings.color, .width = settings.width});
+}
+
+void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
+  for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
+    FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
+    const MeshSpan mesh = surface.mesh.wait();
+    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(renderer_.addMesh({}));
+    renderer_.replaceMesh(fluidSurfaces_[i], mesh);
+    if (mesh.triangles.empty()) continue;
+    view.surfaces.push_back({.mesh = fluidSurfaces_[i],
+                             .look = surface.look,
+                             .color = surface.color,
+                             .water = view.waters.size()});
+    if (surface.water) view.waters.push_back(*surface.water);
+    if (boundsAreStatic_) continue;
+    for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
   }
 }
 
@@ -108,17 +185,16 @@ void SceneView::chooseRange() {
     return;
   }
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
-  float low = rangeFound_ ? key_.low : 0, high = rangeFound_ ? key_.high : 0;
-  bool any = rangeFound_;
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  float low = rangeFound_ ? key_.low : kNone, high = rangeFound_ ? key_.high : -kNone;
   for (const std::vector<float>& values : values_)
     for (const float v : values) {
       if (!std::isfinite(v)) continue;
-      low = any ? std::min(low, v) : v;
-      high = any ? std::max(high, v) : v;
-      any = true;
+      low = v < low ? v : low;
+      high = v > high ? v : high;
     }
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
-  if (!any || !grew) return;
+  if (!(low <= high) || !grew) return;
   rangeFound_ = high > low;
   if (*settings_.color->by == "speed") low = 0;
   const float step = roundUp(std::max(high - low, 1e-6f * std::max(std::abs(high), 1.0f))) / 10;
@@ -139,21 +215,23 @@ CameraPose SceneView::restingCamera() const {
   return camera;
 }
 
-CameraPose SceneView::cameraAt(double time) const {
-  CameraPose camera = restingCamera();
-  const auto& keys = settings_.camera->keyframes;
-  if (keys.empty()) return camera;
-  std::size_t next = 0;
-  while (next < keys.size() && keys[next].time <= time) ++next;
-  const CameraKey& a = keys[next == 0 ? 0 : next - 1];
-  const CameraKey& b = keys[next == keys.size() ? next - 1 : next];
-  const double span = b.time - a.time;
-  const float t = span > 0 ? static_cast<float>((time - a.time) / span) : 0;
-  const float fovA = a.fov.get().value_or(camera.fovDegrees), fovB = b.fov.get().value_or(camera.fovDegrees);
-  camera.eye = (1 - t) * a.eye.get() + t * b.eye.get();
-  camera.target = (1 - t) * a.target.get() + t * b.target.get();
-  camera.fovDegrees = (1 - t) * fovA + t * fovB;
-  return camera;
+std::optional<Vec3f> SceneView::followedPlace(SceneSnapshot& snapshot) const {
+  const std::string& name = settings_.camera->follow;
+  if (name.empty()) return std::nullopt;
+  if (followedSurface_) return snapshot.poses[*followedSurface_].toWorld(followedMiddle_);
+  Vec3d sum;
+  std::int64_t count = 0;
+  for (FluidSnapshot& fluid : snapshot.fluids) {
+    if (fluid.node != name) continue;
+    for (const Vec3f& p : fluid.positions.wait()) {
+      if (!isFinite(p)) continue;
+      sum += Vec3d{p.x, p.y, p.z};
+      ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  const Vec3d middle = sum / static_cast<double>(count);
+  return Vec3f{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
 }
 
 }  // namespace weir::rendering

@@ -8,6 +8,7 @@
 #include "plugins/rendering/gl/renderer.h"
 #include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/scene_capture.h"
+#include "plugins/rendering/shown_particles.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -35,15 +36,26 @@ class SceneView {
  private:
   void takeStill(StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
+  void addWater(FluidSnapshot& fluid, View& view);
+  void addArrows(SceneSnapshot& snapshot, View& view);
+  void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
   void chooseRange();  // of values_
-  CameraPose cameraAt(double time) const;
+  /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
+  std::optional<Vec3f> followedPlace(SceneSnapshot& snapshot) const;
   CameraPose restingCamera() const;
 
   const RenderSettings& settings_;
   gl::Renderer& renderer_;
   ColorKey key_;
-  std::vector<std::vector<float>> values_;  // of each fluid; empty for one colour
-  std::vector<SurfaceView> surfaces_;
+  std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour
+  std::vector<std::vector<float>> foam_;    // of each fluid that is a liquid; empty for none
+  std::vector<ShownParticles> shown_;       // of each fluid, where clips hide some
+  std::vector<Vec3f> arrows_;               // two points a line
+  std::vector<SurfaceView> surfaces_;       // that are still
+  std::vector<MeshId> fluidSurfaces_;
+  std::vector<WaterView> surfaceWaters_;  // of those surfaces that are one's; they come first in a view
+  std::optional<std::size_t> followedSurface_;
+  Vec3f followedMiddle_;      // of that surface's mesh
   std::vector<Vec3f> lines_;  // two points a line
   Aabb bounds_;
   bool boundsAreStatic_ = false;  // else they grow with the particles

@@ -1,6 +1,6 @@
 #!/bin/sh
-# How much longer a dam break takes if every frame, 30 a simulated second, is drawn, filmed or exported: prints
-# a Markdown table. Runs with and without take turns, and of each kind the fastest counts.
+# How much longer a dam break takes if every frame, 30 a simulated second, is drawn, filmed (where there is
+# ffmpeg) or exported: prints a Markdown table. Runs with and without take turns, and of each kind the fastest counts.
 #   output_cost.sh PROGRAM [DEVICE [SIDE [SECONDS [REPEATS]]]]     SIDE: particles along an edge of the cube
 set -eu
 program=$1
@@ -29,10 +29,19 @@ run() {
     'BEGIN { n = 1000 / (frames + 1); printf "%.6f %.4g %.4g %.4g\n", wall - setup, capture * n, wait * n, write * n }'
 }
 
+parts_of_pictures() {
+  echo
+  echo "Parts of writing a picture (ms), in the last run with images:"
+  tr -d '\n ' <"$folder/images.json" | sed 's/.*"pictures":{\([^}]*\)}.*/\1/' | tr ',' '\n' |
+    awk -F'[:"]+' -v frames="$(tr -d '\n ' <"$folder/images.json" | sed 's/.*"frames":\([0-9]*\).*/\1/')" \
+      '{ printf "  %s %.2f\n", $2, 1000 * $3 / (frames + 1) }'
+}
+
 for repeat in $(seq "$repeats"); do
   run statistics >>"$folder/none"
   run pictures --images "$folder/images" >>"$folder/images.txt"
-  run pictures --video "$folder/run.mp4" >>"$folder/video.txt"
+  cp "$folder/stats.json" "$folder/images.json"
+  if command -v ffmpeg >/dev/null; then run pictures --video "$folder/run.mp4" >>"$folder/video.txt"; fi
   run export --export "$folder/run.vtkhdf" >>"$folder/export.txt"
 done
 none=$(sort -g "$folder/none" | head -1 | cut -d' ' -f1)
@@ -43,9 +52,11 @@ echo "| output | time of the run (s) | loss | copying a frame (ms) | waiting, a 
 echo "|---|---:|---:|---:|---:|---:|"
 printf '| none | %.3f | | | | |\n' "$none"
 for kind in images video export; do
+  [ -e "$folder/$kind.txt" ] || continue
   sort -g "$folder/$kind.txt" | head -1 | {
     read -r wall capture wait write
     awk -v kind="$kind" -v none="$none" -v wall="$wall" -v c="$capture" -v w="$wait" -v d="$write" \
       'BEGIN { printf "| %s | %.3f | %.1f %% | %s | %s | %s |\n", kind, wall, 100 * (wall / none - 1), c, w, d }'
   }
 done
+parts_of_pictures

@@ -194,9 +194,9 @@ class SemiImplicitSolver final : public FluidModule {
 
   BulkEnergy bulkEnergy_;
   ObjectiveRecord objective_;
-  // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
-  Array<Vec4f> state_, weighted_;
-  Array<Vec3f> displacement_;
+  // The position of each particle, before the density pass. What that makes of it, and the displacement,
+  // stand in the particles' scratch memory.
+  Array<Vec4f> state_;
   // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update, for
   // momentum.
   Array<float> excess_;

@@ -1,5 +1,6 @@
 #include "plugins/rendering/gl/frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace weir::rendering::gl {
@@ -11,19 +12,55 @@ Vec3f linear(const Color& color) {
   return {component(color.r), component(color.g), component(color.b)};
 }
 
+Aabb seenBox(const View& view, const Aabb& casters) {
+  Aabb seen = casters;
+  for (const LineView& lines : view.lines)
+    for (const Vec3f& point : lines.points)
+      if (isFinite(point)) seen.extend(point);
+  if (view.ground.visible) {
+    const Vec3f up = normalized(view.worldUp);
+    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
+    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
+    seen.extend(Aabb{middle - around, middle + around});
+  }
+  return seen;
+}
+
+float occlusionRadius(const View& view, const Aabb& casters) {
+  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
+  float largest = 0;
+  for (const ParticleView& particles : view.particles)
+    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
+  if (largest > 0) return 6 * largest;
+  constexpr float kPartOfScene = 0.04f;
+  return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
+}
+
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height) {
   program.set("uProjection", camera.projectionTerms());
   program.set("uTangent", camera.tangent);
   program.set("uPixel", Vec2f{2.0f / float(width), 2.0f / float(height)});
 }
 
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit) {
+  program.setTexture("uBefore", unit, before);
+  program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
+}
+
+bool isOutside(const View& view) {
+  return view.environment.look == EnvironmentLook::kSky || view.environment.image != nullptr;
+}
+
 void setLightUniforms(const Program& program, const Frame& frame) {
   const View& view = frame.view;
   program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));
   program.set("uUp", frame.camera.direction(normalized(view.worldUp)));
+  const bool outside = isOutside(view);
   // The sky lights in a paler colour than it has, or everything would look blue.
-  constexpr Vec3f kWhite{1, 1, 1};
-  program.set("uSkyColor", 0.5f * (kWhite + linear(view.backgroundTop)));
+  constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
+  program.set("uSkyColor", outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop)));
+  program.set("uSkyStrength", outside ? 0.36f : 0.56f);
+  program.set("uSunColor", outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f});
   program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
 }
 

@@ -10,6 +10,9 @@ namespace weir::rendering::gl {
 /// sRGB components, as colours are given, in linear light.
 Vec3f linear(const Color& color);
 
+/// Whether the surroundings are the background.
+bool isOutside(const View& view);
+
 struct Frame {
   const View& view;
   int samples = 1;            ///< per axis and pixel
@@ -19,8 +22,15 @@ struct Frame {
   SunView sun;  ///< only with shadows
 };
 
+/// The box around all that is seen: what casts shadows, lines and the ground.
+Aabb seenBox(const View& view, const Aabb& casters);
+/// How far ambient occlusion reaches, m.
+float occlusionRadius(const View& view, const Aabb& casters);
+
 /// The uniforms of kCameraSnippet, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
+/// The uniforms of kBehindSnippet.
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
 /// The uniforms of kLightSnippet.
 void setLightUniforms(const Program& program, const Frame& frame);
 

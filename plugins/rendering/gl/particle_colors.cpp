@@ -19,11 +19,11 @@ ParticleColors::ParticleColors(const ParticleView& particles)
       texels_.push_back(std::uint8_t(std::lround(255.0f * std::clamp(c, 0.0f, 1.0f))));
   };
   for (int i = 0; i < kMapSize; ++i) {
-    const Vec3f color = colorAt(particles.map, float(i) / 255.0f);
+    const Vec3f color = particles.map.at(float(i) / 255.0f);
     add(color.x, color.y, color.z);
   }
   add(particles.fixed.r, particles.fixed.g, particles.fixed.b);
-  const Vec3f unknown = colorAt(particles.map, std::nanf(""));
+  const Vec3f unknown = particles.map.at(std::nanf(""));
   add(unknown.x, unknown.y, unknown.z);
 }
 

@@ -6,6 +6,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "plugins/rendering/compute/compute_renderer.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/glass_pass.h"
 #include "plugins/rendering/gl/lighting_pass.h"
@@ -16,26 +17,36 @@
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/splat_pass.h"
 #include "plugins/rendering/gl/surface_pass.h"
+#include "plugins/rendering/gl/water_particle_pass.h"
+#include "plugins/rendering/gl/water_pass.h"
+#include "plugins/rendering/gl/water_shadow.h"
+#include "plugins/rendering/gl/water_splat_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
 
 constexpr int kMostSamples = 4;
-
-float occlusionRadius(const View& view, const Aabb& casters) {
-  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
-  float largest = 0;
-  for (const ParticleView& particles : view.particles)
-    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
-  if (largest > 0) return 6 * largest;
-  constexpr float kPartOfScene = 0.04f;
-  return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
-}
+constexpr float kNearest = 0;
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
   if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
   return std::make_unique<SplatPass>(gl, *splatDevice);
 }
+
+std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatDevice) {
+  if (splatDevice == nullptr) return std::make_unique<WaterParticlePass>(gl);
+  return std::make_unique<WaterSplatPass>(gl, *splatDevice);
+}
+
+struct Liquids {
+  Liquids(const Functions& gl, Device* splatDevice)
+      : particles(makeWaterDrawer(gl, splatDevice)), surfaces(gl), shadows(gl), pass(gl) {}
+
+  std::unique_ptr<WaterDrawer> particles;
+  WaterSurfacePass surfaces;
+  WaterShadow shadows;
+  WaterPass pass;
+};
 
 }  // namespace
 
@@ -48,9 +59,12 @@ class Renderer::Passes {
         surfaces_(gl),
         shadows_(gl),
         occlusion_(gl),
+        environment_(gl),
         lighting_(gl),
         lines_(gl),
-        glass_(gl) {
+        glass_(gl),
+        splatDevice_(splatDevice),
+        nothingBefore_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest)) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
 
@@ -63,15 +77,20 @@ class Renderer::Passes {
   int samplesFor(const View& view) const;
   Aabb load(const View& view, Aabb& casters);
   void drawGeometry(const Frame& frame);
+  void drawClear(const Frame& frame);
   Picture read() const;
 
   std::unique_ptr<ParticleDrawer> particles_;
   SurfacePass surfaces_;
   ShadowPass shadows_;
   OcclusionPass occlusion_;
+  Environment environment_;
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
+  Device* splatDevice_;
+  std::optional<Liquids> liquids_;  // once there are any: their programs take time to build
+  Texture nothingBefore_;           // one texel with the depth of the eye
   std::optional<Targets> targets_;
   GLint largest_ = 0;
 };
@@ -88,19 +107,11 @@ int Renderer::Passes::samplesFor(const View& view) const {
 /// Sends what has changed to the GPU; returns the box around all that is seen.
 Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
   casters = particles_->load(view.particles);
+  if (!view.waters.empty() && !liquids_) liquids_.emplace(gl, splatDevice_);
+  if (liquids_) casters.extend(liquids_->particles->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
-  Aabb seen = casters;
-  for (const LineView& lines : view.lines)
-    for (const Vec3f& point : lines.points)
-      if (isFinite(point)) seen.extend(point);
-  if (view.ground.visible) {
-    const Vec3f up = normalized(view.worldUp);
-    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
-    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
-    seen.extend(Aabb{middle - around, middle + around});
-  }
-  return seen;
+  return seenBox(view, casters);
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
@@ -118,6 +129,20 @@ void Renderer::Passes::drawGeometry(const Frame& frame) {
   if (particlesFirst) particles_->drawGeometry(frame, *targets_);
   surfaces_.draw(frame, meshes, particlesFirst);
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
+}
+
+/// Liquids, glass and lines over the lit scene.
+void Renderer::Passes::drawClear(const Frame& frame) {
+  const auto drawBehind = [&](const Texture& before) {
+    lines_.draw(frame, *targets_, before);
+    glass_.draw(frame, *targets_, meshes, before, environment_);
+  };
+  if (!frame.view.waters.empty())
+    liquids_->pass.draw(
+        frame, *targets_,
+        {meshes, *liquids_->particles, shadows_, liquids_->shadows, liquids_->surfaces, environment_},
+        drawBehind);
+  drawBehind(nothingBefore_);
 }
 
 Picture Renderer::Passes::read() const {
@@ -151,6 +176,7 @@ Picture Renderer::Passes::draw(const View& view) {
   if (frame.hasShadows) {
     frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
     shadows_.draw(frame, meshes, *particles_);
+    if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *liquids_->particles, liquids_->surfaces);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
@@ -158,9 +184,9 @@ Picture Renderer::Passes::draw(const View& view) {
   } else {
     occlusion_.clear(*targets_);
   }
-  lighting_.draw(frame, *targets_, shadows_);
-  lines_.draw(frame, *targets_);
-  glass_.draw(frame, *targets_, meshes);
+  environment_.load(view);
+  lighting_.draw(frame, *targets_, shadows_, liquids_ ? &liquids_->shadows : nullptr, environment_);
+  drawClear(frame);
   lighting_.resolve(frame, *targets_);
   Picture picture = read();
   if (const GLenum error = gl.getError(); error != GL_NO_ERROR)
@@ -169,10 +195,15 @@ Picture Renderer::Passes::draw(const View& view) {
   return picture;
 }
 
-Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> splatDevice)
-    : context_(std::move(context)), splatDevice_(std::move(splatDevice)) {
+Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> device, ComputeShare share)
+    : context_(std::move(context)), device_(std::move(device)) {
+  const bool drawsAlone = device_ != nullptr && share == ComputeShare::kWhatCanBe;
+  if (drawsAlone) compute_ = std::make_unique<ComputeRenderer>(*device_);
   const CurrentContext current(*context_);
-  passes_ = std::make_unique<Passes>(context_->functions(), splatDevice_.get());
+  // What the device does not draw alone is left to OpenGL if that is a GPU's: textures would have to go
+  // there.
+  const bool splats = device_ != nullptr && (!drawsAlone || context_->isSoftware());
+  passes_ = std::make_unique<Passes>(context_->functions(), splats ? device_.get() : nullptr);
 }
 
 Renderer::~Renderer() {
@@ -190,12 +221,18 @@ void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
   passes_->meshes.replace(id, mesh);
 }
 
+void Renderer::replaceMesh(MeshId id, const MeshSpan& mesh) {
+  const CurrentContext current(*context_);
+  passes_->meshes.replace(id, mesh);
+}
+
 void Renderer::removeMesh(MeshId id) {
   const CurrentContext current(*context_);
   passes_->meshes.remove(id);
 }
 
 Picture Renderer::draw(const View& view) {
+  if (compute_ && ComputeRenderer::canDraw(view)) return compute_->draw(view);
   const CurrentContext current(*context_);
   return passes_->draw(view);
 }

@@ -5,22 +5,34 @@
 #include <string>
 
 #include "framework/compute/device.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "plugins/rendering/view.h"
 
-namespace weir::rendering::gl {
+namespace weir::rendering {
+
+class ComputeRenderer;
+
+namespace gl {
 
 class Context;
+
+/// What a compute device does of a picture.
+enum class ComputeShare {
+  kParticles,  ///< it finds the particles that are seen
+  kWhatCanBe,  ///< it draws all pictures that ComputeRenderer can
+};
 
 /// How a picture is made: the nearest surface at each sample (colour, normal, depth) is found first, then lit
 /// in linear light by a sun with a soft shadow and by the sky with ambient occlusion; lines and glass come on
 /// top; the samples of each pixel are averaged. It may be used from any thread, but from one at a time.
 class Renderer {
  public:
-  /// Which particles are seen is found by OpenGL, or, if there is a device, on that; the pictures are the
-  /// same. Where OpenGL is software, the device is much faster. Throws an io Error if the driver cannot do
-  /// it.
-  explicit Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> splatDevice = nullptr);
+  /// Which particles are seen is found by OpenGL, or, if there is a device and OpenGL is software, on that,
+  /// which is much faster; the pictures are the same. With `device` and kWhatCanBe, the device alone draws
+  /// views without surfaces. Throws an io Error if the driver cannot do it.
+  explicit Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> device = nullptr,
+                    ComputeShare share = ComputeShare::kParticles);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -28,6 +40,7 @@ class Renderer {
   /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
   MeshId addMesh(const TriangleMesh& mesh);
   void replaceMesh(MeshId id, const TriangleMesh& mesh);
+  void replaceMesh(MeshId id, const MeshSpan& mesh);
   void removeMesh(MeshId id);
 
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that
@@ -41,8 +54,10 @@ class Renderer {
   class Passes;
 
   std::unique_ptr<Context> context_;
-  std::unique_ptr<Device> splatDevice_;
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<ComputeRenderer> compute_;  // null: OpenGL draws all pictures
   std::unique_ptr<Passes> passes_;
 };
 
-}  // namespace weir::rendering::gl
+}  // namespace gl
+}  // namespace weir::rendering

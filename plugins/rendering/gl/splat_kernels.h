@@ -7,14 +7,9 @@
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
+#include "plugins/rendering/compute/sphere_kernels.h"
 
 namespace weir::rendering::gl {
-
-struct SplatSphere {
-  Vec3f center;             ///< m, finite
-  float radius = 0;         ///< m
-  std::uint32_t color = 0;  ///< red in the lowest byte, then green, blue and the material
-};
 
 /// A camera as the shaders know it.
 struct SplatCamera {

@@ -2,10 +2,8 @@
 // gets finished texels, which is much faster than triangles where OpenGL is software.
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/particle_drawer.h"
 #include "plugins/rendering/gl/splat_kernels.h"
 
@@ -22,15 +20,13 @@ class SplatPass final : public ParticleDrawer {
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 
  private:
-  Aabb loadOne(const ParticleView& particles);
   /// The same numbers on the host.
   template <class T>
   const T* onHost(const Array<T>& array, HostCopy<T>& copy) const;
 
   const Functions& gl_;
   Device& device_;
-  std::vector<SplatSphere> packed_;
-  Array<SplatSphere> spheres_;
+  SphereSet spheres_;
   Array<std::uint64_t> nearest_;
   Array<std::uint32_t> albedo_, normal_, shadow_;
   Array<float> depth_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kThreads = 2;
-constexpr std::size_t kLongestQueue = 4;
+/// A picture takes longer to compress than to draw, so several are compressed at once.
+int threadCount() {
+  constexpr unsigned kFewest = 2, kMost = 8, kShare = 3;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / kShare, kFewest, kMost));
+}
+std::size_t longestQueue() {
+  return static_cast<std::size_t>(2 * threadCount());
+}
 
 /// The number in the name of a frame; none if the name is no frame's.
 std::optional<std::int64_t> frameOf(const std::string& name) {
@@ -62,7 +69,7 @@ std::string ImageSequence::nameOf(std::int64_t frame) {
 ImageSequence::ImageSequence(fs::path folder, std::int64_t first)
     : folder_(usable(std::move(folder))),
       frameCount_(first),
-      queue_(kThreads, kLongestQueue, [this, first](std::int64_t number, const Picture& picture) {
+      queue_(threadCount(), longestQueue(), [this, first](std::int64_t number, const Picture& picture) {
         writePng(folder_ / nameOf(first + number), picture);
       }) {}
 

@@ -110,7 +110,7 @@ void drawBar(Pen& pen, Font& font, const ColorBar& bar) {
   fill(picture, {left - frame, top - frame, right + frame, top + height + frame}, pen.ink(), 0.55f);
   for (int y = 0; y < height; ++y) {
     const float t = 1 - (float(y) + 0.5f) / float(height);
-    fill(picture, {left, top + y, right, top + y + 1}, colorAt(bar.map, t), 1);
+    fill(picture, {left, top + y, right, top + y + 1}, bar.map.at(t), 1);
   }
   const double range = double(bar.highest) - double(bar.lowest);
   for (const Tick& tick : roundTicks(bar.lowest, bar.highest, kTicks)) {

@@ -13,7 +13,7 @@ namespace weir::rendering {
 
 /// What the colours of the particles mean.
 struct ColorBar {
-  ColorMapName map = ColorMapName::kViridis;
+  ColorMap map;
   float lowest = 0, highest = 1;
   std::string caption;  ///< "speed in m/s"
 };

@@ -20,7 +20,7 @@ try:
 except ModuleNotFoundError:
     pyvista = None
 
-COUNTS = [5, 0, 40000, 70000, 3, 0, 1]  # kCounts in vtkhdf_writer_test.cpp
+COUNTS = [5, 5, 0, 0, 40000, 40000, 70000, 40000, 3, 0, 1]  # kCounts in vtkhdf_writer_test.cpp
 
 
 def expected(step, count):
@@ -74,7 +74,7 @@ def read_with_vtk(file):
     times = check_times(reader)
     # Forwards, backwards and with jumps: what a reader keeps from the step before must not matter.
     order = list(range(len(COUNTS)))
-    for step in order + order[::-1] + [3, 0, 6, 2]:
+    for step in order + order[::-1] + [6, 0, 10, 5, 4, 7, 2, 1]:
         reader.UpdateTimeStep(times[step])
         check_step(reader.GetOutput(), step, COUNTS[step])
 

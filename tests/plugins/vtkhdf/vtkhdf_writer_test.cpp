@@ -15,7 +15,7 @@ namespace {
 
 using VtkHdfWriterTest = InFolder;
 
-const std::vector<int> kCounts{5, 0, 40000, 70000, 3, 0, 1};
+const std::vector<int> kCounts{5, 5, 0, 0, 40000, 40000, 70000, 40000, 3, 0, 1};
 
 void writeSample(const std::filesystem::path& file, const std::vector<int>& counts) {
   VtkHdfWriter writer(file, sampleLayout());
@@ -33,10 +33,27 @@ TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
   ASSERT_EQ(reader.times().size(), kCounts.size());
   for (std::size_t s = 0; s < kCounts.size(); ++s)
     expectStep(reader.read(s), static_cast<int>(s), kCounts[s]);
-  expectStep(reader.readLast(), 6, 1);
+  expectStep(reader.readLast(), static_cast<int>(kCounts.size()) - 1, kCounts.back());
   EXPECT_EQ(reader.text("scene"), "{ \"weir\": 1, \"title\": \"Übung\" }");
   EXPECT_EQ(reader.text("statistics"), "");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no drafts are left behind";
+}
+
+TEST_F(VtkHdfWriterTest, DoesNotSayWhenItWasWritten) {
+  // So two files of the same data are the same.
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, {3, 2});
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto look = [](hid_t, const char* name, const auto* info, void* seen) {
+    EXPECT_EQ(info->ctime, 0) << name;
+    EXPECT_EQ(info->mtime, 0) << name;
+    ++*static_cast<int*>(seen);
+    return herr_t{0};
+  };
+  int seen = 0;
+  H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_INC, look, &seen, H5O_INFO_TIME);
+  EXPECT_GT(seen, 20);
+  H5Fclose(id);
 }
 
 /// Reads integers with HDF5's own interface, not with ours.
@@ -85,7 +102,7 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   using Integers = std::vector<std::int64_t>;
   using Shape = std::vector<hsize_t>;
   const auto file = folder / "run.vtkhdf";
-  writeSample(file, {2, 0, 3});
+  writeSample(file, {2, 0, 3, 3});  // the last two share a part
   const RawFile raw(file);
 
   const hid_t root = H5Gopen2(raw.id(), "/VTKHDF", H5P_DEFAULT);
@@ -107,15 +124,15 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   H5Tclose(type);
   H5Gclose(root);
 
-  EXPECT_EQ(raw.shape("/VTKHDF/Points"), (Shape{5, 3}));
+  EXPECT_EQ(raw.shape("/VTKHDF/Points"), (Shape{8, 3}));
   EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (Integers{2, 0, 3}));
-  EXPECT_EQ(raw.shape("/VTKHDF/PointData/velocity"), (Shape{5, 3}));
-  EXPECT_EQ(raw.shape("/VTKHDF/PointData/density"), (Shape{5}));
-  EXPECT_EQ(raw.integers("/VTKHDF/FieldData/particles"), (Integers{2, 0, 3}));
+  EXPECT_EQ(raw.shape("/VTKHDF/PointData/velocity"), (Shape{8, 3}));
+  EXPECT_EQ(raw.shape("/VTKHDF/PointData/density"), (Shape{8}));
+  EXPECT_EQ(raw.integers("/VTKHDF/FieldData/particles"), (Integers{2, 0, 3, 3}));
 
   EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfCells"), (Integers{2, 0, 3}));
   EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfConnectivityIds"), (Integers{2, 0, 3}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Connectivity"), (Integers{0, 1, 0, 1, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Connectivity"), (Integers{0, 1, 2}));
   EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Offsets"), (Integers{0, 1, 2, 0, 0, 1, 2, 3}));
   for (const std::string none : {"Lines", "Polygons", "Strips"}) {
     const std::string group = "/VTKHDF/" + none;
@@ -125,21 +142,80 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
     EXPECT_EQ(raw.integers((group + "/Offsets").c_str()), (Integers{0, 0, 0}));
   }
 
-  const Integers vertexOffsets{0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0};
-  EXPECT_EQ(raw.shape("/VTKHDF/Steps/CellOffsets"), (Shape{3, 4}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"), vertexOffsets);
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"), vertexOffsets);
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PartOffsets"), (Integers{0, 1, 2}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/NumberOfParts"), (Integers{1, 1, 1}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 2, 2}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointDataOffsets/id"), (Integers{0, 2, 2}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataOffsets/particles"), (Integers{0, 1, 2}));
-  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataSizes/particles"), (Integers{1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(raw.shape("/VTKHDF/Steps/CellOffsets"), (Shape{4, 4}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"),
+            (Integers{0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0}));
+  EXPECT_EQ(raw.shape("/VTKHDF/Steps/ConnectivityIdOffsets"), (Shape{4, 4}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"), Integers(16, 0));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PartOffsets"), (Integers{0, 1, 2, 2}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/NumberOfParts"), (Integers{1, 1, 1, 1}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 2, 2, 5}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointDataOffsets/id"), (Integers{0, 2, 2, 5}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataOffsets/particles"), (Integers{0, 1, 2, 3}));
+  EXPECT_EQ(raw.integers("/VTKHDF/Steps/FieldDataSizes/particles"), (Integers{1, 1, 1, 1, 1, 1, 1, 1}));
 
   EXPECT_EQ(raw.filters("/VTKHDF/Points"), 0);
   EXPECT_EQ(raw.filters("/VTKHDF/PointData/velocity"), 0);
-  EXPECT_GT(raw.filters("/VTKHDF/PointData/id"), 0);
+  EXPECT_EQ(raw.filters("/VTKHDF/PointData/id"), 0);
   EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
+}
+
+/// A fan of `count` triangles about point 0, moved by the step.
+struct SampleFan {
+  SampleFan(int step, int count) : time(step) {
+    for (int i = 0; i < count + (count > 0 ? 2 : 0); ++i)
+      vertices.push_back({static_cast<float>(i), static_cast<float>(step), 0});
+    for (int i = 0; i < count; ++i) triangles.push_back({0, i + 1, i + 2});
+  }
+  VtkHdfFrame frame() const {
+    return {.time = time,
+            .positions = vertices,
+            .attributes = {flat(vertices)},
+            .fields = {static_cast<double>(triangles.size())},
+            .triangles = triangles};
+  }
+
+  double time;
+  std::vector<Vec3f> vertices;
+  std::vector<Vec3i> triangles;
+};
+
+const VtkHdfLayout kFanLayout{
+    .attributes = {{"Normals", 3, VtkHdfType::kFloat32, ""}}, .fields = {"triangles"}, .triangles = true};
+
+TEST_F(VtkHdfWriterTest, TrianglesArePolygonsAndCanBeGoneOnWith) {
+  using Integers = std::vector<std::int64_t>;
+  const auto whole = folder / "whole.vtkhdf", resumed = folder / "resumed.vtkhdf";
+  {
+    VtkHdfWriter writer(whole, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 3}, {3, 1}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 40}, {3, 20}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout, 2);
+    for (const auto& [step, count] : {std::pair{2, 3}, {3, 1}}) writer.append(SampleFan(step, count).frame());
+  }
+  for (const auto& file : {whole, resumed}) {
+    const RawFile raw(file);
+    EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (Integers{4, 0, 5, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfCells"), (Integers{2, 0, 3, 1}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfConnectivityIds"), (Integers{6, 0, 9, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Connectivity"),
+              (Integers{0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 1, 2}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Offsets"), (Integers{0, 3, 6, 0, 0, 3, 6, 9, 0, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfCells"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Offsets"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 4, 4, 9}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 5, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 6, 0, 0, 0, 15, 0}));
+  }
 }
 
 TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {
@@ -147,6 +223,32 @@ TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {
   if (!file) GTEST_SKIP() << "read_with_vtk.py says where to";
   writeSample(file, kCounts);
   EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+// Cut behind any step and gone on with, also in the middle of steps that share a part.
+TEST_F(VtkHdfWriterTest, GoesOnBehindAnyStep) {
+  const std::vector<int> counts{5, 5, 0, 7, 7, 7, 2};
+  for (std::size_t kept = 0; kept <= counts.size(); ++kept) {
+    SCOPED_TRACE("kept " + std::to_string(kept));
+    const auto file = folder / "run.vtkhdf";
+    writeSample(file, counts);
+    {
+      VtkHdfWriter writer(file, sampleLayout(), static_cast<std::int64_t>(kept));
+      for (std::size_t s = kept; s < counts.size(); ++s)
+        writer.append(SampleStep(static_cast<int>(s), counts[s]).frame());
+      writer.close();
+    }
+    {
+      const VtkHdfReader reader(file);
+      ASSERT_EQ(reader.times().size(), counts.size());
+      for (std::size_t s = 0; s < counts.size(); ++s)
+        expectStep(reader.read(s), static_cast<int>(s), counts[s]);
+    }
+    const RawFile raw(file);
+    EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (std::vector<std::int64_t>{5, 0, 7, 2}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/PartOffsets"), (std::vector<std::int64_t>{0, 0, 1, 2, 2, 2, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Connectivity").size(), 7u);
+  }
 }
 
 TEST_F(VtkHdfWriterTest, CanBeReadWhileItGrows) {

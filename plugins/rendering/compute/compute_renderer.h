@@ -1,0 +1,38 @@
+// Draws pictures on a compute device alone: no OpenGL, and on a GPU all of its processors, of which OpenGL
+// may have few. It draws particles, ground and lines; surfaces are OpenGL's.
+#pragma once
+
+#include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/shade_kernels.h"
+#include "plugins/rendering/compute/sphere_set.h"
+#include "plugins/rendering/gl/frame.h"
+#include "plugins/rendering/output/picture.h"
+
+namespace weir::rendering {
+
+class ComputeRenderer {
+ public:
+  /// No other thread may use the device while a picture is drawn.
+  explicit ComputeRenderer(Device& device);
+
+  /// Whether the view holds nothing else than what is drawn here.
+  static bool canDraw(const View& view);
+  /// The picture that gl::Renderer gives of the same view, but for rounding.
+  Picture draw(const View& view);
+
+ private:
+  void setLines(const gl::Frame& frame);
+  ShadedPicture shadedPicture(const gl::Frame& frame, const ShadedGround& ground);
+  Picture download(const View& view);
+
+  Device& device_;
+  SphereSet spheres_;
+  Array<std::uint64_t> nearest_;
+  Array<std::uint32_t> albedo_, normal_, shadow_;
+  Array<float> depth_, linear_;
+  Array<std::uint8_t> open_, scratch_, rgb_;
+  Array<ShadedLine> lines_;
+  HostCopy<std::uint8_t> picture_;
+};
+
+}  // namespace weir::rendering

@@ -1,0 +1,77 @@
+#include "plugins/rendering/compute/sphere_kernels.h"
+
+#include <cmath>
+
+#include "framework/compute/parallel.h"
+
+namespace weir::rendering {
+
+namespace {
+
+constexpr float kFixedEntry = 256, kUnknownEntry = 257;  // of ParticleColors
+
+struct PackSphere {
+  ArrayView<const Vec3f> positions;
+  ArrayView<const float> values;
+  SphereColors colors;
+  ArrayView<SplatSphere> spheres;
+
+  WEIR_HD float entryOf(float value) const {
+    if (!(value == value)) return kUnknownEntry;
+    const float range = colors.highest - colors.lowest;
+    float t = value > colors.lowest ? 1.0f : (value == colors.lowest ? 0.5f : 0.0f);
+    if (range > 0) t = (value - colors.lowest) / range;
+    return 255 * (t > 0 ? (t < 1 ? t : 1.0f) : 0.0f);
+  }
+
+  /// The mixture of two neighbouring texels, byte by byte.
+  WEIR_HD std::uint32_t colorAt(float entry) const {
+    const int last = static_cast<int>(colors.texels.size) - 2;
+    const int first = entry < static_cast<float>(last) ? static_cast<int>(entry) : last;
+    const float part = entry - static_cast<float>(first);
+    const std::uint32_t a = colors.texels[first], b = colors.texels[first + 1];
+    std::uint32_t color = a & 0xff000000u;
+    for (int shift = 0; shift < 24; shift += 8) {
+      const auto from = static_cast<float>(a >> shift & 255u), to = static_cast<float>(b >> shift & 255u);
+      color |= static_cast<std::uint32_t>(from + (to - from) * part + 0.5f) << shift;
+    }
+    return color;
+  }
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    const float entry = values.size > 0 ? entryOf(values[i]) : kFixedEntry;
+    spheres[i] = {p, isFinite(p) ? colors.radius : 0.0f, colorAt(entry)};
+  }
+};
+
+struct PointBox {
+  ArrayView<const Vec3f> positions;
+  WEIR_HD Aabb operator()(std::int64_t i) const {
+    const Vec3f p = positions[i];
+    return isFinite(p) ? Aabb{p, p} : Aabb{};
+  }
+};
+
+struct UniteBoxes {
+  WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
+};
+
+}  // namespace
+
+template <class Backend>
+void packSpheres(Backend& device, ArrayView<const Vec3f> positions, ArrayView<const float> values,
+                 const SphereColors& colors, ArrayView<SplatSphere> spheres) {
+  parallelFor(device, "pack spheres", positions.size, PackSphere{positions, values, colors, spheres});
+}
+
+template <class Backend>
+void boxOf(Backend& device, ArrayView<const Vec3f> positions, Aabb* box) {
+  reduce(device, "box of spheres", positions.size, Aabb{}, PointBox{positions}, UniteBoxes{}, box);
+}
+
+template void packSpheres(ThisBackend&, ArrayView<const Vec3f>, ArrayView<const float>, const SphereColors&,
+                          ArrayView<SplatSphere>);
+template void boxOf(ThisBackend&, ArrayView<const Vec3f>, Aabb*);
+
+}  // namespace weir::rendering
