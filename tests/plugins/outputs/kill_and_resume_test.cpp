@@ -101,7 +101,7 @@ TEST_P(KillAndResume, EndsAsARunThatWasLeftAlone) {
       expectAllReadable();
     } else {
       // It came to its end: once more from the beginning.
-      EXPECT_EQ(seriesIn(file("whole", "jsonl")), seriesIn(file("killed", "jsonl")));
+      expectSameSeries(file("whole", "jsonl"), file("killed", "jsonl"));
       fs::remove(file("killed", "h5"));
     }
     if (HasFailure()) return;
@@ -109,7 +109,7 @@ TEST_P(KillAndResume, EndsAsARunThatWasLeftAlone) {
   const ChildResult resumed = runWeir(arguments("killed"));
   ASSERT_EQ(resumed.code, 0) << resumed.err;
 
-  EXPECT_EQ(seriesIn(file("whole", "jsonl")), seriesIn(file("killed", "jsonl")));
+  expectSameSeries(file("whole", "jsonl"), file("killed", "jsonl"));
   expectSameExports(file("whole", "vtkhdf"), file("killed", "vtkhdf"));
   EXPECT_EQ(expectReadable(file("killed", "vtkhdf")), static_cast<std::size_t>(kStatefulFrames));
   const Hdf5CheckpointStore store;

@@ -32,6 +32,9 @@ bool canMakeVideos() {
   return !findProgram("ffmpeg").empty() && !findProgram("ffprobe").empty();
 }
 
+namespace {
+
+/// Without the times.
 std::vector<Value> seriesIn(const std::string& file) {
   std::vector<Value> frames;
   std::istringstream lines(readFile(file));
@@ -41,6 +44,28 @@ std::vector<Value> seriesIn(const std::string& file) {
     frames.push_back(std::move(frame));
   }
   return frames;
+}
+
+void expectSameValues(const std::string& path, const Value& one, const Value& other) {
+  if (!one.isObject() || !other.isObject()) {
+    EXPECT_TRUE(one == other) << path << ": " << writeJson(one) << " and " << writeJson(other);
+    return;
+  }
+  EXPECT_EQ(one.asObject().size(), other.asObject().size()) << path;
+  for (const auto& [name, value] : one.asObject()) {
+    const Value* found = other.find(name);
+    EXPECT_NE(found, nullptr) << path << "." << name;
+    if (found != nullptr) expectSameValues(path + "." + name, value, *found);
+  }
+}
+
+}  // namespace
+
+void expectSameSeries(const std::string& one, const std::string& other) {
+  const std::vector<Value> left = seriesIn(one), right = seriesIn(other);
+  ASSERT_EQ(left.size(), right.size());
+  for (std::size_t k = 0; k < left.size(); ++k)
+    expectSameValues("frame " + std::to_string(k), left[k], right[k]);
 }
 
 void expectSameExports(const std::string& one, const std::string& other) {

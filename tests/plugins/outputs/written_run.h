@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "framework/base/value.h"
 #include "tests/support/child_process.h"
 
 namespace weir::test {
@@ -19,8 +18,8 @@ inline constexpr int kStatefulFrames = 21;
 /// Whether ffmpeg and ffprobe are there.
 bool canMakeVideos();
 
-/// The frames of a --series file, without the times that they took.
-std::vector<Value> seriesIn(const std::string& file);
+/// Two --series files are the same but for the times that steps took; a difference is told by frame and key.
+void expectSameSeries(const std::string& one, const std::string& other);
 
 /// All steps of two exports are the same, bit by bit.
 void expectSameExports(const std::string& one, const std::string& other);
