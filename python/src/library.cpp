@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "framework/graph/plugin_probe.h"
 #include "framework/base/build_info.h"
 #include "framework/compute/device.h"
 #include "framework/graph/type_values.h"
@@ -30,6 +31,7 @@ void Library::loadPlugin(const std::string& file) {
   std::error_code error;
   for (const Plugin& plugin : plugins_)
     if (fs::equivalent(plugin.file(), file, error)) return;
+  probePlugin(file);
   auto registry = std::make_shared<Registry>(*registry_);
   Plugin plugin(file, *registry);
   plugins_.push_back(std::move(plugin));
