@@ -84,10 +84,9 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
         fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
         fmt::format("at most {:.0f}", kMost), needs.remedy(kMost / most_));
   needs.particles = most_;
-  const double resting = restSteps > 0 ? RestState::memoryFor(atFirst) : 0;
-  needs.device = memoryFor(context.device, most_) + resting;
+  needs.device = memoryFor(context.device, most_);
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
-  needs.certain = mayLeave ? memoryFor(context.device, atFirst) + resting : needs.device;
+  needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
 }
 
 void ParticleFluid::save(const StateWriter& to) const {

@@ -74,7 +74,7 @@ class ParticleFluid final : public Node {
                                  {.doc = "Which arrangement of particles has rest density."}};
   Param<int> restSteps{*this,
                        "rest_steps",
-                       1000,
+                       3000,
                        {.min = 0,
                         .doc = "At most so many damped steps bring relaxed initial particles to rest in "
                                "their regions before the start; 0 leaves them as they were sampled."}};

@@ -4,8 +4,8 @@
 
 #include <bit>
 #include <cstring>
-#include <string_view>
 #include <iterator>
+#include <string_view>
 
 namespace weir {
 
@@ -22,8 +22,8 @@ char* put(char* to, const T& value) {
   return to + sizeof value;
 }
 
-/// Some readers, assimp among them, take numbers that begin like a blank for more of the header's end. The last
-/// bit of the first coordinate is turned then.
+/// Some readers, assimp among them, take numbers that begin like a blank for more of the header's end. The
+/// last bit of the first coordinate is turned then.
 void keepFromHeader(std::string& text, std::size_t start) {
   constexpr std::string_view kBlanks = " \t\r\n";
   if (start < text.size() && kBlanks.find(text[start]) != std::string_view::npos)

@@ -40,9 +40,9 @@ Growing perStep(NumberType type = NumberType::kInt64, int columns = 1) {
 }
 
 /// Point ids and offsets, which count up. They would compress to almost nothing, but a compressed chunk is
-/// written anew, in another place, when it grows: after a kill in between, steps from before could not be read.
-/// Values of particles hardly shrink anyway, also those that are integers (particles are sorted in space, so
-/// their ids are in no order).
+/// written anew, in another place, when it grows: after a kill in between, steps from before could not be
+/// read. Values of particles hardly shrink anyway, also those that are integers (particles are sorted in
+/// space, so their ids are in no order).
 Growing ascending(std::int64_t chunkRows) {
   return {.type = NumberType::kInt64, .chunkRows = chunkRows};
 }

@@ -6,9 +6,9 @@
 
 #include <filesystem>
 
-#include "framework/graph/plugin_probe.h"
 #include "framework/base/build_info.h"
 #include "framework/compute/device.h"
+#include "framework/graph/plugin_probe.h"
 #include "framework/graph/type_values.h"
 #include "framework/run/guarded_output.h"
 #include "framework/scene/scene_file.h"
