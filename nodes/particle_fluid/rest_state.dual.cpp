@@ -76,7 +76,7 @@ struct Hold {
 
 struct Release {
   Batch batch;
-  ArrayView<const Vec3f> initial;
+  ParticleBatch::VelocityView initial;
   ArrayView<Vec3f> velocities;
 
   WEIR_HD void operator()(std::int64_t i) const {
@@ -148,7 +148,7 @@ void RestState::releaseOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     parallelFor(device, "release", p.count(),
-                Release{batch, of.batch->velocities.view(), p.velocities().view()});
+                Release{batch, of.batch->velocityView(), p.velocities().view()});
   });
 }
 
