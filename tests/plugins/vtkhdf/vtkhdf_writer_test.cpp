@@ -157,7 +157,9 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   EXPECT_EQ(raw.filters("/VTKHDF/Points"), 0);
   EXPECT_EQ(raw.filters("/VTKHDF/PointData/velocity"), 0);
   EXPECT_EQ(raw.filters("/VTKHDF/PointData/id"), 0);
-  EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
+  // A compressed chunk moves when it grows: after a kill, steps from before could not be read.
+  EXPECT_EQ(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
+  EXPECT_EQ(raw.filters("/VTKHDF/Vertices/Connectivity"), 0);
 }
 
 /// A fan of `count` triangles about point 0, moved by the step.
