@@ -11,6 +11,7 @@
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
+#include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/scene_view.h"
 
@@ -63,6 +64,7 @@ class Pictures final : public Observer {
   void save(const StateWriter& to) override {
     if (images_) images_->wait();
     to.put("frames", frames_);
+    history_->save(to.in("plots"));
   }
 
   /// Pictures go on in the same folder. A video cannot be gone on with, so the rest of it is another one.
@@ -77,6 +79,7 @@ class Pictures final : public Observer {
                             inQuotes(path->second.string()));
     }
     begin(simulation, frames);
+    history_->restore(from.in("plots"));
   }
 
   void begin(Simulation& simulation, std::int64_t firstFrame) {
@@ -85,6 +88,7 @@ class Pictures final : public Observer {
     settings_ = &settings;
     title_ = simulation.scene().title;
     capture_.emplace(settings);
+    history_.emplace(settings.plots, simulation.scene().world.duration);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
     renderer_ = makeRenderer(simulation.device());
     view_ = std::make_unique<SceneView>(settings, *renderer_);
@@ -104,6 +108,7 @@ class Pictures final : public Observer {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
     const View view = measured(viewing_, [&] { return view_->of(scene); });
     Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    history_->add(scene.time, scene.plotted);
     measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
     measured(handingOver_, [&] { handOver(std::move(picture)); });
     ++frames_;
@@ -140,6 +145,7 @@ class Pictures final : public Observer {
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
+    text.plots = history_->plots();
     if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
     return text;
   }
@@ -154,6 +160,7 @@ class Pictures final : public Observer {
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
+  std::optional<PlotHistory> history_;
   std::optional<VideoWriter> video_;
   std::optional<ImageSequence> images_;
 };

@@ -51,6 +51,11 @@ void ClipSettings::validate() const {
     throw sceneError("normal is [0, 0, 0]", "a direction").inParameter(normal.name());
 }
 
+std::string PlotSettings::caption() const {
+  const std::string& name = label->empty() ? of : label;
+  return unit->empty() ? name : name + " in " + *unit;
+}
+
 Color SurfaceSettings::shownColor() const {
   constexpr Color kGrey{0.75f, 0.77f, 0.8f, 1}, kClear{0.94f, 0.97f, 0.97f, 1};
   return color.get().value_or(look == SurfaceLook::kGlass ? kClear : kGrey);

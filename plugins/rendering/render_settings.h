@@ -175,6 +175,23 @@ class SurfaceSettings final : public Configurable {
   void validate() const override;
 };
 
+/// A number of the statistics over time, in the corner of the pictures.
+class PlotSettings final : public Configurable {
+ public:
+  Param<std::string> of{
+      *this,
+      "of",
+      "",
+      {.doc = "The number, as --series and --stats name it: \"particles\", or node and name, "
+              "\"water.kinetic_energy\"."}};
+  Param<std::string> label{
+      *this, "label", "", {.doc = "What it is called in the picture; of if it is empty."}};
+  Param<std::string> unit{*this, "unit", "", {.doc = "Its unit."}};
+
+  /// "kinetic energy in J"
+  std::string caption() const;
+};
+
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
@@ -193,6 +210,7 @@ class RenderSettings final : public Configurable {
       {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
+  GroupList<PlotSettings> plots{*this, "plots", "Numbers that are plotted in a corner of the pictures."};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};
   Param<Color> backgroundTop{
       *this, "background_top", {0.78f, 0.84f, 0.9f, 1}, {.doc = "Background at the top."}};

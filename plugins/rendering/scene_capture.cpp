@@ -7,6 +7,7 @@
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/solids/solid.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
 
 namespace weir::rendering {
@@ -79,6 +80,7 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
   snapshot->particles = simulation.particleCount();
+  snapshot->plotted = plottedNumbers(settings_.plots, simulation);
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
     snapshot->poses.push_back(motion != nullptr ? motion->poseAt(simulation.time()) : Pose{});

@@ -57,7 +57,8 @@ class SceneSnapshot final : public Snapshot {
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
-  std::vector<Pose> poses;  ///< of each surface of the still scene
+  std::vector<double> plotted;  ///< the numbers that plots show
+  std::vector<Pose> poses;      ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
   std::unique_ptr<StillScene> still;
 };
