@@ -44,7 +44,7 @@ class CameraKey final : public Configurable {
                                    .doc = "Vertical field of view; the camera's if it is left out."}};
 };
 
-class CameraSettings final : public Configurable {
+class CameraSettings : public Configurable {
  public:
   Param<std::optional<Vec3f>> eye{
       *this,
@@ -77,6 +77,19 @@ class CameraSettings final : public Configurable {
       "",
       {.doc = "Name of a node that the camera follows: its target is the middle of that fluid or mesh, and "
               "the eye keeps its distance and direction from there."}};
+
+  void validate() const override;
+};
+
+/// A camera beside the first one, whose pictures go to places of their own.
+class NamedCameraSettings final : public CameraSettings {
+ public:
+  Param<std::string> name{
+      *this,
+      "name",
+      "",
+      {.doc = "What its pictures are told apart by, run.NAME.mp4 and DIR/NAME: letters, digits, _ "
+              "and -."}};
 
   void validate() const override;
 };
@@ -195,6 +208,7 @@ class PlotSettings final : public Configurable {
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
+  GroupList<NamedCameraSettings> cameras{*this, "cameras", "More cameras, each with pictures of its own."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
   GroupList<ClipSettings> clips{*this, "clips", "Planes that cut the fluids open."};
   Group<ArrowSettings> arrows{*this, "arrows", "Arrows that show velocities."};
@@ -216,6 +230,8 @@ class RenderSettings final : public Configurable {
       *this, "background_top", {0.78f, 0.84f, 0.9f, 1}, {.doc = "Background at the top."}};
   Param<Color> backgroundBottom{
       *this, "background_bottom", {0.95f, 0.96f, 0.97f, 1}, {.doc = "Background at the bottom."}};
+
+  void validate() const override;
 };
 
 }  // namespace rendering

@@ -106,9 +106,16 @@ std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulat
 void SceneCapture::checkNames(const Simulation& simulation) const {
   for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
     checkName(simulation, settings_.surfaces[i].node, "/render/surfaces/" + std::to_string(i) + "/node");
-  const std::string& followed = settings_.camera->follow;
+  checkFollowed(simulation, settings_.camera->follow, "/render/camera/follow");
+  for (std::size_t i = 0; i < settings_.cameras.size(); ++i)
+    checkFollowed(simulation, settings_.cameras[i].follow,
+                  "/render/cameras/" + std::to_string(i) + "/follow");
+}
+
+void SceneCapture::checkFollowed(const Simulation& simulation, const std::string& followed,
+                                 const std::string& pointer) {
   if (followed.empty()) return;
-  checkName(simulation, followed, "/render/camera/follow");
+  checkName(simulation, followed, pointer);
   const auto puts = [&](const auto& outputs) {
     return std::any_of(outputs.begin(), outputs.end(),
                        [&](const auto& output) { return output.first == followed; });
@@ -116,7 +123,7 @@ void SceneCapture::checkNames(const Simulation& simulation) const {
   if (puts(outputsOf<Fluid>(simulation)) || puts(outputsOf<TriangleMesh>(simulation))) return;
   throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no fluid and no mesh",
                    "a node that puts out a Fluid or a mesh")
-      .at({.file = simulation.scene().file, .pointer = "/render/camera/follow"});
+      .at({.file = simulation.scene().file, .pointer = pointer});
 }
 
 void SceneCapture::checkName(const Simulation& simulation, const std::string& name,

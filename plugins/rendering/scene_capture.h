@@ -79,6 +79,8 @@ class SceneCapture {
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
+  static void checkFollowed(const Simulation& simulation, const std::string& followed,
+                            const std::string& pointer);
   static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
   const RenderSettings& settings_;

@@ -56,7 +56,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
   addFluids(snapshot, view);
-  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
+  view.camera = cameraAt(camera_, restingCamera(), snapshot.time, followedPlace(snapshot));
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
@@ -78,7 +78,7 @@ void SceneView::takeStill(StillScene& still) {
     surfaces_.push_back(
         {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
-    if (still.surfaces[i].node != *settings_.camera->follow || followedSurface_) continue;
+    if (still.surfaces[i].node != *camera_.follow || followedSurface_) continue;
     followedSurface_ = i;
     Aabb box;
     for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);
@@ -155,7 +155,7 @@ void SceneView::chooseRange() {
 }
 
 CameraPose SceneView::restingCamera() const {
-  const CameraSettings& settings = *settings_.camera;
+  const CameraSettings& settings = camera_;
   const float aspect = float(settings_.width) / float(settings_.height);
   CameraPose camera = poseSeeing(bounds_, {0.55f, 0.42f, 0.72f}, settings.up, settings.fov, aspect);
   if (settings.target.get()) {
@@ -167,7 +167,7 @@ CameraPose SceneView::restingCamera() const {
 }
 
 std::optional<Vec3f> SceneView::followedPlace(SceneSnapshot& snapshot) const {
-  const std::string& name = settings_.camera->follow;
+  const std::string& name = camera_.follow;
   if (name.empty()) return std::nullopt;
   if (followedSurface_) return snapshot.poses[*followedSurface_].toWorld(followedMiddle_);
   Vec3d sum;

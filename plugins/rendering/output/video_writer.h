@@ -21,13 +21,15 @@ class PipedProgram;
 struct VideoEncoder {
   std::string name;
   std::vector<std::string> options;
+  std::string pixels = "yuv420p";  ///< the format of its pixels; "" if it takes its colours from a palette
 };
 
 /// The video has another name, "run.part.mp4" for "run.mp4", until finish(). If the whole program is killed,
 /// ffmpeg completes that file with the frames it has got.
 class VideoWriter {
  public:
-  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm".
+  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm", ".mov" (ProRes, to
+  /// be edited), ".gif".
   static std::vector<std::string> extensions();
 
   /// Frames are width times height pixels and follow each other by 1 / frameRate seconds; all positive

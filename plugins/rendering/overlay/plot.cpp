@@ -12,7 +12,7 @@ namespace {
 constexpr float kMargin = 28, kWidth = 300, kHeight = 168, kGap = 18;
 constexpr float kLeft = 58, kRight = 16, kTop = 32, kBottom = 27;  // room around the curve
 constexpr float kTextSize = 13, kCaptionSize = 14.5f, kTick = 4, kCurve = 2.2f;
-constexpr int kTicks = 4;
+constexpr int kTicks = 4, kTimeTicks = 3;
 
 struct Range {
   double low = 0, high = 1;
@@ -66,12 +66,14 @@ class Chart {
       const TextMask label = font_.write(tick.label, pen_.scaled(kTextSize));
       pen_.stamp(label, inner_.left - pen_.px(kTick) - label.width, y - label.height / 2);
     }
-    for (const Tick& tick : roundTicks(times_.low, times_.high, kTicks)) {
+    const std::vector<Tick> times = roundTicks(times_.low, times_.high, kTimeTicks);
+    for (const Tick& tick : times) {
       const int x = columnOf(tick.value);
       pen_.fill({x, inner_.bottom, x + thin, inner_.bottom + pen_.px(kTick)}, pen_.ink(), kAxis);
-      const bool last = tick.value + 0.2 * (times_.high - times_.low) > times_.high;
+      const bool last = &tick == &times.back();
       const TextMask label = font_.write(last ? tick.label + " s" : tick.label, pen_.scaled(kTextSize));
-      pen_.stamp(label, x - label.width / 2, inner_.bottom + pen_.px(kTick));
+      const int left = std::min(x - label.width / 2, box_.right - pen_.px(kTick) - label.width);
+      pen_.stamp(label, left, inner_.bottom + pen_.px(kTick));
     }
     pen_.fill({inner_.left, inner_.bottom, inner_.right, inner_.bottom + thin}, pen_.ink(), kAxis);
     pen_.fill({inner_.left, inner_.top, inner_.left + thin, inner_.bottom}, pen_.ink(), kAxis);
