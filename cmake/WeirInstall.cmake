@@ -11,6 +11,7 @@ endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h DESTINATION include/weir/framework/graph)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/templates
         DESTINATION share/weir)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/paraview DESTINATION share/weir FILES_MATCHING PATTERN "*.py")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/doc/weir)
 
 # Configured at once, so that a change of this file needs no thought of when it is installed.

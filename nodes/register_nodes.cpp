@@ -4,6 +4,7 @@
 #include "nodes/emitters/circle_emitter.h"
 #include "nodes/emitters/mesh_emitter.h"
 #include "nodes/emitters/square_emitter.h"
+#include "nodes/fluid_surface/fluid_surface.h"
 #include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
@@ -34,6 +35,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<BoxMesh>();
   registry.addNode<BoxSampler>();
   registry.addNode<CircleEmitter>();
+  registry.addNode<FluidSurface>();
   registry.addNode<MeshEmitter>();
   registry.addNode<MeshFile>();
   registry.addNode<MeshSampler>();

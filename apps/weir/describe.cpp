@@ -9,6 +9,7 @@
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
 #include "framework/compute/device.h"
+#include "framework/graph/type_values.h"
 #include "framework/run/info_source.h"
 
 namespace weir::app {
@@ -130,81 +131,6 @@ Error unknownType(const Registry& registry, const std::string& type) {
                     didYouMean(type, names));
 }
 
-Value parametersAsValue(const Configurable& owner) {
-  Value list = Value::array();
-  for (const Property* property : owner.properties()) {
-    const ParamSpec& spec = property->spec();
-    Value v = Value::object();
-    v["name"] = property->name();
-    v["kind"] = property->kind();
-    if (!spec.unit.empty()) v["unit"] = spec.unit;
-    v["doc"] = spec.doc;
-    v["default"] = property->defaultValue();
-    if (std::isfinite(spec.min)) v[spec.aboveMin ? "above" : "min"] = spec.min;
-    if (std::isfinite(spec.max)) v["max"] = spec.max;
-    if (!std::isnan(spec.softMin)) v["soft_min"] = spec.softMin;
-    if (!std::isnan(spec.softMax)) v["soft_max"] = spec.softMax;
-    v["live"] = spec.live;
-    v["animated"] = spec.animated;
-    for (const EnumName& choice : property->choices()) {
-      Value& choices = v["choices"];
-      choices[choice.first] = choice.second;
-    }
-    if (property->group() != nullptr) v["parameters"] = parametersAsValue(*property->group());
-    list.push(std::move(v));
-  }
-  return list;
-}
-
-Value portAsValue(const Port& port) {
-  Value v = Value::object();
-  v["name"] = port.name();
-  v["type"] = port.typeName();
-  v["doc"] = port.doc();
-  return v;
-}
-
-Value nodeAsValue(const Registry& registry, const Registry::NodeType& type) {
-  const std::unique_ptr<Node> node = registry.createNode(type.info.type);
-  Value v = Value::object();
-  v["doc"] = type.info.doc;
-  v["source"] = type.source;
-  Value inputs = Value::array(), outputs = Value::array();
-  for (const InputPort* input : node->inputs()) {
-    Value port = portAsValue(*input);
-    port["required"] = input->required();
-    port["many"] = input->many();
-    inputs.push(std::move(port));
-  }
-  for (const OutputPort* output : node->outputs()) outputs.push(portAsValue(*output));
-  v["inputs"] = std::move(inputs);
-  v["outputs"] = std::move(outputs);
-  v["parameters"] = parametersAsValue(*node);
-  if (const PipelineBase* pipeline = node->pipeline()) {
-    v["family"] = pipeline->family();
-    Value modules = Value::array();
-    for (const auto& module : pipeline->modules()) {
-      Value m = Value::object();
-      m["name"] = module->name();
-      m["type"] = module->info().type;
-      m["enabled"] = module->enabled();
-      modules.push(std::move(m));
-    }
-    v["modules"] = std::move(modules);
-  }
-  return v;
-}
-
-Value moduleAsValue(const Registry& registry, const Registry::ModuleType& type) {
-  const std::unique_ptr<Module> module = registry.createModule(type.info.type);
-  Value v = Value::object();
-  v["doc"] = type.info.doc;
-  v["source"] = type.source;
-  v["family"] = type.info.family;
-  v["parameters"] = parametersAsValue(*module);
-  return v;
-}
-
 }  // namespace
 
 std::string describeAll(const Registry& registry) {
@@ -225,13 +151,19 @@ std::string describeType(const Registry& registry, const std::string& type) {
 Value typesAsValue(const Registry& registry, const std::string& type) {
   Value nodes = Value::object(), modules = Value::object();
   for (const auto& [name, node] : registry.nodes())
-    if (type.empty() || name == type) nodes[name] = nodeAsValue(registry, node);
+    if (type.empty() || name == type) nodes[name] = typeAsValue(registry, node);
   for (const auto& [name, module] : registry.modules())
-    if (type.empty() || name == type) modules[name] = moduleAsValue(registry, module);
+    if (type.empty() || name == type) modules[name] = typeAsValue(registry, module);
   if (nodes.asObject().empty() && modules.asObject().empty()) throw unknownType(registry, type);
   Value all = Value::object();
   all["nodes"] = std::move(nodes);
   all["modules"] = std::move(modules);
+  if (type.empty()) {
+    all["world"] = parametersAsValue(World());
+    Value& sections = all["sections"] = Value::object();
+    for (const auto& [name, section] : registry.sections())
+      sections[name] = parametersAsValue(*section.create());
+  }
   return all;
 }
 
@@ -250,9 +182,12 @@ std::string describeProgram(const Program& program, const Registry& registry) {
                     plugin.file().string());
   text += "  searched in:\n";
   for (const auto& folder : pluginFolders()) text += fmt::format("      {}\n", folder.string());
-  for (const auto& [name, source] : registry.createServices<InfoSource>()) {
+  for (const auto& [name, info, source] : registry.createServices<InfoSource>()) {
     text += fmt::format("\n{}\n", name);
-    for (const InfoEntry& entry : source->info()) text += fmt::format("  {}: {}\n", entry.name, entry.text);
+    const auto where = [&] { return hookText("information " + inQuotes(name), "info", source); };
+    callGuarded(source, where, [&] {
+      for (const InfoEntry& entry : info->info()) text += fmt::format("  {}: {}\n", entry.name, entry.text);
+    });
   }
   return text;
 }

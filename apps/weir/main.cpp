@@ -10,7 +10,9 @@
 #include "apps/weir/describe.h"
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
+#include "apps/weir/render_command.h"
 #include "apps/weir/run_command.h"
+#include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -59,7 +61,9 @@ int runProgram(Program& program, int argc, char** argv) {
   app.set_version_flag("--version", std::string(version()));
   app.require_subcommand(1);
   RunCommand run(app, program);
+  RenderCommand render(app, program);
   BenchCommand bench(app, program);
+  StudioCommand studio(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -102,7 +106,9 @@ int runProgram(Program& program, int argc, char** argv) {
                      "from plugins, see 'weir info'");
   }
   if (run.command().parsed()) return run.run();
+  if (render.command().parsed()) return render.run();
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
+  if (studio.command().parsed()) return studio.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json)

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "framework/graph/plugin_probe.h"
 #include "nodes/register_nodes.h"
 
 namespace weir::app {
@@ -70,7 +71,9 @@ void Program::loadInstalledPlugins() {
 }
 
 void Program::loadPlugin(const fs::path& file) {
-  if (!isLoaded(file)) plugins_.emplace_back(file, registry_);
+  if (isLoaded(file)) return;
+  probePlugin(file);
+  plugins_.emplace_back(file, registry_);
 }
 
 std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Override>& overrides) {

@@ -1,16 +1,13 @@
 #include "apps/weir/run_command.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 
-#include "apps/weir/interruption.h"
+#include "apps/weir/shown_run.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/run/output_paths.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
 #include "framework/run/series.h"
@@ -23,17 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMostThreads = 1024;
-
-std::optional<int> terminalWidth() {
-  if (isatty(STDERR_FILENO) == 0) return std::nullopt;
-  constexpr int kUsualWidth = 80;
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsualWidth;
-}
-
-double monotonicSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Writes --stats, and warns of what must stay rare.
 class StatisticsOutput final : public Observer {
@@ -65,31 +51,6 @@ std::string summaryOf(const Simulation& simulation) {
                      groupedText(simulation.particleCount()));
 }
 
-/// "FILE.mp4 or FILE.mkv"
-std::string allowedEndings(const OutputOption& option) {
-  std::string text;
-  for (const std::string& ending : option.extensions) text += (text.empty() ? "" : ", ") + ending;
-  return "a file that ends in " + text;
-}
-
-void checkPath(const OutputOption& option, const std::string& text) {
-  const std::string what = "--" + option.name + " " + printable(text, 200);
-  const fs::path path = text;
-  if (!option.isFolder()) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    if (std::find(option.extensions.begin(), option.extensions.end(), ending) == option.extensions.end())
-      throw usageError(what + (ending.empty() ? " has no ending" : " ends in " + printable(ending)),
-                       allowedEndings(option));
-  }
-  std::error_code error;
-  const fs::path above = fs::absolute(path).lexically_normal().parent_path();
-  if (!fs::is_directory(above, error))
-    throw ioError(what + ": there is no folder " + inQuotes(above.string()),
-                  "a path in a folder that exists");
-}
-
 }  // namespace
 
 RunCommand::RunCommand(CLI::App& app, Program& program)
@@ -114,12 +75,13 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->type_name("LIB")
       ->take_all()
       ->allow_extra_args(false);
-  addOutputOptions();
+  outputs_ = std::make_unique<OutputOptions>(*command_, program_, false);
   command_->add_option("--stats", stats_, "Write numbers about the run: times, memory, momentum, energies, …")
       ->type_name("FILE.json");
   command_
-      ->add_option("--series", series_, "Write the same numbers for every frame, as one JSON object a line")
-      ->type_name("FILE.jsonl");
+      ->add_option("--series", series_,
+                   "Write the same numbers for every frame: one JSON object a line, or a table (.csv)")
+      ->type_name("FILE.jsonl|FILE.csv");
   command_
       ->add_option(
           "--checkpoint", checkpoint_,
@@ -133,27 +95,13 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
                    "Go on from a checkpoint of the same scene; outputs go on behind what they have")
       ->type_name("FILE.h5");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
-  command_->add_flag("--deterministic", deterministic_,
-                     "Make results bitwise the same from run to run on CUDA, too");
+  command_->add_flag(
+      "--deterministic", deterministic_,
+      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads));
   command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
-}
-
-void RunCommand::addOutputOptions() {
-  for (auto& [name, kind] : program_.registry().createServices<OutputKind>()) {
-    Output output;
-    output.options = kind->options();
-    output.paths.resize(output.options.size());
-    output.kind = std::move(kind);
-    outputs_.push_back(std::move(output));
-  }
-  // The options write into the outputs, which stay where they are from now on.
-  for (Output& output : outputs_)
-    for (std::size_t i = 0; i < output.options.size(); ++i)
-      command_->add_option("--" + output.options[i].name, output.paths[i], output.options[i].doc)
-          ->type_name(output.options[i].argument);
 }
 
 std::vector<Override> RunCommand::overrides() const {
@@ -167,33 +115,20 @@ std::vector<Override> RunCommand::overrides() const {
 }
 
 void RunCommand::checkOutputPaths() const {
-  std::map<std::string, std::string> taken;  // what is written there, by path
-  std::error_code error;
-  taken[fs::weakly_canonical(scene_, error).string()] = "the scene";
-  const auto check = [&](const OutputOption& option, const std::string& text) {
-    if (text.empty()) return;
-    checkPath(option, text);
-    const auto [other, isNew] = taken.emplace(fs::weakly_canonical(text, error).string(), "--" + option.name);
-    if (!isNew)
-      throw usageError(
-          fmt::format("--{} {} would overwrite {}", option.name, printable(text, 200), other->second),
-          "a path of its own for each output");
+  TakenPaths taken;
+  taken.addInput(scene_, "the scene");
+  outputs_->checkPaths(taken);
+  const auto check = [&](const std::string& name, const std::vector<std::string>& endings,
+                         const std::string& path) {
+    taken.addOutput({.name = name, .argument = "", .extensions = endings, .doc = ""}, path);
   };
-  for (const Output& output : outputs_)
-    for (std::size_t i = 0; i < output.options.size(); ++i) check(output.options[i], output.paths[i]);
-  check({.name = "checkpoint", .argument = "FILE.h5", .extensions = {".h5"}, .doc = ""}, checkpoint_);
-  check({.name = "stats", .argument = "FILE.json", .extensions = {".json"}, .doc = ""}, stats_);
-  check({.name = "series", .argument = "FILE.jsonl", .extensions = {".jsonl"}, .doc = ""}, series_);
+  check("checkpoint", {".h5"}, checkpoint_);
+  check("stats", {".json"}, stats_);
+  check("series", {".jsonl", ".csv"}, series_);
 }
 
 std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
-  std::vector<std::unique_ptr<Observer>> observers;
-  for (const Output& output : outputs_) {
-    OutputPaths paths;
-    for (std::size_t i = 0; i < output.options.size(); ++i)
-      if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty()) observers.push_back(output.kind->create(paths));
-  }
+  std::vector<std::unique_ptr<Observer>> observers = outputs_->makeObservers();
   if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));
   observers.push_back(std::make_unique<StatisticsOutput>(stats_, program_.log()));
   return observers;
@@ -202,7 +137,7 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
   std::vector<std::string> endings;
-  for (auto& [name, store] : program_.registry().createServices<CheckpointStore>()) {
+  for (auto& [name, store, source] : program_.registry().createServices<CheckpointStore>()) {
     endings.emplace_back(store->extension());
     if (fs::path(path).extension() == store->extension()) return std::move(store);
   }
@@ -229,13 +164,9 @@ std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulatio
 }
 
 void RunCommand::printResults() const {
-  const auto print = [](const std::string& path) {
+  outputs_->print();
+  for (const std::string& path : {stats_, series_})
     if (!path.empty()) fmt::print("{}\n", path);
-  };
-  for (const Output& output : outputs_)
-    for (const std::string& path : output.paths) print(path);
-  print(stats_);
-  print(series_);
 }
 
 int RunCommand::run() {
@@ -252,33 +183,13 @@ int RunCommand::run() {
 
   const std::optional<Checkpoint> resumed = readCheckpoint(simulation);
   std::optional<Checkpoints> checkpoints = makeCheckpoints();
-  const auto observers = makeObservers();
-  std::vector<Observer*> watching;
-  for (const auto& observer : observers) watching.push_back(observer.get());
-
-  Progress progress([](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
-                    terminalWidth, monotonicSeconds);
-  const Interruption interruption;
   RunOptions options;
   options.lastFrame = frames_;
-  options.stop = &interruption.asked();
   if (checkpoints) options.checkpoints = &*checkpoints;
   if (resumed) options.resume = &resumed->state;
-  if (!quiet_) {
-    program_.beforeMessage([&] { progress.clearLine(); });
-    const std::int64_t last = lastFrameOf(simulation.clock(), options);
-    options.onProgress = [&, last](const Simulation& s) { progress.update(ProgressState::of(s, last)); };
-  }
-  RunEnd end = RunEnd::kFailed;
-  try {
-    end = runSimulation(simulation, watching, options);
-  } catch (...) {
-    progress.clearLine();
-    program_.beforeMessage({});
-    throw;
-  }
-  progress.clearLine();
-  program_.beforeMessage({});
+  const std::int64_t last = lastFrameOf(simulation.clock(), options);
+  const RunEnd end = runShown(program_, simulation, makeObservers(), options, quiet_,
+                              [last](const Simulation& s) { return ProgressState::of(s, last); });
   log.info((end == RunEnd::kInterrupted ? "interrupted: " : "") + summaryOf(simulation));
   printResults();
   return end == RunEnd::kInterrupted ? kInterrupted : kDone;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/weir/output_options.h"
 #include "apps/weir/program.h"
 #include "framework/run/checkpoint.h"
-#include "framework/run/output_kind.h"
 
 namespace weir::app {
 
@@ -24,13 +24,6 @@ class RunCommand {
   CLI::App& command() { return *command_; }
 
  private:
-  struct Output {
-    std::unique_ptr<OutputKind> kind;
-    std::vector<OutputOption> options;
-    std::vector<std::string> paths;  // as given, one for each option; empty if it was not
-  };
-
-  void addOutputOptions();
   std::vector<Override> overrides() const;
   std::vector<std::unique_ptr<Observer>> makeObservers() const;
   void checkOutputPaths() const;
@@ -42,7 +35,7 @@ class RunCommand {
 
   Program& program_;
   CLI::App* command_;
-  std::vector<Output> outputs_;
+  std::unique_ptr<OutputOptions> outputs_;
 
   std::string scene_;
   std::string device_ = "auto";

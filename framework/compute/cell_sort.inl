@@ -1,4 +1,4 @@
-// CellSort::sort, one source for both back ends. Included by cell_sort.h.
+// sortByCell, one source for both back ends. Included by cell_sort.h.
 #pragma once
 
 #include <limits>
@@ -85,23 +85,23 @@ struct OrderInCells {
 }  // namespace detail
 
 template <class Backend, class Key>
-void CellSort::sort(Backend& device, Count count, int cells, const Key& key, int* kept) {
+void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
+                const CellSortMemory& memory) {
   WEIR_CHECK(cells >= 0);
   WEIR_CHECK(count.bound <= std::numeric_limits<int>::max());
-  start_.resizeDiscarding(std::int64_t{cells} + 1);
-  for (Array<int>* array : perParticle()) array->resizeDiscarding(count.bound);
+  const auto& [start, cell, provisional, order] = memory;
+  WEIR_CHECK(start.size == std::int64_t{cells} + 1);
+  // Nobody asks for a rank once the order is made.
+  const ArrayView<int> rank = order;
 
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
-  start_.fillZero();
-  parallelFor(device, "countInCells", count,
-              detail::CountInCells<Key>{key, cells, cell_.view(), rank_.view(), start_.view()});
-  exclusiveScan(device, start_.view(), start_.view(), start_.size());
-  parallelFor(device, "scatterToCells", count,
-              detail::ScatterToCells{cell_.view(), rank_.view(), start_.view(), provisional_.view()});
-  parallelFor(device, "orderInCells", count,
-              detail::OrderInCells{cells, cell_.view(), start_.view(), provisional_.view(), order_.view()});
+  device.fillBytes(start.data, 0, static_cast<std::size_t>(start.size) * sizeof(int));
+  parallelFor(device, "countInCells", count, detail::CountInCells<Key>{key, cells, cell, rank, start});
+  exclusiveScan(device, start, start, start.size);
+  parallelFor(device, "scatterToCells", count, detail::ScatterToCells{cell, rank, start, provisional});
+  parallelFor(device, "orderInCells", count, detail::OrderInCells{cells, cell, start, provisional, order});
   // Last, because `kept` may be where `count` stands.
-  device.copy(kept, start_.data() + cells, sizeof(int));
+  device.copy(kept, start.data + cells, sizeof(int));
 }
 
 }  // namespace weir

@@ -87,6 +87,10 @@ void CpuBackend::release(void* memory, std::size_t bytes) noexcept {
   impl_->pool.release(memory, bytes);
 }
 
+std::shared_ptr<void> CpuBackend::lend(void* memory) {
+  return impl_->pool.lend(memory);
+}
+
 std::size_t CpuBackend::availableMemory() const {
   const std::size_t fromSystem = availableHostMemory();
   const MemoryUse use = memoryUse();

@@ -29,6 +29,9 @@ void* CudaDevice::allocate(std::size_t) {
   unreachable();
 }
 void CudaDevice::release(void*, std::size_t) noexcept {}
+std::shared_ptr<void> CudaDevice::lend(void*) {
+  return nullptr;
+}
 MemoryUse CudaDevice::memoryUse() const {
   unreachable();
 }

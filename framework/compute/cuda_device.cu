@@ -163,6 +163,10 @@ void CudaDevice::release(void* memory, std::size_t bytes) noexcept {
   impl_->pool.release(memory, bytes);
 }
 
+std::shared_ptr<void> CudaDevice::lend(void* memory) {
+  return impl_->pool.lend(memory);
+}
+
 std::size_t CudaDevice::availableMemory() const {
   if (impl_->makeCurrent() != cudaSuccess) static_cast<void>(cudaGetLastError());
   const std::size_t free = freeMemory();

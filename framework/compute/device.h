@@ -4,7 +4,8 @@
 // that launches kernels is a template over them (see parallel.h) and is compiled by the host compiler, once
 // for each instruction set (cpu_isa.h), and once by nvcc. Everything else speaks to Device alone.
 //
-// One thread at a time uses a device; allocate, release and memoryUse alone may be called by any thread.
+// One thread at a time uses a device; allocate, release, lend and memoryUse alone may be called by any
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -54,6 +55,9 @@ class Device {
   /// therefore owns the memory it uses for as long as it may be replayed.
   virtual void* allocate(std::size_t bytes) = 0;
   virtual void release(void* memory, std::size_t bytes) noexcept = 0;
+  /// Lets somebody else use what is allocated here, such as another language: until the result goes, the
+  /// memory is given to nobody again, even when it has been released. The device must outlive the result.
+  virtual std::shared_ptr<void> lend(void* memory) = 0;
   virtual MemoryUse memoryUse() const = 0;
   /// Bytes that arrays can still get, from the system and of what the pool holds idle; 0 if nobody knows.
   virtual std::size_t availableMemory() const = 0;
@@ -105,6 +109,7 @@ class CpuBackend : public Device {
   std::string description() const override;
   void* allocate(std::size_t bytes) override;
   void release(void* memory, std::size_t bytes) noexcept override;
+  std::shared_ptr<void> lend(void* memory) override;
   MemoryUse memoryUse() const override;
   std::size_t availableMemory() const override;
   void upload(void* to, const void* fromHost, std::size_t bytes) override;
@@ -160,6 +165,7 @@ class CudaDevice final : public Device {
   std::string description() const override;
   void* allocate(std::size_t bytes) override;
   void release(void* memory, std::size_t bytes) noexcept override;
+  std::shared_ptr<void> lend(void* memory) override;
   MemoryUse memoryUse() const override;
   std::size_t availableMemory() const override;
   void upload(void* to, const void* fromHost, std::size_t bytes) override;

@@ -64,8 +64,30 @@ void MemoryPool::release(void* memory, std::size_t bytes) noexcept {
   if (memory == nullptr) return;
   const std::size_t size = sizeClass(bytes);
   const std::lock_guard lock(mutex_);
+  if (const auto lent = lent_.find(memory); lent != lent_.end()) {
+    lent->second.released = size;
+    return;
+  }
   idle_[size].push_back({memory, requests_});
   use_.inUse -= size;
+}
+
+std::shared_ptr<void> MemoryPool::lend(void* memory) {
+  const std::lock_guard lock(mutex_);
+  ++lent_[memory].times;
+  return {memory, [this](void* lent) { endLoan(lent); }};
+}
+
+void MemoryPool::endLoan(void* memory) noexcept {
+  std::size_t released = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto lent = lent_.find(memory);
+    if (--lent->second.times > 0) return;
+    released = lent->second.released;
+    lent_.erase(lent);
+  }
+  if (released > 0) release(memory, released);
 }
 
 MemoryUse MemoryPool::use() const {

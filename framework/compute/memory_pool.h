@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -28,6 +29,9 @@ class MemoryPool {
   void* allocate(std::size_t bytes);
   /// `bytes` as asked for.
   void release(void* memory, std::size_t bytes) noexcept;
+  /// A released block that is lent stays in use until all results of this for it are gone; they must not
+  /// outlive the pool.
+  std::shared_ptr<void> lend(void* memory);
   MemoryUse use() const;
 
   /// What a request really takes: multiples of 256 bytes, in eight steps for every doubling up to 1 MiB and
@@ -40,6 +44,12 @@ class MemoryPool {
     std::uint64_t since;  // number of the request before which it was released
   };
 
+  struct Lent {
+    int times = 0;
+    std::size_t released = 0;  // the size, once it has been released
+  };
+
+  void endLoan(void* memory) noexcept;
   /// Gives back idle blocks below `size` as long as more than a sixteenth of what is in use is idle.
   void freeOutgrown(std::size_t size) noexcept;
   void freeIdle(std::uint64_t releasedBefore) noexcept;
@@ -48,6 +58,7 @@ class MemoryPool {
   Free systemFree_;
   mutable std::mutex mutex_;
   std::map<std::size_t, std::vector<Idle>> idle_;  // by size class
+  std::map<void*, Lent> lent_;
   std::uint64_t requests_ = 0;
   MemoryUse use_;
 };

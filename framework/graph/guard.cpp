@@ -9,12 +9,12 @@
 namespace weir {
 
 void callGuarded(std::string_view source, const std::function<std::string()>& part,
-                 const std::function<void()>& f) {
+                 const std::function<void()>& f, bool filesSayEnough) {
   if (source == kOwnSource) return f();
   try {
     f();
   } catch (Error& e) {
-    e.at({.part = part()});
+    if (!filesSayEnough || e.location().file.empty()) e.at({.part = part()});
     throw;
   } catch (const std::bad_alloc&) {
     throw;
@@ -23,6 +23,12 @@ void callGuarded(std::string_view source, const std::function<std::string()>& pa
   } catch (...) {
     throw simulationError("it threw an exception of a kind that says nothing").at({.part = part()});
   }
+}
+
+std::string hookText(std::string_view what, std::string_view hook, std::string_view source) {
+  std::string text(what);
+  if (!text.empty() && !hook.empty()) text += ", ";
+  return text.append(hook).append(text.empty() ? "(" : " (").append(source).append(")");
 }
 
 }  // namespace weir

@@ -13,7 +13,12 @@ inline constexpr std::string_view kOwnSource = "weir";
 /// Calls f, which runs code of `source`. If that is a plugin, an Error gains `part()`, such as
 /// "module 'lift' (plugin lift)", and any other exception becomes a simulation Error with it; only
 /// std::bad_alloc passes as it is. What comes from Weir's own code passes as it is.
+///
+/// Errors that name a file say enough by it and pass as they are, if `filesSayEnough`.
 void callGuarded(std::string_view source, const std::function<std::string()>& part,
-                 const std::function<void()>& f);
+                 const std::function<void()>& f, bool filesSayEnough = false);
+
+/// "step (plugin lift)", or "module 'lift', step (plugin lift)": a hook of `what`, which may be "".
+std::string hookText(std::string_view what, std::string_view hook, std::string_view source);
 
 }  // namespace weir

@@ -50,9 +50,10 @@ void PipelineBase::replace(std::string_view name, std::unique_ptr<Module> module
   place = std::move(module);
 }
 
-void PipelineBase::call(const Module& module, const std::function<void()>& f) {
+void PipelineBase::call(const Module& module, std::string_view hook, const std::function<void()>& f) {
   callGuarded(
-      module.source(), [&] { return "module " + inQuotes(module.name()) + " (" + module.source() + ")"; }, f);
+      module.source(), [&] { return hookText("module " + inQuotes(module.name()), hook, module.source()); },
+      f);
 }
 
 void PipelineBase::markDefault() {
@@ -147,7 +148,10 @@ void PipelineBase::assign(const Value& modules, const Registry& registry, const 
       place(module, spec, here);
       if (const Value* enabled = spec.find("enabled"))
         module.enable(ParamTraits<bool>::fromValue(*enabled, {}, here / "enabled"));
-      if (const Value* params = spec.find("params")) module.assignAll(*params, here / "params");
+      const Value* params = spec.find("params");
+      const auto where = [&] { return hookText("module " + inQuotes(name), "validate", module.source()); };
+      const auto set = [&] { module.assignAll(*params, here / "params"); };
+      if (params != nullptr) callGuarded(module.source(), where, set, /*filesSayEnough=*/true);
     } catch (Error& e) {
       throw e.at(here.of(spec));
     }

@@ -67,12 +67,11 @@ class PipelineBase {
   void assign(const Value& modules, const Registry& registry, const Place& place);
   /// The same, for writing: only what differs from the pipeline as the node's constructor left it.
   Value changedValues() const;
+  /// Calls f, which is `hook` of the module; an Error of it says which hook of which module of which plugin
+  /// it comes from, if it is a plugin's.
+  static void call(const Module& module, std::string_view hook, const std::function<void()>& f);
   /// To be called by the constructor of a node once its default modules stand.
   void markDefault();
-
- protected:
-  /// Calls f; an Error of it says which module of which plugin it comes from, if it is a plugin's.
-  static void call(const Module& module, const std::function<void()>& f);
 
  private:
   /// A module as the node's constructor left it.
@@ -107,21 +106,29 @@ class Pipeline final : public PipelineBase {
     return reference;
   }
 
-  /// Calls f(M&) for every module in order.
+  /// Calls f(M&) for every module in order. `hook` is what f calls, for errors.
   template <class F>
-  void forEach(F&& f) const {
+  void forEach(std::string_view hook, F&& f) const {
     for (const auto& module : modules()) {
       auto* typed = dynamic_cast<M*>(module.get());
       WEIR_CHECK(typed != nullptr);
-      call(*module, [&] { f(*typed); });
+      call(*module, hook, [&] { f(*typed); });
     }
+  }
+  template <class F>
+  void forEach(F&& f) const {
+    forEach("", std::forward<F>(f));
   }
   /// The same for those that are enabled.
   template <class F>
-  void forEachEnabled(F&& f) const {
-    forEach([&](M& module) {
+  void forEachEnabled(std::string_view hook, F&& f) const {
+    forEach(hook, [&](M& module) {
       if (module.enabled()) f(module);
     });
+  }
+  template <class F>
+  void forEachEnabled(F&& f) const {
+    forEachEnabled("", std::forward<F>(f));
   }
 };
 

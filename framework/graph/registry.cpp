@@ -56,8 +56,21 @@ void Registry::addSectionType(const std::string& name, SectionType type) {
 }
 
 void Registry::addServiceFactory(const std::string& interface, const std::string& name, std::any factory) {
-  if (!services_[interface].emplace(name, std::move(factory)).second)
-    throw sceneError("two libraries add the " + interface + " '" + name + "'", "a name of its own for each");
+  addUnique(services_[interface], name, ServiceType{source_, std::move(factory)}, interface.c_str());
+}
+
+std::string Registry::serviceText(const std::string& interface, const std::string& name,
+                                  const std::string& source) {
+  return hookText(interface + " " + inQuotes(name), "", source);
+}
+
+std::unique_ptr<Configurable> Registry::createSection(const std::string& name) const {
+  const SectionType& type = lookUp(sections_, name, "section");
+  std::unique_ptr<Configurable> made;
+  callGuarded(
+      type.source, [&] { return hookText("section " + inQuotes(name), "", type.source); },
+      [&] { made = type.create(); });
+  return made;
 }
 
 std::unique_ptr<Node> Registry::createNode(std::string_view type) const {

@@ -10,10 +10,19 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/graph/guard.h"
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
 
 namespace weir {
+
+/// An implementation of an interface, under its name, and the library that it comes from.
+template <class I>
+struct Service {
+  std::string name;
+  std::unique_ptr<I> implementation;
+  std::string source;
+};
 
 class Registry {
  public:
@@ -42,6 +51,8 @@ class Registry {
   void addModule() {
     addModuleType({M::kInfo, source_, [] { return std::make_unique<M>(); }});
   }
+  /// The same for a type that is made at run time, such as a module in another language.
+  void addModuleType(ModuleType type);
   /// A section of the scene file beside "world" and "nodes", such as "render".
   template <class S>
   void addSection(const std::string& name, const std::string& doc) {
@@ -57,14 +68,21 @@ class Registry {
   /// Each throws a scene Error with a suggestion for an unknown type.
   std::unique_ptr<Node> createNode(std::string_view type) const;
   std::unique_ptr<Module> createModule(std::string_view type) const;
-  /// One of each service behind I, by name.
+  std::unique_ptr<Configurable> createSection(const std::string& name) const;
+  /// One of each service behind I, by name. Whoever calls them guards what comes from a plugin (guard.h).
   template <class I>
-  std::vector<std::pair<std::string, std::unique_ptr<I>>> createServices() const {
-    std::vector<std::pair<std::string, std::unique_ptr<I>>> all;
+  std::vector<Service<I>> createServices() const {
+    std::vector<Service<I>> all;
     const auto services = services_.find(std::string(I::kInterface));
     if (services == services_.end()) return all;
-    for (const auto& [name, factory] : services->second)
-      all.emplace_back(name, std::any_cast<const std::function<std::unique_ptr<I>()>&>(factory)());
+    for (const auto& [name, type] : services->second) {
+      const auto& factory = std::any_cast<const std::function<std::unique_ptr<I>()>&>(type.factory);
+      std::unique_ptr<I> made;
+      callGuarded(
+          type.source, [&] { return serviceText(services->first, name, type.source); },
+          [&] { made = factory(); });
+      all.push_back({name, std::move(made), type.source});
+    }
     return all;
   }
 
@@ -80,16 +98,22 @@ class Registry {
 
  private:
   void addNodeType(NodeType type);
-  void addModuleType(ModuleType type);
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
+  static std::string serviceText(const std::string& interface, const std::string& name,
+                                 const std::string& source);
+
+  struct ServiceType {
+    std::string source;
+    std::any factory;
+  };
 
   std::vector<std::shared_ptr<const void>> libraries_;  // first, so that they outlive all that follows
   std::string source_{kOwnSource};
   std::map<std::string, NodeType> nodes_;
   std::map<std::string, ModuleType> modules_;
   std::map<std::string, SectionType> sections_;
-  std::map<std::string, std::map<std::string, std::any>> services_;
+  std::map<std::string, std::map<std::string, ServiceType>> services_;
 };
 
 }  // namespace weir

@@ -147,15 +147,25 @@ std::vector<Node*> SceneGraph::order() const {
   return order;
 }
 
+namespace {
+
+/// Calls f, which is `hook` of the node; its Errors say so.
 template <class F>
-void SceneGraph::call(Node& node, Device& device, F&& f) {
-  const std::size_t before = device.memoryUse().inUse;
+void callHook(const Node& node, std::string_view hook, F&& f) {
   try {
     callGuarded(
-        node.source(), [&] { return node.source(); }, std::forward<F>(f));
+        node.source(), [&] { return hookText("", hook, node.source()); }, std::forward<F>(f));
   } catch (Error& e) {
     throw node.locate(e).inNode(node.name());
   }
+}
+
+}  // namespace
+
+template <class F>
+void SceneGraph::call(Node& node, std::string_view hook, Device& device, F&& f) {
+  const std::size_t before = device.memoryUse().inUse;
+  callHook(node, hook, std::forward<F>(f));
   deviceMemory_[&node] += static_cast<std::int64_t>(device.memoryUse().inUse - before);
 }
 
@@ -179,7 +189,7 @@ void SceneGraph::configure(const SetupContext& context) {
   for (const auto& node : nodes_)
     for (OutputPort* output : node->outputs()) output->forgetRequests();
   for (auto node = order_.rbegin(); node != order_.rend(); ++node)
-    call(**node, context.device, [&] { (*node)->configure(context); });
+    call(**node, "configure", context.device, [&] { (*node)->configure(context); });
 }
 
 MemoryEstimate SceneGraph::estimate(const SetupContext& context) {
@@ -187,31 +197,25 @@ MemoryEstimate SceneGraph::estimate(const SetupContext& context) {
   MemoryEstimate estimate;
   for (Node* node : order_) {
     MemoryNeeds needs;
-    call(*node, context.device, [&] { node->estimate(context, needs); });
+    call(*node, "estimate", context.device, [&] { node->estimate(context, needs); });
     if (needs.device > 0) estimate.add(node->name(), std::move(needs));
   }
   return estimate;
 }
 
 void SceneGraph::save(const StateWriter& to) const {
-  for (const Node* node : order_) node->save(to.in(node->name()));
+  for (const Node* node : order_) callHook(*node, "save", [&] { node->save(to.in(node->name())); });
 }
 
 void SceneGraph::restore(const StateReader& from) {
-  for (Node* node : order_) {
-    try {
-      node->restore(from.in(node->name()));
-    } catch (Error& e) {
-      throw e.inNode(node->name());
-    }
-  }
+  for (Node* node : order_) callHook(*node, "restore", [&] { node->restore(from.in(node->name())); });
 }
 
 void SceneGraph::reset(const SetupContext& context) {
   configure(context);
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
-    call(*node, context.device, [&] { node->reset(context); });
+    call(*node, "reset", context.device, [&] { node->reset(context); });
   }
 }
 
@@ -219,7 +223,8 @@ double SceneGraph::longestStep(const StepContext& next, double cfl) {
   animate(next.time);
   double longest = std::numeric_limits<double>::infinity();
   for (Node* node : order_)
-    call(*node, next.device, [&] { longest = std::min(longest, node->longestStep(next, cfl)); });
+    call(*node, "longestStep", next.device,
+         [&] { longest = std::min(longest, node->longestStep(next, cfl)); });
   return longest;
 }
 
@@ -227,13 +232,13 @@ void SceneGraph::step(const StepContext& context) {
   animate(context.time);
   for (Node* node : order_) {
     const ProfileScope scope(context.device.profiler(), node->name());
-    call(*node, context.device, [&] { node->step(context); });
+    call(*node, "step", context.device, [&] { node->step(context); });
   }
 }
 
 void SceneGraph::frame(const StepContext& context) {
   animate(context.time);
-  for (Node* node : order_) call(*node, context.device, [&] { node->frame(context); });
+  for (Node* node : order_) call(*node, "frame", context.device, [&] { node->frame(context); });
 }
 
 }  // namespace weir

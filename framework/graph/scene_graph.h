@@ -67,7 +67,7 @@ class SceneGraph {
   void animate(double time);
   void configure(const SetupContext& context);
   template <class F>
-  void call(Node& node, Device& device, F&& f);
+  void call(Node& node, std::string_view hook, Device& device, F&& f);
 
   std::vector<std::unique_ptr<Node>> nodes_;
   std::vector<Link> links_;

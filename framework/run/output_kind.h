@@ -36,6 +36,9 @@ class OutputKind {
   virtual ~OutputKind() = default;
 
   virtual std::vector<OutputOption> options() const = 0;
+  /// Whether its observers can look at a replay, too (`weir render`): of the fluids they read the particles
+  /// and the attributes that were recorded, of solids where they are.
+  virtual bool showsReplays() const { return false; }
   /// `paths` holds those of options() that were given, at least one. Whoever asks has checked that file names
   /// end as they must and that the folder above exists. The file is opened by the observer's begin().
   virtual std::unique_ptr<Observer> create(const OutputPaths& paths) const = 0;

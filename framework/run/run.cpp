@@ -100,11 +100,19 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
     }
     showProgress();
   };
+  if (options.nextFrame) {
+    while (options.nextFrame(simulation)) {
+      if (stop) return RunEnd::kInterrupted;
+      showFrame();
+    }
+    return RunEnd::kFinished;
+  }
   if (options.resume != nullptr) {
     simulation.resume(StateReader(*options.resume), options.lastFrame);
     showProgress();
   } else {
-    simulation.reset(options.lastFrame);
+    if (!options.proceed) simulation.reset(options.lastFrame);
+    simulation.refresh();
     showFrame();
   }
   while (simulation.frame() < last) {

@@ -21,6 +21,11 @@ struct RunOptions {
   Checkpoints* checkpoints = nullptr;
   /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.
   const StateArrays* resume = nullptr;
+  /// Goes on from where the simulation is, a frame, in place of a reset; the observers see that frame first.
+  bool proceed = false;
+  /// Where frames come from in place of steps: shows the next frame of a replay (Simulation::showAt), or
+  /// returns false behind the last one. The simulation must be a replay. Null: the scene is simulated.
+  std::function<bool(Simulation&)> nextFrame;
   /// Called at frame 0, after every step, and after every frame once the observers have captured it.
   std::function<void(const Simulation&)> onProgress;
 };

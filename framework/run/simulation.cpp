@@ -55,7 +55,20 @@ double Simulation::longestStep() const {
   return stepsVary() ? std::min(world.dt.get(), 1 / world.frameRate) : clock_.longestStep();
 }
 
-void Simulation::setUp(std::optional<std::int64_t> last) {
+void Simulation::setDuration(double duration) {
+  if (!(duration >= time()))
+    throw usageError("found a duration of " + Value(duration).brief() + " s",
+                     "no less than the " + Value(time()).brief() + " s that are simulated already");
+  if (frame_ >= clock_.frameCount() && !atFrame())
+    throw usageError(
+        "the simulation is behind its last frame, in steps that a longer duration would not have",
+        "another duration before that, or one that is a whole number of frames from the start");
+  scene_->world.duration.set(duration);
+  clock_ = clockOf(*scene_);
+}
+
+void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
+  clock_ = clockOf(*scene_);
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
   time_ = 0;
@@ -63,7 +76,7 @@ void Simulation::setUp(std::optional<std::int64_t> last) {
   scene_->animate(0);
   const SetupContext context{
       .device = device_,
-      .log = log_,
+      .log = log,
       .registry = registry_,
       .gravity = scene_->world.gravity,
       .dt = longestStep(),
@@ -79,16 +92,16 @@ void Simulation::checkMemory(const SetupContext& context) {
   memoryNeeds_ = estimate.total();
   const auto available = static_cast<double>(device_.availableMemory());
   const std::string warning = estimate.check(available, device_.name());
-  if (!warning.empty()) log_.warn(warning);
+  if (!warning.empty()) context.log.warn(warning);
   if (memoryNeeds_.particles > 0)
-    log_.info("memory: up to " + shortBytes(memoryNeeds_.device) +
-              (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
-              groupedText(std::llround(memoryNeeds_.particles)) + " particles");
+    context.log.info("memory: up to " + shortBytes(memoryNeeds_.device) +
+                     (available > 0 ? " of " + shortBytes(available) : "") + ", for up to " +
+                     groupedText(std::llround(memoryNeeds_.particles)) + " particles");
   if (device_.kind() != DeviceKind::kCpu) estimate.checkHost(static_cast<double>(availableHostMemory()));
 }
 
 void Simulation::reset(std::optional<std::int64_t> last) {
-  setUp(last);
+  setUp(last, log_);
   fresh_ = false;
   refresh();
   device_.synchronize();
@@ -110,7 +123,7 @@ void Simulation::save(const StateWriter& to) const {
 }
 
 void Simulation::resume(const StateReader& from, std::optional<std::int64_t> last) {
-  setUp(last);
+  setUp(last, log_);
   const StateReader clock = from.in("clock");
   clock.get("frame", frame_);
   clock.get("steps", stepsDone_);
@@ -125,6 +138,20 @@ void Simulation::resume(const StateReader& from, std::optional<std::int64_t> las
   double before = 0;
   clock.get("wall_seconds", before);
   resetAt_ -= std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(before));
+}
+
+void Simulation::replay() {
+  Log silent;  // nodes have said what they have to say when the run was recorded
+  setUp(0, silent);
+  fresh_ = true;
+  showAt(0, 0);
+  device_.synchronize();
+}
+
+void Simulation::showAt(std::int64_t frame, double time) {
+  frame_ = frame;
+  shownTime_ = time;
+  scene_->animate(time);
 }
 
 bool Simulation::stepIsLeft() const {

@@ -48,9 +48,14 @@ class Simulation {
   const Registry& registry() const { return registry_; }
   const Clock& clock() const { return clock_; }
 
-  /// To time 0, frame 0. `last` is the frame at which the run will end, if its duration does not end it
-  /// before. Throws a scene Error if what the scene needs until then does not fit into memory
-  /// (memory_estimate.h).
+  /// Gives the scene away, with all that its nodes hold on the device; only destruction may follow.
+  std::unique_ptr<Scene> release() { return std::move(scene_); }
+  /// The run ends at this time, s, from now on, not before what was simulated already. Throws as clockOf.
+  void setDuration(double duration);
+
+  /// To time 0, frame 0, with the world's frame rate, step and duration as they are now. `last` is the frame
+  /// at which the run will end, if its duration does not end it before. Throws a scene Error if what the
+  /// scene needs until then does not fit into memory (memory_estimate.h).
   void reset(std::optional<std::int64_t> last = {});
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }
@@ -58,6 +63,13 @@ class Simulation {
   void save(const StateWriter& to) const;
   /// In place of a reset: to the frame at which the same scene was saved.
   void resume(const StateReader& from, std::optional<std::int64_t> last = {});
+  /// In place of a reset, for a run that was recorded: all nodes are there, but nothing is brought to rest
+  /// and nothing will move. Frames are shown by showAt().
+  void replay();
+  bool isReplay() const { return shownTime_.has_value(); }
+  /// Of a replay: the frame and its time in s, for whoever looks. What the fluids hold is the caller's
+  /// affair.
+  void showAt(std::int64_t frame, double time);
   void step();  ///< one step; there must be one left
   /// Steps to the next frame. False if there is none, or if `stop` was set before it was reached; then it
   /// goes on from there when it is called again. `afterStep` is called after each step, if it is given.
@@ -73,7 +85,10 @@ class Simulation {
 
   std::int64_t frame() const { return frame_; }  ///< the last frame that was reached
   std::int64_t stepsDone() const { return stepsDone_; }
-  double time() const { return stepsVary() ? time_ : clock_.stepTime(frame_, stepInFrame_); }
+  double time() const {
+    if (shownTime_) return *shownTime_;
+    return stepsVary() ? time_ : clock_.stepTime(frame_, stepInFrame_);
+  }
   bool atFrame() const { return stepInFrame_ == 0; }  ///< exactly at a frame time
   std::int64_t particleCount() const;
 
@@ -101,7 +116,7 @@ class Simulation {
   using WallClock = std::chrono::steady_clock;
 
   /// Makes all nodes anew, if there is memory for them.
-  void setUp(std::optional<std::int64_t> last);
+  void setUp(std::optional<std::int64_t> last, Log& log);
   void checkMemory(const SetupContext& context);
   /// The context of what comes next, with the world as it is then.
   StepContext stepContext();
@@ -117,7 +132,8 @@ class Simulation {
   const Registry& registry_;
   Clock clock_;
   std::int64_t frame_ = 0, stepInFrame_ = 0, stepsDone_ = 0;
-  double time_ = 0;  // where steps vary
+  double time_ = 0;                  // where steps vary
+  std::optional<double> shownTime_;  // of a replay
   StepLengths lengths_;
   MemoryNeeds memoryNeeds_;
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step

@@ -127,7 +127,8 @@ void addReports(Simulation& simulation, Value& statistics) {
     NodeReport report;
     try {
       callGuarded(
-          node->source(), [&] { return node->source(); }, [&] { node->report(report); });
+          node->source(), [&] { return hookText("", "report", node->source()); },
+          [&] { node->report(report); });
     } catch (const std::exception& e) {
       entry["error"] = e.what();
       continue;

@@ -97,8 +97,12 @@ class Builder {
     for (const std::string& name : sectionNames(registry_)) {
       const auto type = registry_.sections().find(name);
       if (type != registry_.sections().end()) {
-        scene_->sections[name] = type->second.create();
-        assignSection(*scene_->sections[name], name);
+        scene_->sections[name] = registry_.createSection(name);
+        const auto where = [&] {
+          return hookText("section " + inQuotes(name), "validate", type->second.source);
+        };
+        const auto assign = [&] { assignSection(*scene_->sections[name], name); };
+        callGuarded(type->second.source, where, assign, /*filesSayEnough=*/true);
       } else if (const Value* value = root_.find(name)) {
         scene_->unknownSections[name] = *value;
         const Error warning =
@@ -138,7 +142,9 @@ class Builder {
     Node& node = createNode(*type, name, place);
     static const Value kNothing = Value::object();
     const Value* params = spec.find("params");
-    node.assignAll(params != nullptr ? *params : kNothing, place / "params");
+    const auto where = [&] { return hookText("", "validate", node.source()); };
+    const auto assign = [&] { node.assignAll(params != nullptr ? *params : kNothing, place / "params"); };
+    callGuarded(node.source(), where, assign, /*filesSayEnough=*/true);
     if (const Value* modules = spec.find("modules")) {
       if (node.pipeline() == nullptr)
         throw(place / "modules")
@@ -167,7 +173,7 @@ class Builder {
   void validateModules(Node& node, const Place& place) {
     for (const auto& module : node.pipeline()->modules()) {
       try {
-        module->validate();
+        PipelineBase::call(*module, "validate", [&] { module->validate(); });
       } catch (Error& e) {
         throw e.at({.file = place.file, .pointer = (place / module->name()).pointer});
       }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -59,11 +60,18 @@ TriangleMesh MeshFile::read(const Registry& registry) const {
 
   const std::string ending = lower(path.extension().string());
   std::set<std::string> readable;
-  for (const auto& [name, reader] : registry.createServices<MeshReader>())
-    for (const std::string& extension : reader->extensions()) {
-      if (extension == ending) return reader->read(path);
-      readable.insert(extension);
-    }
+  for (const auto& [name, reader, source] : registry.createServices<MeshReader>()) {
+    std::optional<TriangleMesh> mesh;
+    const auto where = [&] { return hookText("mesh reader " + inQuotes(name), "", source); };
+    const auto ask = [&] {
+      for (const std::string& extension : reader->extensions()) {
+        if (extension == ending && !mesh) mesh = reader->read(path);
+        readable.insert(extension);
+      }
+    };
+    callGuarded(source, where, ask, /*filesSayEnough=*/true);
+    if (mesh) return std::move(*mesh);
+  }
   std::string list;
   for (const std::string& extension : readable) list += (list.empty() ? "" : ", ") + extension;
   throw fileError(ending.empty() ? "the file's name has no ending that says what it is"

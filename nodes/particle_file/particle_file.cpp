@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "framework/base/text.h"
@@ -17,11 +18,11 @@ namespace weir {
 namespace {
 
 /// The built-in readers, then those of plugins by name.
-std::vector<std::unique_ptr<ParticleReader>> allReaders(const Registry& registry) {
-  std::vector<std::unique_ptr<ParticleReader>> readers;
-  readers.push_back(std::make_unique<CsvReader>());
-  readers.push_back(std::make_unique<PlyReader>());
-  for (auto& [name, reader] : registry.createServices<ParticleReader>()) readers.push_back(std::move(reader));
+std::vector<Service<ParticleReader>> allReaders(const Registry& registry) {
+  std::vector<Service<ParticleReader>> readers;
+  readers.push_back({"csv", std::make_unique<CsvReader>(), std::string(kOwnSource)});
+  readers.push_back({"ply", std::make_unique<PlyReader>(), std::string(kOwnSource)});
+  for (auto& service : registry.createServices<ParticleReader>()) readers.push_back(std::move(service));
   return readers;
 }
 
@@ -39,6 +40,10 @@ std::optional<std::size_t> firstNotFinite(const ParticleData& data) {
 
 }  // namespace
 
+ParticleData ParticleReader::readAt(const std::filesystem::path&, double) const {
+  throw sceneError("a time is given, but files of this kind hold one moment only", "no time");
+}
+
 void ParticleFile::validate() const {
   if (file->empty())
     throw sceneError("no file is given", "the path of a file with particles").inParameter(file.name());
@@ -47,14 +52,31 @@ void ParticleFile::validate() const {
 ParticleData ParticleFile::read(const Registry& registry) const {
   const std::string ending = lowerCase(file->resolved.extension().string());
   std::vector<std::string> known;
-  for (const auto& reader : allReaders(registry))
-    for (const std::string& extension : reader->extensions()) {
-      if (extension == ending) return reader->read(file->resolved);
-      known.push_back(extension);
-    }
+  for (const auto& [name, reader, source] : allReaders(registry)) {
+    std::optional<ParticleData> data;
+    const auto where = [&] { return hookText("particle reader " + inQuotes(name), "", source); };
+    const auto ask = [&] {
+      for (const std::string& extension : reader->extensions()) {
+        if (extension == ending && !data) data = readWith(*reader);
+        known.push_back(extension);
+      }
+    };
+    callGuarded(source, where, ask, /*filesSayEnough=*/true);
+    if (data) return std::move(*data);
+  }
   throw sceneError(inQuotes(file->text) + (ending.empty() ? " has no ending" : " is of no known kind"),
                    "a file that ends in " + joinNames(known), "plugins can bring more kinds of files")
       .inParameter(file.name());
+}
+
+ParticleData ParticleFile::readWith(const ParticleReader& reader) const {
+  if (!time.get()) return reader.read(file->resolved);
+  try {
+    return reader.readAt(file->resolved, *time.get());
+  } catch (Error& error) {
+    if (error.kind() != ErrorKind::kScene) throw;
+    throw error.inParameter(time.name());
+  }
 }
 
 void ParticleFile::estimate(const SetupContext& context, MemoryNeeds& needs) {

@@ -18,6 +18,14 @@ class ParticleFile final : public Node {
   const NodeInfo& info() const override { return kInfo; }
 
   Param<FilePath> file{*this, "file", {}, {.doc = "The file; its ending says what it is."}};
+  Param<std::optional<double>> time{
+      *this,
+      "time",
+      std::nullopt,
+      {.unit = "s",
+       .doc =
+           "Of a file with several moments, such as an export, the one nearest to this time; the last one if "
+           "it is left out."}};
   Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Where the file's origin comes to be."}};
   Param<float> scale{*this,
                      "scale",
@@ -40,6 +48,7 @@ class ParticleFile final : public Node {
 
  private:
   ParticleData read(const Registry& registry) const;
+  ParticleData readWith(const ParticleReader& reader) const;
 
   std::optional<ParticleData> read_;  // by estimate(), for reset()
   std::int64_t count_ = 0;

@@ -30,6 +30,10 @@ class ParticleReader {
   /// Throws an io Error that names the file, and the line where there are lines, for what cannot be read,
   /// for positions or velocities that are not finite, and for a file without particles.
   virtual ParticleData read(const std::filesystem::path& file) const = 0;
+  /// Of a file with several moments, such as an export, the one nearest to a time in s; read() gives the last
+  /// one. Throws as read() does, an io Error for a time before the first moment or behind the last one, and a
+  /// scene Error if files of this kind have no moments.
+  virtual ParticleData readAt(const std::filesystem::path& file, double time) const;
 };
 
 }  // namespace weir

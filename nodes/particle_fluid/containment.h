@@ -27,8 +27,11 @@ struct Contain {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  /// Not 0 where all is done: solids that touch each other may move a particle each time. May be null.
+  const int* done = nullptr;
 
   WEIR_HD void operator()(std::int64_t i) const {
+    if (done != nullptr && *done) return;
     const Vec3f p = xyz(state[i]);
     const Vec3f q = movedOut(boundary, radius, p);
     if (p == q) return;

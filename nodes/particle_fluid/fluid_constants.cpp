@@ -94,7 +94,8 @@ double halfLatticeSum(double supportRatio) {
   return 0.5 * (latticeSum(supportRatio) - plane);
 }
 
-/// a, such that blocks settle to their volume: `./dev validate --only settled_volume`.
+/// a, such that blocks settle to their volume: `./dev validate --only settled_volume`. `weir_packing_curve
+/// factor` measures it in tanks of several sizes.
 double wallFactor(double supportRatio) {
   struct Point {
     double ratio, factor;
@@ -130,8 +131,8 @@ WallKernel wallKernel(double supportRatio, Calibration calibration) {
 double contactRatio(double supportRatio, Calibration calibration) {
   constexpr double kHalf = 0.5;
   if (calibration == Calibration::kLattice) return kHalf;
-  // About what columns with walls at half a spacing have too much at them, adjusted so that small tanks at
-  // rest keep their height (RestState.KeepsTheVolumeOfFewLayers… in the tests).
+  // What `weir_packing_curve contact` prints, less half a spacing: such that water in tanks from 8 to 20
+  // spacings wide stands as high as it should.
   struct Excess {
     double ratio, perArea;
   };

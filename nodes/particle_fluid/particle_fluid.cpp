@@ -62,7 +62,7 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
                  WallField(device).memoryFor(particles, room.solids) +
                  ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);  // the density
-  pipeline_.forEachEnabled([&](const FluidModule& module) { bytes += module.memory(room); });
+  pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
   return bytes;
 }
 
@@ -71,6 +71,8 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].most;
   for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
   most_ = atFirst + born;
+  fluid->most = most_;
+  fluid->spacing = spacing;
   // What is proportional to their number is so to 1/spacing³.
   needs.remedy = [d = double(spacing)](double share) {
     const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
@@ -82,9 +84,10 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
         fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
         fmt::format("at most {:.0f}", kMost), needs.remedy(kMost / most_));
   needs.particles = most_;
-  needs.device = memoryFor(context.device, most_);
+  const double resting = restSteps > 0 ? RestState::memoryFor(atFirst) : 0;
+  needs.device = memoryFor(context.device, most_) + resting;
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
-  needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
+  needs.certain = mayLeave ? memoryFor(context.device, atFirst) + resting : needs.device;
 }
 
 void ParticleFluid::save(const StateWriter& to) const {
@@ -92,8 +95,8 @@ void ParticleFluid::save(const StateWriter& to) const {
   state.particles.save(to.in("particles"));
   state.neighbors.save(to.in("neighbors"));
   to.put("rest_steps", state.restSteps);
-  for (const auto& module : pipeline_.modules())
-    static_cast<const FluidModule&>(*module).save(to.in("modules").in(module->name()));
+  pipeline_.forEach("save",
+                    [&](const FluidModule& module) { module.save(to.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::restore(const StateReader& from) {
@@ -107,8 +110,8 @@ void ParticleFluid::restore(const StateReader& from) {
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
-  for (const auto& module : pipeline_.modules())
-    static_cast<FluidModule&>(*module).restore(from.in("modules").in(module->name()));
+  pipeline_.forEach("restore",
+                    [&](FluidModule& module) { module.restore(from.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
@@ -130,7 +133,7 @@ void ParticleFluid::reset(const SetupContext& context) {
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
   if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
-  *fluid = {&state.particles, &constants_, &state.walls.solids};
+  *fluid = {&state.particles, &constants_, &state.walls.solids, most_, spacing};
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
@@ -142,7 +145,7 @@ void ParticleFluid::reset(const SetupContext& context) {
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
-  pipeline_.forEach([&](FluidModule& module) { module.reset(step); });
+  pipeline_.forEach("reset", [&](FluidModule& module) { module.reset(step); });
 }
 
 void ParticleFluid::comeToRest(const StepContext& context) {
@@ -190,7 +193,7 @@ void ParticleFluid::step(const StepContext& context) {
 }
 
 void ParticleFluid::runPipeline(FluidStep& step) {
-  pipeline_.forEachEnabled([&](FluidModule& module) {
+  pipeline_.forEachEnabled("step", [&](FluidModule& module) {
     const ProfileScope scope(step.device.profiler(), module.name());
     module.step(step);
   });
@@ -241,7 +244,7 @@ void ParticleFluid::warnOfSettings(const SetupContext& context) {
                              .log = context.log,
                              .node = name()};
   warnOfFluid(outlook, there, context);
-  pipeline_.forEachEnabled([&](FluidModule& module) { module.warn(outlook); });
+  pipeline_.forEachEnabled("warn", [&](FluidModule& module) { module.warn(outlook); });
 }
 
 void ParticleFluid::checkEvents() {
@@ -272,7 +275,7 @@ void ParticleFluid::report(NodeReport& report) {
   report.events.push_back({"particles left the domain and were removed", state.events.escaped});
   report.events.push_back(
       {"particles with positions that are no numbers were removed", state.events.nonFinite});
-  pipeline_.forEachEnabled([&](FluidModule& module) { module.report(report); });
+  pipeline_.forEachEnabled("report", [&](FluidModule& module) { module.report(report); });
 }
 
 }  // namespace weir

@@ -23,6 +23,8 @@ struct Fluid {
   ParticleSet* particles = nullptr;
   const FluidConstants* constants = nullptr;
   std::vector<Solid*>* solids = nullptr;  ///< that it meets; couplings add to them in reset()
+  double most = 0;                        ///< particles, as estimated; told before there are any
+  float spacing = 0;                      ///< m; likewise
 };
 
 class ParticleFluid final : public Node {

@@ -6,9 +6,15 @@
 namespace weir {
 
 RestState::RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches)
-    : fluid_(fluid), sum_(fluid.device, 1) {
-  for (const ParticleBatch* batch : batches)
+    : fluid_(fluid), sum_(fluid.device, 1), before_(fluid.device) {
+  std::int64_t ids = 0;  // those that were left out had some, too
+  for (const ParticleBatch* batch : batches) {
     batches_.push_back({batch, batch->pressure == StartPressure::kNone});
+    ids += batch->count;
+  }
+  if (!wanted()) return;
+  before_.resizeDiscarding(ids);
+  before_.fillZero();
 }
 
 bool RestState::wanted() const {
@@ -47,7 +53,7 @@ int RestState::reach(int most, const std::function<void()>& step) {
     ++taken;
     double square = 0;
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
-    // Motion is stopped where it is fastest, which is where the forces vanish.
+    // All motion is stopped where it is fastest, which is where the forces vanish.
     const bool fastest = square <= last && taken - stopped >= kLeastMotion;
     const bool calm = fastest && square <= atRest;
     // Before, pushes are those of particles on their way to where they will rest.

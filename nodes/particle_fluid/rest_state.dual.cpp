@@ -18,14 +18,20 @@ struct Batch {
   WEIR_HD bool has(std::int64_t i) const { return indexOf(i) >= 0 && indexOf(i) < size; }
 };
 
+/// Stops particles that slow down, and scales the velocities of the others.
 struct Damp {
   Batch batch;
   float kept;
   Vec3f lift;  // m/s, against the gravity of the step
   ArrayView<Vec3f> velocities;
+  ArrayView<Vec3f> before;  // by id: with which the step began, without lift
 
   WEIR_HD void operator()(std::int64_t i) const {
-    if (batch.has(i)) velocities[i] = kept * velocities[i] + lift;
+    if (!batch.has(i)) return;
+    Vec3f& began = before[batch.ids[i]];
+    const bool slower = dot(velocities[i] - began, began) < 0;
+    began = slower ? Vec3f{} : kept * velocities[i];
+    velocities[i] = began + lift;
   }
 };
 
@@ -76,7 +82,7 @@ struct Hold {
 
 struct Release {
   Batch batch;
-  ArrayView<const Vec3f> initial;
+  ParticleBatch::VelocityView initial;
   ArrayView<Vec3f> velocities;
 
   WEIR_HD void operator()(std::int64_t i) const {
@@ -113,7 +119,7 @@ void RestState::dampOn(Backend& device, float kept) {
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     if (of.batch->container)
       parallelFor(device, "damp", p.count(),
-                  Damp{batch, kept, of.weightless ? lift : Vec3f{}, p.velocities().view()});
+                  Damp{batch, kept, of.weightless ? lift : Vec3f{}, p.velocities().view(), before_.view()});
   });
 }
 
@@ -148,7 +154,7 @@ void RestState::releaseOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     parallelFor(device, "release", p.count(),
-                Release{batch, of.batch->velocities.view(), p.velocities().view()});
+                Release{batch, of.batch->velocityView(), p.velocities().view()});
   });
 }
 

@@ -6,6 +6,11 @@
 // that the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
 // container stay where they are meanwhile.
 //
+// Damping is dynamic relaxation: a particle is stopped when a step has pushed it against its motion, and all
+// of them are when their kinetic energy has a maximum. Stopped all together only, particles that are far from
+// their places go on shaking those that have found them: at small support radii that took more than twice the
+// steps.
+//
 // Pressure is for fluid that the scene holds: where a container vanishes that had carried the fluid, what is
 // stored in the pressure would be let go. So a batch may be told to find out (StartPressure): once its
 // container carries more than a small share of its weight, it goes on without gravity.
@@ -23,6 +28,9 @@ class RestState {
  public:
   /// The batches that the fluid's particles came from, in their order, all of them and nothing else.
   RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches);
+
+  /// Bytes on the device for so many particles.
+  static double memoryFor(double particles) { return particles * double(sizeof(Vec3f)); }
 
   /// Whether there is a container at all.
   bool wanted() const;
@@ -57,6 +65,7 @@ class RestState {
   FluidStep& fluid_;
   std::vector<Resting> batches_;
   Array<double> sum_;
+  Array<Vec3f> before_;  ///< by id: velocities with which the step began
 };
 
 }  // namespace weir

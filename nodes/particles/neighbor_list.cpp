@@ -8,7 +8,7 @@
 
 namespace weir {
 
-static_assert(sizeof(NeighborEvents) == 3 * sizeof(int));
+static_assert(sizeof(NeighborEvents) == 4 * sizeof(int));
 
 namespace {
 
@@ -16,27 +16,33 @@ namespace {
 constexpr std::int64_t kCellsPerParticle = 4;
 constexpr std::int64_t kFewestCells = 1 << 12;
 constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
+// A block for every so many groups of lists, and a few. At rows of cells that the grid wraps around, and
+// where few particles lie above many, groups are wide; blocks are for those with long lists among them.
+constexpr std::int64_t kGroupsPerBlock = 64;
+constexpr std::int64_t kFewestBlocks = 16;
 
 }  // namespace
 
 NeighborList::NeighborList(Device& device)
-    : shift_(device.kind() == DeviceKind::kCuda ? 5 : 0),
-      sort_(device),
+    : packs_(device.kind() == DeviceKind::kCuda),
       entries_(device),
       counts_(device),
-      crowding_(device),
+      groups_(device),
+      blocks_(device),
       columns_(device),
       events_(device) {
-  events_.resize(3);
+  events_.resize(4);
   events_.fillZero();
 }
 
 void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(radius > 0);
   WEIR_CHECK(capacity > 0);
+  WEIR_CHECK(capacity <= kMostScratch);
   radius_ = radius;
   capacity_ = capacity;
-  room_ = shift_ == 0 ? (capacity + kListPiece - 1) / kListPiece * kListPiece : capacity;
+  const int piece = packs_ ? kCodesTogether : kListPiece;
+  room_ = (capacity + piece - 1) / piece * piece;
   grid_ = chooseCellGrid({}, radius, 0);
 }
 
@@ -57,29 +63,45 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 }
 
 void NeighborList::makeRoom(std::int64_t particles) {
-  const std::int64_t cells = grid_.cellCount();
-  // Grids follow the fluid from frame to frame, so a little more lasts longer.
-  sort_.reserve(particles, cells < sort_.cellRoom() ? 0 : grownSize(sort_.cellRoom(), cells));
-  const std::int64_t lists = paddedLists(particles);
-  counts_.reserveDiscarding(lists);
-  crowding_.reserveDiscarding(lists);
-  entries_.reserveDiscarding(lists * room_);
+  counts_.resizeDiscarding(particles);
+  if (!packs_) {
+    entries_.resizeDiscarding(particles * room_);
+    return;
+  }
+  const std::int64_t groups = groupsOf(particles);
+  const bool fresh = entries_.capacity() < groups * kListGroup * room_ / kCodesInInt;
+  entries_.resizeDiscarding(groups * kListGroup * room_ / kCodesInInt);
+  // Codes are read four at a time, those behind a list's end with them.
+  if (fresh) entries_.fillZero();
+  groups_.resizeDiscarding(groups);
+  const std::int64_t indices = blocksFor(particles) * room_ * kListGroup;
+  const bool freshBlocks = blocks_.capacity() < indices;
+  blocks_.resizeDiscarding(indices);
+  if (freshBlocks) blocks_.fillZero();
+}
+
+std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
+  if (particles <= kAllInWindows) return 0;
+  const std::int64_t groups = groupsOf(particles);
+  // A window holds two rows of cells and what is between them.
+  constexpr int kRows = 4;
+  if (std::int64_t{kRows} * grid_.cells.x > kWindow) return groups;
+  return std::min(groups, std::max(groups / kGroupsPerBlock + kFewestBlocks, grownSize(blocksWanted_, 0)));
 }
 
 double NeighborList::memoryFor(double particles) const {
-  // Up to a quarter more than the cells of a grid, see makeRoom().
-  const double cells =
-      grownSize(static_cast<std::int64_t>(
-                    std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells))),
-                0);
-  const double lanes = std::int64_t{1} << shift_, lists = std::ceil(particles / lanes) * lanes;
-  double bytes =
-      CellSort::kPerParticle * bytesOfArray(particles, sizeof(int)) + bytesOfArray(cells, sizeof(int));
-  bytes += bytesOfArrays(lists, counts_) + bytesOfArrays(lists, crowding_) +
-           bytesOfArrays(lists * room_, entries_);
+  const double cells = std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells));
+  constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
+  const double bytes = bytesOfArrays(particles, counts_) +
+                       bytesOfArray(std::max(particles, cells / kStartsInOne + 1), sizeof(Vec4f));
   // The columns of coordinates that the CPU reads, with what is behind their ends.
-  if (shift_ == 0) bytes += bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
-  return bytes;
+  if (!packs_)
+    return bytes + bytesOfArrays(particles * room_, entries_) +
+           bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
+  const double groups = std::ceil(particles / kListGroup);
+  const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
+  return bytes + bytesOfArrays(groups * kListGroup * room_ / kCodesInInt, entries_) +
+         bytesOfArrays(groups, groups_) + bytesOfArrays(blocks * room_ * kListGroup, blocks_);
 }
 
 void NeighborList::save(const StateWriter& to) const {
@@ -96,17 +118,43 @@ void NeighborList::restore(const StateReader& from) {
   from.get("events", events_);
 }
 
+PackedLists NeighborList::packed() {
+  if (!packs_) return {};
+  return {reinterpret_cast<FourCodes*>(entries_.data()), groups_.data(), blocks_.data(),
+          static_cast<int>(blocks_.size() / (std::int64_t{room_} * kListGroup)), room_};
+}
+
 NeighborView NeighborList::view() const {
-  return {entries_.data(), counts_.data(), room_, shift_};
+  // Of a view, nobody writes to the lists.
+  return {entries_.data(), counts_.data(), room_, const_cast<NeighborList*>(this)->packed()};
 }
 
 NeighborEditor NeighborList::editor() {
-  return {entries_.data(), counts_.data(), view()};
+  return {entries_.data(), counts_.data(), room_, packed()};
 }
 
-NeighborEvents NeighborList::eventsOnHost() const {
+NeighborEvents NeighborList::eventsOnHost() {
   const std::vector<int> values = events_.toHost();
-  return {values[0], values[1], values[2]};
+  blocksWanted_ = values[3];
+  return {values[0], values[1], values[2], values[3]};
+}
+
+std::vector<std::vector<int>> NeighborList::listsOnHost(std::int64_t particles) const {
+  const std::vector<int> counts = countsOnHost(particles);
+  std::vector<int> entries = entries_.toHost(), blocks = blocks_.toHost();
+  std::vector<ListGroup> groups = groups_.toHost(packs_ ? groupsOf(particles) : 0);
+  NeighborView lists = view();
+  lists.entries = entries.data();
+  lists.counts = counts.data();
+  if (packs_) {
+    lists.packed.codes = reinterpret_cast<FourCodes*>(entries.data());
+    lists.packed.groups = groups.data();
+    lists.packed.blocks = blocks.data();
+  }
+  std::vector<std::vector<int>> all(static_cast<std::size_t>(particles));
+  for (std::int64_t i = 0; i < particles; ++i)
+    forEachNeighbor(i, lists, [&](int j) { all[static_cast<std::size_t>(i)].push_back(j); });
+  return all;
 }
 
 }  // namespace weir

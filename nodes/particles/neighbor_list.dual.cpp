@@ -1,4 +1,5 @@
 #include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/list_packer.h"
 #include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
@@ -13,8 +14,10 @@ struct CellKey {
   ArrayView<const SinkPiece> sinks;
   int* escaped;
   int* nonFinite;
+  int* blocksWanted;  // by the lists to come
 
   WEIR_HD int operator()(std::int64_t i) const {
+    if (i == 0) *blocksWanted = 0;
     const Vec3f p = positions[i];
     if (!isFinite(p) || !isFinite(velocities[i])) {
       atomicAdd(nonFinite, 1);
@@ -68,7 +71,8 @@ struct RowsWithinReach {
   }
 };
 
-/// Calls f(begin, end) for ranges of sorted places that hold all particles near a point.
+/// Calls f(begin, end, layer) for ranges of sorted places that hold all particles near a point, in the layers
+/// -1, 0 and 1 of cells from its own.
 template <class Rows, class F>
 WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayView<const int>& cellStart,
                               const Rows& rows, const F& f) {
@@ -83,11 +87,11 @@ WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayV
       const int row = (z * grid.cells.y + y) * grid.cells.x;
       if (inside) {
         // The cells of a row stand side by side.
-        f(cellStart[row + cell.x + part.first], cellStart[row + cell.x + part.last + 1]);
+        f(cellStart[row + cell.x + part.first], cellStart[row + cell.x + part.last + 1], dz);
       } else {
         for (int dx = part.first; dx <= part.last; ++dx) {
           const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
-          f(cellStart[c], cellStart[c + 1]);
+          f(cellStart[c], cellStart[c + 1], dz);
         }
       }
     }
@@ -98,22 +102,58 @@ WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayV
 struct ListWriter {
   int capacity;
   int room;
-  int shift;
   int* entries;
   int* counts;
   float* crowding;
   int* truncated;
+  ListPacker packer;  // on CUDA
 
-  WEIR_HD int* list(std::int64_t i) const {
-    return entries + NeighborView{nullptr, nullptr, room, shift}.first(i);
+  WEIR_HD int* list(std::int64_t i) const { return entries + i * room; }
+  WEIR_HD void finish(std::int64_t i, int found, int kept) const {
+    if (found > kept) atomicAdd(truncated, 1);
+    counts[i] = kept;
   }
-  WEIR_HD void finish(std::int64_t i, int found) const {
-    if (found > capacity) {
-      atomicAdd(truncated, 1);
-      found = capacity;
+};
+
+/// The threads of a group of lists, a warp; the last group of a fluid may have fewer.
+struct GroupThreads {
+  unsigned mask;
+
+  WEIR_HD GroupThreads(std::int64_t i, std::int64_t particles) {
+    const std::int64_t left = particles - i / kListGroup * kListGroup;
+    mask = left >= kListGroup ? ~0u : (1u << left) - 1;
+  }
+
+#ifdef __CUDA_ARCH__
+  __device__ int least(int value) const {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_min_sync(mask, value);
+#else
+    const int lane = static_cast<int>(threadIdx.x) % kListGroup;
+    for (int step = kListGroup / 2; step > 0; step /= 2) {
+      const int other = __shfl_xor_sync(mask, value, step);
+      if ((mask >> (lane ^ step) & 1) != 0 && other < value) value = other;
     }
-    counts[i] = found;
+    return __shfl_sync(mask, value, 0);  // where threads are missing, it alone has heard of all
+#endif
   }
+  __device__ bool all(bool value) const {
+    return __all_sync(mask, value) != 0;
+  }
+  __device__ int ofFirst(int value) const {
+    return __shfl_sync(mask, value, 0);
+  }
+#else
+  int least(int value) const {
+    return value;
+  }
+  bool all(bool value) const {
+    return value;
+  }
+  int ofFirst(int value) const {
+    return value;
+  }
+#endif
 };
 
 /// What a particle at this distance, squared, adds to the crowding, or eight of them.
@@ -130,30 +170,31 @@ struct FindNeighbors {
   float radiusSquared;
   ListWriter writer;
 
+  Count count;
+
   /// Straight into the list.
   WEIR_HD void operator()(std::int64_t i) const {
-    float crowd = 0;
-    const int found = find(i, Scratch{writer.list(i), 1 << writer.shift}, crowd);
-    writer.finish(i, found);
-    writer.crowding[i] = crowd;
+    FoundNeighbors to{Scratch{writer.list(i), 1}};
+    const int found = find(i, to);
+    writer.finish(i, found, to.kept);
   }
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
-    float crowd = 0;
-    const int found = find(i, scratch, crowd);
-    int* list = writer.list(i);
-    const int stride = 1 << writer.shift;
-    for (int k = 0; k < found && k < writer.capacity; ++k) list[k * stride] = scratch[k];
-    writer.finish(i, found);
-    writer.crowding[i] = crowd;
+    FoundNeighbors to{scratch};
+    const int found = find(i, to);
+    writer.finish(i, found, writer.packer.pack(i, to, GroupThreads(i, count.get())));
   }
 
-  WEIR_HD int find(std::int64_t i, const Scratch& list, float& crowd) const {
+  /// Returns how many there are.
+  WEIR_HD int find(std::int64_t i, FoundNeighbors& to) const {
+    const Scratch& list = to.index;
+    float crowd = 0;
     const Vec3f p = positions[i];
     const int self = static_cast<int>(i);
     int found = 0;
-    forEachRangeNear(p, grid, cellStart, RowsWithinReach(p, grid), [&](int begin, int end) {
+    int own = 0, above = 0;
+    forEachRangeNear(p, grid, cellStart, RowsWithinReach(p, grid), [&](int begin, int end, int layer) {
 #ifdef __CUDA_ARCH__
 #pragma unroll 2  // so that several positions are under way at once
 #endif
@@ -166,23 +207,30 @@ struct FindNeighbors {
         if (found < writer.capacity) list[found] = j;
         ++found;
       }
+      if (layer < 0) own = found;
+      if (layer <= 0) above = found;
     });
+    writer.crowding[i] = crowd;
+    to.kept = found < writer.capacity ? found : writer.capacity;
+    to.own = own < to.kept ? own : to.kept;
+    to.above = above < to.kept ? above : to.kept;
     return found;
   }
 };
 
-/// A team searches for a particle, in fluids that do not fill the device otherwise.
+/// A team searches for a particle, in fluids that do not fill the device otherwise; all indices are codes
+/// there.
 struct FindNeighborsInTeams {
   FindNeighbors find;
 
   WEIR_HD void operator()(std::int64_t i, const Team& team) const {
     const int self = static_cast<int>(i);
     const Vec3f p = find.positions[i];
-    const Scratch list{find.writer.list(i), 1 << find.writer.shift};
+    const PackedLists& lists = find.writer.packer.lists;
     int found = 0;
     float crowd = 0;
     const RowsWithinReach rows(p, find.grid);
-    forEachRangeNear(p, find.grid, find.cellStart, rows, [&](int begin, int end) {
+    forEachRangeNear(p, find.grid, find.cellStart, rows, [&](int begin, int end, int) {
       for (int first = begin; first < end; first += team.size) {
         const int j = first + team.lane;
         bool near = false;
@@ -194,13 +242,14 @@ struct FindNeighborsInTeams {
         }
         const unsigned all = team.ask(near);
         const int place = found + countBits(all & ((1u << team.lane) - 1));
-        if (near && place < find.writer.capacity) list[place] = j;
+        if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
         found += countBits(all);
       }
     });
     crowd = team.sum(crowd);
     if (team.lane != 0) return;
-    find.writer.finish(i, found);
+    if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
+    find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
     find.writer.crowding[i] = crowd;
   }
 };
@@ -244,7 +293,7 @@ struct FindNeighborsInLanes {
     const int self = static_cast<int>(i);
     int* list = writer.list(i);
     int found = 0;
-    forEachRangeNear(p, grid, cellStart, WholeRows{}, [&](int begin, int end) {
+    forEachRangeNear(p, grid, cellStart, WholeRows{}, [&](int begin, int end, int) {
       for (int j = begin; j < end; j += Lanes::kCount) {
         const Vec3<Lanes> d{Lanes::load(columns.x + j) - p.x, Lanes::load(columns.y + j) - p.y,
                             Lanes::load(columns.z + j) - p.z};
@@ -253,7 +302,7 @@ struct FindNeighborsInLanes {
         found += append(list, found, index, near.bits());
       }
     });
-    writer.finish(i, found);
+    writer.finish(i, found, found < writer.capacity ? found : writer.capacity);
     // So that the entries of a whole piece may be followed.
     for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
     writer.crowding[i] = crowdingOf(i, p);
@@ -261,7 +310,7 @@ struct FindNeighborsInLanes {
 
   /// The list is still in the cache.
   float crowdingOf(std::int64_t i, const Vec3f& p) const {
-    const NeighborView list{writer.entries, writer.counts, writer.room, writer.shift};
+    const NeighborView list{writer.entries, writer.counts, writer.room, {}};
     const auto term = [&]<class T>(const auto&, const Vec3<T>& q) {
       const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
       return crowdingAt(dot(d, d), grid);
@@ -280,34 +329,61 @@ struct FindNeighborsInLanes {
 
 #endif
 
+// Sorting and listing borrow memory that nobody needs meanwhile.
+
+/// Where each cell starts is asked until the lists are made.
+ArrayView<int> startsIn(ParticleSet& particles, std::int64_t cells) {
+  constexpr std::int64_t kInts = sizeof(Vec4f) / sizeof(int);
+  Array<Vec4f>& wide = particles.wideScratch((cells + kInts) / kInts);
+  return {reinterpret_cast<int*>(wide.data()), cells + 1};
+}
+
+/// Cells are forgotten when velocities go into that place, the order when lists do.
+CellSortMemory sortMemory(ParticleSet& particles, ArrayView<int> start, Array<int>& entries) {
+  const std::int64_t count = particles.bound();
+  int* words = reinterpret_cast<int*>(particles.scratch().data());
+  return {start, {words, count}, {words + count, count}, {entries.data(), count}};
+}
+
+ArrayView<float> crowdingIn(ParticleSet& particles) {
+  Array<Vec3f>& scratch = particles.scratch();
+  return {reinterpret_cast<float*>(scratch.data()), scratch.size()};
+}
+
 }  // namespace
 
 template <class Backend>
 void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
                            ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
+  const ArrayView<int> cellStart = startsIn(particles, grid_.cellCount());
   {
     const ProfileScope scope(device.profiler(), "sort");
-    sort_.sort(device, particles.count(), grid_.cellCount(),
+    const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
+    sortByCell(device, particles.count(), grid_.cellCount(),
                CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, sinks,
-                       events + 1, events + 2},
-               particles.counter());
-    particles.permute(sort_.order());
+                       events + 1, events + 2, events + 3},
+               particles.counter(), memory);
+    particles.permute(memory.order);
   }
+  const ArrayView<float> crowding = crowdingIn(particles);
+  crowding_ = crowding;
+  crowdingUse_ = particles.scratchUses();
   const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles);
+  listOn(device, particles, cellStart, crowding.data);
 }
 
 template <class Backend>
-void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
-  const std::int64_t lanes = std::int64_t{1} << shift_;
-  const std::int64_t padded = (particles.positions().size() + lanes - 1) / lanes * lanes;
-  counts_.resize(padded);
-  crowding_.resizeDiscarding(padded);
-  entries_.resize(padded * room_);
-  const ListWriter writer{capacity_,        room_,         shift_, entries_.data(), counts_.data(),
-                          crowding_.data(), events_.data()};
+void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
+                          float* crowding) {
   const Count count = particles.count();
+  const ListWriter writer{capacity_,
+                          room_,
+                          entries_.data(),
+                          counts_.data(),
+                          crowding,
+                          events_.data(),
+                          {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
@@ -315,15 +391,15 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles) {
   const Columns columns(columns_, positions.size);
   parallelFor(device, "columns", count, FillColumns{positions, columns});
   parallelFor(device, kName, count,
-              FindNeighborsInLanes{columns, positions, sort_.start(), grid_, radiusSquared, writer});
+              FindNeighborsInLanes{columns, positions, cellStart, grid_, radiusSquared, writer});
 #else
-  const FindNeighbors find{positions, sort_.start(), grid_, radiusSquared, writer};
+  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
   // Above this one thread a particle does as well.
   constexpr TeamPlan kPlan{8, 1 << 15};
-  if (shift_ > 0 && count.bound <= kPlan.few)
-    return parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
-  // Lists that are not interleaved are written whole anyway.
-  if (shift_ > 0 && capacity_ <= kMostScratch)
+  static_assert(kPlan.few <= kAllInWindows);
+  if (packs_ && count.bound <= kPlan.few)
+    parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
+  else if (packs_)
     parallelForWithScratch(device, kName, count, capacity_, find);
   else
     parallelFor(device, kName, count, find);

@@ -5,68 +5,115 @@
 
 #include "framework/compute/cell_sort.h"
 #include "nodes/particles/cell_grid.h"
+#include "nodes/particles/packed_lists.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/sink/sink_region.h"
 
 namespace weir {
 
-/// The lists as kernels see them. Entry k of particle i stands at ((i >> shift) * capacity + k) << shift | (i
-/// & mask): on CUDA the lists of 32 particles are interleaved (shift 5), so that a warp reads whole lines. On
-/// the CPU (shift 0) the capacity is a multiple of sixteen, and so is the number of entries of each list that
-/// are indices of particles: those behind the neighbours mean nothing, but may be followed.
+/// The lists as kernels see them. On the CPU entry k of particle i stands at i * capacity + k. The capacity
+/// is a multiple of sixteen there, and so is the number of entries of each list that are indices of
+/// particles: those behind the neighbours mean nothing, but may be followed. On CUDA lists are packed.
 struct NeighborView {
   const int* entries = nullptr;
   const int* counts = nullptr;
   int capacity = 0;
-  int shift = 0;
+  PackedLists packed;
 
-  WEIR_HD std::int64_t first(std::int64_t i) const {
-    return (((i >> shift) * capacity) << shift) + (i & ((std::int64_t{1} << shift) - 1));
-  }
+  WEIR_HD bool isPacked() const { return packed.groups != nullptr; }
 };
+
+namespace detail {
+
+template <class F>
+WEIR_HD inline void forEachPacked(std::int64_t i, int count, const PackedLists& lists, F&& f) {
+  const ListGroup group = lists.groups[i / kListGroup];
+  const FourCodes* codes = lists.codesOf(i);
+  const int* index = group.wide == 0 ? nullptr : lists.indicesOf(i, group.wide);
+  // A thread waits for memory most of the time: so four neighbours at once, the last ones too.
+  for (int k = 0; k < count; k += kCodesTogether) {
+    int j[kCodesTogether];
+    if (group.wide == 0) {
+      const FourCodes four = *codes;
+      four.to(j);
+      codes += kListGroup;
+      for (int l = 0; l < kCodesTogether; ++l) j[l] = k + l < count ? group.decode(j[l]) : -1;
+    } else {
+      for (int l = 0; l < kCodesTogether; ++l) j[l] = k + l < count ? index[l * kListGroup] : -1;
+      index += kCodesTogether * kListGroup;
+    }
+    for (int l = 0; l < kCodesTogether; ++l)
+      if (j[l] >= 0) f(j[l]);
+  }
+}
+
+}  // namespace detail
 
 /// Calls f(j) for every neighbour j of particle i; i itself is none of them.
 template <class F>
 WEIR_HD inline void forEachNeighbor(std::int64_t i, const NeighborView& list, F&& f) {
   const int count = list.counts[i];
-  const int* entry = list.entries + list.first(i);
-  const int stride = 1 << list.shift;
-  int k = 0;
-#ifdef __CUDA_ARCH__
-  // A thread waits for memory most of the time: so four at once.
-  for (; k + 4 <= count; k += 4, entry += 4 * stride) {
-    const int j0 = entry[0], j1 = entry[stride], j2 = entry[2 * stride], j3 = entry[3 * stride];
-    f(j0);
-    f(j1);
-    f(j2);
-    f(j3);
+#ifndef __CUDA_ARCH__
+  if (!list.isPacked()) {
+    const int* entry = list.entries + i * list.capacity;
+    for (int k = 0; k < count; ++k) f(entry[k]);
+    return;
   }
 #endif
-  for (; k < count; ++k, entry += stride) f(*entry);
+  detail::forEachPacked(i, count, list.packed, f);
 }
 
 /// The same lists, for kernels that take entries out of them.
 struct NeighborEditor {
   int* entries = nullptr;
   int* counts = nullptr;
-  NeighborView layout;
+  int capacity = 0;
+  PackedLists packed;
 
   /// Keeps those neighbours j of particle i for which keep(j) holds, in their order. Touches only i's own
   /// list, so lists may be edited side by side; they stay reciprocal if keep is symmetric. The threads of the
   /// team share the list.
   template <class Keep>
   WEIR_HD void keepIf(std::int64_t i, const Team& team, Keep&& keep) const {
-    int* list = entries + layout.first(i);
+    if (packed.groups == nullptr) return keepIfOf(Entries32{entries + i * capacity}, i, team, keep);
+    const ListGroup group = packed.groups[i / kListGroup];
+    if (group.wide == 0)
+      keepIfOf(Codes{packed, group, i}, i, team, keep);
+    else
+      keepIfOf(Indices{packed.indicesOf(i, group.wide)}, i, team, keep);
+  }
+
+ private:
+  struct Entries32 {
+    int* list;
+    WEIR_HD int& at(int k) const { return list[k]; }
+    WEIR_HD int index(int entry) const { return entry; }
+  };
+  struct Indices {
+    int* list;
+    WEIR_HD int& at(int k) const { return list[k * kListGroup]; }
+    WEIR_HD int index(int entry) const { return entry; }
+  };
+  struct Codes {
+    PackedLists packed;
+    ListGroup group;
+    std::int64_t i;
+    WEIR_HD std::uint16_t& at(int k) const { return *packed.code(i, k); }
+    WEIR_HD int index(int code) const { return group.decode(code); }
+  };
+
+  template <class Entries, class Keep>
+  WEIR_HD void keepIfOf(const Entries& list, std::int64_t i, const Team& team, Keep&& keep) const {
     const int count = counts[i];
     int kept = 0;
     for (int first = 0; first < count; first += team.size) {
       const int k = first + team.lane;
-      const int j = k < count ? list[static_cast<std::int64_t>(k) << layout.shift] : -1;
-      const bool keeps = j >= 0 && keep(j);
+      const int entry = k < count ? list.at(k) : 0;
+      const bool keeps = k < count && keep(list.index(entry));
       // All have read when the answers are there, and nobody writes behind what has been read.
       const unsigned all = team.ask(keeps);
       const int place = kept + countBits(all & ((1u << team.lane) - 1));
-      if (keeps) list[static_cast<std::int64_t>(place) << layout.shift] = j;
+      if (keeps) list.at(place) = static_cast<std::remove_reference_t<decltype(list.at(0))>>(entry);
       kept += countBits(all);
     }
     if (team.lane == 0) counts[i] = kept;
@@ -78,6 +125,8 @@ struct NeighborEvents {
   int truncated = 0;  ///< lists that had more neighbours than there is room for
   int escaped = 0;    ///< particles that left the domain and were removed
   int nonFinite = 0;  ///< particles with a position or velocity that is no number, removed
+  /// Not since the reset: groups of the last search that asked for a block (see packed_lists.h).
+  int wideGroups = 0;
 };
 
 /// Sorts particles by cell and builds the lists.
@@ -93,10 +142,11 @@ class NeighborList {
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
-  /// reciprocal unless truncated.
+  /// reciprocal unless truncated. Uses all scratch memory of the particles.
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
-  /// Bytes on the device that lists and sorting take, in the largest grid; after configure().
+  /// Bytes on the device that lists and sorting take, in the largest grid, the particles' wideScratch() among
+  /// them; after configure().
   double memoryFor(double particles) const;
 
   /// The shape of the grid, which decides the particles' order, and the events.
@@ -105,39 +155,45 @@ class NeighborList {
 
   NeighborView view() const;
   /// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of
-  /// the spiky kernel over its value at 0, as a by-product.
-  ArrayView<const float> crowding() const { return crowding_.view(); }
+  /// the spiky kernel over its value at 0, as a by-product. It stands in the particles' scratch(), so it is
+  /// empty once someone else has asked for that.
+  ArrayView<const float> crowding(const ParticleSet& particles) const {
+    return particles.scratchUses() == crowdingUse_ ? crowding_ : ArrayView<const float>{};
+  }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
   // Both wait for the device.
-  NeighborEvents eventsOnHost() const;
+  NeighborEvents eventsOnHost();
   std::vector<int> countsOnHost(std::int64_t particles) const { return counts_.toHost(particles); }
+  std::vector<std::vector<int>> listsOnHost(std::int64_t particles) const;
 
  private:
   /// All that lists of so many particles need, each array alone and without what it held before.
   void makeRoom(std::int64_t particles);
-  /// Lists are interleaved in whole groups.
-  std::int64_t paddedLists(std::int64_t particles) const {
-    const std::int64_t lanes = std::int64_t{1} << shift_;
-    return (particles + lanes - 1) / lanes * lanes;
-  }
+  static std::int64_t groupsOf(std::int64_t particles) { return (particles + kListGroup - 1) / kListGroup; }
+  std::int64_t blocksFor(std::int64_t particles) const;
+  PackedLists packed();
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void listOn(Backend& device, const ParticleSet& particles);
+  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart, float* crowding);
 
   float radius_ = 0;
   int capacity_ = 0;
   int room_ = 0;  // for a list; at least the capacity
-  int shift_ = 0;
+  bool packs_;
   CellGrid grid_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles
-  CellSort sort_;
   Array<int> entries_, counts_;
-  Array<float> crowding_;
-  Array<float> columns_;  // all x, all y, all z; on the CPU only
-  Array<int> events_;     // NeighborEvents
+  // Where lists are packed.
+  Array<ListGroup> groups_;
+  Array<int> blocks_;
+  int blocksWanted_ = 0;
+  ArrayView<const float> crowding_;
+  std::uint64_t crowdingUse_ = 0;  // of the scratch memory that it stands in
+  Array<float> columns_;           // all x, all y, all z; on the CPU only
+  Array<int> events_;              // NeighborEvents
 };
 
 }  // namespace weir

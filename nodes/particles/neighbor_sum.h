@@ -87,24 +87,14 @@ T sumAsInLanes(const int* entry, int count, const F& f, const Element*... elemen
 template <class T, class F, class... Element>
 [[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(std::int64_t i, const NeighborView& list, const F& f,
                                                          const ArrayView<const Element>&... elements) {
-  const int count = list.counts[i];
-  const int* entry = list.entries + list.first(i);
 #if defined(WEIR_SUMS_IN_LANES)
-  return detail::sumInLanes<T>(entry, count, f, elements.data...);
+  return detail::sumInLanes<T>(list.entries + i * list.capacity, list.counts[i], f, elements.data...);
 #elif !defined(__CUDACC__)
-  return detail::sumAsInLanes<T>(entry, count, f, elements.data...);
+  return detail::sumAsInLanes<T>(list.entries + i * list.capacity, list.counts[i], f, elements.data...);
 #else
   T sum{};
-  const int stride = 1 << list.shift;
-  const auto add = [&](int j) { detail::addTo(sum, f(j, elements[j]...)); };
-  // A thread waits for memory most of the time: so four neighbours at once, the last ones too.
-  constexpr int kAtOnce = 4;
-  for (int k = 0; k < count; k += kAtOnce, entry += kAtOnce * stride) {
-    int j[kAtOnce];
-    for (int l = 0; l < kAtOnce; ++l) j[l] = k + l < count ? entry[l * stride] : -1;
-    for (int l = 0; l < kAtOnce; ++l)
-      if (j[l] >= 0) add(j[l]);
-  }
+  detail::forEachPacked(i, list.counts[i], list.packed,
+                        [&](int j) { detail::addTo(sum, f(j, elements[j]...)); });
   return sum;
 #endif
 }

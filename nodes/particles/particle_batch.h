@@ -24,7 +24,7 @@ struct EnumNames<StartPressure> {
       EnumName{"none", "That of fluid in the air."}};
 };
 
-/// The first `count` elements of both arrays are particles, on the scene's device. A sampler fills it in
+/// The first `count` elements of the arrays are particles, on the scene's device. A sampler fills it in
 /// reset(); an emitter refills it in every step with the particles born in that step, placed where they are
 /// at the beginning of the step.
 struct ParticleBatch {
@@ -40,7 +40,8 @@ struct ParticleBatch {
 
   std::int64_t count = 0;
   Array<Vec3f> positions;   ///< m
-  Array<Vec3f> velocities;  ///< m/s
+  Array<Vec3f> velocities;  ///< m/s; empty where all have the same
+  Vec3f velocity{};         ///< m/s, of all in that case
   /// How many particles come this way in the whole run at most; told before there are any.
   double most = 0;
 
@@ -49,7 +50,22 @@ struct ParticleBatch {
   float contact = 0;  ///< m, distance that particles keep from it
   StartPressure pressure = StartPressure::kAuto;
 
-  /// Replaces the contents by host data of equal length.
+  /// The velocities as kernels see them.
+  struct VelocityView {
+    ArrayView<const Vec3f> each;
+    Vec3f ofAll;
+    WEIR_HD Vec3f operator[](std::int64_t i) const { return each.size > 0 ? each[i] : ofAll; }
+  };
+  VelocityView velocityView() const { return {velocities.view(), velocity}; }
+
+  /// Replaces the contents by host data, with one velocity for all.
+  void assign(Device& device, std::span<const Vec3f> hostPositions, const Vec3f& velocityOfAll) {
+    count = static_cast<std::int64_t>(hostPositions.size());
+    positions = Array<Vec3f>(device, hostPositions);
+    velocities = Array<Vec3f>(device);
+    velocity = velocityOfAll;
+  }
+  /// The same with host data of equal length.
   void assign(Device& device, std::span<const Vec3f> hostPositions, std::span<const Vec3f> hostVelocities) {
     WEIR_CHECK(hostPositions.size() == hostVelocities.size());
     count = static_cast<std::int64_t>(hostPositions.size());

@@ -12,7 +12,11 @@ namespace weir {
 using detail::AttributeStorage;
 using detail::TypedStorage;
 
-ParticleSet::ParticleSet(Device& device) : device_(&device), counter_(device) {
+ParticleSet::ParticleSet(Device& device)
+    : device_(&device),
+      spares_(std::make_unique<detail::SpareMemory>()),
+      wideScratch_(device),
+      counter_(device) {
   counter_.resize(1);
   counter_.fillZero();
   positions_ = &add<Vec3f>({"position", AttributeType::kVec3, "m", "Position."});
@@ -28,13 +32,26 @@ double ParticleSet::memoryOfAttribute(double particles, AttributeType type, bool
   const std::size_t size = type == AttributeType::kVec3  ? sizeof(Vec3f)
                            : type == AttributeType::kInt ? sizeof(int)
                                                          : sizeof(float);
-  // What is derived has no spare (see AttributeStorage).
-  return (derived ? 1 : 2) * bytesOfArray(particles, size);
+  // What is derived has no spare, and vectors have that of the positions (see permuteOn). So have ints.
+  const bool twice = !derived && (particles <= kFew || type == AttributeType::kFloat);
+  return (twice ? 2 : 1) * bytesOfArray(particles, size);
 }
 
 double ParticleSet::memoryFor(double particles) {
-  return 2 * memoryOfAttribute(particles, AttributeType::kVec3) +
+  const double spares =
+      particles <= kFew ? 0 : bytesOfArray(particles, sizeof(Vec3f)) + bytesOfArray(particles, sizeof(int));
+  return spares + 2 * memoryOfAttribute(particles, AttributeType::kVec3) +
          memoryOfAttribute(particles, AttributeType::kInt);
+}
+
+Array<Vec3f>& ParticleSet::scratch() {
+  ++scratchUses_;
+  return spares_->get<Vec3f>(*device_, 0, capacity());
+}
+
+Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
+  wideScratch_.resizeDiscarding(std::max(least, capacity()));
+  return wideScratch_;
 }
 
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
@@ -65,7 +82,7 @@ Array<T>& ParticleSet::add(const AttributeInfo& info) {
   }
   AttributeInfo typedInfo = info;
   typedInfo.type = detail::attributeTypeOf<T>();
-  auto added = std::make_unique<TypedStorage<T>>(typedInfo, *device_);
+  auto added = std::make_unique<TypedStorage<T>>(typedInfo, *device_, *spares_);
   added->values.resizeDiscarding(capacity());
   added->values.fillZero();
   Array<T>& values = added->values;
@@ -106,7 +123,9 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   const std::int64_t present = capacity();
   const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);
   const std::int64_t room = std::max(particles, std::min(grown, most_));
-  // One after another, so that never more than one of them is there twice.
+  // One after another, so that never more than one of them is there twice; what is given back here makes room
+  // for that one.
+  spares_->release();
   for (const auto& storage : storages_) storage->grow(room);
 }
 

@@ -31,7 +31,8 @@ struct ZeroBehind {
 };
 
 struct AppendBatch {
-  ArrayView<const Vec3f> newPositions, newVelocities;
+  ArrayView<const Vec3f> newPositions;
+  ParticleBatch::VelocityView newVelocities;
   ArrayView<const int> order;  // empty for all
   int firstId;
   const int* count;
@@ -73,26 +74,33 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   const Count count{batch.count, selected.kept};
   parallelFor(
       device, "append", count,
-      AppendBatch{batch.positions.view(), batch.velocities.view(), selected.order, static_cast<int>(nextId_),
+      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
                   counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
 
 template <class Backend>
 void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
-  Permute permute{order, {}, 0};
-  const auto launch = [&] {
-    parallelFor(device, "permute", count(), permute);
-    permute.used = 0;
-  };
-  for (const auto& storage : storages_) {
-    if (storage->info().derived) continue;
-    permute.columns[permute.used++] = storage->beginPermutation();
-    if (permute.used == Permute::kMost) launch();
-  }
-  if (permute.used > 0) launch();
+  std::vector<detail::AttributeStorage*> left;
   for (const auto& storage : storages_)
-    if (!storage->info().derived) storage->finishPermutation();
+    if (!storage->info().derived) left.push_back(storage.get());
+  // Where there are many particles, one attribute of each type at a time: the next of the type goes to where
+  // the last one was.
+  const std::size_t atOnce = hasFew() ? Permute::kMost : 1;
+  while (!left.empty()) {
+    Permute permute{order, {}, 0};
+    std::size_t used[kAttributeTypes] = {};
+    std::vector<std::pair<detail::AttributeStorage*, std::size_t>> begun;
+    std::erase_if(left, [&](detail::AttributeStorage* storage) {
+      std::size_t& spare = used[static_cast<int>(storage->info().type)];
+      if (permute.used == Permute::kMost || spare == atOnce) return false;
+      permute.columns[permute.used++] = storage->beginPermutation(spare);
+      begun.emplace_back(storage, spare++);
+      return true;
+    });
+    parallelFor(device, "permute", count(), permute);
+    for (const auto& [storage, spare] : begun) storage->finishPermutation(spare);
+  }
 }
 
 template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);

@@ -17,6 +17,7 @@
 namespace weir {
 
 enum class AttributeType { kFloat, kVec3, kInt };
+inline constexpr int kAttributeTypes = 3;
 
 struct AttributeInfo {
   std::string name;
@@ -27,8 +28,9 @@ struct AttributeInfo {
 };
 
 namespace detail {
-/// Storage of one attribute without its type; see particle_set.dual.cpp.
+/// Storage of one attribute without its type; see attribute_storage.h.
 class AttributeStorage;
+struct SpareMemory;
 }  // namespace detail
 
 /// Some particles of a batch: order[k] for k < *kept, both on the device.
@@ -47,9 +49,22 @@ class ParticleSet {
   Device& device() const { return *device_; }
 
   /// Bytes on the device, with what is needed to put particles into another order: of an attribute, and of
-  /// those that every set has.
+  /// those that every set has, with scratch().
   static double memoryOfAttribute(double particles, AttributeType type, bool derived = false);
   static double memoryFor(double particles);
+
+  /// Memory for a vector a particle, or so many bytes of anything, until the particles are put into another
+  /// order or someone else uses it: so within a module's step and its part of one. It is the room in which
+  /// velocities, say, are sorted; swapping it with theirs is how a module replaces all of them.
+  Array<Vec3f>& scratch();
+  /// How often someone has asked for it.
+  std::uint64_t scratchUses() const { return scratchUses_; }
+  /// Memory for four numbers a particle, or for at least so many elements; the search for neighbours and the
+  /// solvers use it. As long as scratch(), and until the next search.
+  Array<Vec4f>& wideScratch(std::int64_t least = 0);
+  /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
+  /// memory for all of them twice.
+  static constexpr std::int64_t kFew = 1 << 17;
 
   /// Adds an attribute with value 0 for all particles, now and when they are born; or finds the one of that
   /// name, which must have the same type (a scene Error otherwise). T is float, Vec3f or int. The reference
@@ -103,17 +118,22 @@ class ParticleSet {
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
   void makeRoom(std::int64_t particles);
+  bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
   detail::AttributeStorage* storage(std::string_view name) const;
 
   Device* device_;
+  std::unique_ptr<detail::SpareMemory> spares_;
   std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
+  Array<Vec4f> wideScratch_;
+  std::uint64_t scratchUses_ = 0;
   Array<Vec3f>* positions_ = nullptr;
   Array<Vec3f>* velocities_ = nullptr;
   Array<int>* ids_ = nullptr;
   Array<int> counter_;
   std::int64_t bound_ = 0;
   std::int64_t nextId_ = 0;
-  std::int64_t most_ = std::numeric_limits<std::int64_t>::max();
+  static constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
+  std::int64_t most_ = kUnknown;
 };
 
 }  // namespace weir

@@ -39,10 +39,11 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
   if (positions.empty())
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
                      "a region that is several spacings thick");
-  particles->assign(context.device, positions, std::vector<Vec3f>(positions.size(), velocity.get()));
+  particles->assign(context.device, positions, velocity.get());
   particles->container.reset();
   if (relaxed()) putInside(context, region());
   sampled_ = particles->count;
+  seen_ = false;
 }
 
 void Sampler::putInside(const SetupContext& context, const Region& region) {
@@ -80,18 +81,22 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
 
 void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
   particles->most = mostParticles();
-  needs.add(bytesOfArrays(particles->most, particles->positions, particles->velocities));
+  needs.add(bytesOfArrays(particles->most, particles->positions));
   if (relaxed()) needs.add(regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
-  // sampleLattice() holds all points twice for a moment, or once beside the velocities.
+  // sampleLattice() holds all points twice for a moment.
   needs.host = 2 * sizeof(Vec3f) * particles->most;
 }
 
+void Sampler::frame(const StepContext&) {
+  seen_ = true;
+}
+
 void Sampler::step(const StepContext& context) {
-  if (context.index == 0 || particles->count == 0) return;
+  // Without a frame before, the fluid comes to rest in its first step.
+  if ((context.index == 0 && !seen_) || particles->count == 0) return;
   particles->count = 0;
   particles->positions = Array<Vec3f>(context.device);
-  particles->velocities = Array<Vec3f>(context.device);
   particles->container.reset();
 }
 

@@ -40,8 +40,10 @@ class Sampler : public Node {
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};
 
   void estimate(const SetupContext& context, MemoryNeeds& needs) final;
-  /// Those who read the particles have done so in reset() or in the first step.
+  /// Those who read the particles have done so in reset(), at the first frame or, if there was none, in the
+  /// first step.
   void step(const StepContext& context) final;
+  void frame(const StepContext& context) final;
   void report(NodeReport& report) final;
 
  protected:
@@ -76,6 +78,7 @@ class Sampler : public Node {
   void putInsideOn(Backend& device, const Region& region);
 
   std::int64_t sampled_ = 0;
+  bool seen_ = false;  // at a frame, since the reset
 };
 
 }  // namespace weir

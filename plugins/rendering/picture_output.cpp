@@ -4,11 +4,16 @@
 
 #include <optional>
 
+#include "framework/base/build_info.h"
 #include "framework/base/text.h"
 #include "framework/run/output_worker.h"
 #include "framework/run/stopwatch.h"
+#include "framework/scene/scene_file.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/output/frame_ledger.h"
+#include "plugins/rendering/output/growing_video.h"
+#include "plugins/rendering/output/image_file.h"
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
@@ -60,7 +65,7 @@ class Pictures final : public Observer {
 
   std::string name() const override { return "pictures"; }
 
-  void begin(Simulation& simulation) override { begin(simulation, 0); }
+  void begin(Simulation& simulation) override { begin(simulation, 0, std::nullopt); }
 
   std::string_view stateName() const override { return "pictures"; }
 
@@ -68,24 +73,37 @@ class Pictures final : public Observer {
     if (images_) images_->wait();
     to.put("frames", frames_);
     history_->save(to.in("plots"));
+    if (!video_) return;
+    video_->save();
+    const VideoState& state = video_->state();
+    const StateWriter video = to.in(kVideo);
+    video.put("frames", state.frames);
+    video.put("width", state.width);
+    video.put("height", state.height);
+    video.put("encoder", std::span<const char>(state.encoder));
   }
 
-  /// Pictures go on in the same folder. A video cannot be gone on with, so the rest of it is another one.
   void resume(Simulation& simulation, const StateReader& from) override {
     std::int64_t frames = 0;
     from.get("frames", frames);
-    if (const auto path = paths_.find(kVideo); path != paths_.end()) {
-      const std::filesystem::path whole = path->second;
-      path->second.replace_filename(whole.stem().string() + ".from_" + std::to_string(frames) +
-                                    whole.extension().string());
-      simulation.log().warn("the frames from " + std::to_string(frames) + " on go to a video of their own, " +
-                            inQuotes(path->second.string()));
+    const StateReader video = from.in(kVideo);
+    std::optional<VideoState> earlier;
+    if (video.has("frames")) {
+      earlier.emplace();
+      video.get("frames", earlier->frames);
+      video.get("width", earlier->width);
+      video.get("height", earlier->height);
+      const std::vector<char> encoder = video.getAll<char>("encoder");
+      earlier->encoder.assign(encoder.begin(), encoder.end());
     }
-    begin(simulation, frames);
+    if (!earlier && frames > 0 && paths_.contains(kVideo))
+      simulation.log().warn("the video begins with frame " + std::to_string(frames) +
+                            ", as the checkpoint is of a run without one");
+    begin(simulation, frames, earlier);
     history_->restore(from.in("plots"));
   }
 
-  void begin(Simulation& simulation, std::int64_t firstFrame) {
+  void begin(Simulation& simulation, std::int64_t firstFrame, const std::optional<VideoState>& earlier) {
     frames_ = firstFrame;
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
     settings_ = &settings;
@@ -97,9 +115,18 @@ class Pictures final : public Observer {
     view_ = std::make_unique<SceneView>(settings, cameraOf(settings), *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
-      video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate);
+      video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate,
+                     earlier);
     if (const auto path = paths_.find(kImages); path != paths_.end())
       images_.emplace(path->second, firstFrame);
+    if (!images_) return;
+    if (!simulation.isReplay()) {
+      FrameLedger::remove(paths_.at(kImages));
+    } else {
+      ledger_.emplace(paths_.at(kImages));
+      made_.emplace().add(version());
+      made_->add(writeJson(sceneToValue(simulation.scene())));
+    }
   }
 
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
@@ -109,11 +136,10 @@ class Pictures final : public Observer {
 
   void write(Snapshot& snapshot) override {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
+    if (made_) addStill(scene);
     const View view = measured(viewing_, [&] { return view_->of(scene); });
-    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
     history_->add(scene.time, scene.plotted);
-    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
-    measured(handingOver_, [&] { handOver(std::move(picture)); });
+    if (!made_ || !isThere(scene, view)) draw(scene, view);
     ++frames_;
   }
 
@@ -123,7 +149,10 @@ class Pictures final : public Observer {
 
   void end(Simulation& simulation, RunEnd) override {
     if (images_) {
+      if (there_ > 0 && images_->frameCount() != frames_) skipImages();
       images_->finish();
+      if (there_ > 0)
+        simulation.log().info(std::to_string(there_) + " pictures were there and have not been drawn again");
       if (const std::string leftovers = images_->leftovers(); !leftovers.empty())
         simulation.log().warn(leftovers);
     }
@@ -131,8 +160,15 @@ class Pictures final : public Observer {
   }
 
  private:
+  void draw(const SceneSnapshot& scene, const View& view) {
+    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
+    measured(handingOver_, [&] { handOver(std::move(picture)); });
+  }
+
   /// To those who encode it, on threads of their own; waits where they are slower.
   void handOver(Picture picture) {
+    if (images_ && images_->frameCount() != frames_) skipImages();
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
     if (video_) video_->write(std::move(picture));
@@ -141,6 +177,48 @@ class Pictures final : public Observer {
   const CameraSettings& cameraOf(const RenderSettings& settings) const {
     if (camera_) return settings.cameras[*camera_];
     return *settings.camera;
+  }
+
+  void addStill(const SceneSnapshot& scene) {
+    if (!scene.still) return;
+    for (const StillScene::Surface& surface : scene.still->surfaces)
+      made_->addAll(std::span<const Vec3f>(surface.mesh.vertices));
+  }
+
+  /// Of a replay: whether the picture of this frame need not be drawn. All frames before it belong to what it
+  /// is made of, as colours and cameras follow what was seen so far.
+  bool isThere(const SceneSnapshot& scene, const View& view) {
+    made_->addAll(std::span(&scene.time, 1));
+    for (const ParticleView& particles : view.particles) {
+      made_->addAll(particles.positions);
+      made_->addAll(particles.values);
+    }
+    const std::uint64_t digest = made_->value();
+    if (!ledger_->has(frames_, digest)) {
+      ledger_->note(frames_, digest);
+      return false;
+    }
+    if (video_) {
+      std::optional<Picture> picture = pictureThere();
+      if (!picture) return false;
+      video_->write(std::move(*picture));
+    }
+    ++there_;
+    return true;
+  }
+
+  std::optional<Picture> pictureThere() const {
+    try {
+      return readPng(paths_.at(kImages) / ImageSequence::nameOf(frames_));
+    } catch (const Error&) {
+      return std::nullopt;  // damaged: it is drawn again
+    }
+  }
+
+  /// Images go on with the next frame, behind some that were there.
+  void skipImages() {
+    images_->finish();
+    images_.emplace(paths_.at(kImages), frames_);
   }
 
   OverlayText overlayText(const SceneSnapshot& scene) const {
@@ -170,8 +248,12 @@ class Pictures final : public Observer {
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
   std::optional<PlotHistory> history_;
-  std::optional<VideoWriter> video_;
+  std::optional<GrowingVideo> video_;
   std::optional<ImageSequence> images_;
+  // Of replays with images alone.
+  std::optional<FrameLedger> ledger_;
+  std::optional<Digest> made_;  // of all that the pictures so far are made of
+  std::int64_t there_ = 0;      // that have not been drawn again
 };
 
 /// What all cameras of a scene see: each has pictures of its own.
@@ -274,7 +356,8 @@ class SeveralCameras final : public Observer {
 }  // namespace
 
 std::vector<OutputOption> PictureOutput::options() const {
-  return {{kVideo, "FILE.mp4", VideoWriter::extensions(), "Write a video; .mp4, .mkv, .webm, .mov (ProRes) or .gif"},
+  return {{kVideo, "FILE.mp4", VideoWriter::extensions(),
+           "Write a video; .mp4, .mkv, .webm, .mov (ProRes) or .gif"},
           {kImages, "DIR", {}, "Write each frame as a PNG file into a folder"}};
 }
 

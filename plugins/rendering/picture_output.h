@@ -10,6 +10,7 @@ namespace weir::rendering {
 class PictureOutput final : public OutputKind {
  public:
   std::vector<OutputOption> options() const override;
+  bool showsReplays() const override { return true; }
   std::unique_ptr<Observer> create(const OutputPaths& paths) const override;
 };
 

@@ -41,6 +41,10 @@ Error unknownNumber(const Simulation& simulation, const std::string& name, std::
 std::vector<double> plottedNumbers(const GroupList<PlotSettings>& settings, Simulation& simulation) {
   std::vector<double> plotted;
   if (settings.empty()) return plotted;
+  if (simulation.isReplay()) {
+    simulation.log().warnOnce("the plots are empty: exported particles say nothing of other numbers");
+    return std::vector<double>(settings.size(), std::numeric_limits<double>::quiet_NaN());
+  }
   const std::map<std::string, double> numbers = numbersOf(simulation);
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const auto found = numbers.find(settings[i].of);

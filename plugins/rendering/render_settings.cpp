@@ -75,6 +75,10 @@ std::string PlotSettings::caption() const {
   return unit->empty() ? name : name + " in " + *unit;
 }
 
+void EnvironmentSettings::validate() const {
+  if (length(sun.get()) == 0) throw sceneError("sun is [0, 0, 0]", "a direction").inParameter(sun.name());
+}
+
 Color SurfaceSettings::shownColor() const {
   constexpr Color kGrey{0.75f, 0.77f, 0.8f, 1}, kClear{0.94f, 0.97f, 0.97f, 1};
   return color.get().value_or(look == SurfaceLook::kGlass ? kClear : kGrey);

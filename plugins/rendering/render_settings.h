@@ -8,6 +8,7 @@
 
 #include "framework/graph/configurable.h"
 #include "plugins/rendering/view.h"
+#include "plugins/rendering/water_settings.h"
 
 namespace weir {
 
@@ -22,9 +23,38 @@ struct EnumNames<rendering::ColorMapName> {
 
 template <>
 struct EnumNames<rendering::SurfaceLook> {
-  static constexpr std::array<EnumName, 3> kNames{EnumName{"matt", "Opaque, without highlights."},
-                                                  EnumName{"glass", "Transparent, with bright rims."},
-                                                  EnumName{"metal", "Opaque and shiny."}};
+  static constexpr std::array<EnumName, 4> kNames{
+      EnumName{"matt", "Opaque, without highlights."}, EnumName{"glass", "Transparent, with bright rims."},
+      EnumName{"metal", "Opaque and shiny."},
+      EnumName{"water", "The surface of a liquid: closed, and clear inside."}};
+};
+
+template <>
+struct EnumNames<rendering::EnvironmentLook> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"studio", "A plain background; mirrors show a pale room with lamps."},
+      EnumName{"sky", "A blue sky with clouds, and the ground to the horizon."}};
+};
+
+template <>
+struct EnumNames<rendering::ToneCurve> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"plain", "Colours as they are, but for a soft shoulder where there is too much light."},
+      EnumName{"filmic", "The contrast of film, with paler highlights."}};
+};
+
+namespace rendering {
+
+/// Which particles are drawn.
+enum class ParticleDisplay { kAuto, kAll, kNone };
+
+}  // namespace rendering
+
+template <>
+struct EnumNames<rendering::ParticleDisplay> {
+  static constexpr std::array<EnumName, 3> kNames{
+      EnumName{"auto", "Those of fluids whose surface is not shown."}, EnumName{"all", "All."},
+      EnumName{"none", "None."}};
 };
 
 namespace rendering {
@@ -171,7 +201,7 @@ class ArrowSettings final : public Configurable {
                       .doc = "Width of their lines in a picture that is 720 pixels high."}};
 };
 
-/// The look of the surface that a node puts out.
+/// The look of the surface that a node puts out, be it solid or a fluid's.
 class SurfaceSettings final : public Configurable {
  public:
   Param<std::string> node{*this, "node", "", {.doc = "Name of the node."}};
@@ -180,7 +210,9 @@ class SurfaceSettings final : public Configurable {
       *this,
       "color",
       std::nullopt,
-      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear."}};
+      {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear, and "
+              "for fluids the particles' one colour."}};
+  Group<WaterSettings> water{*this, "water", "Of the look \"water\": what its inside does to light."};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 
   /// The colour that is given, or else that of the look.
@@ -205,11 +237,35 @@ class PlotSettings final : public Configurable {
   std::string caption() const;
 };
 
+/// Light and surroundings.
+class EnvironmentSettings final : public Configurable {
+ public:
+  Param<EnvironmentLook> look{*this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
+  Param<Vec3f> sun{
+      *this, "sun", LightingView{}.towardsSun, {.doc = "The direction towards the sun, of any length."}};
+  Param<float> exposure{
+      *this, "exposure", 1, {.min = 0, .max = 100, .aboveMin = true, .doc = "Multiplies all light."}};
+  Param<ToneCurve> tone{*this, "tone", ToneCurve::kPlain, {.doc = "How light becomes colours."}};
+  Param<float> groundTiles{
+      *this,
+      "ground_tiles",
+      0,
+      {.unit = "m",
+       .min = 0,
+       .doc = "Side of the tiles of the floor, which make refraction seen; 0: no tiles."}};
+  Param<Color> groundColor{*this, "ground_color", GroundView{}.color, {.doc = "Colour of the floor."}};
+
+  void validate() const override;
+};
+
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
   GroupList<NamedCameraSettings> cameras{*this, "cameras", "More cameras, each with pictures of its own."};
+  Group<EnvironmentSettings> environment{*this, "environment", "Light and surroundings."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
+  GroupList<FluidSettings> fluids{*this, "fluids",
+                                  "The looks of fluids, by node; those that are not here are spheres."};
   GroupList<ClipSettings> clips{*this, "clips", "Planes that cut the fluids open."};
   Group<ArrowSettings> arrows{*this, "arrows", "Arrows that show velocities."};
   GroupList<SurfaceSettings> surfaces{*this, "surfaces", "The looks of surfaces, by node."};
@@ -222,6 +278,8 @@ class RenderSettings final : public Configurable {
       "particle_size",
       1.0f,
       {.min = 0.05, .max = 4, .doc = "Diameter of the drawn spheres, in particle spacings."}};
+  Param<ParticleDisplay> particles{
+      *this, "particles", ParticleDisplay::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
   GroupList<PlotSettings> plots{*this, "plots", "Numbers that are plotted in a corner of the pictures."};

@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "framework/base/text.h"
+#include "framework/graph/outputs_of.h"
 #include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/solid.h"
+#include "nodes/solids/motion_of.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
@@ -14,31 +15,12 @@ namespace weir::rendering {
 
 namespace {
 
-/// The outputs of all nodes that carry T, with the nodes' names.
-template <class T>
-std::vector<std::pair<std::string, const Output<T>*>> outputsOf(const Simulation& simulation) {
-  std::vector<std::pair<std::string, const Output<T>*>> found;
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (const OutputPort* output : node->outputs())
-      if (output->typeName() == T::kPortType)
-        found.emplace_back(node->name(), static_cast<const Output<T>*>(output));
-  return found;
-}
-
-/// What moves the mesh of an output: the first node that takes it and is a motion, or null. Plugins bring
-/// such nodes, too.
-const RigidMotion* motionOf(const OutputPort* mesh) {
-  for (const InputPort* input : mesh->links())
-    if (const auto* motion = dynamic_cast<const RigidMotion*>(&input->node())) return motion;
-  return nullptr;
-}
-
-Error unknownQuantity(const ParticleSet& particles, const std::string& name) {
+Error unknownQuantity(const ParticleSet& particles, const std::string& name, const std::string& pointer) {
   std::vector<std::string> names{"speed", "none"};
   for (const AttributeInfo& info : particles.attributes()) names.push_back(info.name);
   Error e = sceneError("the particles have no attribute " + inQuotes(name), joinNames(names),
                        didYouMean(name, names));
-  return e.at({.pointer = "/render/color/by"});
+  return e.at({.pointer = pointer});
 }
 
 template <class T>
@@ -47,16 +29,17 @@ void start(HostCopy<T>& copy, const Array<T>& from, std::int64_t count) {
   copy.start(0, from.data(), count);
 }
 
-/// Asks for the numbers that colour the particles; returns their unit.
-std::string startColors(const ParticleSet& particles, const std::string& name, std::int64_t count,
-                        FluidSnapshot& to) {
+/// Asks for the numbers that colour the particles; returns their unit. `pointer`: where the scene file says
+/// which.
+std::string startColors(const ParticleSet& particles, const std::string& name, const std::string& pointer,
+                        std::int64_t count, FluidSnapshot& to) {
   if (name == "speed") {
     to.colorType = AttributeType::kVec3;
     start(to.vectors, particles.velocities(), count);
     return "m/s";
   }
   const AttributeInfo* info = particles.find(name);
-  if (info == nullptr) throw unknownQuantity(particles, name);
+  if (info == nullptr) throw unknownQuantity(particles, name, pointer);
   to.colorType = info->type;
   switch (info->type) {
     case AttributeType::kFloat:
@@ -79,7 +62,7 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->still = collected_ ? nullptr : collectStill(simulation);
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
-  snapshot->particles = simulation.particleCount();
+  captureFluidSurfaces(simulation, *snapshot);
   snapshot->plotted = plottedNumbers(settings_.plots, simulation);
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
@@ -91,8 +74,8 @@ std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulat
   collected_ = true;
   checkNames(simulation);
   auto still = std::make_unique<StillScene>();
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation))
-    addSurface(**output, node, motionOf(output), *still);
+  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
+    addSurface(**output, node, motionOf(*output), *still);
   for (const auto& node : simulation.scene().graph.nodes()) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
@@ -104,6 +87,8 @@ std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulat
 }
 
 void SceneCapture::checkNames(const Simulation& simulation) const {
+  for (std::size_t i = 0; i < settings_.fluids.size(); ++i)
+    checkName(simulation, settings_.fluids[i].node, "/render/fluids/" + std::to_string(i) + "/node");
   for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
     checkName(simulation, settings_.surfaces[i].node, "/render/surfaces/" + std::to_string(i) + "/node");
   checkFollowed(simulation, settings_.camera->follow, "/render/camera/follow");
@@ -120,7 +105,8 @@ void SceneCapture::checkFollowed(const Simulation& simulation, const std::string
     return std::any_of(outputs.begin(), outputs.end(),
                        [&](const auto& output) { return output.first == followed; });
   };
-  if (puts(outputsOf<Fluid>(simulation)) || puts(outputsOf<TriangleMesh>(simulation))) return;
+  const SceneGraph& graph = simulation.scene().graph;
+  if (puts(outputsOf<Fluid>(graph)) || puts(outputsOf<TriangleMesh>(graph))) return;
   throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no fluid and no mesh",
                    "a node that puts out a Fluid or a mesh")
       .at({.file = simulation.scene().file, .pointer = pointer});
@@ -133,6 +119,12 @@ void SceneCapture::checkName(const Simulation& simulation, const std::string& na
   for (const auto& node : simulation.scene().graph.nodes()) names.push_back(node->name());
   Error e = sceneError("the scene has no node " + inQuotes(name), joinNames(names), didYouMean(name, names));
   throw e.at({.file = simulation.scene().file, .pointer = pointer});
+}
+
+std::size_t SceneCapture::placeOfFluid(const std::string& node) const {
+  std::size_t i = 0;
+  while (i < settings_.fluids.size() && *settings_.fluids[i].node != node) ++i;
+  return i;
 }
 
 const SurfaceSettings* SceneCapture::settingsOf(const std::string& node) const {
@@ -150,6 +142,7 @@ void SceneCapture::addSurface(const TriangleMesh& mesh, const std::string& node,
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
   still.surfaces.push_back({.node = node, .mesh = mesh, .look = look.look, .color = look.shownColor()});
+  if (look.look == SurfaceLook::kWater) still.surfaces.back().water = waterView(*look.water, 0, 0);
   motions_.push_back(motion);
 }
 
@@ -174,19 +167,57 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
 }
 
 void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const {
-  const std::string& by = settings_.color->by;
   std::size_t i = 0;
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation)) {
+  snapshot.particles = 0;
+  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
     const Fluid& fluid = **output;
     const std::int64_t count = fluid.particles->refreshCount();
+    snapshot.particles += count;
+    if (!showsParticles(*output)) continue;
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;
     to.spacing = fluid.constants->spacing;
     start(to.positions, fluid.particles->positions(), count);
     if (settings_.arrows->spacing.get()) start(to.velocities, fluid.particles->velocities(), count);
-    if (by != "none") snapshot.colorUnit = startColors(*fluid.particles, by, count, to);
+    const std::size_t place = placeOfFluid(node);
+    to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
+    to.colorType = std::nullopt;
+    if (to.look != nullptr && to.look->look == FluidLook::kWater) {
+      const std::string& by = to.look->foam->by;
+      if (by != "none")
+        startColors(*fluid.particles, by, "/render/fluids/" + std::to_string(place) + "/foam/by", count, to);
+    } else if (const std::string& by = settings_.color->by; by != "none") {
+      snapshot.colorUnit = startColors(*fluid.particles, by, "/render/color/by", count, to);
+    }
   }
+}
+
+void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const {
+  std::size_t i = 0;
+  for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation.scene().graph)) {
+    const SurfaceSettings* own = settingsOf(node);
+    if (own != nullptr && !own->visible) continue;
+    if (i == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
+    FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[i++];
+    to.mesh.start(**output);
+    to.look = own != nullptr ? own->look.get() : SurfaceLook::kMatt;
+    to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
+    to.water = std::nullopt;
+    if (to.look == SurfaceLook::kWater) to.water = waterView(*own->water, 0, 0);
+  }
+}
+
+bool SceneCapture::showsParticles(const OutputPort& fluid) const {
+  if (settings_.particles != ParticleDisplay::kAuto) return settings_.particles == ParticleDisplay::kAll;
+  return std::none_of(fluid.links().begin(), fluid.links().end(), [this](const InputPort* input) {
+    const Node& taker = input->node();
+    const auto& outputs = taker.outputs();
+    const SurfaceSettings* own = settingsOf(taker.name());
+    return (own == nullptr || own->visible) &&
+           std::any_of(outputs.begin(), outputs.end(),
+                       [](const OutputPort* output) { return output->typeName() == DynamicMesh::kPortType; });
+  });
 }
 
 }  // namespace weir::rendering

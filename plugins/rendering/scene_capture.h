@@ -10,6 +10,7 @@
 
 #include "framework/compute/host_copy.h"
 #include "framework/run/observer.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/solids/solid.h"
 #include "nodes/static_boundary/shapes.h"
@@ -26,6 +27,7 @@ struct StillScene {
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
+    std::optional<WaterView> water;  ///< of the look kWater
   };
   std::vector<Surface> surfaces;
   std::vector<Vec3f> lines;    ///< two points a line
@@ -34,13 +36,14 @@ struct StillScene {
 };
 
 /// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
-/// one is used at most.
+/// or whiten them, one is used at most.
 struct FluidSnapshot {
   explicit FluidSnapshot(Device& device)
       : positions(device), velocities(device), floats(device), vectors(device), ints(device) {}
 
-  std::string node;   ///< that puts the fluid out
-  float spacing = 0;  ///< m
+  std::string node;                     ///< that puts the fluid out
+  float spacing = 0;                    ///< m
+  const FluidSettings* look = nullptr;  ///< null: spheres
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   HostCopy<Vec3f> positions;
@@ -48,6 +51,16 @@ struct FluidSnapshot {
   HostCopy<float> floats;
   HostCopy<Vec3f> vectors;
   HostCopy<int> ints;
+};
+
+/// The surface of a fluid, on its way to the host.
+struct FluidSurfaceSnapshot {
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device) {}
+
+  DynamicMeshCopy mesh;
+  SurfaceLook look = SurfaceLook::kMatt;
+  Color color;
+  std::optional<WaterView> water;  ///< of the look "water"
 };
 
 /// One frame.
@@ -58,7 +71,8 @@ class SceneSnapshot final : public Snapshot {
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
   std::vector<double> plotted;  ///< the numbers that plots show
-  std::vector<Pose> poses;      ///< of each surface of the still scene
+  std::vector<FluidSurfaceSnapshot> fluidSurfaces;
+  std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
   std::unique_ptr<StillScene> still;
 };
@@ -77,6 +91,10 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  bool showsParticles(const OutputPort& fluid) const;
+  /// Which of the fluids' settings are those of a node; their number if there are none.
+  std::size_t placeOfFluid(const std::string& node) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
   static void checkFollowed(const Simulation& simulation, const std::string& followed,

@@ -55,13 +55,15 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.height = settings_.height;
   view.backgroundTop = settings_.backgroundTop;
   view.backgroundBottom = settings_.backgroundBottom;
+  view.waters = surfaceWaters_;
   addFluids(snapshot, view);
-  view.camera = cameraAt(camera_, restingCamera(), snapshot.time, followedPlace(snapshot));
   view.surfaces = surfaces_;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
+  addFluidSurfaces(snapshot, view);
+  view.camera = cameraAt(camera_, restingCamera(), snapshot.time, followedPlace(snapshot));
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
@@ -70,13 +72,24 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
+  const EnvironmentSettings& environment = *settings_.environment;
+  view.ground.color = environment.groundColor;
+  view.ground.tiles = environment.groundTiles;
+  view.lighting.towardsSun = environment.sun;
+  view.lighting.exposure = environment.exposure;
+  view.lighting.tone = environment.tone;
+  view.environment = environment.look;
   return view;
 }
 
 void SceneView::takeStill(StillScene& still) {
-  for (const StillScene::Surface& surface : still.surfaces)
-    surfaces_.push_back(
-        {.mesh = renderer_.addMesh(surface.mesh), .look = surface.look, .color = surface.color});
+  for (const StillScene::Surface& surface : still.surfaces) {
+    surfaces_.push_back({.mesh = renderer_.addMesh(surface.mesh),
+                         .look = surface.look,
+                         .color = surface.color,
+                         .water = surfaceWaters_.size()});
+    if (surface.water) surfaceWaters_.push_back(*surface.water);
+  }
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
     if (still.surfaces[i].node != *camera_.follow || followedSurface_) continue;
     followedSurface_ = i;
@@ -93,18 +106,22 @@ void SceneView::takeStill(StillScene& still) {
 void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   const std::string& by = settings_.color->by;
   const bool colored = by != "none";
-  key_.shown = settings_.color->bar && colored;
+  key_.shown = false;
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
   values_.resize(snapshot.fluids.size());
+  foam_.resize(snapshot.fluids.size());
   for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
     FluidSnapshot& fluid = snapshot.fluids[i];
     const std::span<const Vec3f> positions = fluid.positions.wait();
-    setColors(fluid, values_[i]);
+    const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
+    if (!water) key_.shown = settings_.color->bar && colored;
+    setColors(fluid, water ? foam_[i] : values_[i]);
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = settings_.color->colorMap(),
                               .fixed = settings_.color->fixed});
+    if (water) addWater(fluid, view);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : positions) bounds_.extend(p);
   }
@@ -118,6 +135,21 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   }
 }
 
+/// Makes a liquid of the particles that were added last.
+void SceneView::addWater(FluidSnapshot& fluid, View& view) {
+  const FluidSettings& look = *fluid.look;
+  std::vector<float>& foam = foam_[view.particles.size() - 1];
+  ParticleView& particles = view.particles.back();
+  // Larger than the spheres, so that the gaps between neighbours close.
+  constexpr float kLarger = 1.5f;
+  particles.radius *= kLarger;
+  particles.volume = fluid.spacing * fluid.spacing * fluid.spacing;
+  particles.water = view.waters.size();
+  for (float& value : foam) value = look.foam->whitenessOf(value);
+  particles.foam = foam;
+  view.waters.push_back(waterView(*look.water, look.smoothing * fluid.spacing, look.foam->opacity));
+}
+
 void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   const ArrowSettings& settings = *settings_.arrows;
   arrows_.clear();
@@ -128,6 +160,23 @@ void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   constexpr Color kRim{1, 1, 1, 0.75f};
   view.lines.push_back({.points = arrows_, .color = kRim, .width = 2.4f * settings.width});
   view.lines.push_back({.points = arrows_, .color = settings.color, .width = settings.width});
+}
+
+void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
+  for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
+    FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
+    const MeshSpan mesh = surface.mesh.wait();
+    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(renderer_.addMesh({}));
+    renderer_.replaceMesh(fluidSurfaces_[i], mesh);
+    if (mesh.triangles.empty()) continue;
+    view.surfaces.push_back({.mesh = fluidSurfaces_[i],
+                             .look = surface.look,
+                             .color = surface.color,
+                             .water = view.waters.size()});
+    if (surface.water) view.waters.push_back(*surface.water);
+    if (boundsAreStatic_) continue;
+    for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
+  }
 }
 
 void SceneView::chooseRange() {

@@ -36,7 +36,9 @@ class SceneView {
  private:
   void takeStill(StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
+  void addWater(FluidSnapshot& fluid, View& view);
   void addArrows(SceneSnapshot& snapshot, View& view);
+  void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
   void chooseRange();  // of values_
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(SceneSnapshot& snapshot) const;
@@ -46,10 +48,13 @@ class SceneView {
   const CameraSettings& camera_;
   gl::Renderer& renderer_;
   ColorKey key_;
-  std::vector<std::vector<float>> values_;  // of each fluid; empty for one colour
+  std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour
+  std::vector<std::vector<float>> foam_;    // of each fluid that is a liquid; empty for none
   std::vector<ShownParticles> shown_;       // of each fluid, where clips hide some
   std::vector<Vec3f> arrows_;               // two points a line
-  std::vector<SurfaceView> surfaces_;
+  std::vector<SurfaceView> surfaces_;       // that are still
+  std::vector<MeshId> fluidSurfaces_;
+  std::vector<WaterView> surfaceWaters_;  // of those surfaces that are one's; they come first in a view
   std::optional<std::size_t> followedSurface_;
   Vec3f followedMiddle_;      // of that surface's mesh
   std::vector<Vec3f> lines_;  // two points a line

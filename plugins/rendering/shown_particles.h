@@ -19,7 +19,7 @@ class ShownParticles {
 
  private:
   std::vector<Vec3f> positions_;
-  std::vector<float> values_;
+  std::vector<float> values_, foam_;
 };
 
 }  // namespace weir::rendering

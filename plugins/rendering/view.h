@@ -1,7 +1,9 @@
 // What one picture shows: plain data on the host that a renderer draws.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,8 +14,8 @@
 
 namespace weir::rendering {
 
-/// How a surface looks.
-enum class SurfaceLook { kMatt, kGlass, kMetal };
+/// How a surface looks. Water is a closed surface that is clear inside.
+enum class SurfaceLook { kMatt, kGlass, kMetal, kWater };
 
 /// Where the camera is, what it looks at, and which direction is up in the picture. Metres.
 struct CameraPose {
@@ -28,6 +30,17 @@ struct CameraPose {
 CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, float fovDegrees,
                       float aspectRatio);
 
+/// A clear liquid: what its inside does to light, and how particles become its surface. Where it is, the
+/// particles and the surfaces say that name it.
+struct WaterView {
+  Vec3f absorption{4.2f, 1.1f, 0.55f};  ///< of red, green and blue light, 1/m
+  float scattering = 0.6f;              ///< 1/m; what is scattered has the colour below
+  Color scattered{0.35f, 0.75f, 0.88f, 1};
+  float refractiveIndex = 1.33f;  ///< at least 1
+  float smoothing = 0.03f;        ///< m: how far apart the particles may be that are smoothed together
+  float foamOpacity = 30;         ///< 1/m of foam in the line of sight
+};
+
 /// Spheres of one radius. Particles at places that are not finite are left out.
 struct ParticleView {
   std::span<const Vec3f> positions;
@@ -36,6 +49,11 @@ struct ParticleView {
   ColorMap map;
   float lowest = 0, highest = 1;  ///< values at the ends of the colour map
   Color fixed{0.16f, 0.45f, 0.85f, 1};
+
+  // Instead of spheres with colours, a liquid:
+  std::optional<std::size_t> water;  ///< index into View::waters
+  std::span<const float> foam;       ///< one per particle, from 0 (clear) to 1 (white); empty: all are clear
+  float volume = 0;                  ///< of one particle, m^3
 };
 
 /// A mesh that was given to the renderer (see Renderer::addMesh).
@@ -48,6 +66,7 @@ struct SurfaceView {
   Color color{0.75f, 0.77f, 0.8f, 1};  ///< of glass: a tenth power of it tints each wall seen straight on
   Quatf rotation;
   Vec3f position;
+  std::size_t water = 0;  ///< for kWater: index into View::waters
 };
 
 /// Separate line segments, such as the edges of a tank.
@@ -64,6 +83,19 @@ struct GroundView {
   Vec3f center;       ///< its middle, before it is moved to the height
   float radius = 10;  ///< m
   Color color{0.91f, 0.915f, 0.92f, 1};
+  float tiles = 0;  ///< side of its tiles, m; 0: it is plain
+};
+
+/// What surrounds the scene.
+enum class EnvironmentLook {
+  kStudio,  ///< the background of View; mirrors show a room with lamps
+  kSky      ///< a blue sky with clouds
+};
+
+/// How light becomes colours.
+enum class ToneCurve {
+  kPlain,  ///< as it is, but for a soft shoulder where it is too bright
+  kFilmic  ///< the contrast of film, with paler highlights
 };
 
 struct LightingView {
@@ -72,6 +104,8 @@ struct LightingView {
   bool occlusion = true;  ///< darkens what is hemmed in (screen-space ambient occlusion)
   float occlusionRadius =
       0;  ///< m; 0: six of the largest particle's radii, or a part of the scene's size without particles
+  ToneCurve tone = ToneCurve::kPlain;
+  float exposure = 1;  ///< factor of all light
   bool unlit = false;  ///< every surface has its plain colour, so that colours can be read exactly
 };
 
@@ -82,9 +116,11 @@ struct View {
   Vec3f worldUp{0, 1, 0};  ///< against gravity
   std::vector<ParticleView> particles;
   std::vector<SurfaceView> surfaces;
+  std::vector<WaterView> waters;
   std::vector<LineView> lines;
   GroundView ground;
   LightingView lighting;
+  EnvironmentLook environment = EnvironmentLook::kStudio;
   Color backgroundTop{0.78f, 0.84f, 0.9f, 1};
   Color backgroundBottom{0.95f, 0.96f, 0.97f, 1};
 };

@@ -107,6 +107,13 @@ Handle withoutCache() {
   return access;
 }
 
+/// For data sets that are made. Their times would be all that differs between two files of the same data.
+Handle withoutTimes() {
+  Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  return properties;
+}
+
 Handle accessForWriting() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // The oldest formats of everything: those of LATEST cannot be opened after a kill.
@@ -384,7 +391,7 @@ Dataset Group::createGrowing(const std::string& name, const Growing& layout) {
   const std::array<hsize_t, 2> size{0, columns}, most{H5S_UNLIMITED, columns};
   const std::array<hsize_t, 2> chunk{static_cast<hsize_t>(layout.chunkRows), columns};
   const Handle space(H5Screate_simple(dimensions, size.data(), most.data()), H5Sclose);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Handle properties = withoutTimes();
   checked(H5Pset_chunk(properties.get(), dimensions, chunk.data()), "lay out a data set of");
   if (layout.deflate && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
     constexpr unsigned kFastest = 1;
@@ -403,7 +410,7 @@ void Group::writeText(const std::string& name, std::string_view text) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle type = fixedString(text);
   const Handle set = checkedHandle(
-      H5Dcreate2(id(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dcreate2(id(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, withoutTimes().get(), H5P_DEFAULT),
       H5Dclose, "add a text to");
   const std::string padded(text.empty() ? std::string_view("\0", 1) : text);
   checked(H5Dwrite(set.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()), "write a text of");

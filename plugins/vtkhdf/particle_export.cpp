@@ -1,6 +1,7 @@
 #include "plugins/vtkhdf/particle_export.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -74,6 +75,9 @@ class ParticleExport::Frame final : public Snapshot {
 
   void start(const std::vector<Source>& sources, const std::vector<AttributeInfo>& columns, double time) {
     time_ = time;
+    spacing_ = std::numeric_limits<double>::infinity();
+    for (const Source& source : sources)
+      spacing_ = std::min<double>(spacing_, (*source.fluid)->constants->spacing);
     counts_.clear();
     std::int64_t total = 0;
     for (const Source& source : sources) total += counts_.emplace_back(source.particles().refreshCount());
@@ -91,10 +95,11 @@ class ParticleExport::Frame final : public Snapshot {
     }
   }
 
-  /// Waits until all has arrived.
-  VtkHdfFrame finish() {
+  /// Waits until all has arrived. Rounds positions to multiples of `grid`, if it is not 0.
+  VtkHdfFrame finish(float grid) {
     VtkHdfFrame frame{.time = time_, .positions = positions_.wait(), .attributes = {}, .fields = {}};
-    frame.fields = {static_cast<double>(frame.positions.size())};
+    if (grid > 0) frame.positions = rounded(frame.positions, grid);
+    frame.fields = {static_cast<double>(frame.positions.size()), spacing_};
     for (ColumnCopy& column : columns_)
       std::visit([&](auto& copy) { frame.attributes.emplace_back(copy.wait()); }, column);
     if (counts_.size() > 1) frame.attributes.emplace_back(fluidIndices());
@@ -102,6 +107,13 @@ class ParticleExport::Frame final : public Snapshot {
   }
 
  private:
+  std::span<const Vec3f> rounded(std::span<const Vec3f> positions, float grid) {
+    rounded_.clear();
+    for (const Vec3f& p : positions)
+      rounded_.push_back({roundedTo(grid, p.x), roundedTo(grid, p.y), roundedTo(grid, p.z)});
+    return rounded_;
+  }
+
   std::span<const std::int32_t> fluidIndices() {
     fluidIndices_.clear();
     for (std::size_t i = 0; i < counts_.size(); ++i)
@@ -109,7 +121,8 @@ class ParticleExport::Frame final : public Snapshot {
     return fluidIndices_;
   }
 
-  double time_ = 0;
+  double time_ = 0, spacing_ = 0;
+  std::vector<Vec3f> rounded_;        // only if positions are rounded
   std::vector<std::int64_t> counts_;  // of each fluid
   HostCopy<Vec3f> positions_;
   std::vector<ColumnCopy> columns_;
@@ -123,10 +136,15 @@ ParticleExport::~ParticleExport() = default;
 void ParticleExport::begin(Simulation& simulation) {
   findFluids(simulation);
   checkWritable(file_);
+  const auto section = simulation.scene().sections.find("export");
+  if (section != simulation.scene().sections.end())
+    settings_ = dynamic_cast<const ExportSettings*>(section->second.get());
   sceneText_ = simulation.scene().text;
 }
 
 void ParticleExport::save(const StateWriter& to) {
+  // After a resume there may have been no frame yet that is written.
+  if (!writer_) makeFile();
   writer_->sync();
   std::string names;
   for (const AttributeInfo& column : columns_) names += column.name + "\n";
@@ -162,6 +180,7 @@ std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::u
     chosen_ = true;
   }
   warnOfNewAttributes(simulation);
+  if (!settings().wants(simulation.frame(), simulation.scene().world.frameRate)) return nullptr;
   if (!used) used = std::make_unique<Frame>(columns_, simulation.device());
   static_cast<Frame&>(*used).start(sources_, columns_, simulation.time());
   return used;
@@ -169,7 +188,11 @@ std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::u
 
 void ParticleExport::write(Snapshot& snapshot) {
   if (!writer_) makeFile();
-  writer_->append(static_cast<Frame&>(snapshot).finish());
+  writer_->append(static_cast<Frame&>(snapshot).finish(settings().grid()));
+  // A file that was removed can be written to, but nobody will ever read it.
+  std::error_code error;
+  if (!std::filesystem::exists(file_, error))
+    throw ioError("the file was removed while it was being written").at({.file = file_.string()});
 }
 
 void ParticleExport::chooseSources() {
@@ -189,11 +212,13 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
     for (const AttributeInfo& info : source.particles().attributes()) {
       const bool shared = std::all_of(sources_.begin(), sources_.end(),
                                       [&](const Source& other) { return has(other.particles(), info); });
-      if (!shared)
-        warnOfMissing(simulation, info.name, source.name);
-      else if (info.name != kPositionName && !isColumn(info.name) && isWanted(info.name))
+      if (info.name == kPositionName || isColumn(info.name) || !isWanted(info.name)) continue;
+      if (shared)
         columns_.push_back(info);
+      else
+        warnOfMissing(simulation, info.name, source.name);
     }
+  checkAttributes();
   if (several() && isColumn(kFluidIndexName))
     throw ioError(
         "the particles have an attribute 'fluid_index', which is what the export calls the number "
@@ -202,14 +227,28 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
         .at({.file = file_.string()});
 }
 
+void ParticleExport::checkAttributes() const {
+  if (!settings().attributes.get()) return;
+  std::vector<std::string> names;
+  for (const AttributeInfo& info : sources_.front().particles().attributes())
+    if (info.name != kPositionName) names.push_back(info.name);
+  for (const std::string& name : *settings().attributes.get())
+    if (!isColumn(name))
+      throw sceneError("the particles have no attribute " + inQuotes(name) + " that could be exported",
+                       joinNames(names), didYouMean(name, names))
+          .at({.pointer = "/export/attributes"});
+}
+
 bool ParticleExport::isWanted(const std::string& attribute) const {
+  const auto& chosen = settings().attributes.get();
+  if (chosen && std::count(chosen->begin(), chosen->end(), attribute) == 0) return false;
   return !earlier_ || std::count(earlier_->attributes.begin(), earlier_->attributes.end(), attribute) > 0;
 }
 
 void ParticleExport::warnOfNewAttributes(const Simulation& simulation) const {
   for (const Source& source : sources_)
     for (const AttributeInfo& info : source.particles().attributes())
-      if (info.name != kPositionName && !isColumn(info.name))
+      if (info.name != kPositionName && !isColumn(info.name) && isWanted(info.name))
         warnOfMissing(simulation, info.name, source.name);
 }
 
@@ -225,7 +264,8 @@ bool ParticleExport::isColumn(std::string_view name) const {
 }
 
 void ParticleExport::makeFile() {
-  VtkHdfLayout layout{.attributes = {}, .fields = {"particles"}};
+  VtkHdfLayout layout{
+      .attributes = {}, .fields = {"particles", "spacing"}, .roundPositions = settings().grid() > 0};
   for (const AttributeInfo& column : columns_) layout.attributes.push_back(attributeOf(column));
   if (several())
     layout.attributes.push_back({.name = kFluidIndexName, .type = VtkHdfType::kInt32, .unit = {}});

@@ -2,8 +2,10 @@
 //
 // Its PointData holds every attribute of the particles: velocity, density, id, and what modules and plugins
 // add. If the scene has several fluids, it holds those that all of them have, and a number that says which
-// fluid a particle belongs to. Ids count within one fluid. The group /simulation, which readers of VTKHDF
-// ignore, keeps the version of Weir, the scene's text, the names of the fluids, and how the run went.
+// fluid a particle belongs to. Ids count within one fluid. The scene's section "export" may choose
+// attributes, frames and precision (export_settings.h). The FieldData has the number of particles and their
+// spacing [m], the smallest of all fluids. The group /simulation, which readers of VTKHDF ignore, keeps the
+// version of Weir, the scene's text, the names of the fluids, and how the run went.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +18,7 @@
 
 #include "framework/run/output_kind.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "plugins/vtkhdf/export_settings.h"
 #include "plugins/vtkhdf/vtkhdf_writer.h"
 
 namespace weir {
@@ -55,6 +58,8 @@ class ParticleExport final : public Observer {
   };
   class Frame;
 
+  const ExportSettings& settings() const { return settings_ != nullptr ? *settings_ : defaults_; }
+
   bool several() const { return sources_.size() > 1; }
   bool isColumn(std::string_view name) const;
 
@@ -62,6 +67,7 @@ class ParticleExport final : public Observer {
   // At frame 0.
   void chooseSources();
   void chooseColumns(const Simulation& simulation);
+  void checkAttributes() const;
   bool isWanted(const std::string& attribute) const;
   // At every frame.
   void warnOfNewAttributes(const Simulation& simulation) const;
@@ -69,6 +75,9 @@ class ParticleExport final : public Observer {
                      const std::string& fluid) const;
   void makeFile();
 
+  /// The scene's, or null where the plugin's section is not known.
+  const ExportSettings* settings_ = nullptr;
+  const ExportSettings defaults_;
   std::filesystem::path file_;
   std::string sceneText_;
   std::vector<Source> sources_;

@@ -109,20 +109,20 @@ hdf5::Group makeRoot(hdf5::File& file) {
   return root;
 }
 
-/// Appends first, first + 1, … end − 1 without holding them all.
-void appendAscending(hdf5::Dataset& set, std::int64_t first, std::int64_t end) {
+/// Appends step·first, step·(first + 1), … step·(end − 1) without holding them all.
+void appendAscending(hdf5::Dataset& set, std::int64_t first, std::int64_t end, std::int64_t step = 1) {
   std::vector<std::int64_t> block;
   for (; first < end; first += kParticleChunk) {
     block.resize(static_cast<std::size_t>(std::min(end - first, kParticleChunk)));
-    std::iota(block.begin(), block.end(), first);
+    for (std::size_t k = 0; k < block.size(); ++k) block[k] = step * (first + static_cast<std::int64_t>(k));
     set.append(std::span<const std::int64_t>(block));
   }
 }
 
 }  // namespace
 
-PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind)
-    : Cells(root.openGroup(kind), kind == "Vertices" ? kParticleChunk : kStepChunk) {}
+PolyDataFile::Cells::Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows)
+    : Cells(root.openGroup(kind), chunkRows) {}
 
 PolyDataFile::Cells::Cells(hdf5::Group group, std::int64_t chunkRows)
     : cellCounts(group.openGrowing("NumberOfCells", perStep())),
@@ -145,13 +145,15 @@ PolyDataFile::Contents::Contents(hdf5::File& file, const VtkHdfLayout& layout)
     : root(makeRoot(file)),
       simulation(file.root().openGroup("simulation")),
       steps(root),
-      points(root.openGrowing("Points",
-                              {.type = NumberType::kFloat32, .columns = 3, .chunkRows = kParticleChunk})),
+      points(root.openGrowing("Points", {.type = NumberType::kFloat32,
+                                         .columns = 3,
+                                         .chunkRows = kParticleChunk,
+                                         .deflate = layout.roundPositions})),
       pointCounts(root.openGrowing("NumberOfPoints", perStep())),
-      vertices(root, "Vertices"),
-      lines(root, "Lines"),
-      polygons(root, "Polygons"),
-      strips(root, "Strips") {
+      vertices(root, "Vertices", layout.triangles ? kStepChunk : kParticleChunk),
+      lines(root, "Lines", kStepChunk),
+      polygons(root, "Polygons", layout.triangles ? kParticleChunk : kStepChunk),
+      strips(root, "Strips", kStepChunk) {
   hdf5::Group pointData = root.openGroup("PointData");
   hdf5::Group pointOffsets = steps.group.openGroup("PointDataOffsets");
   hdf5::Group units = simulation.openGroup("units");
@@ -178,6 +180,35 @@ void PolyDataFile::Cells::truncate(std::int64_t parts, std::int64_t ids, std::in
   offsets.truncate(offsetRows);
 }
 
+void PolyDataFile::Cells::appendNone() {
+  cellCounts.append(std::int64_t{0});
+  connectivityCounts.append(std::int64_t{0});
+  offsets.append(std::int64_t{0});
+}
+
+void PolyDataFile::Cells::appendPoints(std::int64_t count) {
+  cellCounts.append(count);
+  connectivityCounts.append(count);
+  // All parts share one row of ids, as long as the largest needs.
+  appendAscending(connectivity, connectivity.rows(), count);
+  appendAscending(offsets, 0, count + 1);
+}
+
+void PolyDataFile::Cells::appendTriangles(std::span<const Vec3i> triangles) {
+  const auto count = static_cast<std::int64_t>(triangles.size());
+  cellCounts.append(count);
+  connectivityCounts.append(3 * count);
+  appendAscending(offsets, 0, count + 1, 3);
+  std::vector<std::int64_t> block;
+  for (std::size_t first = 0; first < triangles.size(); first += kParticleChunk) {
+    block.clear();
+    for (const Vec3i& t :
+         triangles.subspan(first, std::min<std::size_t>(kParticleChunk, triangles.size() - first)))
+      block.insert(block.end(), {t.x, t.y, t.z});
+    connectivity.append(std::span<const std::int64_t>(block));
+  }
+}
+
 void PolyDataFile::Steps::truncate(std::int64_t steps) {
   for (hdf5::Dataset* set :
        {&values, &partOffsets, &partCounts, &pointOffsets, &cellOffsets, &connectivityOffsets})
@@ -190,28 +221,34 @@ void PolyDataFile::truncate(std::int64_t steps) {
   const std::vector<std::int64_t> partOfStep = in.steps.partOffsets.read<std::int64_t>(0, steps);
   const std::vector<std::int64_t> counts = in.pointCounts.readAll<std::int64_t>();
   frames_ = steps;
-  for (const std::int64_t part : partOfStep) particles_ += counts.at(static_cast<std::size_t>(part));
+  for (const std::int64_t part : partOfStep) points_ += counts.at(static_cast<std::size_t>(part));
   parts_ = partOfStep.empty() ? 0 : partOfStep.back() + 1;
-  std::int64_t ids = 0;
+  std::int64_t largest = 0;
   for (std::int64_t part = 0; part < parts_; ++part) {
-    partCount_ = counts.at(static_cast<std::size_t>(part));
-    cells_ += partCount_;
-    ids = std::max(ids, partCount_);
+    partPoints_ = counts.at(static_cast<std::size_t>(part));
+    largest = std::max(largest, partPoints_);
+  }
+  for (const std::int64_t count : cells().cellCounts.read<std::int64_t>(0, parts_)) {
+    partCells_ = count;
+    cells_ += count;
   }
   in.steps.truncate(steps);
-  in.points.truncate(particles_);
+  in.points.truncate(points_);
   in.pointCounts.truncate(parts_);
-  in.vertices.truncate(parts_, ids, cells_ + parts_);
-  for (Cells* none : {&in.lines, &in.polygons, &in.strips}) none->truncate(parts_, 0, parts_);
+  for (Cells* kind : {&in.vertices, &in.lines, &in.polygons, &in.strips}) {
+    const bool used = kind == &cells();
+    kind->truncate(parts_, !used ? 0 : triangles_ ? 3 * cells_ : largest, parts_ + (used ? cells_ : 0));
+  }
   for (Column& column : in.attributes) {
-    column.values.truncate(particles_);
+    column.values.truncate(points_);
     column.offsets.truncate(steps);
   }
   for (Field& field : in.fields)
     for (hdf5::Dataset* set : {&field.values, &field.offsets, &field.sizes}) set->truncate(steps);
 }
 
-PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, std::int64_t steps) {
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, std::int64_t steps)
+    : triangles_(layout.triangles) {
   checkLayout(layout);
   const fs::path real = target(file), draft = draftOf(real);
   std::error_code error;
@@ -240,7 +277,7 @@ void PolyDataFile::replaceBy(const fs::path& real, const fs::path& draft, const 
   }
 }
 
-PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) {
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) : triangles_(layout.triangles) {
   checkLayout(layout);
   const fs::path real = target(file);
   const fs::path draft = draftOf(real);
@@ -259,7 +296,7 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
   to.points.append(std::get<std::span<const float>>(flat(frame.positions)));
   for (std::size_t i = 0; i < to.attributes.size(); ++i) {
     std::visit([&](const auto& values) { to.attributes[i].values.append(values); }, frame.attributes[i]);
-    to.attributes[i].offsets.append(particles_);
+    to.attributes[i].offsets.append(points_);
   }
   for (std::size_t i = 0; i < to.fields.size(); ++i) {
     constexpr std::int64_t kOneNumber[] = {1, 1};
@@ -267,40 +304,39 @@ void PolyDataFile::write(const VtkHdfFrame& frame) {
     to.fields[i].offsets.append(frames_);
     to.fields[i].sizes.append(std::span<const std::int64_t>(kOneNumber));
   }
-  if (count != partCount_) addPart(count);
+  if (triangles_ || count != partPoints_) addPart(frame);
 
-  const std::int64_t cellOffsets[] = {cells_ - partCount_, 0, 0, 0};
-  constexpr std::int64_t kIdOffsets[] = {0, 0, 0, 0};
+  // Of vertices, lines, polygons and strips.
+  const std::int64_t first = cells_ - partCells_;
+  const std::int64_t cellOffsets[] = {triangles_ ? 0 : first, 0, triangles_ ? first : 0, 0};
+  const std::int64_t idOffsets[] = {0, 0, triangles_ ? 3 * first : 0, 0};
   to.steps.values.append(frame.time);
   to.steps.partOffsets.append(parts_ - 1);
   to.steps.partCounts.append(std::int64_t{1});
-  to.steps.pointOffsets.append(particles_);
+  to.steps.pointOffsets.append(points_);
   to.steps.cellOffsets.append(std::span<const std::int64_t>(cellOffsets));
-  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(kIdOffsets));
+  to.steps.connectivityOffsets.append(std::span<const std::int64_t>(idOffsets));
 
   // The step counts only once all that belongs to it is on its way to the disk.
   file_->flush();
-  particles_ += count;
+  points_ += count;
   ++frames_;
   to.steps.group.setAttribute("NSteps", frames_);
   file_->flush();
 }
 
-void PolyDataFile::addPart(std::int64_t count) {
-  contents_->pointCounts.append(count);
-  Cells& vertices = contents_->vertices;
-  vertices.cellCounts.append(count);
-  vertices.connectivityCounts.append(count);
-  appendAscending(vertices.connectivity, vertices.connectivity.rows(), count);
-  appendAscending(vertices.offsets, 0, count + 1);
-  for (Cells* none : {&contents_->lines, &contents_->polygons, &contents_->strips}) {
-    none->cellCounts.append(std::int64_t{0});
-    none->connectivityCounts.append(std::int64_t{0});
-    none->offsets.append(std::int64_t{0});
-  }
+void PolyDataFile::addPart(const VtkHdfFrame& frame) {
+  partPoints_ = static_cast<std::int64_t>(frame.positions.size());
+  partCells_ = triangles_ ? static_cast<std::int64_t>(frame.triangles.size()) : partPoints_;
+  contents_->pointCounts.append(partPoints_);
+  for (Cells* kind : {&contents_->vertices, &contents_->lines, &contents_->polygons, &contents_->strips})
+    if (kind != &cells()) kind->appendNone();
+  if (triangles_)
+    cells().appendTriangles(frame.triangles);
+  else
+    cells().appendPoints(partPoints_);
   ++parts_;
-  cells_ += count;
-  partCount_ = count;
+  cells_ += partCells_;
 }
 
 void PolyDataFile::setText(const std::string& name, std::string_view text) {

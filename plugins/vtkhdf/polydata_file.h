@@ -1,4 +1,5 @@
-// The growing file behind VtkHdfWriter: temporal PolyData in VTKHDF 2.0, one vertex cell a particle.
+// The growing file behind VtkHdfWriter: temporal PolyData in VTKHDF 2.0, one vertex cell a particle, or a
+// surface's triangles as polygons.
 //
 // The layout is the one that VTK's own documentation of the format gives for temporal PolyData, with all
 // optional parts, for readers that do not fill them in:
@@ -44,10 +45,14 @@ class PolyDataFile {
  private:
   /// The four data sets by which PolyData lists cells of one kind.
   struct Cells {
-    Cells(hdf5::Group& root, const std::string& kind);
+    Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows);
     Cells(hdf5::Group group, std::int64_t chunkRows);
     /// Leaves so many parts, ids and offsets.
     void truncate(std::int64_t parts, std::int64_t ids, std::int64_t offsetRows);
+    // Each adds a part: without cells, with one cell for each of so many points, or with triangles.
+    void appendNone();
+    void appendPoints(std::int64_t count);
+    void appendTriangles(std::span<const Vec3i> triangles);
     hdf5::Dataset cellCounts, connectivityCounts, connectivity, offsets;
   };
   /// The group Steps: where in each data set a step begins.
@@ -79,14 +84,18 @@ class PolyDataFile {
   /// Lets `fill` make the file at `draft`, then puts it in its place; at an error nothing is left of it.
   template <class F>
   void replaceBy(const std::filesystem::path& real, const std::filesystem::path& draft, const F& fill);
-  /// Adds a part of so many particles, for this step and those that follow with as many.
-  void addPart(std::int64_t count);
+  /// The cells that steps have: vertices for particles, polygons for triangles.
+  Cells& cells() { return triangles_ ? contents_->polygons : contents_->vertices; }
+  /// Adds a part with the cells of a step; of particles it serves also the steps that follow with as many.
+  void addPart(const VtkHdfFrame& frame);
 
   std::unique_ptr<hdf5::File> file_;
   std::unique_ptr<Contents> contents_;
-  std::int64_t frames_ = 0, particles_ = 0;
+  bool triangles_;
+  std::int64_t frames_ = 0, points_ = 0;
   std::int64_t parts_ = 0, cells_ = 0;  // of all parts
-  std::int64_t partCount_ = -1;         // particles of the last part; -1: there is none
+  std::int64_t partPoints_ = -1;        // points of the last part; -1: there is none
+  std::int64_t partCells_ = 0;          // its cells
 };
 
 }  // namespace weir

@@ -1,4 +1,5 @@
-// What a VTKHDF export of particles holds: the layout that is fixed when the file is made, and one frame.
+// What a VTKHDF export of particles or surfaces holds: the layout that is fixed when the file is made, and
+// one frame.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +25,8 @@ struct VtkHdfAttribute {
 struct VtkHdfLayout {
   std::vector<VtkHdfAttribute> attributes;
   std::vector<std::string> fields;  ///< one number a frame each, in the file's FieldData
+  bool triangles = false;           ///< the points are vertices of triangles, and no cells of their own
+  bool roundPositions = false;      ///< they are round numbers, which compress well
 };
 
 /// Values of one attribute, particle by particle: particles × components numbers.
@@ -42,6 +45,7 @@ struct VtkHdfFrame {
   std::span<const Vec3f> positions;  ///< m
   std::vector<VtkHdfValues> attributes;
   std::vector<double> fields;
+  std::span<const Vec3i> triangles;  ///< indices of points; none if the layout has none
 };
 
 }  // namespace weir

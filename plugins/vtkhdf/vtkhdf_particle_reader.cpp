@@ -1,6 +1,9 @@
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -13,9 +16,23 @@ namespace weir {
 
 namespace {
 
-ParticleData readLastStep(const std::filesystem::path& file) {
-  VtkHdfStep step = VtkHdfReader(file).readLast();
-  if (step.positions.empty()) throw ioError("the last step holds no particles", "one particle or more");
+VtkHdfStep stepAt(const VtkHdfReader& reader, const std::optional<double>& time) {
+  const std::vector<double>& times = reader.times();
+  if (!time || times.empty()) return reader.readLast();
+  // Times that were written as decimals need not be exact.
+  constexpr double kTolerance = 1e-6;
+  if (*time < times.front() - kTolerance || *time > times.back() + kTolerance)
+    throw ioError(fmt::format("the file has no moment at {:g} s", *time),
+                  fmt::format("from {:g} to {:g} s", times.front(), times.back()));
+  return reader.read(reader.nearestStep(*time));
+}
+
+ParticleData readStep(const std::filesystem::path& file, const std::optional<double>& time) {
+  VtkHdfStep step = stepAt(VtkHdfReader(file), time);
+  if (step.positions.empty())
+    throw ioError(time ? fmt::format("the step at {:g} s holds no particles", step.time)
+                       : std::string("the last step holds no particles"),
+                  "one particle or more");
   ParticleData data{.positions = {}, .velocities = step.velocities(), .unused = {}};
   const VtkHdfArray* velocity = step.find("velocity");
   for (const VtkHdfArray& array : step.arrays)
@@ -57,14 +74,22 @@ int cpuSecondsFor(const std::filesystem::path& file) {
   return static_cast<int>(error ? kLeast : std::min(kLeast + double(size) / kBytesPerSecond, kMost));
 }
 
-}  // namespace
-
-ParticleData VtkHdfParticleReader::read(const std::filesystem::path& file) const {
+ParticleData readIsolated(const std::filesystem::path& file, const std::optional<double>& time) {
   try {
-    return unpacked(hdf5::runIsolated([&] { return packed(readLastStep(file)); }, cpuSecondsFor(file)));
+    return unpacked(hdf5::runIsolated([&] { return packed(readStep(file, time)); }, cpuSecondsFor(file)));
   } catch (Error& error) {
     throw error.at({.file = file.string()});
   }
+}
+
+}  // namespace
+
+ParticleData VtkHdfParticleReader::read(const std::filesystem::path& file) const {
+  return readIsolated(file, std::nullopt);
+}
+
+ParticleData VtkHdfParticleReader::readAt(const std::filesystem::path& file, double time) const {
+  return readIsolated(file, time);
 }
 
 }  // namespace weir

@@ -228,6 +228,12 @@ VtkHdfStep VtkHdfReader::readLast() const {
   return open_->read(open_->times.size() - 1);
 }
 
+bool VtkHdfReader::hasText(const std::string& name) const {
+  const hdf5::Session session;
+  const Group root = open_->file->root();
+  return root.isGroup("simulation") && root.group("simulation").isDataset(name);
+}
+
 std::string VtkHdfReader::text(const std::string& name) const {
   const hdf5::Session session;
   return open_->file->root().group("simulation").readText(name);

@@ -6,19 +6,15 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "framework/base/vec.h"
+#include "nodes/particle_file/recording.h"
 
 namespace weir {
 
-/// One array of point data: points × components numbers, point by point.
-struct VtkHdfArray {
-  std::string name;
-  int components = 1;
-  std::variant<std::vector<float>, std::vector<std::int64_t>> values;
-};
+/// One array of point data.
+using VtkHdfArray = RecordedArray;
 
 struct VtkHdfStep {
   double time = 0;               ///< s; 0 in a file without time steps
@@ -49,6 +45,7 @@ class VtkHdfReader {
   VtkHdfStep readLast() const;
   /// A text of the file's group /simulation.
   std::string text(const std::string& name) const;
+  bool hasText(const std::string& name) const;
 
  private:
   struct Open;

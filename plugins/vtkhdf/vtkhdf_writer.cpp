@@ -67,6 +67,7 @@ void VtkHdfWriter::attempt(const std::function<void()>& write) {
 void VtkHdfWriter::check(const VtkHdfFrame& frame) const {
   WEIR_CHECK(std::isfinite(frame.time));
   WEIR_CHECK(frame.time > lastTime_);
+  WEIR_CHECK((frame.triangles.empty() || layout_.triangles));
   WEIR_CHECK(frame.fields.size() == layout_.fields.size());
   WEIR_CHECK(frame.attributes.size() == layout_.attributes.size());
   for (std::size_t i = 0; i < frame.attributes.size(); ++i) {

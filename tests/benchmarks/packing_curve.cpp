@@ -4,6 +4,8 @@
 //   weir_packing_curve table [SWEEPS [TILES]]   the table of nodes/particle_fluid/fluid_constants.cpp
 //   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice
 //   loses
+//   weir_packing_curve contact [THREADS [RATIO…]]   how near to signed-distance walls particles may come
+//   weir_packing_curve factor [THREADS [RATIO…]]    the factor of semi-analytic walls
 //
 // The table comes from tiles of fluid at rest, see nodes/particles/relaxed_tile.h, which have no walls and no
 // surface: s makes their mean density the rest density.
@@ -13,10 +15,19 @@
 // particles per d³ at a mean relative density of λ. Gravity is weak, so that the column's own weight does not
 // compress it: with support ratios below 1.5 a particle is most of its own density, and a compression of λ by
 // one per thousand takes one per cent of the volume.
+//
+// What walls need comes from the heights at which water rests in tanks of several sizes, see
+// tests/support/resting_tanks.h. `contact` prints the table of contactRatio: the fluid at a signed-distance
+// wall does not know where the wall is, only how near it may come, so what is missing at the wall now is what
+// this distance is too large by. `factor` prints the table of wallFactor: the a between two others at which
+// nothing is missing at walls.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <future>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -30,6 +41,7 @@
 #include "nodes/register_nodes.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "tests/support/resting_tanks.h"
 
 namespace weir {
 namespace {
@@ -155,6 +167,68 @@ void printColumns(const std::vector<double>& ratios) {
   }
 }
 
+struct Walls {
+  double offset = 0, error = 0;  // spacings: of several fillings, the mean and its standard error
+};
+
+/// How much too far away walls hold water, from all calibration tanks filled a few times, on so many threads.
+Walls restInTanks(const test::TankWater& water, int threads) {
+  constexpr int kFillings = 3;
+  const std::vector<test::Tank> tanks = test::calibrationTanks();
+  std::vector<double> heights(kFillings * tanks.size());
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> workers;
+  for (int k = 0; k < threads; ++k)
+    workers.push_back(std::async(std::launch::async, [&] {
+      CpuDevice device(1);
+      for (std::size_t i = next++; i < heights.size(); i = next++) {
+        test::TankWater filled = water;
+        filled.seed = 1 + static_cast<std::int64_t>(i / tanks.size());
+        heights[i] = test::restingHeight(device, tanks[i % tanks.size()], filled);
+      }
+    }));
+  for (std::future<void>& worker : workers) worker.get();
+  Walls walls;
+  double squares = 0;
+  for (int filling = 0; filling < kFillings; ++filling) {
+    const auto first = heights.begin() + static_cast<std::ptrdiff_t>(tanks.size()) * filling;
+    const double offset = test::wallOffset(tanks, {first, first + static_cast<std::ptrdiff_t>(tanks.size())});
+    walls.offset += offset / kFillings;
+    squares += offset * offset / kFillings;
+  }
+  walls.error = std::sqrt(std::max(0.0, squares - walls.offset * walls.offset) / (kFillings - 1));
+  return walls;
+}
+
+void printContact(int threads, const std::vector<double>& ratios) {
+  fmt::print("| support ratio | contact | error |\n|---:|---:|---:|\n");
+  for (const double ratio : ratios) {
+    const Walls walls = restInTanks({.supportRatio = ratio}, threads);
+    fmt::print("| {} | {:.3f} | {:.3f} |\n", ratio, contactRatio(ratio, Calibration::kPacking) - walls.offset,
+               walls.error);
+    std::fflush(stdout);
+  }
+}
+
+void printFactors(int threads, const std::vector<double>& ratios) {
+  constexpr double kLow = 1.0, kHigh = 1.3;
+  constexpr double kCalming = 0.3;  // to rest with the factor that it is given then
+  fmt::print(
+      "| support ratio | missing at walls, a = {} | a = {} | a | error |\n|---:|---:|---:|---:|---:|\n", kLow,
+      kHigh);
+  for (const double ratio : ratios) {
+    const auto with = [&](double a) {
+      return restInTanks({.supportRatio = ratio, .mesh = true, .wallFactor = a, .seconds = kCalming},
+                         threads);
+    };
+    const Walls low = with(kLow), high = with(kHigh);
+    const double slope = (high.offset - low.offset) / (kHigh - kLow);
+    fmt::print("| {} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, low.offset, high.offset,
+               kLow - low.offset / slope, std::hypot(low.error, high.error) / std::abs(slope));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 }  // namespace weir
 
@@ -163,14 +237,23 @@ int main(int count, char** arguments) {
   const auto number = [&](std::size_t k, int otherwise) {
     return k < words.size() ? std::atoi(words[k].c_str()) : otherwise;
   };
+  const auto ratios = [&](std::size_t first, std::vector<double> otherwise) {
+    std::vector<double> given;
+    for (std::size_t k = first; k < words.size(); ++k) given.push_back(std::atof(words[k].c_str()));
+    return given.empty() ? otherwise : given;
+  };
   if (!words.empty() && words[0] == "table") {
     weir::printTable(number(1, 400), number(2, 3));
   } else if (!words.empty() && words[0] == "columns") {
-    std::vector<double> ratios;
-    for (std::size_t k = 1; k < words.size(); ++k) ratios.push_back(std::atof(words[k].c_str()));
-    weir::printColumns(ratios.empty() ? std::vector<double>{1.2, 1.5, 2.0, 2.4} : ratios);
+    weir::printColumns(ratios(1, {1.2, 1.5, 2.0, 2.4}));
+  } else if (!words.empty() && words[0] == "contact") {
+    weir::printContact(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
+  } else if (!words.empty() && words[0] == "factor") {
+    weir::printFactors(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
   } else {
-    fmt::print(stderr, "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...]\n");
+    fmt::print(stderr,
+               "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | contact [THREADS "
+               "[RATIO...]] | factor [THREADS [RATIO...]]\n");
     return 2;
   }
 }

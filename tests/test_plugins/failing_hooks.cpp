@@ -3,6 +3,7 @@
 
 #include "framework/base/check.h"
 #include "framework/graph/plugin.h"
+#include "framework/run/output_kind.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
@@ -22,7 +23,16 @@ class FailingNode final : public Node {
   const NodeInfo& info() const override { return kInfo; }
   Param<std::string> hook{*this, "hook", "", {.doc = "The function that fails."}};
 
+  void validate() const override { failIf(*hook == "validate", "validate"); }
   void configure(const SetupContext&) override { failIf(*hook == "configure", "configure"); }
+  void estimate(const SetupContext&, MemoryNeeds&) override { failIf(*hook == "estimate", "estimate"); }
+  double longestStep(const StepContext& next, double) override {
+    failIf(*hook == "longestStep", "longestStep");
+    return next.dt;
+  }
+  void save(const StateWriter&) const override { failIf(*hook == "save", "save"); }
+  void restore(const StateReader&) override { failIf(*hook == "restore", "restore"); }
+  void report(NodeReport&) override { failIf(*hook == "report", "report"); }
   void reset(const SetupContext&) override { failIf(*hook == "reset", "reset"); }
   void step(const StepContext&) override {
     failIf(*hook == "step", "step");
@@ -39,6 +49,14 @@ class FailingModule final : public FluidModule {
   const ModuleInfo& info() const override { return kInfo; }
   Param<std::string> hook{*this, "hook", "", {.doc = "The function that fails."}};
 
+  void validate() const override { failIf(*hook == "validate", "validate"); }
+  double memory(const FluidRoom&) const override {
+    failIf(*hook == "memory", "memory");
+    return 0;
+  }
+  void save(const StateWriter&) const override { failIf(*hook == "save", "save"); }
+  void restore(const StateReader&) override { failIf(*hook == "restore", "restore"); }
+  void report(NodeReport&) override { failIf(*hook == "report", "report"); }
   void reset(FluidStep&) override { failIf(*hook == "reset", "reset"); }
   void warn(const FluidOutlook&) const override { failIf(*hook == "warn", "warn"); }
   void step(FluidStep&) override { failIf(*hook == "step", "step"); }
@@ -52,10 +70,56 @@ class FailsAtBirth final : public Node {
   void reset(const SetupContext&) override {}
 };
 
+class FailingSection final : public Configurable {
+ public:
+  Param<bool> fails{*this, "fails", false, {.doc = "Whether it does."}};
+  void validate() const override { failIf(fails, "validate"); }
+};
+
+/// Fails in the function that its folder is called after.
+class FailingObserver final : public Observer {
+ public:
+  explicit FailingObserver(std::string hook) : hook_(std::move(hook)) {}
+  std::string name() const override {
+    failIf(hook_ == "name", "name");
+    return "failing";
+  }
+  void begin(Simulation&) override { failIf(hook_ == "begin", "begin"); }
+  std::string_view stateName() const override { return "failing"; }
+  void save(const StateWriter& to) override {
+    failIf(hook_ == "save", "save");
+    to.put("number", 1);
+  }
+  void resume(Simulation&, const StateReader&) override { failIf(hook_ == "resume", "resume"); }
+  std::unique_ptr<Snapshot> capture(Simulation&, std::unique_ptr<Snapshot>) override {
+    failIf(hook_ == "capture", "capture");
+    return std::make_unique<Snapshot>();
+  }
+  void write(Snapshot&) override { failIf(hook_ == "write", "write"); }
+  void end(Simulation&, RunEnd) override { failIf(hook_ == "end", "end"); }
+
+ private:
+  std::string hook_;
+};
+
+class FailingOutput final : public OutputKind {
+ public:
+  std::vector<OutputOption> options() const override {
+    return {{"failing", "DIR", {}, "A folder that is called after the function that fails."}};
+  }
+  std::unique_ptr<Observer> create(const OutputPaths& paths) const override {
+    const std::string hook = paths.at("failing").filename();
+    failIf(hook == "create", "create");
+    return std::make_unique<FailingObserver>(hook);
+  }
+};
+
 }  // namespace
 
 WEIR_PLUGIN("failing_hooks", "Fails where it is told to.", registry) {
   registry.addNode<FailingNode>();
   registry.addNode<FailsAtBirth>();
   registry.addModule<FailingModule>();
+  registry.addSection<FailingSection>("failing", "Fails where it is told to.");
+  registry.addService<OutputKind>("failing", [] { return std::make_unique<FailingOutput>(); });
 }

@@ -98,8 +98,9 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
   command_->add_option("--json", json_, "Write the results with all that is known of the machine")
       ->type_name("FILE");
   command_->add_flag("--quick", quick_, "A look at whether all works: sizes up to 64,000, late after 0.1 s");
-  command_->add_flag("--deterministic", deterministic_,
-                     "Make results bitwise the same from run to run on CUDA, too");
+  command_->add_flag(
+      "--deterministic", deterministic_,
+      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
   command_->footer(aboutCases());
 }
 

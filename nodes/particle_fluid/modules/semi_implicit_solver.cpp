@@ -98,13 +98,8 @@ bool SemiImplicitSolver::isDone() {
   return seen->done != 0;
 }
 
-void SemiImplicitSolver::endPass() {
-  if (!tolerance.get()) return;
-  if (!recordObjective) {
-    isDone();
-    return;
-  }
-  // Passes of which the device makes nothing must not be recorded.
+void SemiImplicitSolver::endPass(int pass) {
+  if (!tolerance.get() || pass + 1 < passes()) return;
   if (controlSeen_->pending()) controlSeen_->wait();
   controlSeen_->request(control_.data());
   over_ = controlSeen_->wait().over != 0;
@@ -125,7 +120,7 @@ int SemiImplicitSolver::mostPasses() const {
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
-  fitScratch(fluid, state_, weighted_, displacement_);
+  fitScratch(fluid, state_);
   if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), !fluid.walls.empty());
   if (accelerated() && !mixes()) fitScratch(fluid, plain_);
   if (accelerated() && !mixes() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
@@ -136,7 +131,7 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
 double SemiImplicitSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
-  double bytes = bytesOfArrays(n, state_, weighted_, displacement_);
+  double bytes = bytesOfArrays(n, state_);
   if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
   if (accelerated() && !mixes()) bytes += bytesOfArrays(n, plain_);
   if (accelerated() && !mixes() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
@@ -157,7 +152,8 @@ void SemiImplicitSolver::restore(const StateReader& from) {
 }
 
 void SemiImplicitSolver::record(FluidStep& fluid) {
-  if (recordObjective) objective_.measure(fluid, bulkEnergy_, tension, state_.view(), displacement_.view());
+  if (recordObjective)
+    objective_.measure(fluid, bulkEnergy_, tension, state_.view(), fluid.particles.scratch().view());
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {

@@ -338,8 +338,17 @@ float stiffnessOf(const FluidStep& fluid) {
   return fluid.constants.soundSpeedSquared() * dt * dt;
 }
 
-PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy,
-                  const Array<Vec4f>& weighted) {
+/// The displacement x − x*. The first one takes the place of the crowding.
+Array<Vec3f>& displacement(FluidStep& fluid) {
+  return fluid.particles.scratch();
+}
+
+/// Position and Ḃ of each particle, after the density pass.
+Array<Vec4f>& weighted(FluidStep& fluid) {
+  return fluid.particles.wideScratch();
+}
+
+PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy) {
   constexpr float kShortest = 1e-4f;  // spacings
   const FluidConstants& c = fluid.constants;
   return {fluid.neighbors.view(),
@@ -351,7 +360,7 @@ PushOf makePushOf(FluidStep& fluid, bool conservative, const BulkEnergy& energy,
           energy.negativePart(),
           stiffnessOf(fluid),
           fluid.walls.view(),
-          weighted.view()};
+          weighted(fluid).view()};
 }
 
 }  // namespace
@@ -373,22 +382,23 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   }
   ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
   const float inverseDt = 1 / static_cast<float>(fluid.time.dt);
-  parallelFor(
-      device, "finish", count,
-      FinishDisplacement{inverseDt, displacement_.view(), fluid.particles.positions().view(), velocities});
+  parallelFor(device, "finish", count,
+              FinishDisplacement{inverseDt, displacement(fluid).view(), fluid.particles.positions().view(),
+                                 velocities});
   if (!controlled()) return;
   constexpr float kTouching = 1.001f;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "walls", count,
-                MeetWalls{makePushOf(fluid, conservative, bulkEnergy_, weighted_), boundary->view(),
+                MeetWalls{makePushOf(fluid, conservative, bulkEnergy_), boundary->view(),
                           kTouching * fluid.constants.contact, inverseDt, fluid.particles.positions().view(),
-                          displacement_.view(), velocities});
+                          displacement(fluid).view(), velocities});
 }
 
 template <class Backend>
 void SemiImplicitSolver::start(Backend& device, FluidStep& fluid) {
-  parallelFor(device, "start", fluid.particles.count(),
-              StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement_.view()});
+  parallelFor(
+      device, "start", fluid.particles.count(),
+      StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement(fluid).view()});
 }
 
 template <class Backend>
@@ -412,20 +422,29 @@ void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
 
 template <class Backend>
 void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
+  // First of all, as displacements take its place.
+  const ArrayView<const float> crowding = fluid.neighbors.crowding(fluid.particles);
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
-  const EnergyDerivative derivative{
-      fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_, tension, fluid.walls.view(),
-      displacement_.view(),   state_.view(), weighted_.view(), {}};
-  Substitute update{makePushOf(fluid, conservative, bulkEnergy_, weighted_),
+  const EnergyDerivative derivative{fluid.neighbors.view(),
+                                    c.kernel,
+                                    c.particleVolume,
+                                    bulkEnergy_,
+                                    tension,
+                                    fluid.walls.view(),
+                                    displacement(fluid).view(),
+                                    state_.view(),
+                                    weighted(fluid).view(),
+                                    {}};
+  Substitute update{makePushOf(fluid, conservative, bulkEnergy_),
                     1 / static_cast<float>(fluid.time.dt),
                     positions,
                     fluid.particles.velocities().view(),
-                    displacement_.view(),
+                    displacement(fluid).view(),
                     state_.view()};
   // The search knows neither walls nor what they hide from each other.
-  const bool searched = fluid.walls.empty();
+  const bool searched = fluid.walls.empty() && crowding.size > 0;
   if (!searched) start(device, fluid);
   for (int k = 0; k < iterations; ++k) {
     update.first = k == 0;
@@ -433,7 +452,7 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
     if (update.first && searched)
       parallelFor(device, "density", count,
                   FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
-                                  fluid.neighbors.crowding(), weighted_.view()});
+                                  crowding, weighted(fluid).view()});
     else
       parallelFor(device, "density", count, derivative);
     parallelFor(device, "substitute", count, update);
@@ -445,19 +464,32 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const ArrayView<const Vec3f> predicted = fluid.particles.positions().view();
-  const PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_, weighted_);
-  const EnergyDerivative derivative{
-      fluid.neighbors.view(), c.kernel,      c.particleVolume, bulkEnergy_,   tension, fluid.walls.view(),
-      displacement_.view(),   state_.view(), weighted_.view(), excess_.view()};
+  const PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_);
+  const EnergyDerivative derivative{fluid.neighbors.view(),
+                                    c.kernel,
+                                    c.particleVolume,
+                                    bulkEnergy_,
+                                    tension,
+                                    fluid.walls.view(),
+                                    displacement(fluid).view(),
+                                    state_.view(),
+                                    weighted(fluid).view(),
+                                    excess_.view()};
   const Measure measure{bulkEnergy_,
                         stiffnessOf(fluid),
-                        displacement_.view(),
+                        displacement(fluid).view(),
                         excess_.view(),
                         searches() ? proposal_.view() : ArrayView<Vec4f>{},
                         pass > 0 ? carried_->view() : ArrayView<Vec3f>{}};
-  const Update update{
-      pushOf,    stepLength,           measure,       sums_.data(),  controlled() ? control_.data() : nullptr,
-      predicted, displacement_.view(), state_.view(), mixing_.view()};
+  const Update update{pushOf,
+                      stepLength,
+                      measure,
+                      sums_.data(),
+                      controlled() ? control_.data() : nullptr,
+                      predicted,
+                      displacement(fluid).view(),
+                      state_.view(),
+                      mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
   constexpr int kMeetingsOfMixtures = 3;
@@ -473,11 +505,14 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
               passes(),
               false};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
+  // How many iterations follow the last one that counts depends on when the host hears of it; they change
+  // nothing.
+  const int* done = &control_.data()->done;
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     parallelFor(device, "density", count, derivative);
     if (searches())
-      parallelFor(device, "propose", count, Propose{pushOf, displacement_.view(), proposal_.view()});
+      parallelFor(device, "propose", count, Propose{pushOf, displacement(fluid).view(), proposal_.view()});
     if (controlled() || stepLength == StepLength::kGlobal)
       reduce(device, "measure", count, Sums{}, measure, AddSums{}, sums_.data());
     if (controlled()) {
@@ -486,42 +521,43 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       controlSeen_->request(control_.data());
     }
     parallelFor(device, "update", count, update);
-    contain(device, fluid);
+    contain(device, fluid, done);
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
       mixing_.mix(device, count, control_.data(),
-                  {displacement_.view(), fluid.walls.view().share, predicted, state_.view()});
+                  {displacement(fluid).view(), fluid.walls.view().share, predicted, state_.view()});
     else
       parallelFor(device, "extrapolate", count,
                   Extrapolate{control_.data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
-                              displacement_.view(), fluid.walls.view().share, state_.view()});
-    contain(device, fluid);
+                              displacement(fluid).view(), fluid.walls.view().share, state_.view()});
+    contain(device, fluid, done);
   }
-  endPass();
+  endPass(pass);
 }
 
 template <class Backend>
-void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
+void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* done) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "contain", fluid.particles.count(),
                 Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                        displacement_.view(), state_.view()});
+                        displacement(fluid).view(), state_.view(), done});
 }
 
 template <class Backend>
 void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
-  parallelFor(device, "move", fluid.particles.count(),
-              detail::MoveOut{control_.data(), displacement_.view(), fluid.particles.velocities().view(),
-                              carried_->view(), fluid.particles.positions().view()});
+  parallelFor(
+      device, "move", fluid.particles.count(),
+      detail::MoveOut{control_.data(), displacement(fluid).view(), fluid.particles.velocities().view(),
+                      carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
   WallIntegrals::find(fluid);
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
-              detail::MoveBack{carried_->view(), displacement_.view(), fluid.particles.positions().view(),
-                               state_.view()});
+              detail::MoveBack{carried_->view(), displacement(fluid).view(),
+                               fluid.particles.positions().view(), state_.view()});
   if (fluid.walls.empty()) return;
   fluid.walls.base = std::as_const(*carried_).view();
   fluid.walls.keepLegal(fluid.particles.positions());

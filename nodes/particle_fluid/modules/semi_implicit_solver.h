@@ -164,7 +164,7 @@ class SemiImplicitSolver final : public FluidModule {
   void iterate(Backend& device, FluidStep& fluid, int pass);
   /// Moves particles out of solids; only where iterations are controlled.
   template <class Backend>
-  void contain(Backend& device, FluidStep& fluid);
+  void contain(Backend& device, FluidStep& fluid, const int* done = nullptr);
   /// Finds neighbours where the particles are now.
   template <class Backend>
   void searchAgain(Backend& device, FluidStep& fluid);
@@ -173,8 +173,9 @@ class SemiImplicitSolver final : public FluidModule {
   bool carries() const { return passes() > 1 || tolerance.get().has_value(); }
   /// As far as the host has heard of it, without waiting.
   bool isDone();
-  /// Hears whether there is another pass; waits only where each iteration is recorded.
-  void endPass();
+  /// Hears whether there is another pass. Waits where this may have been the last: a pass too many would sort
+  /// and round once more, and how many there were would depend on the time that the host takes.
+  void endPass(int pass);
   bool isPlain() const { return !controlled() && !searches() && passes() == 1 && !recordObjective; }
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration != Acceleration::kNone; }
@@ -194,9 +195,9 @@ class SemiImplicitSolver final : public FluidModule {
 
   BulkEnergy bulkEnergy_;
   ObjectiveRecord objective_;
-  // Position and Ḃ of each particle, before and after the density pass; displacement x − x*.
-  Array<Vec4f> state_, weighted_;
-  Array<Vec3f> displacement_;
+  // The position of each particle, before the density pass. What that makes of it, and the displacement,
+  // stand in the particles' scratch memory.
+  Array<Vec4f> state_;
   // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update, for
   // momentum.
   Array<float> excess_;

@@ -20,8 +20,7 @@ void Xsph::step(FluidStep& fluid) {
 }
 
 double Xsph::memory(const FluidRoom& room) const {
-  return form == XsphForm::kExplicit ? bytesOfArrays(room.particles, smoothed_)
-                                     : bytesOfArrays(room.particles, smoothed_, next_);
+  return form == XsphForm::kExplicit ? 0 : bytesOfArrays(room.particles, next_);
 }
 
 }  // namespace weir

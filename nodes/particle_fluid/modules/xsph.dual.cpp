@@ -54,33 +54,34 @@ struct ApproachMean {
 
 template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
-  fitScratch(fluid, smoothed_);
+  Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
   parallelFor(device, "smooth", fluid.particles.count(),
               SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
                              fluid.particles.positions().view(), fluid.particles.velocities().view(),
-                             smoothed_.view()});
+                             smoothed.view()});
   // Equal sizes; only the memory changes hands.
-  smoothed_.swap(fluid.particles.velocities());
+  smoothed.swap(fluid.particles.velocities());
 }
 
 template <class Backend>
 void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   constexpr int kSweeps = 3;
-  fitScratch(fluid, smoothed_, next_);
+  fitScratch(fluid, next_);
+  Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
   const float b = static_cast<float>(fluid.time.dt) * viscosity / c.supportRadius;
   // Of infinite b, too.
   const float share = 1 / (1 + 1 / b);
   Array<Vec3f>& velocities = fluid.particles.velocities();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const Array<Vec3f>& present = sweep == 0 ? velocities : smoothed_;
+    const Array<Vec3f>& present = sweep == 0 ? velocities : smoothed;
     parallelFor(device, "approach mean", fluid.particles.count(),
                 ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
                              velocities.view(), present.view(), next_.view()});
-    next_.swap(smoothed_);
+    next_.swap(smoothed);
   }
-  smoothed_.swap(velocities);
+  smoothed.swap(velocities);
 }
 
 template void Xsph::stepOn(ThisBackend&, FluidStep&);

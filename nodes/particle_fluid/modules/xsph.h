@@ -72,7 +72,7 @@ class Xsph final : public FluidModule {
   template <class Backend>
   void implicitOn(Backend& device, FluidStep& fluid);
 
-  Array<Vec3f> smoothed_, next_;
+  Array<Vec3f> next_;  // of the implicit form
 };
 
 }  // namespace weir

@@ -105,7 +105,10 @@ ComputeRenderer::ComputeRenderer(Device& device)
 bool ComputeRenderer::canDraw(const View& view) {
   std::size_t points = 0;
   for (const LineView& lines : view.lines) points += lines.points.size();
-  return view.surfaces.empty() && points <= 2 * kMostLines;
+  const LightingView& lighting = view.lighting;
+  const bool plain = lighting.tone == ToneCurve::kPlain && lighting.exposure == 1 && view.ground.tiles == 0 &&
+                     view.environment == EnvironmentLook::kStudio;
+  return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * kMostLines;
 }
 
 void ComputeRenderer::setLines(const gl::Frame& frame) {

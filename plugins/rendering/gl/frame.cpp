@@ -42,13 +42,25 @@ void setCameraUniforms(const Program& program, const Camera& camera, int width, 
   program.set("uPixel", Vec2f{2.0f / float(width), 2.0f / float(height)});
 }
 
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit) {
+  program.setTexture("uBefore", unit, before);
+  program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
+}
+
+bool isOutside(const View& view) {
+  return view.environment == EnvironmentLook::kSky;
+}
+
 void setLightUniforms(const Program& program, const Frame& frame) {
   const View& view = frame.view;
   program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));
   program.set("uUp", frame.camera.direction(normalized(view.worldUp)));
+  const bool outside = isOutside(view);
   // The sky lights in a paler colour than it has, or everything would look blue.
-  constexpr Vec3f kWhite{1, 1, 1};
-  program.set("uSkyColor", 0.5f * (kWhite + linear(view.backgroundTop)));
+  constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
+  program.set("uSkyColor", outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop)));
+  program.set("uSkyStrength", outside ? 0.36f : 0.56f);
+  program.set("uSunColor", outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f});
   program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
 }
 

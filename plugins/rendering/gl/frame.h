@@ -10,6 +10,9 @@ namespace weir::rendering::gl {
 /// sRGB components, as colours are given, in linear light.
 Vec3f linear(const Color& color);
 
+/// Whether the surroundings are the background.
+bool isOutside(const View& view);
+
 struct Frame {
   const View& view;
   int samples = 1;            ///< per axis and pixel
@@ -26,6 +29,8 @@ float occlusionRadius(const View& view, const Aabb& casters);
 
 /// The uniforms of kCameraSnippet, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
+/// The uniforms of kBehindSnippet.
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
 /// The uniforms of kLightSnippet.
 void setLightUniforms(const Program& program, const Frame& frame);
 

@@ -10,15 +10,17 @@ namespace weir::rendering::gl {
 namespace {
 
 // Two outputs for one target: the light that is added, and the part of the light behind that comes through.
-const std::string kFragmentShader = kShaderVersion + kLightSnippet + R"(
+const std::string kFragmentShader =
+    kShaderVersion + kBehindSnippet + kLightSnippet + kEnvironmentSnippet + R"(
 uniform vec3 uTint;
-uniform bool uUnlit;
+uniform bool uUnlit, uOutside;
 in vec3 vNormal;
 in vec3 vPosition;
 layout(location = 0, index = 0) out vec4 oAdded;
 layout(location = 0, index = 1) out vec4 oThrough;
 
 void main() {
+  leaveUnlessBehind();
   vec3 towardsEye = -normalize(vPosition);
   vec3 normal = normalize(vNormal);
   if (!gl_FrontFacing) normal = -normal;
@@ -26,7 +28,9 @@ void main() {
   float mirror = fresnel(cosine, 0.04);
   // The way through a thin wall is longer at a flat angle, where real glass bends in light from darker places too.
   vec3 through = pow(uTint, vec3(0.1 / max(cosine, 0.15))) * (1.0 - 0.45 * pow(1.0 - cosine, 3.0));
-  vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 2.6) + 0.35 * kSunColor * highlight(normal, towardsEye, 300.0);
+  vec3 surroundings = uOutside ? environment(reflect(-towardsEye, normal))
+                               : reflectedLight(reflect(-towardsEye, normal), 2.6);
+  vec3 mirrored = surroundings + 0.35 * uSunColor * highlight(normal, towardsEye, 300.0);
   float seen = gl_FrontFacing ? 1.0 : 0.45;  // inner sides mirror less: their light crosses the wall twice
   oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0);
   oThrough = vec4(through * (1.0 - mirror * seen), 1.0);
@@ -38,7 +42,8 @@ void main() {
 GlassPass::GlassPass(const Functions& gl)
     : gl_(gl), program_(gl, "glass", kSurfaceVertexShader, kFragmentShader) {}
 
-void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const {
+void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes,
+                     const Texture& before, const Environment& environment) const {
   std::vector<const SurfaceView*> glass;
   for (const SurfaceView& surface : frame.view.surfaces)
     if (surface.look == SurfaceLook::kGlass) glass.push_back(&surface);
@@ -62,6 +67,9 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   program_.use();
   setLightUniforms(program_, frame);
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  setBehindUniforms(program_, frame, before, 0);
+  environment.setUniforms(program_, frame, 1);
+  program_.set("uOutside", int(isOutside(frame.view)));
   program_.set("uUnlit", int(frame.view.lighting.unlit));
   for (const SurfaceView* surface : glass) {
     setPlacement(program_, frame.camera, *surface);

@@ -1,6 +1,7 @@
 // Glass over the lit scene: it tints what is behind it, and mirrors the surroundings, most at its rims.
 #pragma once
 
+#include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/rendering/gl/mesh_store.h"
 
@@ -12,7 +13,9 @@ class GlassPass {
 
   /// Into Targets::lightWithDepth. Light goes straight through, without refraction, so that what is inside is
   /// seen where it is. Surfaces come in the order of their distances, the inner sides before the outer ones.
-  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes) const;
+  /// Only what lies behind the depth that `before` holds is drawn: one texel, or one per sample.
+  void draw(const Frame& frame, const Targets& targets, const MeshStore& meshes, const Texture& before,
+            const Environment& environment) const;
 
  private:
   const Functions& gl_;

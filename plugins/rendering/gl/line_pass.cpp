@@ -14,10 +14,13 @@ layout(location = 0) in vec4 iCorner;
 void main() { gl_Position = iCorner; }
 )";
 
-const std::string kFragmentShader = kShaderVersion + R"(
+const std::string kFragmentShader = kShaderVersion + kBehindSnippet + R"(
 uniform vec4 uColor;
 out vec4 oLight;
-void main() { oLight = uColor; }
+void main() {
+  leaveUnlessBehind();
+  oLight = uColor;
+}
 )";
 
 using Segment = std::pair<Vec3f, Vec3f>;
@@ -76,7 +79,7 @@ LinePass::LinePass(const Functions& gl)
   gl.vertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(Vec4f), nullptr);
 }
 
-void LinePass::draw(const Frame& frame, const Targets& targets) const {
+void LinePass::draw(const Frame& frame, const Targets& targets, const Texture& before) const {
   gl_.viewport(0, 0, frame.width, frame.height);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lightWithDepth.name());
   gl_.enable(GL_DEPTH_TEST);
@@ -84,6 +87,7 @@ void LinePass::draw(const Frame& frame, const Targets& targets) const {
   gl_.enable(GL_BLEND);
   gl_.blendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   program_.use();
+  setBehindUniforms(program_, frame, before, 0);
   gl_.bindVertexArray(array_.name());
   for (const LineView& lines : frame.view.lines) {
     // Of 720 pixels' height, in clip space, which is 2 high.

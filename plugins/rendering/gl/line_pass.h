@@ -9,8 +9,9 @@ class LinePass {
  public:
   explicit LinePass(const Functions& gl);
 
-  /// Into Targets::lightWithDepth.
-  void draw(const Frame& frame, const Targets& targets) const;
+  /// Into Targets::lightWithDepth: what lies behind the depth that `before` holds, one texel, or one per
+  /// sample.
+  void draw(const Frame& frame, const Targets& targets, const Texture& before) const;
 
  private:
   const Functions& gl_;

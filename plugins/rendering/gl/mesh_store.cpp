@@ -90,12 +90,23 @@ MeshId MeshStore::add(const TriangleMesh& mesh) {
 }
 
 void MeshStore::replace(MeshId id, const TriangleMesh& mesh) {
-  const std::vector<MeshVertex> vertices = withNormals(mesh);
+  replaceVertices(id, withNormals(mesh));
+}
+
+void MeshStore::replace(MeshId id, const MeshSpan& mesh) {
+  std::vector<MeshVertex> vertices;
+  vertices.reserve(3 * mesh.triangles.size());
+  for (const Vec3i& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) vertices.push_back({mesh.vertices[t[k]], mesh.normals[t[k]]});
+  replaceVertices(id, vertices);
+}
+
+void MeshStore::replaceVertices(MeshId id, std::span<const MeshVertex> vertices) {
   const auto found = entries_.find(id);
   WEIR_CHECK(found != entries_.end());
   Entry& target = found->second;
   gl_.bindVertexArray(target.array.name());
-  upload(target.buffer, GL_ARRAY_BUFFER, std::as_bytes(std::span(vertices)), GL_STATIC_DRAW);
+  upload(target.buffer, GL_ARRAY_BUFFER, std::as_bytes(vertices), GL_STATIC_DRAW);
   describeMeshVertices(gl_);
   target.vertices = GLsizei(vertices.size());
   target.bounds = {};

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <vector>
 
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "plugins/rendering/gl/resources.h"
 #include "plugins/rendering/view.h"
@@ -26,6 +28,8 @@ class MeshStore {
 
   MeshId add(const TriangleMesh& mesh);
   void replace(MeshId id, const TriangleMesh& mesh);
+  /// With the normals that the mesh brings, which are smooth everywhere.
+  void replace(MeshId id, const MeshSpan& mesh);
   void remove(MeshId id);
 
   /// All of these are an InternalError for a mesh that was never added, or was removed.
@@ -40,6 +44,7 @@ class MeshStore {
     Aabb bounds;
   };
   const Entry& entry(MeshId id) const;
+  void replaceVertices(MeshId id, std::span<const MeshVertex> vertices);
 
   const Functions& gl_;
   std::map<MeshId, Entry> entries_;

@@ -5,100 +5,24 @@
 
 #include "framework/base/check.h"
 #include "plugins/rendering/gl/particle_colors.h"
-#include "plugins/rendering/gl/shaders.h"
+#include "plugins/rendering/gl/sphere_shaders.h"
 
 namespace weir::rendering::gl {
 namespace {
 
-// Vertex 4i + k is corner k of particle i; the indices make two triangles of the four corners.
-const std::string kCornerSnippet = R"(
-uniform samplerBuffer uCenters;
-vec4 particle() { return texelFetch(uCenters, gl_VertexID >> 2); }
-vec2 corner() { return vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1); }
-)";
-
-// The rectangle around a sphere's picture: per axis, the two lines through the eye that touch the sphere's
-// circle in the plane of that axis and the viewing axis (M. Mara, M. McGuire 2013).
-const std::string kGeometryVertexShader = kShaderVersion + kCornerSnippet + R"(
-uniform mat4 uView;
-uniform vec2 uTangent;
-uniform float uRadius, uNear;
-uniform sampler2D uColors;
-flat out vec3 vCenter;
-flat out vec3 vColor;
-
-vec2 touchingLines(float across, float along) {
-  float touch = sqrt(across * across + along * along - uRadius * uRadius);
-  return vec2((across * touch - along * uRadius) / (along * touch + across * uRadius),
-              (across * touch + along * uRadius) / (along * touch - across * uRadius));
-}
-
-void main() {
-  vec4 data = particle();
-  vCenter = (uView * vec4(data.xyz, 1.0)).xyz;
-  vColor = textureLod(uColors, vec2(data.w, 0.5), 0.0).rgb;
-  float along = -vCenter.z;
-  if (along + uRadius < uNear) {  // behind the camera
-    gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
-    return;
-  }
-  vec2 low = vec2(-1.0), high = vec2(1.0);
-  if (along - uRadius > uNear) {  // otherwise it may fill the picture
-    vec2 x = touchingLines(vCenter.x, along) / uTangent.x;
-    vec2 y = touchingLines(vCenter.y, along) / uTangent.y;
-    low = vec2(x.x, y.x);
-    high = vec2(x.y, y.y);
-  }
-  gl_Position = vec4(mix(low, high, corner()), 0.0, 1.0);
-}
-)";
-
-const std::string kGeometryFragmentShader = kShaderVersion + kCameraSnippet + kMaterialSnippet + R"(
-uniform float uRadius, uNear;
-flat in vec3 vCenter;
+const std::string kGeometryFragmentShader =
+    kShaderVersion + kCameraSnippet + kMaterialSnippet + kSphereHitSnippet + R"(
 flat in vec3 vColor;
 layout(location = 0) out vec4 oAlbedo;
 layout(location = 1) out vec4 oNormal;
 
 void main() {
   vec3 ray = rayAt(gl_FragCoord.xy);
-  // From the point of the ray that is nearest to the centre: exact also for small spheres far away.
-  float scale = 1.0 / dot(ray, ray);
-  float middle = dot(ray, vCenter) * scale;
-  vec3 aside = ray * middle - vCenter;
-  float rest = uRadius * uRadius - dot(aside, aside);
-  float distance = middle - sqrt(max(rest, 0.0) * scale);
-  if (rest < 0.0 || distance < uNear) discard;
+  float distance = distanceOfSphere(ray);
   vec3 normal = (ray * distance - vCenter) / uRadius;
   gl_FragDepth = depthAt(distance);
   oAlbedo = vec4(vColor, kParticle);
   oNormal = vec4(0.5 + 0.5 * normal, 1.0);
-}
-)";
-
-const std::string kShadowVertexShader = kShaderVersion + kCornerSnippet + R"(
-uniform mat4 uToClip;
-uniform float uHalfSize, uRadius;
-flat out float vDepth;
-out vec2 vPlace;
-
-void main() {
-  vec4 center = uToClip * vec4(particle().xyz, 1.0);
-  vPlace = 2.0 * corner() - 1.0;
-  vDepth = center.z;
-  gl_Position = vec4(center.xy + vPlace * (uRadius / uHalfSize), center.z, 1.0);
-}
-)";
-
-const std::string kShadowFragmentShader = kShaderVersion + R"(
-uniform float uRadiusInDepth;
-flat in float vDepth;
-in vec2 vPlace;
-
-void main() {
-  float rest = 1.0 - dot(vPlace, vPlace);
-  if (rest < 0.0) discard;
-  gl_FragDepth = 0.5 + 0.5 * (vDepth - uRadiusInDepth * sqrt(rest));
 }
 )";
 
@@ -107,21 +31,12 @@ float placeOf(float entry) {
   return (entry + 0.5f) / float(ParticleColors::kCount);
 }
 
-/// Two triangles for each four corners.
-std::vector<std::uint32_t> cornerIndices(int particles) {
-  std::vector<std::uint32_t> indices;
-  indices.reserve(6 * std::size_t(particles));
-  for (std::uint32_t first = 0; first < 4 * std::uint32_t(particles); first += 4)
-    for (const std::uint32_t k : {0u, 1u, 2u, 2u, 1u, 3u}) indices.push_back(first + k);
-  return indices;
-}
-
 }  // namespace
 
 ParticlePass::ParticlePass(const Functions& gl)
     : gl_(gl),
-      geometry_(gl, "particles", kGeometryVertexShader, kGeometryFragmentShader),
-      shadow_(gl, "shadows of particles", kShadowVertexShader, kShadowFragmentShader),
+      geometry_(gl, "particles", kSphereVertexShader, kGeometryFragmentShader),
+      shadow_(gl, "shadows of particles", kSunSphereVertexShader, kSunSphereFragmentShader),
       array_(makeVertexArray(gl)),
       indices_(makeBuffer(gl)) {
   GLint texels = 0;
@@ -140,7 +55,8 @@ Aabb ParticlePass::load(std::span<const ParticleView> views) {
   batches_.clear();
   colors_.clear();
   Aabb box;
-  for (const ParticleView& view : views) box.extend(loadOne(view));
+  for (const ParticleView& view : views)
+    if (!view.water) box.extend(loadOne(view));
   return box;
 }
 

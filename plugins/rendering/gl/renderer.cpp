@@ -17,16 +17,36 @@
 #include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/splat_pass.h"
 #include "plugins/rendering/gl/surface_pass.h"
+#include "plugins/rendering/gl/water_particle_pass.h"
+#include "plugins/rendering/gl/water_pass.h"
+#include "plugins/rendering/gl/water_shadow.h"
+#include "plugins/rendering/gl/water_splat_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
 
 constexpr int kMostSamples = 4;
+constexpr float kNearest = 0;
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
   if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
   return std::make_unique<SplatPass>(gl, *splatDevice);
 }
+
+std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatDevice) {
+  if (splatDevice == nullptr) return std::make_unique<WaterParticlePass>(gl);
+  return std::make_unique<WaterSplatPass>(gl, *splatDevice);
+}
+
+struct Liquids {
+  Liquids(const Functions& gl, Device* splatDevice)
+      : particles(makeWaterDrawer(gl, splatDevice)), surfaces(gl), shadows(gl), pass(gl) {}
+
+  std::unique_ptr<WaterDrawer> particles;
+  WaterSurfacePass surfaces;
+  WaterShadow shadows;
+  WaterPass pass;
+};
 
 }  // namespace
 
@@ -39,9 +59,12 @@ class Renderer::Passes {
         surfaces_(gl),
         shadows_(gl),
         occlusion_(gl),
+        environment_(gl),
         lighting_(gl),
         lines_(gl),
-        glass_(gl) {
+        glass_(gl),
+        splatDevice_(splatDevice),
+        nothingBefore_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest)) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
 
@@ -54,15 +77,20 @@ class Renderer::Passes {
   int samplesFor(const View& view) const;
   Aabb load(const View& view, Aabb& casters);
   void drawGeometry(const Frame& frame);
+  void drawClear(const Frame& frame);
   Picture read() const;
 
   std::unique_ptr<ParticleDrawer> particles_;
   SurfacePass surfaces_;
   ShadowPass shadows_;
   OcclusionPass occlusion_;
+  Environment environment_;
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
+  Device* splatDevice_;
+  std::optional<Liquids> liquids_;  // once there are any: their programs take time to build
+  Texture nothingBefore_;           // one texel with the depth of the eye
   std::optional<Targets> targets_;
   GLint largest_ = 0;
 };
@@ -79,6 +107,8 @@ int Renderer::Passes::samplesFor(const View& view) const {
 /// Sends what has changed to the GPU; returns the box around all that is seen.
 Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
   casters = particles_->load(view.particles);
+  if (!view.waters.empty() && !liquids_) liquids_.emplace(gl, splatDevice_);
+  if (liquids_) casters.extend(liquids_->particles->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   return seenBox(view, casters);
@@ -99,6 +129,20 @@ void Renderer::Passes::drawGeometry(const Frame& frame) {
   if (particlesFirst) particles_->drawGeometry(frame, *targets_);
   surfaces_.draw(frame, meshes, particlesFirst);
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
+}
+
+/// Liquids, glass and lines over the lit scene.
+void Renderer::Passes::drawClear(const Frame& frame) {
+  const auto drawBehind = [&](const Texture& before) {
+    lines_.draw(frame, *targets_, before);
+    glass_.draw(frame, *targets_, meshes, before, environment_);
+  };
+  if (!frame.view.waters.empty())
+    liquids_->pass.draw(
+        frame, *targets_,
+        {meshes, *liquids_->particles, shadows_, liquids_->shadows, liquids_->surfaces, environment_},
+        drawBehind);
+  drawBehind(nothingBefore_);
 }
 
 Picture Renderer::Passes::read() const {
@@ -132,6 +176,7 @@ Picture Renderer::Passes::draw(const View& view) {
   if (frame.hasShadows) {
     frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
     shadows_.draw(frame, meshes, *particles_);
+    if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *liquids_->particles, liquids_->surfaces);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
@@ -139,9 +184,9 @@ Picture Renderer::Passes::draw(const View& view) {
   } else {
     occlusion_.clear(*targets_);
   }
-  lighting_.draw(frame, *targets_, shadows_);
-  lines_.draw(frame, *targets_);
-  glass_.draw(frame, *targets_, meshes);
+  environment_.load(view);
+  lighting_.draw(frame, *targets_, shadows_, liquids_ ? &liquids_->shadows : nullptr, environment_);
+  drawClear(frame);
   lighting_.resolve(frame, *targets_);
   Picture picture = read();
   if (const GLenum error = gl.getError(); error != GL_NO_ERROR)
@@ -172,6 +217,11 @@ MeshId Renderer::addMesh(const TriangleMesh& mesh) {
 }
 
 void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
+  const CurrentContext current(*context_);
+  passes_->meshes.replace(id, mesh);
+}
+
+void Renderer::replaceMesh(MeshId id, const MeshSpan& mesh) {
   const CurrentContext current(*context_);
   passes_->meshes.replace(id, mesh);
 }

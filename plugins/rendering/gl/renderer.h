@@ -5,6 +5,7 @@
 #include <string>
 
 #include "framework/compute/device.h"
+#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "plugins/rendering/view.h"
 
@@ -39,6 +40,7 @@ class Renderer {
   /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
   MeshId addMesh(const TriangleMesh& mesh);
   void replaceMesh(MeshId id, const TriangleMesh& mesh);
+  void replaceMesh(MeshId id, const MeshSpan& mesh);
   void removeMesh(MeshId id);
 
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that

@@ -73,6 +73,8 @@ inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE
 inline constexpr TextureFormat kColor10{GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
 inline constexpr TextureFormat kGrey8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kFloat1{GL_R32F, GL_RED, GL_FLOAT};
+inline constexpr TextureFormat kFloat2{GL_RG32F, GL_RG, GL_FLOAT};
 inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
 
 /// A 2D texture, clamped to its edge. `filter` is GL_NEAREST or GL_LINEAR.

@@ -50,6 +50,15 @@ float distanceAt(float depth) { return uProjection.w / (2.0 * depth - 1.0 + uPro
 vec3 rayAt(vec2 window) { return vec3((window * uPixel - 1.0) * uTangent, -1.0); }
 )";
 
+/// Draws only what lies behind a depth: one texel for all, or one per sample. See setBehindUniforms.
+inline const std::string kBehindSnippet = R"(
+uniform sampler2D uBefore;
+uniform vec2 uSampleSize;  // in texture coordinates
+void leaveUnlessBehind() {
+  if (gl_FragCoord.z < texture(uBefore, gl_FragCoord.xy * uSampleSize).r) discard;
+}
+)";
+
 /// What surfaces are made of, in the alpha channel of their colour.
 inline const std::string kMaterialSnippet = R"(
 const float kMatt = 0.25, kParticle = 0.5, kMetal = 0.75, kGround = 1.0;
@@ -64,12 +73,12 @@ uniform vec3 uUp;
 uniform vec3 uSkyColor;
 uniform vec3 uGroundColor;
 
-const vec3 kSunColor = vec3(0.74, 0.71, 0.66);
-const float kSkyStrength = 0.56;
+uniform vec3 uSunColor;
+uniform float uSkyStrength;
 
 vec3 skyLight(vec3 normal) {
   float above = 0.5 + 0.5 * dot(normal, uUp);
-  return kSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
+  return uSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
 }
 
 float lamp(vec3 direction, vec3 towards, vec3 across, vec2 size) {

@@ -55,6 +55,7 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, ParticleDrawe
   const auto drawSurfaces = [&](const Program& program, bool glass) {
     program.use();
     for (const SurfaceView& surface : frame.view.surfaces) {
+      if (surface.look == SurfaceLook::kWater) continue;
       if ((surface.look == SurfaceLook::kGlass) != glass) continue;
       const Eigen::Matrix4f placement = placementOf(surface);
       const Eigen::Matrix3f normalToSun = (frame.sun.view * placement).topLeftCorner<3, 3>();

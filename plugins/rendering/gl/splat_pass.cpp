@@ -28,6 +28,13 @@ SplatPass::SplatPass(const Functions& gl, Device& device)
       shadowCopy_(device),
       depthCopy_(device) {}
 
+Aabb SplatPass::load(std::span<const ParticleView> views) {
+  std::vector<ParticleView> balls;
+  for (const ParticleView& view : views)
+    if (!view.water) balls.push_back(view);
+  return spheres_.load(balls);
+}
+
 template <class T>
 const T* SplatPass::onHost(const Array<T>& array, HostCopy<T>& copy) const {
   if (device_.kind() == DeviceKind::kCpu) return array.data();

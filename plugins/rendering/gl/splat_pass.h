@@ -14,7 +14,7 @@ class SplatPass final : public ParticleDrawer {
   /// No other thread may use the device.
   SplatPass(const Functions& gl, Device& device);
 
-  Aabb load(std::span<const ParticleView> views) override { return spheres_.load(views); }
+  Aabb load(std::span<const ParticleView> views) override;
   bool comesFirst() const override { return true; }
   void drawGeometry(const Frame& frame, const Targets& targets) override;
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;

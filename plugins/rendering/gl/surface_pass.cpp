@@ -97,7 +97,7 @@ void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particl
 }
 
 void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface) {
-  if (surface.look == SurfaceLook::kGlass) return;
+  if (surface.look == SurfaceLook::kGlass || surface.look == SurfaceLook::kWater) return;
   setPlacement(program_, frame.camera, surface);
   program_.set("uColor", rgb(surface.color));
   program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);

@@ -18,8 +18,8 @@ class SurfacePass {
  public:
   explicit SurfacePass(const Functions& gl);
 
-  /// Into Targets::geometry, before or after the particles, with the same result: where a surface and a particle
-  /// are equally near, the particle is seen, and of two surfaces the later one, the ground last.
+  /// Into Targets::geometry, before or after the particles, with the same result: where a surface and a
+  /// particle are equally near, the particle is seen, and of two surfaces the later one, the ground last.
   void draw(const Frame& frame, const MeshStore& meshes, bool particlesAreThere);
 
  private:

@@ -38,4 +38,20 @@ void writePng(const std::filesystem::path& path, const Picture& picture) {
   file.keep();
 }
 
+Picture readPng(const std::filesystem::path& path) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  const auto failed = [&] {
+    const std::string reason = image.message;
+    png_image_free(&image);
+    return ioError("the picture cannot be read: libpng says: " + reason).at({.file = path.string()});
+  };
+  if (png_image_begin_read_from_file(&image, path.c_str()) == 0) throw failed();
+  image.format = PNG_FORMAT_RGB;
+  Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  picture.rgb.resize(picture.byteCount());
+  if (png_image_finish_read(&image, nullptr, picture.rgb.data(), 0, nullptr) == 0) throw failed();
+  return picture;
+}
+
 }  // namespace weir::rendering

@@ -11,4 +11,7 @@ namespace weir::rendering {
 /// channel, sRGB, no loss. Throws an io Error that names the file; what stood at the path is then as before.
 void writePng(const std::filesystem::path& path, const Picture& picture);
 
+/// Throws an io Error that names the file if it is not there or no whole PNG.
+Picture readPng(const std::filesystem::path& path);
+
 }  // namespace weir::rendering

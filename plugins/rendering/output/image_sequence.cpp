@@ -32,16 +32,12 @@ std::size_t longestQueue() {
   return static_cast<std::size_t>(2 * threadCount());
 }
 
-std::string nameOf(std::int64_t frame) {
-  return fmt::format("frame_{:05}.png", frame);
-}
-
 /// The number in the name of a frame; none if the name is no frame's.
 std::optional<std::int64_t> frameOf(const std::string& name) {
   const std::string_view digits = std::string_view(name).substr(std::min<std::size_t>(name.size(), 6));
   std::int64_t frame = -1;
   const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-  if (end.ec != std::errc() || frame < 0 || nameOf(frame) != name) return std::nullopt;
+  if (end.ec != std::errc() || frame < 0 || ImageSequence::nameOf(frame) != name) return std::nullopt;
   return frame;
 }
 
@@ -60,11 +56,15 @@ void makeFolder(const fs::path& folder) {
 /// Fails here rather than after hours of simulation.
 fs::path usable(fs::path folder) {
   makeFolder(folder);
-  const PartFile probe(folder / nameOf(0));
+  const PartFile probe(folder / ImageSequence::nameOf(0));
   return folder;
 }
 
 }  // namespace
+
+std::string ImageSequence::nameOf(std::int64_t frame) {
+  return fmt::format("frame_{:05}.png", frame);
+}
 
 ImageSequence::ImageSequence(fs::path folder, std::int64_t first)
     : folder_(usable(std::move(folder))),

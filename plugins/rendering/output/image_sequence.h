@@ -15,6 +15,9 @@ namespace weir::rendering {
 
 class ImageSequence {
  public:
+  /// "frame_00012.png"
+  static std::string nameOf(std::int64_t frame);
+
   /// Makes the folder if it is missing; the folder above must be there. Throws an io Error if it cannot be
   /// made, is no folder, or if no picture can be written in it.
   /// The first picture is that of the frame `first`.

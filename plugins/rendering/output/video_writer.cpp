@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "framework/base/check.h"
-#include "framework/base/text.h"
+#include "plugins/rendering/output/ffmpeg.h"
 #include "plugins/rendering/output/piped_program.h"
 
 namespace weir::rendering {
@@ -31,7 +31,8 @@ struct Container {
 const std::vector<Container>& containers() {
   // Nearly without visible loss, and fast enough not to slow the simulation down. Some distributions build
   // ffmpeg without x264; its own MPEG-4 encoder is always there.
-  static const std::vector<VideoEncoder> kMpeg{{"libx264", {"-preset", "veryfast", "-crf", "18"}},
+  // No frames that depend on later ones (-bf 0): so videos can be cut and joined at any frame (video_copy.h).
+  static const std::vector<VideoEncoder> kMpeg{{"libx264", {"-preset", "veryfast", "-crf", "18", "-bf", "0"}},
                                                {"mpeg4", {"-q:v", "2"}}};
   static const std::vector<VideoEncoder> kVp9{
       {"libvpx-vp9", {"-crf", "24", "-b:v", "0", "-deadline", "good", "-cpu-used", "5", "-row-mt", "1"}}};
@@ -111,39 +112,11 @@ std::vector<std::string> argumentsFor(const fs::path& file, const Container& con
   return arguments;
 }
 
-/// The last lines that a program has written, made safe to show.
-std::string lastLines(std::string_view text) {
-  constexpr std::size_t kMostLines = 4, kLongestLine = 200;
-  std::vector<std::string> lines;
-  while (!text.empty() && lines.size() < kMostLines) {
-    const std::size_t end = text.find_last_not_of("\r\n");
-    text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
-    const std::size_t begin = text.find_last_of("\r\n") + 1;  // npos + 1 is 0
-    if (!text.empty()) lines.insert(lines.begin(), printable(text.substr(begin), kLongestLine));
-    text = text.substr(0, begin);
-  }
-  return lines.empty() ? "it gave no reason" : fmt::format("{}", fmt::join(lines, "; "));
-}
-
-Error failureOf(const PipedProgram& ffmpeg, const fs::path& file) {
-  return cannotWrite(file, "ffmpeg " + ffmpeg.ending() + ": " + lastLines(ffmpeg.messages()));
-}
-
-std::unique_ptr<PipedProgram> startFfmpeg(const fs::path& file, const std::vector<std::string>& arguments) {
-  const std::string hint =
-      "install ffmpeg (Debian and Ubuntu: apt install ffmpeg; Fedora: dnf install ffmpeg-free; Arch: pacman "
-      "-S "
-      "ffmpeg), or write single pictures with --images, which works without it";
-  try {
-    return std::make_unique<PipedProgram>("ffmpeg", arguments);
-  } catch (const std::system_error& error) {
-    const bool missing = error.code() == std::errc::no_such_file_or_directory;
-    throw cannotWrite(
-        file,
-        missing ? "the program ffmpeg, which makes videos, is not on the PATH"
-                : "the program ffmpeg, which makes videos, cannot be started: " + error.code().message(),
-        hint);
-  }
+/// The one of this name; without options if it is none of ours, which ffmpeg may know still.
+VideoEncoder encoderNamed(const Container& container, const std::string& name) {
+  for (const VideoEncoder& encoder : container.encoders)
+    if (encoder.name == name) return encoder;
+  return {name, {}};
 }
 
 /// The first encoder that gets one black frame into the file. Throws why the best one does not.
@@ -170,7 +143,11 @@ std::vector<std::string> VideoWriter::extensions() {
   return all;
 }
 
-VideoWriter::VideoWriter(fs::path file, int width, int height, double frameRate)
+std::vector<std::string> VideoWriter::containerOptions(const fs::path& file) {
+  return containerOf(file).options;
+}
+
+VideoWriter::VideoWriter(fs::path file, int width, int height, double frameRate, const std::string& encoder)
     : file_(std::move(file)),
       width_(width),
       height_(height),
@@ -181,7 +158,8 @@ VideoWriter::VideoWriter(fs::path file, int width, int height, double frameRate)
   WEIR_CHECK(std::isfinite(frameRate));
   const Container& container = containerOf(file_);
   part_.emplace(file_);
-  encoder_ = workingEncoder(*part_, container, width, height, frameRate);
+  encoder_ = encoder.empty() ? workingEncoder(*part_, container, width, height, frameRate)
+                             : encoderNamed(container, encoder);
   ffmpeg_ = startFfmpeg(file_, argumentsFor(part_->path(), container, encoder_, width, height, frameRate));
 }
 
@@ -200,6 +178,10 @@ void VideoWriter::write(Picture picture) {
 }
 
 void VideoWriter::feed(const Picture& picture) {
+  // A file that was removed can be written to, but nobody will ever see it.
+  std::error_code error;
+  if (!fs::exists(part_->path(), error))
+    throw cannotWrite(file_, part_->path().string() + " was removed while it was being written");
   const bool even = picture.width % 2 == 0 && picture.height % 2 == 0;
   if (even ? ffmpeg_->write(picture.rgb) : ffmpeg_->write(evenSized(picture))) return;
   // It has ended, or is about to: time to say why, but not forever.

@@ -31,13 +31,17 @@ class VideoWriter {
   /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm", ".mov" (ProRes, to
   /// be edited), ".gif".
   static std::vector<std::string> extensions();
+  /// ffmpeg's options for a file of this name. Throws an io Error if its extension is none of extensions().
+  static std::vector<std::string> containerOptions(const std::filesystem::path& file);
 
   /// Frames are width times height pixels and follow each other by 1 / frameRate seconds; all positive
   /// (WEIR_CHECK). Of a size that is odd, the last column or row is shown twice, as the formats hold even
   /// sizes only. One black frame is encoded as a trial, so that what cannot work fails here. Throws an io
   /// Error if the extension is none of extensions(), if there is no ffmpeg on the PATH, if it cannot make
-  /// such a video (with the reason that it gives), or if the file cannot be written.
-  VideoWriter(std::filesystem::path file, int width, int height, double frameRate);
+  /// such a video (with the reason that it gives), or if the file cannot be written. `encoder` is ffmpeg's
+  /// name of one that is taken without a trial; "": the best one that works.
+  VideoWriter(std::filesystem::path file, int width, int height, double frameRate,
+              const std::string& encoder = {});
   /// Without finish(): stops ffmpeg and leaves nothing behind.
   ~VideoWriter();
 

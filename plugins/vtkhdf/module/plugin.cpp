@@ -2,9 +2,12 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/info_source.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/export_settings.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
+#include "plugins/vtkhdf/surface_export.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
+#include "plugins/vtkhdf/vtkhdf_recording.h"
 
 namespace weir {
 namespace {
@@ -23,11 +26,15 @@ class Hdf5Info final : public InfoSource {
 }  // namespace
 }  // namespace weir
 
-WEIR_PLUGIN("vtkhdf", "Exports particles to VTKHDF files, for ParaView and VTK, and reads them back.",
+WEIR_PLUGIN("vtkhdf",
+            "Exports particles and surfaces to VTKHDF files, for ParaView and VTK, and reads particles back.",
             registry) {
   using namespace weir;
+  registry.addSection<ExportSettings>("export", "What --export writes: attributes, frames, precision.");
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
+  registry.addService<OutputKind>("vtkhdf surfaces", [] { return std::make_unique<SurfaceExportKind>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
+  registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });
   registry.addService<CheckpointStore>("hdf5", [] { return std::make_unique<Hdf5CheckpointStore>(); });
   registry.addService<InfoSource>("vtkhdf", [] { return std::make_unique<Hdf5Info>(); });
 }

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "framework/scene/scene_file.h"
 #include "tests/support/child_process.h"
@@ -92,6 +93,41 @@ TEST_F(Cli, WritesASeriesOfFrames) {
   // It has begun to fall to the side.
   EXPECT_GT(member(last, {"nodes", "water", "linear_momentum"}).asArray()[0].asDouble(), 0);
   expectFailure(runWeir({"run", scene(), "--series", folder / "s.json"}), 2, {"s.json", ".jsonl"});
+}
+
+TEST_F(Cli, WritesASeriesAsATable) {
+  const std::string series = folder / "series.csv";
+  ASSERT_EQ(runWeir({"run", scene(), "--series", series, "--set", "water.spacing=0.05"}).code, 0);
+  std::istringstream lines(readFile(series));
+  const auto next = [&] {
+    std::string line, field;
+    std::getline(lines, line);
+    std::vector<std::string> fields;
+    for (std::istringstream rest(line + ","); std::getline(rest, field, ',');) fields.push_back(field);
+    return fields;
+  };
+  const std::vector<std::string> names = next();
+  const auto at = [&](const std::vector<std::string>& row, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    EXPECT_NE(found, names.end()) << name;
+    return found != names.end() ? row.at(static_cast<std::size_t>(found - names.begin())) : std::string();
+  };
+  std::vector<std::vector<std::string>> rows;
+  for (std::vector<std::string> row = next(); row.size() > 1; row = next()) rows.push_back(row);
+  ASSERT_EQ(rows.size(), 6u);
+  EXPECT_EQ(at(rows[0], "ms_per_step"), "") << "there was no step before frame 0";
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].size(), names.size());
+    EXPECT_EQ(at(rows[k], "frame"), std::to_string(k));
+    EXPECT_EQ(at(rows[k], "particles"), "64");
+    EXPECT_NEAR(std::stod(at(rows[k], "time")), 0.02 * double(k), 1e-9);
+    if (k > 0) {
+      EXPECT_GT(std::stod(at(rows[k], "ms_per_step")), 0);
+    }
+  }
+  EXPECT_GT(std::stod(at(rows[5], "water.linear_momentum.x")), 0) << "it has begun to fall to the side";
+  EXPECT_GT(std::stod(at(rows[5], "water.kinetic_energy")), 0);
+  EXPECT_GT(std::stod(at(rows[5], "water.compression.mean")), 0);
 }
 
 TEST_F(Cli, SetChangesTheTypeOfAModule) {

@@ -86,11 +86,26 @@ INSTANTIATE_TEST_SUITE_P(All, BrokenPlugin,
                                          std::pair{"throws", "no licence found"},
                                          std::pair{"taken_name", "ParticleFluid"},
                                          std::pair{"no_plugin", "is no Weir plugin"},
-                                         std::pair{"missing_symbol", "nobodyHasThis()"}),
+                                         std::pair{"missing_symbol", "nobodyHasThis()"},
+                                         std::pair{"static_throws", "no licence found"},
+                                         std::pair{"static_crashes", "cannot be made: signal 11"},
+                                         std::pair{"static_exits", "with exit code 3"}),
                          [](const auto& tested) { return std::string(tested.param.first); });
 
+TEST(Plugins, WhatCannotBeLoadedFromAFolderIsLeftOut) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"lift", "static_throws", "static_crashes", "throws"})
+    std::filesystem::copy(testPlugin(name), folder / (name + ".so"));
+  ChildOptions options;
+  options.environment["WEIR_PLUGIN_PATH"] = "/none/such:" + folder.path();
+  const ChildResult result = runWeir({"run", folder.write("s.json", liftScene(""))}, options);
+  EXPECT_EQ(result.code, 0) << result.err;
+  for (const std::string name : {"static_throws", "static_crashes", "throws"})
+    EXPECT_CONTAINS(result.err, "going on without a plugin: " + folder.path() + "/" + name + ".so");
+}
+
 std::string failingScene(const std::string& nodeHook, const std::string& moduleHook) {
-  return R"({ "weir": 1, "world": { "duration": 0.1 },
+  return R"({ "weir": 1, "world": { "duration": 0.1, "cfl": 0.5 },
     "nodes": {
       "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.1, 0.1, 0.1] } },
       "culprit": { "type": "FailingNode", "params": { "hook": ")" +
@@ -103,7 +118,7 @@ std::string failingScene(const std::string& nodeHook, const std::string& moduleH
 }
 
 struct FailingHook {
-  const char *name, *node, *module, *where, *what;
+  const char *name, *node, *module, *where, *hook, *what;
 };
 
 class FailingPlugin : public testing::TestWithParam<FailingHook> {};
@@ -113,10 +128,11 @@ TEST_P(FailingPlugin, IsNamedAndTheHostEndsInOrder) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("s.json", failingScene(hook.node, hook.module));
   const ChildResult result =
-      runWeir({"run", scene, "--plugin", testPlugin("failing_hooks"), "--stats", folder / "stats.json"});
+      runWeir({"run", scene, "--plugin", testPlugin("failing_hooks"), "--stats", folder / "stats.json",
+               "--checkpoint", folder / "state.h5", "--checkpoint-every", "2"});
   EXPECT_EQ(result.code, 4) << result.err;
-  EXPECT_CONTAINS(result.err, "plugin failing_hooks");
   EXPECT_CONTAINS(result.err, hook.where);
+  EXPECT_CONTAINS(result.err, std::string(hook.hook) + " (plugin failing_hooks): ");
   EXPECT_CONTAINS(result.err, hook.what);
   // Observers were told, too.
   EXPECT_CONTAINS(readFile(folder / "stats.json"), "failed");
@@ -124,17 +140,107 @@ TEST_P(FailingPlugin, IsNamedAndTheHostEndsInOrder) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, FailingPlugin,
-    testing::Values(FailingHook{"NodeConfigure", "configure", "", "node 'culprit'", "mistake in configure"},
-                    FailingHook{"NodeReset", "reset", "", "node 'culprit'", "mistake in reset"},
-                    FailingHook{"NodeStep", "step", "", "node 'culprit'", "mistake in step"},
-                    FailingHook{"NodeFrame", "frame", "", "node 'culprit'", "mistake in frame"},
-                    FailingHook{"NodeError", "step_error", "", "node 'culprit'", "mistake in step_error"},
-                    FailingHook{"NodeCheck", "step_check", "", "node 'culprit'", "1 == 2"},
-                    FailingHook{"NodeOther", "step_no_exception", "", "node 'culprit'", "says nothing"},
-                    FailingHook{"ModuleReset", "", "reset", "module 'wrong'", "mistake in reset"},
-                    FailingHook{"ModuleWarn", "", "warn", "module 'wrong'", "mistake in warn"},
-                    FailingHook{"ModuleStep", "", "step", "module 'wrong'", "mistake in step"}),
+    testing::Values(
+        FailingHook{"NodeConfigure", "configure", "", "node 'culprit'", "configure", "mistake in configure"},
+        FailingHook{"NodeEstimate", "estimate", "", "node 'culprit'", "estimate", "mistake in estimate"},
+        FailingHook{"NodeReset", "reset", "", "node 'culprit'", "reset", "mistake in reset"},
+        FailingHook{"NodeLongestStep", "longestStep", "", "node 'culprit'", "longestStep",
+                    "mistake in longestStep"},
+        FailingHook{"NodeStep", "step", "", "node 'culprit'", "step", "mistake in step"},
+        FailingHook{"NodeFrame", "frame", "", "node 'culprit'", "frame", "mistake in frame"},
+        FailingHook{"NodeError", "step_error", "", "node 'culprit'", "step", "mistake in step_error"},
+        FailingHook{"NodeCheck", "step_check", "", "node 'culprit'", "step", "1 == 2"},
+        FailingHook{"NodeOther", "step_no_exception", "", "node 'culprit'", "step", "says nothing"},
+        FailingHook{"NodeSave", "save", "", "node 'culprit'", "save", "mistake in save"},
+        FailingHook{"ModuleMemory", "", "memory", "node 'water'", "module 'wrong', memory",
+                    "mistake in memory"},
+        FailingHook{"ModuleReset", "", "reset", "node 'water'", "module 'wrong', reset", "mistake in reset"},
+        FailingHook{"ModuleWarn", "", "warn", "node 'water'", "module 'wrong', warn", "mistake in warn"},
+        FailingHook{"ModuleStep", "", "step", "node 'water'", "module 'wrong', step", "mistake in step"},
+        FailingHook{"ModuleSave", "", "save", "node 'water'", "module 'wrong', save", "mistake in save"}),
     [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(Plugins, WhatFailsWhenAStateIsTakenBackIsNamed) {
+  for (const auto& [node, module, where] :
+       {std::tuple{"restore", "", "node 'culprit': restore (plugin failing_hooks): "},
+        std::tuple{"", "restore", "module 'wrong', restore (plugin failing_hooks): "}}) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.write("s.json", failingScene(node, module));
+    const std::string state = folder / "state.h5", plugin = testPlugin("failing_hooks");
+    ChildResult result =
+        runWeir({"run", scene, "--plugin", plugin, "--checkpoint", state, "--checkpoint-every", "2"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    result = runWeir({"run", scene, "--plugin", plugin, "--resume", state});
+    EXPECT_EQ(result.code, 4) << result.err;
+    EXPECT_CONTAINS(result.err, where);
+    EXPECT_CONTAINS(result.err, "mistake in restore");
+  }
+}
+
+TEST(Plugins, ParametersThatAPluginRefusesByAnExceptionNameIt) {
+  const TemporaryFolder folder;
+  const std::string plugin = testPlugin("failing_hooks");
+  ChildResult result =
+      runWeir({"validate", folder.write("n.json", failingScene("validate", "")), "--plugin", plugin});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "node 'culprit': validate (plugin failing_hooks): ");
+  result = runWeir({"validate", folder.write("m.json", failingScene("", "validate")), "--plugin", plugin});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "module 'wrong', validate (plugin failing_hooks): ");
+  std::string section = failingScene("", "");
+  section.insert(section.find("\"world\""), "\"failing\": { \"fails\": true }, ");
+  result = runWeir({"validate", folder.write("s.json", section), "--plugin", plugin});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "section 'failing', validate (plugin failing_hooks): ");
+}
+
+TEST(Plugins, AReportThatFailsStandsInTheStatistics) {
+  const TemporaryFolder folder;
+  const std::string stats = folder / "stats.json";
+  const ChildResult result = runWeir({"run", folder.write("s.json", failingScene("report", "report")),
+                                      "--plugin", testPlugin("failing_hooks"), "--stats", stats});
+  EXPECT_EQ(result.code, 0) << result.err;
+  const Value v = parseJson(readFile(stats), stats);
+  EXPECT_CONTAINS(v.find("nodes")->find("culprit")->find("error")->asString(),
+                  "report (plugin failing_hooks): ");
+  EXPECT_CONTAINS(v.find("nodes")->find("water")->find("error")->asString(),
+                  "module 'wrong', report (plugin failing_hooks): ");
+}
+
+class FailingOutput : public testing::TestWithParam<const char*> {};
+
+TEST_P(FailingOutput, IsNamedAndTheHostEndsInOrder) {
+  const std::string hook = GetParam();
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("s.json", failingScene("", ""));
+  const std::string state = folder / "state.h5";
+  std::vector<std::string> arguments{"run",
+                                     scene,
+                                     "--plugin",
+                                     testPlugin("failing_hooks"),
+                                     "--failing",
+                                     folder / hook,
+                                     "--checkpoint",
+                                     state,
+                                     "--checkpoint-every",
+                                     "2",
+                                     "--stats",
+                                     folder / "stats.json"};
+  ChildResult result = runWeir(arguments);
+  if (hook == "resume") {
+    ASSERT_EQ(result.code, 0) << result.err;
+    arguments.insert(arguments.end(), {"--resume", state});
+    result = runWeir(arguments);
+  }
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "output 'failing', " + hook + " (plugin failing_hooks): ");
+  EXPECT_CONTAINS(result.err, "mistake in " + hook);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FailingOutput,
+                         testing::Values("create", "name", "begin", "save", "resume", "capture", "write",
+                                         "end"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 TEST(Plugins, ATypeThatCannotBeMadeNamesItsPlugin) {
   const TemporaryFolder folder;

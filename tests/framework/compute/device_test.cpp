@@ -126,6 +126,36 @@ TEST_P(DeviceTest, MemoryIsAlignedCountedAndReused) {
   device->release(nullptr, 0);
 }
 
+TEST_P(DeviceTest, MemoryThatIsLentIsGivenToNobody) {
+  constexpr std::size_t kBytes = 5000;
+  void* memory = device->allocate(kBytes);
+  std::shared_ptr<void> loan = device->lend(memory);
+  const std::shared_ptr<void> another = device->lend(memory);
+  EXPECT_EQ(loan.get(), memory);
+  device->release(memory, kBytes);
+  EXPECT_GE(device->memoryUse().inUse, kBytes);
+  loan.reset();
+  void* other = device->allocate(kBytes);
+  EXPECT_NE(other, memory);
+  device->release(other, kBytes);
+}
+
+TEST_P(DeviceTest, MemoryThatWasLentIsUsedAgain) {
+  constexpr std::size_t kBytes = 5000;
+  void* memory = device->allocate(kBytes);
+  const std::size_t inUse = device->memoryUse().inUse;
+  std::shared_ptr<void> loan = device->lend(memory);
+  device->release(memory, kBytes);
+  loan.reset();
+  EXPECT_LT(device->memoryUse().inUse, inUse);
+  EXPECT_EQ(device->allocate(kBytes), memory);
+  loan = device->lend(memory);
+  loan.reset();  // lent and given back before it is released
+  EXPECT_EQ(device->memoryUse().inUse, inUse);
+  device->release(memory, kBytes);
+  EXPECT_LT(device->memoryUse().inUse, inUse);
+}
+
 TEST_P(DeviceTest, RunningOutOfMemoryNamesTheSize) {
   for (const std::size_t bytes : {std::size_t{1} << 50, ~std::size_t{0}}) {
     try {

@@ -17,6 +17,7 @@ class SomeCuda final : public Device {
   std::string description() const override { return "a CUDA device"; }
   void* allocate(std::size_t) override { return nullptr; }
   void release(void*, std::size_t) noexcept override {}
+  std::shared_ptr<void> lend(void*) override { return nullptr; }
   MemoryUse memoryUse() const override { return {}; }
   std::size_t availableMemory() const override { return 0; }
   void upload(void*, const void*, std::size_t) override {}

@@ -57,8 +57,8 @@ TEST(Registry, ServicesAreFoundByInterface) {
   registry.addService<Greeter>("polite", [] { return std::make_unique<Polite>(); });
   const auto services = registry.createServices<Greeter>();
   ASSERT_EQ(services.size(), 1u);
-  EXPECT_EQ(services[0].first, "polite");
-  EXPECT_EQ(services[0].second->greet(), "good day");
+  EXPECT_EQ(services[0].name, "polite");
+  EXPECT_EQ(services[0].implementation->greet(), "good day");
   EXPECT_THROW(registry.addService<Greeter>("polite", [] { return std::make_unique<Polite>(); }), Error);
 }
 

@@ -419,6 +419,60 @@ TEST_F(Run, AFailedWriteKeepsTheCheckpointFromBeingMade) {
   EXPECT_EQ(good.written, (Frames{0, 1}));
 }
 
+TEST_F(Run, ProceedsFromWhereTheSimulationIs) {
+  const auto s = simulation();
+  s->reset();
+  const std::atomic<bool> never = false;
+  s->advanceFrame(never);
+  Recorder recorder;
+  Observer* observers[] = {&recorder};
+  RunOptions options;
+  options.proceed = true;
+  options.lastFrame = 2;
+  EXPECT_EQ(runSimulation(*s, observers, options), RunEnd::kFinished);
+  EXPECT_EQ(recorder.calls, (Calls{"begin", "frame 1", "frame 2", "end finished"}));
+  EXPECT_EQ(s->stepsDone(), 4);
+}
+
+TEST_F(Run, MayBecomeLongerOrShorterButNotThanItIs) {
+  const auto s = simulation();
+  s->reset();
+  const std::atomic<bool> never = false;
+  while (s->advanceFrame(never)) {
+  }
+  EXPECT_EQ(s->frame(), 3);
+  s->setDuration(0.05);
+  while (s->advanceFrame(never)) {
+  }
+  EXPECT_EQ(s->frame(), 5);
+  EXPECT_DOUBLE_EQ(s->time(), 0.05);
+  EXPECT_EQ(test::errorOf([&] { s->setDuration(0.04); }).kind(), ErrorKind::kUsage);
+  s->setDuration(0.057);
+  s->finishRest(never);
+  EXPECT_NEAR(s->time(), 0.057, 1e-12);
+  // The steps of the rest are not those of a frame.
+  EXPECT_EQ(test::errorOf([&] { s->setDuration(0.07); }).kind(), ErrorKind::kUsage);
+}
+
+TEST_F(Run, AResetTakesTheWorldAsItIs) {
+  const auto s = simulation();
+  s->scene().world.dt.set(0.001);
+  s->reset();
+  s->step();
+  EXPECT_DOUBLE_EQ(s->time(), 0.001);
+}
+
+TEST_F(Run, GivesTheSceneToAnotherSimulation) {
+  auto s = simulation();
+  s->reset();
+  s->step();
+  std::unique_ptr<Scene> scene = s->release();
+  s.reset();
+  Simulation other(std::move(scene), *device_, log_, registry_);
+  other.reset();
+  EXPECT_EQ(other.time(), 0);
+}
+
 TEST(TimeSummary, PercentilesAreElements) {
   const std::vector<double> times{4, 1, 3, 2};
   const TimeSummary s = summarize(times);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/simulated_scene.h"
 
@@ -144,6 +145,27 @@ TEST(FluidMemory, OfARunThatEndsSoonCountsWhatIsBornByThen) {
   SimulatedScene scene(device, sceneOf({}), {"world.duration=1000"});
   scene->reset(0);
   EXPECT_LE(scene->memoryNeeds().particles, 2000 + 400);
+}
+
+using FluidMemoryOn = test::OnDevice;
+WEIR_ON_EVERY_DEVICE(FluidMemoryOn);
+
+TEST_P(FluidMemoryOn, ADamBreakOfManyTakesLittleForEach) {
+  SimulatedScene scene(*device, R"({"weir": 1, "world": {"dt": 0.001, "frame_rate": 500, "duration": 0.004},
+        "nodes": {
+          "block": {"type": "BoxSampler",
+                    "params": {"min": [0, 0, 0], "max": [0.53, 0.53, 0.53], "arrangement": "lattice"}},
+          "tank": {"type": "StaticBoundary",
+                   "params": {"shape": "box", "min": [0, 0, 0], "max": [2, 2, 1], "inverted": true}},
+          "water": {"type": "ParticleFluid", "params": {"spacing": 0.01, "support_ratio": 1.2}}},
+        "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]})");
+  run(scene);
+  const auto particles = static_cast<double>(scene->particleCount());
+  ASSERT_GT(particles, ParticleSet::kFew);
+  const auto held = static_cast<double>(device->memoryUse().peak);
+  EXPECT_LE(held, scene->memoryNeeds().device);
+  // Lists of 32-bit indices, and coordinates in columns, make the difference.
+  EXPECT_LE(held / particles, device->kind() == DeviceKind::kCuda ? 160 : 235);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 
 #include "tests/nodes/particles/listed_pairs.h"
@@ -75,6 +76,40 @@ TEST_P(NeighborListTest, FindsPairsFarFromTheOriginAndFarApart) {
   list.fitGrid({{-1e6f, -1e6f, -1e6f}, {1e6f, 1e6f, 1e6f}}, 400);
   list.build(particles, kEverywhere);
   EXPECT_EQ(listedPairs(particles, list), allPairs(points, radius));
+}
+
+/// The same as allPairs() of many points, by a sweep along x.
+Pairs pairsBySweep(const std::vector<Vec3f>& points, float radius) {
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int i) { return points[static_cast<std::size_t>(i)].x; });
+  Pairs pairs;
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    const Vec3f p = points[static_cast<std::size_t>(order[a])];
+    for (std::size_t b = a + 1; b < order.size(); ++b) {
+      const Vec3f d = points[static_cast<std::size_t>(order[b])] - p;
+      if (d.x >= radius) break;
+      if (dot(d, d) >= radius * radius) continue;
+      pairs.emplace(order[a], order[b]);
+      pairs.emplace(order[b], order[a]);
+    }
+  }
+  return pairs;
+}
+
+TEST_P(NeighborListTest, FindsAllPairsOfManyInWideLayers) {
+  // Layers of the grid have more particles than a window of packed lists, and the grid wraps around within
+  // them.
+  const float radius = 0.1f;
+  const Vec3f lo{-10, -10, -0.1f}, hi{10, 10, 0.1f};
+  const std::vector<Vec3f> points = randomPoints(90'000, lo, hi, 5);
+  ParticleSet particles = makeParticles(points);
+  NeighborList list(*device);
+  list.configure(radius, 40);
+  list.fitGrid({lo, hi}, 90'000);
+  list.build(particles, kEverywhere);
+  EXPECT_EQ(list.eventsOnHost().truncated, 0);
+  EXPECT_TRUE(listedPairs(particles, list) == pairsBySweep(points, radius));
 }
 
 TEST_P(NeighborListTest, CountsListsThatAreCutOff) {

@@ -38,12 +38,28 @@ struct Lists {
   std::vector<Vec4f> sums(Device& device) const {
     const Array<Vec4f> w(device, weighted);
     const Array<Vec3f> p(device, positions);
-    const Array<int> e(device, entries), c(device, counts);
+    const Array<int> c(device, counts);
     Array<Vec4f> out(device, kParticles);
-    dispatch(device, [&](auto& d) {
-      sumPairs(d, {e.data(), c.data(), kRoom, 0}, w.view(), p.view(), out.view());
-    });
+    const bool packs = device.kind() == DeviceKind::kCuda;
+    const Array<int> e(device, packs ? codes() : entries);
+    Array<ListGroup> groups(device, packs ? 2 : 0);
+    groups.fillZero();  // codes are indices
+    NeighborView list{e.data(), c.data(), kRoom, {}};
+    if (packs)
+      list.packed = {reinterpret_cast<FourCodes*>(const_cast<int*>(e.data())), groups.data(), nullptr, 0,
+                     kRoom};
+    dispatch(device, [&](auto& d) { sumPairs(d, list, w.view(), p.view(), out.view()); });
     return out.toHost();
+  }
+
+  /// The lists as CUDA packs them, with a code for what stands behind their ends, too.
+  std::vector<int> codes() const {
+    std::vector<int> packed(2 * kListGroup * kRoom / kCodesInInt);
+    const PackedLists to{reinterpret_cast<FourCodes*>(packed.data()), nullptr, nullptr, 0, kRoom};
+    for (int i = 0; i < kParticles; ++i)
+      for (int k = 0; k < kRoom; ++k)
+        *to.code(i, k) = static_cast<std::uint16_t>(entries[static_cast<std::size_t>(i * kRoom + k)]);
+    return packed;
   }
 
   std::array<double, 4> expected(int i) const {

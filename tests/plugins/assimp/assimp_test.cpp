@@ -27,8 +27,8 @@ class Assimp : public testing::Test {
     plugin = std::make_unique<Plugin>(buildFolder() + "/lib/weir/plugins/weir_assimp.so", *registry);
     auto services = registry->createServices<MeshReader>();
     ASSERT_EQ(services.size(), 1u);
-    EXPECT_EQ(services[0].first, "assimp");
-    reader = std::move(services[0].second);
+    EXPECT_EQ(services[0].name, "assimp");
+    reader = std::move(services[0].implementation);
   }
   void TearDown() override {
     reader.reset();

@@ -1,4 +1,5 @@
-"""Reads an export with VTK's own reader and compares all steps with what was written.
+"""Reads an export with VTK's own reader, and with PyVista where it is there, and compares all steps with what was
+written.
 
 usage: read_with_vtk.py WEIR_VTKHDF_TESTS     the test program, which writes the file
 """
@@ -9,8 +10,15 @@ import sys
 import tempfile
 
 import numpy as np
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkVersion
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkIOHDF import vtkHDFReader
+
+try:
+    import pyvista
+except ModuleNotFoundError:
+    pyvista = None
 
 COUNTS = [5, 5, 0, 0, 40000, 40000, 70000, 40000, 3, 0, 1]  # kCounts in vtkhdf_writer_test.cpp
 
@@ -52,6 +60,41 @@ def check_step(data, step, count):
         assert np.array_equal(array(data.GetPointData(), name), values), (step, name)
 
 
+def check_times(reader):
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    assert np.allclose(times, np.arange(len(COUNTS)) / 30), times
+    return times
+
+
+def read_with_vtk(file):
+    reader = vtkHDFReader()
+    assert reader.CanReadFile(file)
+    reader.SetFileName(file)
+    times = check_times(reader)
+    # Forwards, backwards and with jumps: what a reader keeps from the step before must not matter.
+    order = list(range(len(COUNTS)))
+    for step in order + order[::-1] + [6, 0, 10, 5, 4, 7, 2, 1]:
+        reader.UpdateTimeStep(times[step])
+        check_step(reader.GetOutput(), step, COUNTS[step])
+
+
+def read_with_pyvista(file):
+    reader = pyvista.get_reader(file).reader
+    times = check_times(reader)
+    for step, count in enumerate(COUNTS):
+        reader.UpdateTimeStep(times[step])
+        mesh = pyvista.wrap(reader.GetOutput())
+        assert isinstance(mesh, pyvista.PolyData), type(mesh)
+        assert mesh.n_points == mesh.n_verts == count, (step, mesh.n_points, mesh.n_verts)
+        if count == 0:
+            continue
+        want = expected(step, count)
+        assert np.array_equal(mesh.points, want.pop("points")), step
+        for name, values in want.items():
+            assert np.array_equal(mesh.point_data[name], values), (step, name)
+
+
 def main(program):
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "sample.vtkhdf")
@@ -61,19 +104,12 @@ def main(program):
             stdout=subprocess.DEVNULL,
             check=True,
         )
-        reader = vtk.vtkHDFReader()
-        assert reader.CanReadFile(file)
-        reader.SetFileName(file)
-        reader.UpdateInformation()
-        key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
-        times = reader.GetOutputInformation(0).Get(key)
-        assert np.allclose(times, np.arange(len(COUNTS)) / 30), times
-        # Forwards, backwards and with jumps: what a reader keeps from the step before must not matter.
-        order = list(range(len(COUNTS)))
-        for step in order + order[::-1] + [6, 0, 10, 5, 4, 7, 2, 1]:
-            reader.UpdateTimeStep(times[step])
-            check_step(reader.GetOutput(), step, COUNTS[step])
-    print(f"VTK {vtk.VTK_VERSION} reads all {len(COUNTS)} steps right")
+        read_with_vtk(file)
+        if pyvista is not None:
+            read_with_pyvista(file)
+    readers = f"VTK {vtkVersion.GetVTKVersion()}"
+    readers += f" and PyVista {pyvista.__version__} read" if pyvista is not None else " reads"
+    print(f"{readers} all {len(COUNTS)} steps right")
 
 
 if __name__ == "__main__":

@@ -39,6 +39,23 @@ TEST_F(VtkHdfWriterTest, GivesBackGrowingShrinkingAndEmptyFrames) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "no drafts are left behind";
 }
 
+TEST_F(VtkHdfWriterTest, DoesNotSayWhenItWasWritten) {
+  // So two files of the same data are the same.
+  const auto file = folder / "run.vtkhdf";
+  writeSample(file, {3, 2});
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto look = [](hid_t, const char* name, const auto* info, void* seen) {
+    EXPECT_EQ(info->ctime, 0) << name;
+    EXPECT_EQ(info->mtime, 0) << name;
+    ++*static_cast<int*>(seen);
+    return herr_t{0};
+  };
+  int seen = 0;
+  H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_INC, look, &seen, H5O_INFO_TIME);
+  EXPECT_GT(seen, 20);
+  H5Fclose(id);
+}
+
 /// Reads integers with HDF5's own interface, not with ours.
 class RawFile {
  public:
@@ -141,6 +158,64 @@ TEST_F(VtkHdfWriterTest, LaysTheFileOutAsReadersExpect) {
   EXPECT_EQ(raw.filters("/VTKHDF/PointData/velocity"), 0);
   EXPECT_EQ(raw.filters("/VTKHDF/PointData/id"), 0);
   EXPECT_GT(raw.filters("/VTKHDF/Vertices/Offsets"), 0);
+}
+
+/// A fan of `count` triangles about point 0, moved by the step.
+struct SampleFan {
+  SampleFan(int step, int count) : time(step) {
+    for (int i = 0; i < count + (count > 0 ? 2 : 0); ++i)
+      vertices.push_back({static_cast<float>(i), static_cast<float>(step), 0});
+    for (int i = 0; i < count; ++i) triangles.push_back({0, i + 1, i + 2});
+  }
+  VtkHdfFrame frame() const {
+    return {.time = time,
+            .positions = vertices,
+            .attributes = {flat(vertices)},
+            .fields = {static_cast<double>(triangles.size())},
+            .triangles = triangles};
+  }
+
+  double time;
+  std::vector<Vec3f> vertices;
+  std::vector<Vec3i> triangles;
+};
+
+const VtkHdfLayout kFanLayout{
+    .attributes = {{"Normals", 3, VtkHdfType::kFloat32, ""}}, .fields = {"triangles"}, .triangles = true};
+
+TEST_F(VtkHdfWriterTest, TrianglesArePolygonsAndCanBeGoneOnWith) {
+  using Integers = std::vector<std::int64_t>;
+  const auto whole = folder / "whole.vtkhdf", resumed = folder / "resumed.vtkhdf";
+  {
+    VtkHdfWriter writer(whole, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 3}, {3, 1}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout);
+    for (const auto& [step, count] : {std::pair{0, 2}, {1, 0}, {2, 40}, {3, 20}})
+      writer.append(SampleFan(step, count).frame());
+  }
+  {
+    VtkHdfWriter writer(resumed, kFanLayout, 2);
+    for (const auto& [step, count] : {std::pair{2, 3}, {3, 1}}) writer.append(SampleFan(step, count).frame());
+  }
+  for (const auto& file : {whole, resumed}) {
+    const RawFile raw(file);
+    EXPECT_EQ(raw.integers("/VTKHDF/NumberOfPoints"), (Integers{4, 0, 5, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfCells"), (Integers{2, 0, 3, 1}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/NumberOfConnectivityIds"), (Integers{6, 0, 9, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Connectivity"),
+              (Integers{0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 1, 2}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Polygons/Offsets"), (Integers{0, 3, 6, 0, 0, 3, 6, 9, 0, 3}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/NumberOfCells"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Vertices/Offsets"), (Integers{0, 0, 0, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/PointOffsets"), (Integers{0, 4, 4, 9}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/CellOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 5, 0}));
+    EXPECT_EQ(raw.integers("/VTKHDF/Steps/ConnectivityIdOffsets"),
+              (Integers{0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 6, 0, 0, 0, 15, 0}));
+  }
 }
 
 TEST(VtkHdfSampleTest, WritesTheFileThatVtkReads) {

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <map>
 
 #include "framework/scene/scene_file.h"
 #include "tests/plugins/rendering/output/read_png.h"
@@ -114,6 +115,88 @@ TEST_F(PicturesOfRuns, AnAttributeOfAPluginColoursTheParticles) {
   }
   ASSERT_EQ(pictures.size(), 2u);
   EXPECT_NE(pictures[0].rgb, pictures[1].rgb);
+}
+
+/// Pixels in which red is this much of the sum, or more.
+int redPixels(const rendering::Picture& picture, double share) {
+  int count = 0;
+  for (std::size_t i = 0; i < picture.rgb.size(); i += 3)
+    count += picture.rgb[i] > share * (picture.rgb[i] + picture.rgb[i + 1] + picture.rgb[i + 2] + 1);
+  return count;
+}
+
+TEST_F(PicturesOfRuns, TheSurfaceOfAFluidIsShownInPlaceOfItsParticles) {
+  // Particles are green and the surface is red.
+  std::string text = kFallingCube;
+  text.replace(text.find("0.02 }"), 8, R"(0.02 } }, "skin": { "type": "FluidSurface" })");
+  text.replace(text.find("\"links\": ["), 10, R"("links": [ "water.fluid -> skin.fluid", )");
+  text.replace(
+      text.find("\"width\""), 0,
+      R"("color": { "by": "none", "fixed": [0, 0.8, 0], "bar": false }, "overlay": false, "ground": false,
+                  "surfaces": [ { "node": "skin", "color": [1, 0, 0] OPTIONS } ], PARTICLES )");
+  std::map<std::string, rendering::Picture> pictures;
+  const auto draw = [&](const std::string& name, const std::string& options, const std::string& particles) {
+    std::string changed = text;
+    changed.replace(changed.find("OPTIONS"), 7, options);
+    changed.replace(changed.find("PARTICLES"), 9, particles);
+    const std::string images = folder / name;
+    const ChildResult result = runWeir({"run", folder.write(name + ".json", changed), "--images", images});
+    EXPECT_EQ(result.code, 0) << result.err;
+    if (result.code == 0)
+      for (const std::string frame : {"0", "5"})
+        pictures[name + frame] = readPng(images + "/frame_0000" + frame + ".png");
+  };
+  draw("surface", "", "");
+  draw("particles", R"(, "visible": false)", "");
+  draw("neither", R"(, "visible": false)", R"("particles": "none",)");
+  draw("both", "", R"("particles": "all",)");
+  ASSERT_EQ(pictures.size(), 8u);
+  const auto red = [&](const std::string& name) { return redPixels(pictures.at(name), 0.6); };
+  EXPECT_GT(red("surface0"), 1000);
+  EXPECT_GT(red("surface5"), 1000);
+  // It falls with the fluid.
+  EXPECT_NE(pictures.at("surface0").rgb, pictures.at("surface5").rgb);
+  EXPECT_EQ(red("particles0"), 0);
+  EXPECT_EQ(red("neither0"), 0);
+  EXPECT_NE(pictures.at("particles0").rgb, pictures.at("neither0").rgb);
+  EXPECT_GT(red("both0"), 500);
+}
+
+TEST_F(PicturesOfRuns, AFluidLooksLikeWaterIfTheSceneSaysSo) {
+  const auto run = [&](const std::string& name, const std::string& render) {
+    std::string text = kFallingCube;
+    text.replace(text.find("\"width\""), 0, render + ", ");
+    return runWeir({"run", folder.write(name + ".json", text), "--images", folder / name, "--frames", "1"});
+  };
+  const std::string water = R"("fluids": [{ "node": "water", "look": "water" }])";
+  const std::string foam =
+      R"("fluids": [{ "node": "water", "look": "water", "foam": { "by": "speed", "range": [0, 0.1] } }])";
+  const std::string spheres = R"("fluids": [{ "node": "water", "look": "spheres" }])";
+  std::vector<rendering::Picture> pictures;
+  for (const auto& [name, render] : {std::pair{"water", water}, {"foam", foam}, {"spheres", spheres}}) {
+    const ChildResult result = run(name, render);
+    ASSERT_EQ(result.code, 0) << result.err;
+    pictures.push_back(readPng(folder / name + "/frame_00001.png"));
+  }
+  EXPECT_NE(pictures[0].rgb, pictures[1].rgb);
+  EXPECT_NE(pictures[0].rgb, pictures[2].rgb);
+}
+
+TEST_F(PicturesOfRuns, WrongLooksOfFluidsAreErrors) {
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {R"("fluids": [{ "node": "watr", "look": "water" }])", "did you mean 'water'"},
+      {R"("fluids": [{ "node": "water", "foam": { "by": "anger" } }])", "/render/fluids/0/foam/by"},
+      {R"("fluids": [{ "node": "water", "foam": { "range": [2, 2] } }])", "two different values"},
+      {R"("fluids": [{ "node": "water", "water": { "absorption": [1, -1, 1] } }])", "absorption"},
+      {R"("environment": { "sun": [0, 0, 0] })", "a direction"}};
+  for (const auto& [render, message] : wrong) {
+    std::string text = kFallingCube;
+    text.replace(text.find("\"width\""), 0, render + ", ");
+    const ChildResult result =
+        runWeir({"run", folder.write("wrong.json", text), "--images", folder / "wrong", "--frames", "0"});
+    EXPECT_EQ(result.code, 3) << render;
+    EXPECT_CONTAINS(result.err, message);
+  }
 }
 
 TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {

@@ -1,0 +1,79 @@
+// HTTP and WebSocket on one port, for one user's browser. Everything runs on the thread that calls run();
+// Boost stays in the .cpp.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "apps/studio/server/access.h"
+
+namespace weir::studio {
+
+struct HttpRequest {
+  std::string method;                        ///< "GET"
+  std::string path;                          ///< decoded, begins with '/'
+  std::map<std::string, std::string> query;  ///< decoded
+  std::string body;
+};
+
+struct HttpReply {
+  unsigned status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  std::string body;
+};
+
+/// One open WebSocket.
+using ClientId = std::uint64_t;
+
+/// What the server calls, on its own thread. Exceptions of request() become replies, those of message() close
+/// the client.
+class ServerEvents {
+ public:
+  virtual ~ServerEvents() = default;
+  virtual HttpReply request(const HttpRequest& request) = 0;
+  virtual void opened(ClientId client) = 0;
+  virtual void message(ClientId client, std::string_view text) = 0;
+  virtual void closed(ClientId client) = 0;
+};
+
+struct ServerOptions {
+  std::string host = "127.0.0.1";  ///< the address to listen at
+  int port = 0;                    ///< 0: any free one
+  std::string token;
+  std::int64_t largestBody = 0;         ///< of a request, bytes
+  std::int64_t largestMessage = 0;      ///< of a WebSocket, bytes
+  std::int64_t mostWaiting = 64 << 20;  ///< bytes that a client may be behind before it is closed
+  int mostConnections = 64;
+};
+
+class HttpServer {
+ public:
+  /// Listens from here on. Throws an io Error if the address cannot be had.
+  HttpServer(const ServerOptions& options, ServerEvents& events);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  int port() const;
+  const AccessRules& access() const;
+
+  /// Serves until stop().
+  void run();
+
+  // The rest may be called from any thread.
+  void stop();
+  /// Calls f on the server's thread.
+  void post(std::function<void()> f);
+  void sendText(ClientId client, std::string text);
+  void sendBinary(ClientId client, std::shared_ptr<const std::string> bytes);
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace weir::studio

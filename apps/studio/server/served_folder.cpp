@@ -1,0 +1,84 @@
+#include "apps/studio/server/served_folder.h"
+
+#include <algorithm>
+
+#include "framework/base/error.h"
+#include "framework/base/file_output.h"
+#include "framework/base/text.h"
+#include "framework/scene/scene_file.h"
+
+namespace weir::studio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool isBelow(const fs::path& path, const fs::path& root) {
+  const auto [rest, unused] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+  return rest == root.end();
+}
+
+bool isPlain(std::string_view text) {
+  return isUtf8(text) && std::none_of(text.begin(), text.end(), [](char c) {
+           constexpr unsigned char kSpace = 0x20, kDelete = 0x7f;
+           return static_cast<unsigned char>(c) < kSpace || static_cast<unsigned char>(c) == kDelete ||
+                  c == '\\';
+         });
+}
+
+}  // namespace
+
+ServedFolder::ServedFolder(const fs::path& folder) {
+  std::error_code error;
+  root_ = fs::canonical(folder, error);
+  if (error || !fs::is_directory(root_, error))
+    throw ioError("there is no folder " + inQuotes(folder.string()), "a folder that exists");
+}
+
+fs::path ServedFolder::resolve(std::string_view path) const {
+  const fs::path relative = path;
+  if (!isPlain(path) || relative.is_absolute())
+    throw usageError("the path " + inQuotes(path) + " cannot be used", "a path below the served folder");
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(root_ / relative, error);
+  if (error || !isBelow(whole, root_))
+    throw usageError("the path " + inQuotes(path) + " leads out of the served folder",
+                     "a path below " + inQuotes(root_.string()));
+  return whole;
+}
+
+std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
+  const fs::path where = resolve(folder);
+  std::error_code error;
+  std::vector<ServedFile> files;
+  for (fs::directory_iterator i(where, error), end; !error && i != end; i.increment(error)) {
+    const std::string name = i->path().filename().string();
+    if (name.starts_with('.') || !isPlain(name)) continue;
+    std::error_code ignored;
+    ServedFile file;
+    file.path = i->path().lexically_relative(root_).generic_string();
+    file.isFolder = i->is_directory(ignored);
+    if (!file.isFolder) file.bytes = static_cast<std::int64_t>(i->file_size(ignored));
+    files.push_back(std::move(file));
+    if (files.size() == kMostListed) break;
+  }
+  if (error) throw ioError("the folder " + inQuotes(folder) + " cannot be read: " + error.message());
+  std::sort(files.begin(), files.end(), [](const ServedFile& a, const ServedFile& b) {
+    return std::pair(!a.isFolder, a.path) < std::pair(!b.isFolder, b.path);
+  });
+  return files;
+}
+
+std::string ServedFolder::read(std::string_view path) const {
+  return readTextFile(resolve(path), kLargestUpload);
+}
+
+void ServedFolder::write(std::string_view path, std::string_view content) const {
+  const fs::path file = resolve(path);
+  if (file == root_) throw usageError("a file needs a name", "a path below the served folder");
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  writeFileAtomically(file, content);
+}
+
+}  // namespace weir::studio

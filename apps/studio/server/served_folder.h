@@ -1,0 +1,40 @@
+// The folder whose files the studio may read and write. No path leads out of it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace weir::studio {
+
+struct ServedFile {
+  std::string path;  ///< below the folder, with '/'
+  std::int64_t bytes = 0;
+  bool isFolder = false;
+};
+
+class ServedFolder {
+ public:
+  static constexpr std::int64_t kLargestUpload = std::int64_t{256} << 20;
+  static constexpr std::size_t kMostListed = 5000;
+
+  /// Throws an io Error if there is no such folder.
+  explicit ServedFolder(const std::filesystem::path& folder);
+
+  const std::filesystem::path& root() const { return root_; }
+  /// Where a path below the folder is. Throws a usage Error if it is absolute, is not in UTF-8, has control
+  /// characters, or leads out of the folder, also by a link.
+  std::filesystem::path resolve(std::string_view path) const;
+  /// What lies directly in a folder below this one, sorted, hidden files left out.
+  std::vector<ServedFile> list(std::string_view folder) const;
+  /// Both throw an io Error if the file cannot be read or written.
+  std::string read(std::string_view path) const;
+  void write(std::string_view path, std::string_view content) const;
+
+ private:
+  std::filesystem::path root_;  // canonical
+};
+
+}  // namespace weir::studio

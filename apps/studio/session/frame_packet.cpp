@@ -1,0 +1,175 @@
+#include "apps/studio/session/frame_packet.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "framework/compute/host_copy.h"
+#include "framework/graph/outputs_of.h"
+#include "nodes/geometry/triangle_mesh.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/solids/motion_of.h"
+
+namespace weir::studio {
+
+namespace {
+
+/// The first elements of an array, on the host.
+template <class T>
+std::vector<T> onHost(const Array<T>& array, std::int64_t count) {
+  HostCopy<T> copy(array.device());
+  copy.resize(count);
+  copy.start(0, array.data(), count);
+  const std::span<const T> elements = copy.wait();
+  return {elements.begin(), elements.end()};
+}
+
+/// An attribute as numbers, vectors by their length; nothing if there is none of that name.
+std::optional<std::vector<float>> numbersOf(const ParticleSet& particles, const std::string& name,
+                                            std::int64_t count) {
+  const bool speed = name == "speed" && particles.find(name) == nullptr;
+  const AttributeInfo* info = particles.find(speed ? "velocity" : name);
+  if (info == nullptr) return std::nullopt;
+  std::vector<float> numbers;
+  switch (info->type) {
+    case AttributeType::kFloat:
+      return onHost(particles.get<float>(info->name), count);
+    case AttributeType::kVec3:
+      for (const Vec3f& v : onHost(particles.get<Vec3f>(info->name), count)) numbers.push_back(length(v));
+      return numbers;
+    case AttributeType::kInt:
+      for (const int i : onHost(particles.get<int>(info->name), count))
+        numbers.push_back(static_cast<float>(i));
+      return numbers;
+  }
+  return std::nullopt;
+}
+
+/// Which particles are sent: all, or those with every n-th id, so that the same ones are seen in every frame.
+std::vector<std::size_t> chosen(const std::vector<int>& ids, std::int64_t most) {
+  const auto total = static_cast<std::int64_t>(ids.size());
+  const std::int64_t every = std::max<std::int64_t>(1, (total + most - 1) / std::max<std::int64_t>(most, 1));
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (ids[i] % every == 0) indices.push_back(i);
+  return indices;
+}
+
+template <class T>
+std::vector<T> select(const std::vector<T>& all, const std::vector<std::size_t>& indices) {
+  if (indices.size() == all.size()) return all;
+  std::vector<T> some;
+  some.reserve(indices.size());
+  for (const std::size_t i : indices) some.push_back(all[i]);
+  return some;
+}
+
+Value vectorValue(const Vec3f& v) {
+  return Value(Value::Array{v.x, v.y, v.z});
+}
+
+Value poseValue(const Pose& pose) {
+  const Vec3f& p = pose.translation;
+  const Quatf& q = pose.rotation;
+  return Value(Value::Array{p.x, p.y, p.z, q.x, q.y, q.z, q.w});
+}
+
+Value fluidHeader(const std::string& node, const Fluid& fluid, const FrameView& view, PacketWriter& writer) {
+  const ParticleSet& particles = *fluid.particles;
+  const std::int64_t count = fluid.particles->refreshCount();
+  const std::vector<int> ids = onHost(particles.ids(), count);
+  const std::vector<std::size_t> indices = chosen(ids, view.most);
+  const QuantizedPoints points =
+      quantize(std::span<const Vec3f>(select(onHost(particles.positions(), count), indices)));
+  Value v = Value::object();
+  v["node"] = node;
+  v["total"] = count;
+  v["count"] = static_cast<std::int64_t>(indices.size());
+  v["spacing"] = fluid.constants->spacing;
+  v["low"] = vectorValue(points.low);
+  v["high"] = vectorValue(points.high);
+  v["positions"] = writer.add(std::span<const std::uint16_t>(points.values));
+  const std::vector<int> sent = select(ids, indices);
+  v["ids"] = writer.add(std::span<const int>(sent));
+  Value names = Value(Value::Array{"speed"});
+  for (const AttributeInfo& info : particles.attributes()) names.push(info.name);
+  v["attributes"] = std::move(names);
+  if (const auto numbers = numbersOf(particles, view.attribute, count)) {
+    const Quantized values = quantize(std::span<const float>(select(*numbers, indices)));
+    const AttributeInfo* info = particles.find(view.attribute);
+    Value a = Value::object();
+    a["name"] = view.attribute;
+    a["unit"] = info != nullptr ? info->unit : "m/s";
+    a["low"] = values.low;
+    a["high"] = values.high;
+    a["values"] = writer.add(std::span<const std::uint16_t>(values.values));
+    v["attribute"] = std::move(a);
+  }
+  return v;
+}
+
+}  // namespace
+
+Packet framePacket(const Simulation& simulation, const FrameView& view) {
+  PacketWriter writer;
+  Value header = Value::object();
+  header["kind"] = "frame";
+  header["frame"] = simulation.frame();
+  header["time"] = simulation.time();
+  Value fluids = Value::array(), poses = Value::object();
+  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
+    fluids.push(fluidHeader(node, **output, view, writer));
+  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
+    if (const RigidMotion* motion = motionOf(*output))
+      poses[node] = poseValue(motion->poseAt(simulation.time()));
+  header["fluids"] = std::move(fluids);
+  header["poses"] = std::move(poses);
+  return writer.finish(header);
+}
+
+Packet geometryPacket(const Simulation& simulation) {
+  PacketWriter writer;
+  Value header = Value::object();
+  header["kind"] = "geometry";
+  Value meshes = Value::array();
+  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph)) {
+    const TriangleMesh& mesh = **output;
+    Value v = Value::object();
+    v["node"] = node;
+    v["vertexCount"] = static_cast<std::int64_t>(mesh.vertices.size());
+    v["triangleCount"] = static_cast<std::int64_t>(mesh.triangles.size());
+    v["vertices"] = writer.add(std::span<const Vec3f>(mesh.vertices));
+    v["triangles"] = writer.add(std::span<const Vec3i>(mesh.triangles));
+    meshes.push(std::move(v));
+  }
+  header["meshes"] = std::move(meshes);
+  return writer.finish(header);
+}
+
+Value particleValue(const Simulation& simulation, const std::string& node, std::int64_t id) {
+  for (const auto& [name, output] : outputsOf<Fluid>(simulation.scene().graph)) {
+    if (name != node) continue;
+    ParticleSet& particles = *(*output)->particles;
+    const std::int64_t count = particles.refreshCount();
+    const std::vector<int> ids = onHost(particles.ids(), count);
+    const auto found = std::find(ids.begin(), ids.end(), id);
+    if (found == ids.end()) return {};
+    const auto at = static_cast<std::size_t>(found - ids.begin());
+    Value attributes = Value::object();
+    for (const AttributeInfo& info : particles.attributes()) {
+      Value& v = attributes[info.name];
+      if (info.type == AttributeType::kFloat) v = onHost(particles.get<float>(info.name), count)[at];
+      if (info.type == AttributeType::kVec3)
+        v = vectorValue(onHost(particles.get<Vec3f>(info.name), count)[at]);
+      if (info.type == AttributeType::kInt) v = onHost(particles.get<int>(info.name), count)[at];
+    }
+    Value result = Value::object();
+    result["node"] = node;
+    result["id"] = id;
+    result["attributes"] = std::move(attributes);
+    return result;
+  }
+  return {};
+}
+
+}  // namespace weir::studio

@@ -1,0 +1,41 @@
+#include "apps/studio/session/recording.h"
+
+#include <iterator>
+#include <utility>
+
+namespace weir::studio {
+
+void Recording::clear() {
+  frames_.clear();
+  bytes_ = 0;
+  every_ = 1;
+}
+
+void Recording::add(std::int64_t frame, Packet packet) {
+  if (frame % every_ != 0) return;
+  Packet& place = frames_[frame];
+  if (place) bytes_ -= static_cast<std::int64_t>(place->size());
+  place = std::move(packet);
+  bytes_ += static_cast<std::int64_t>(place->size());
+  while (bytes_ > most_ && frames_.size() > 1) thin();
+}
+
+void Recording::thin() {
+  every_ *= 2;
+  for (auto i = frames_.begin(); i != frames_.end();) {
+    const bool kept = i->first % every_ == 0;
+    if (!kept) bytes_ -= static_cast<std::int64_t>(i->second->size());
+    i = kept ? std::next(i) : frames_.erase(i);
+  }
+}
+
+Packet Recording::nearest(std::int64_t frame) const {
+  if (frames_.empty()) return nullptr;
+  const auto after = frames_.lower_bound(frame);
+  if (after == frames_.begin()) return after->second;
+  const auto before = std::prev(after);
+  if (after == frames_.end() || frame - before->first <= after->first - frame) return before->second;
+  return after->second;
+}
+
+}  // namespace weir::studio

@@ -1,0 +1,104 @@
+// Runs the studio's simulation on a thread of its own. Callers ask; what comes of it is told to a listener.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/studio/session/frame_packet.h"
+#include "apps/studio/session/scene_check.h"
+#include "framework/run/simulation.h"
+
+namespace weir::studio {
+
+enum class HostState { kEmpty, kPaused, kPlaying, kFinished, kFailed };
+
+/// "empty", "paused", "playing", "finished" or "failed".
+std::string_view nameOf(HostState state);
+
+/// What is told, on the simulation's thread.
+class HostListener {
+ public:
+  virtual ~HostListener() = default;
+  /// {state, device, frame, frames, time, duration, steps, particles, stepping_seconds, problem}; the numbers
+  /// only where there is a simulation, the problem (see problemOf) only where it failed.
+  virtual void status(const Value& status) = 0;
+  /// Of the run so far, at a frame, see runStatistics; a few times a second.
+  virtual void numbers(const Value& numbers) = 0;
+  virtual void frame(std::int64_t frame, const Packet& packet) = 0;
+  virtual void geometry(const Packet& packet) = 0;
+};
+
+class SimulationHost {
+ public:
+  /// `threads` as for openDevice. Log, registry and listener must outlive it.
+  SimulationHost(const Registry& registry, Log& log, HostListener& listener, int threads);
+  /// Ends the simulation within a step.
+  ~SimulationHost();
+  SimulationHost(const SimulationHost&) = delete;
+  SimulationHost& operator=(const SimulationHost&) = delete;
+
+  // From any thread; each returns at once.
+
+  /// Takes another scene and resets it on a device, "auto", "cpu", "cuda:0". What was before is gone.
+  void load(std::unique_ptr<Scene> scene, std::string device);
+  void play();
+  void pause();
+  void reset();
+  void advance(std::int64_t frames);  ///< and then pauses
+  void change(std::vector<LiveChange> changes);
+  void show(FrameView view);
+  /// Calls f with the simulation between two steps, or with null if there is none.
+  void ask(std::function<void(const Simulation*)> f);
+
+ private:
+  using Task = std::function<void()>;
+
+  void post(Task task);
+  void work();
+  /// Runs what was asked for; waits for that where nothing else is to be done.
+  void runTasks();
+  /// Runs f; what it throws ends the simulation's run, and is told.
+  void guarded(const std::function<void()>& f);
+  void takeScene(std::unique_ptr<Scene> scene, const std::string& device);
+  void resetNow();
+  void advanceNow();
+  void frameReached();
+  void go(std::optional<std::int64_t> pauseAt);
+  void tell(HostState state);
+  Value status() const;
+
+  const Registry& registry_;
+  Log& log_;
+  HostListener& listener_;
+  const int threads_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Task> tasks_;
+  std::atomic<bool> stop_ = false;  // a task waits, or it is to end
+
+  // The rest belongs to the thread.
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<Simulation> simulation_;
+  std::string deviceName_;
+  HostState state_ = HostState::kEmpty;
+  std::optional<Value> problem_;
+  std::optional<std::int64_t> pauseAt_;  // a frame
+  FrameView view_;
+  std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
+
+  std::atomic<bool> quit_ = false;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace weir::studio

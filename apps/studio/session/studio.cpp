@@ -1,0 +1,436 @@
+#include "apps/studio/session/studio.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "framework/base/build_info.h"
+#include "framework/base/text.h"
+
+namespace weir::studio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr unsigned kNotFound = 404, kMethodNotAllowed = 405;
+constexpr const char* kJson = "application/json";
+/// Frames that may be under way to a viewer; more would be shown late.
+constexpr int kMostUnseen = 2;
+
+std::string_view nameOf(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return "debug";
+    case LogLevel::kInfo:
+      return "info";
+    case LogLevel::kWarning:
+      return "warning";
+    case LogLevel::kError:
+      return "error";
+  }
+  return "error";
+}
+
+std::string typeOf(const fs::path& file) {
+  static const std::map<std::string, std::string, std::less<>> kTypes{
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".json", kJson},
+      {".svg", "image/svg+xml"},
+      {".png", "image/png"},
+      {".woff2", "font/woff2"}};
+  const auto type = kTypes.find(file.extension().string());
+  return type != kTypes.end() ? type->second : "application/octet-stream";
+}
+
+Value stringsValue(const std::vector<std::string>& texts) {
+  Value list = Value::array();
+  for (const std::string& text : texts) list.push(text);
+  return list;
+}
+
+// Members of a message. A missing or wrong one is a usage Error.
+
+const Value& member(const Value& message, std::string_view name) {
+  const Value* v = message.find(name);
+  if (v == nullptr) throw usageError("the message has no '" + std::string(name) + "'");
+  return *v;
+}
+
+std::string textMember(const Value& message, std::string_view name) {
+  const Value& v = member(message, name);
+  if (!v.isString()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "a string");
+  return v.asString();
+}
+
+std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t least, std::int64_t most) {
+  const Value& v = member(message, name);
+  if (!v.isInt() || v.asInt() < least || v.asInt() > most)
+    throw usageError("'" + std::string(name) + "' is " + v.brief(),
+                     "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  return v.asInt();
+}
+
+ServerOptions serverOptions(const StudioOptions& options) {
+  return {.host = options.host,
+          .port = options.port,
+          .token = randomToken(),
+          .largestBody = ServedFolder::kLargestUpload,
+          .largestMessage = kLargestSceneFile};
+}
+
+}  // namespace
+
+Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
+    : options_(std::move(options)),
+      registry_(registry),
+      log_(log),
+      folder_(options_.folder),
+      device_(options_.device),
+      recording_(options_.mostRecorded),
+      server_(serverOptions(options_), *this),
+      host_(registry, log, *this, options_.threads) {
+  scene_["weir"] = kSceneVersion;
+  scene_["nodes"] = Value::object();
+}
+
+Studio::~Studio() = default;
+
+void Studio::open(const std::string& path) {
+  takeScene(parseJson(folder_.read(path), path), path, 0);
+}
+
+void Studio::showLog(LogLevel level, std::string_view message) {
+  Value line = Value::object();
+  line["level"] = nameOf(level);
+  line["text"] = message;
+  server_.post([this, line = std::move(line)] { tell("log", line); });
+}
+
+// Requests
+
+HttpReply Studio::request(const HttpRequest& request) {
+  if (request.path == "/api/types") return {.type = kJson, .body = options_.types};
+  if (request.path == "/api/templates") {
+    std::error_code error;
+    if (!fs::is_directory(options_.templates, error)) return listing({});
+    return listing(ServedFolder(options_.templates).list(""));
+  }
+  if (request.path.starts_with("/api/")) return files(request);
+  if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET"};
+  return page(request.path == "/" ? "/index.html" : request.path);
+}
+
+HttpReply Studio::page(const std::string& path) const {
+  std::error_code error;
+  if (!fs::is_directory(options_.page, error))
+    return {.status = kNotFound,
+            .body = "this Weir was built without the studio's page: install npm, and build again"};
+  const ServedFolder page(options_.page);
+  const std::string below = path.substr(1);
+  if (!fs::is_regular_file(page.resolve(below), error)) return {.status = kNotFound, .body = "not found"};
+  return {.type = typeOf(below), .body = page.read(below)};
+}
+
+HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
+  Value list = Value::array();
+  for (const ServedFile& file : files) {
+    Value v = Value::object();
+    v["path"] = file.path;
+    v["folder"] = file.isFolder;
+    v["bytes"] = file.bytes;
+    list.push(std::move(v));
+  }
+  return {.type = kJson, .body = writeJsonLine(list)};
+}
+
+HttpReply Studio::files(const HttpRequest& request) {
+  constexpr std::string_view kFile = "/api/file/", kList = "/api/files";
+  if (request.path == kList) {
+    const auto folder = request.query.find("folder");
+    return listing(folder_.list(folder != request.query.end() ? folder->second : ""));
+  }
+  if (!request.path.starts_with(kFile)) return {.status = kNotFound, .body = "not found"};
+  const std::string path = request.path.substr(kFile.size());
+  if (request.method == "PUT") {
+    folder_.write(path, request.body);
+    return {.body = "written"};
+  }
+  if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET and PUT"};
+  return {.type = typeOf(path), .body = folder_.read(path)};
+}
+
+// Clients
+
+void Studio::opened(ClientId client) {
+  clients_[client];
+  if (!writer_) writer_ = client;
+}
+
+void Studio::closed(ClientId client) {
+  clients_.erase(client);
+  if (writer_ != client) return;
+  writer_.reset();
+  if (!clients_.empty()) writer_ = clients_.begin()->first;
+  tellRoles();
+}
+
+const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
+  static const std::map<std::string, Command, std::less<>> kCommands{
+      {"hello", &Studio::hello},          {"scene.set", &Studio::setScene},
+      {"scene.open", &Studio::openScene}, {"scene.save", &Studio::saveScene},
+      {"run.play", &Studio::play},        {"run.pause", &Studio::pause},
+      {"run.step", &Studio::step},        {"run.reset", &Studio::reset},
+      {"run.seek", &Studio::seek},        {"view.set", &Studio::setView},
+      {"frame.seen", &Studio::confirm},   {"role.claim", &Studio::claim},
+      {"particle", &Studio::askParticle}};
+  return kCommands;
+}
+
+void Studio::message(ClientId client, std::string_view text) {
+  Value reply = Value::object();
+  try {
+    const Value message = parseJson(text, "message");
+    if (!message.isObject()) throw usageError("a message is " + message.brief(), "an object");
+    if (const Value* id = message.find("id")) reply["id"] = *id;
+    const std::string name = textMember(message, "do");
+    const auto command = commands().find(name);
+    if (command == commands().end()) {
+      std::vector<std::string> names;
+      for (const auto& [known, unused] : commands()) names.push_back(known);
+      throw usageError("there is no command " + inQuotes(name), joinNames(names), didYouMean(name, names));
+    }
+    Value result = Value::object();
+    (this->*command->second)(client, message, result);
+    if (result.isNull()) return;  // the answer comes later
+    reply["result"] = std::move(result);
+  } catch (const Error& e) {
+    reply["error"] = problemOf(e);
+  }
+  server_.sendText(client, writeJsonLine(reply));
+}
+
+void Studio::tell(const std::string& event, Value data, std::optional<ClientId> except) {
+  Value message = Value::object();
+  message["event"] = event;
+  message["data"] = std::move(data);
+  const std::string text = writeJsonLine(message);
+  for (const auto& [client, unused] : clients_)
+    if (client != except) server_.sendText(client, text);
+}
+
+void Studio::tellRoles() {
+  for (const auto& [client, unused] : clients_) {
+    Value message = Value::object();
+    message["event"] = "role";
+    message["data"] = writer_ == client ? "writer" : "viewer";
+    server_.sendText(client, writeJsonLine(message));
+  }
+}
+
+void Studio::requireWriter(ClientId client) const {
+  if (writer_ != client)
+    throw usageError("another window has the pen", "watching", "take the pen to make changes here");
+}
+
+void Studio::hello(ClientId client, const Value&, Value& result) {
+  result["version"] = version();
+  result["role"] = writer_ == client ? "writer" : "viewer";
+  Value devices = Value::array();
+  for (const DeviceInfo& device : listDevices()) {
+    Value v = Value::object();
+    v["name"] = device.name;
+    v["description"] = device.description;
+    devices.push(std::move(v));
+  }
+  result["devices"] = std::move(devices);
+  result["device"] = device_;
+  result["scene"] = sceneValue();
+  result["status"] = status_;
+  if (geometry_) server_.sendBinary(client, geometry_);
+  if (const Packet last = recording_.nearest(std::numeric_limits<std::int64_t>::max()))
+    sendFrame(client, clients_[client], last);
+}
+
+void Studio::claim(ClientId client, const Value&, Value&) {
+  writer_ = client;
+  tellRoles();
+}
+
+// The scene
+
+Value Studio::sceneState() const {
+  Value v = Value::object();
+  v["path"] = path_;
+  v["revision"] = revision_;
+  if (problem_) v["problem"] = *problem_;
+  v["warnings"] = stringsValue(warnings_);
+  if (reset_) v["reset"] = *reset_;
+  return v;
+}
+
+Value Studio::sceneValue() const {
+  Value v = sceneState();
+  v["scene"] = scene_;
+  return v;
+}
+
+void Studio::takeScene(Value scene, std::string path, ClientId from) {
+  scene_ = std::move(scene);
+  path_ = std::move(path);
+  ++revision_;
+  CheckedScene checked =
+      checkScene(scene_, path_, (folder_.root() / fs::path(path_).parent_path()).string(), registry_);
+  problem_ = std::move(checked.problem);
+  warnings_ = std::move(checked.warnings);
+  if (checked.scene && running_) {
+    SceneDifference difference = differenceOf(*running_, *checked.scene);
+    reset_ = difference.reset;
+    if (!reset_ && !difference.live.empty()) {
+      host_.change(std::move(difference.live));
+      running_ = std::move(checked.scene);
+    }
+  }
+  tell("scene", sceneValue(), from);
+}
+
+void Studio::setScene(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const Value& scene = member(message, "scene");
+  if (!scene.isObject()) throw usageError("'scene' is " + scene.brief(), "an object");
+  takeScene(scene, path_, client);
+  result = sceneState();
+}
+
+void Studio::openScene(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const bool isTemplate = message.find("template") != nullptr;
+  const std::string path = textMember(message, isTemplate ? "template" : "path");
+  const std::string text = isTemplate ? ServedFolder(options_.templates).read(path) : folder_.read(path);
+  running_.reset();
+  takeScene(parseJson(text, path), isTemplate ? "" : path, client);
+  result = sceneValue();
+}
+
+void Studio::saveScene(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const std::string path = textMember(message, "path");
+  if (fs::path(path).extension() != ".json")
+    throw usageError("a scene cannot be saved as " + inQuotes(path), "a name that ends in .json");
+  folder_.write(path, writeJson(scene_));
+  path_ = path;
+  result["path"] = path;
+}
+
+// The run
+
+void Studio::reset(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  if (const Value* device = message.find("device"); device != nullptr && device->isString())
+    device_ = device->asString();
+  const std::string folder = (folder_.root() / fs::path(path_).parent_path()).string();
+  CheckedScene checked = checkScene(scene_, path_, folder, registry_);
+  if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
+  running_ = checkScene(scene_, path_, folder, registry_).scene;
+  reset_.reset();
+  recording_.clear();
+  geometry_.reset();
+  host_.load(std::move(checked.scene), device_);
+  result["device"] = device_;
+}
+
+void Studio::play(ClientId client, const Value& message, Value& result) {
+  if (!running_) reset(client, message, result);
+  requireWriter(client);
+  host_.play();
+}
+
+void Studio::pause(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  host_.pause();
+}
+
+void Studio::step(ClientId client, const Value& message, Value& result) {
+  constexpr std::int64_t kMostFrames = 1'000'000;
+  const std::int64_t frames =
+      message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMostFrames) : 1;
+  if (!running_) reset(client, message, result);
+  requireWriter(client);
+  host_.advance(frames);
+}
+
+void Studio::seek(ClientId client, const Value& message, Value& result) {
+  const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
+  const Packet packet = recording_.nearest(frame);
+  result["found"] = packet != nullptr;
+  if (packet) sendFrame(client, clients_[client], packet);
+}
+
+void Studio::setView(ClientId client, const Value& message, Value&) {
+  requireWriter(client);
+  constexpr std::int64_t kMostParticles = 20'000'000;
+  FrameView view;
+  view.attribute = textMember(message, "attribute");
+  view.most = wholeMember(message, "most", 1, kMostParticles);
+  host_.show(std::move(view));
+}
+
+void Studio::confirm(ClientId client, const Value&, Value& result) {
+  Client& c = clients_[client];
+  c.unseen = std::max(0, c.unseen - 1);
+  if (const Packet next = std::exchange(c.next, nullptr)) sendFrame(client, c, next);
+  result = {};
+}
+
+void Studio::askParticle(ClientId client, const Value& message, Value& result) {
+  const std::string node = textMember(message, "node");
+  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
+  const Value* id = message.find("id");
+  host_.ask([this, client, node, particle, id = id != nullptr ? *id : Value()](const Simulation* simulation) {
+    Value reply = Value::object();
+    reply["id"] = id;
+    reply["result"] = simulation != nullptr ? particleValue(*simulation, node, particle) : Value();
+    server_.sendText(client, writeJsonLine(reply));
+  });
+  result = {};
+}
+
+// What the simulation tells
+
+void Studio::status(const Value& status) {
+  server_.post([this, status] {
+    status_ = status;
+    tell("status", status);
+  });
+}
+
+void Studio::numbers(const Value& numbers) {
+  server_.post([this, numbers] { tell("numbers", numbers); });
+}
+
+void Studio::geometry(const Packet& packet) {
+  server_.post([this, packet] {
+    geometry_ = packet;
+    for (const auto& [client, unused] : clients_) server_.sendBinary(client, packet);
+  });
+}
+
+void Studio::frame(std::int64_t frame, const Packet& packet) {
+  server_.post([this, frame, packet] {
+    recording_.add(frame, packet);
+    for (auto& [id, client] : clients_) sendFrame(id, client, packet);
+  });
+}
+
+void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {
+  if (client.unseen >= kMostUnseen) {
+    client.next = packet;
+    return;
+  }
+  ++client.unseen;
+  server_.sendBinary(id, packet);
+}
+
+}  // namespace weir::studio

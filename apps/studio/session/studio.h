@@ -1,0 +1,113 @@
+// The studio: one scene that is edited, one simulation of it, and everybody who watches. Speaks what
+// PROTOCOL.md says. All but the simulation runs on the server's thread.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/studio/server/http_server.h"
+#include "apps/studio/server/served_folder.h"
+#include "apps/studio/session/recording.h"
+#include "apps/studio/session/simulation_host.h"
+
+namespace weir::studio {
+
+struct StudioOptions {
+  std::string host = "127.0.0.1";
+  int port = 0;
+  std::string device = "auto";
+  int threads = 0;
+  std::filesystem::path folder;                       ///< whose files may be read and written
+  std::filesystem::path page;                         ///< the built web page
+  std::filesystem::path templates;                    ///< scenes to start from
+  std::string types;                                  ///< what `weir nodes --json` prints
+  std::int64_t mostRecorded = std::int64_t{1} << 30;  ///< bytes of frames that are kept
+};
+
+class Studio final : private ServerEvents, private HostListener {
+ public:
+  Studio(StudioOptions options, const Registry& registry, Log& log);
+  ~Studio() override;
+
+  /// Begins with a scene of the served folder. One that is broken is opened as well, with its problem.
+  void open(const std::string& path);
+  std::string address() const { return server_.access().address(); }
+  void run() { server_.run(); }
+  void stop() { server_.stop(); }  ///< from any thread
+  /// Shows a line of the log to everybody; from any thread.
+  void showLog(LogLevel level, std::string_view message);
+
+ private:
+  struct Client {
+    int unseen = 0;                           // frames that it was sent and has not confirmed
+    std::shared_ptr<const std::string> next;  // the newest frame, which waits until it has
+  };
+  using Command = void (Studio::*)(ClientId, const Value&, Value&);
+
+  // ServerEvents
+  HttpReply request(const HttpRequest& request) override;
+  void opened(ClientId client) override;
+  void message(ClientId client, std::string_view text) override;
+  void closed(ClientId client) override;
+  // HostListener, on the simulation's thread
+  void status(const Value& status) override;
+  void numbers(const Value& numbers) override;
+  void frame(std::int64_t frame, const Packet& packet) override;
+  void geometry(const Packet& packet) override;
+
+  HttpReply page(const std::string& path) const;
+  HttpReply files(const HttpRequest& request);
+  HttpReply listing(const std::vector<ServedFile>& files) const;
+
+  void hello(ClientId client, const Value& message, Value& result);
+  void setScene(ClientId client, const Value& message, Value& result);
+  void openScene(ClientId client, const Value& message, Value& result);
+  void saveScene(ClientId client, const Value& message, Value& result);
+  void play(ClientId client, const Value& message, Value& result);
+  void pause(ClientId client, const Value& message, Value& result);
+  void step(ClientId client, const Value& message, Value& result);
+  void reset(ClientId client, const Value& message, Value& result);
+  void seek(ClientId client, const Value& message, Value& result);
+  void setView(ClientId client, const Value& message, Value& result);
+  void confirm(ClientId client, const Value& message, Value& result);
+  void claim(ClientId client, const Value& message, Value& result);
+  void askParticle(ClientId client, const Value& message, Value& result);
+  static const std::map<std::string, Command, std::less<>>& commands();
+
+  void takeScene(Value scene, std::string path, ClientId from);
+  void requireWriter(ClientId client) const;
+  Value sceneState() const;  ///< all but the scene itself
+  Value sceneValue() const;
+  void tell(const std::string& event, Value data, std::optional<ClientId> except = {});
+  void tellRoles();
+  void sendFrame(ClientId id, Client& client, const Packet& packet);
+
+  StudioOptions options_;
+  const Registry& registry_;
+  Log& log_;
+  ServedFolder folder_;
+
+  std::map<ClientId, Client> clients_;
+  std::optional<ClientId> writer_;
+  Value scene_;                   // as it is edited, right or wrong
+  std::string path_;              // below the served folder; "" if it has no file yet
+  std::int64_t revision_ = 0;     // of scene_
+  std::optional<Value> problem_;  // of scene_
+  std::vector<std::string> warnings_;
+  std::unique_ptr<Scene> running_;    // what the simulation was last given, to compare with
+  std::optional<std::string> reset_;  // why the simulation must be reset to be as scene_ is
+  std::string device_;
+  Value status_ = Value::object();
+  Packet geometry_;
+  Recording recording_;
+
+  HttpServer server_;
+  SimulationHost host_;  // last: it calls the rest
+};
+
+}  // namespace weir::studio

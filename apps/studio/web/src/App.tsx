@@ -1,0 +1,149 @@
+// The whole page: bar, graph, view, properties, insight, transport.
+import { ReactFlowProvider } from "@xyflow/react";
+import { useEffect, useRef, useState } from "react";
+import { FileBar, save } from "./files/FileBar";
+import { Help } from "./files/Help";
+import { GraphEditor } from "./graph/GraphEditor";
+import { Insight } from "./insight/Insight";
+import { client, edit, request, say, useStudio } from "./model/store";
+import { addNode, setParam } from "./model/scene";
+import { Modules, PropertyPanel } from "./properties/PropertyPanel";
+import { upload } from "./protocol/client";
+import { Transport } from "./transport/Transport";
+import { Viewport } from "./viewport/Viewport";
+
+const kThemeKey = "weir-theme";
+const kMessageMs = 8000;
+
+/** Keys that work everywhere but where somebody types. */
+function useGlobalKeys(onHelp: () => void): void {
+  useEffect(() => {
+    const key = (e: KeyboardEvent) => {
+      const { status, device } = useStudio.getState();
+      if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "s") {
+        e.preventDefault();
+        return void save(false);
+      }
+      if ((e.target as Element).closest("input, textarea, select, button, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
+      if (e.key === " ") void request(status.state === "playing" ? "run.pause" : "run.play");
+      else if (e.key === ".") void request("run.step");
+      else if (e.key.toLowerCase() === "r") void request("run.reset", { device });
+      else if (e.key === "?") onHelp();
+      else return;
+      e.preventDefault();
+    };
+    addEventListener("keydown", key);
+    return () => removeEventListener("keydown", key);
+  }, [onHelp]);
+}
+
+function Message() {
+  const message = useStudio((s) => s.message);
+  useEffect(() => {
+    if (!message) return;
+    const timer = setTimeout(() => useStudio.setState({ message: null }), kMessageMs);
+    return () => clearTimeout(timer);
+  }, [message]);
+  if (!message) return null;
+  return <div className="message" role="alert">{message} <button aria-label="Close" onClick={() => useStudio.setState({ message: null })}>×</button></div>;
+}
+
+/** What is wrong with the scene or the run, in one line; a click leads to the node. */
+function Problem() {
+  const scene = useStudio((s) => s.sceneState.problem);
+  const run = useStudio((s) => s.status.problem);
+  const p = scene ?? run;
+  if (!p) return null;
+  return (
+    <button className="problem-line" role="alert" onClick={() => p.node && useStudio.setState({ selected: [p.node] })}>
+      {p.node && <b>{p.node}{p.parameter ? `.${p.parameter}` : ""}: </b>}{p.message}{p.allowed && ` — allowed: ${p.allowed}`}{p.hint && `. ${p.hint}`}
+    </button>
+  );
+}
+
+function Inside() {
+  const inside = useStudio((s) => s.inside);
+  const there = useStudio((s) => inside !== null && inside in s.scene.nodes);
+  if (!inside || !there) return null;
+  const close = () => useStudio.setState({ inside: null });
+  return (
+    <>
+      <div className="shade" onClick={close} />
+      <div className="dialog inside" role="dialog" aria-label={`Inside ${inside}`} onKeyDown={(e) => e.key === "Escape" && close()}>
+        <h2>{inside}</h2>
+        <Modules node={inside} />
+        <button autoFocus onClick={close}>Close</button>
+      </div>
+    </>
+  );
+}
+
+/** Meshes that are dropped on the page are copied to the served folder, and become nodes. */
+async function takeFiles(files: FileList): Promise<void> {
+  for (const file of files)
+    try {
+      const path = `meshes/${file.name}`;
+      await upload(path, file);
+      edit((s) => {
+        const [next, name] = addNode(s, "MeshFile", { x: 0, y: 0 }, file.name.replace(/\.[^.]*$/, ""));
+        useStudio.setState({ selected: [name] });
+        return setParam(next, { node: name }, ["file"], path);
+      });
+    } catch (e) {
+      say(e);
+    }
+}
+
+/** A bar between two panes that is dragged. */
+function Divider({ onMove, vertical }: { onMove(by: number): void; vertical?: boolean }) {
+  const from = useRef<number | null>(null);
+  return (
+    <div
+      className={vertical ? "divider vertical" : "divider"} role="separator" aria-orientation={vertical ? "horizontal" : "vertical"}
+      onPointerDown={(e) => (e.currentTarget.setPointerCapture(e.pointerId), (from.current = vertical ? e.clientY : e.clientX))}
+      onPointerMove={(e) => {
+        if (from.current === null) return;
+        const now = vertical ? e.clientY : e.clientX;
+        onMove(now - from.current);
+        from.current = now;
+      }}
+      onPointerUp={() => (from.current = null)}
+    />
+  );
+}
+
+export function App() {
+  const [dark, setDark] = useState(() => (localStorage.getItem(kThemeKey) ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark")) === "dark");
+  const [help, setHelp] = useState(false);
+  const [side, setSide] = useState(320);
+  const [graph, setGraph] = useState(0.5);
+  useEffect(() => client.open(), []);
+  useEffect(() => {
+    document.documentElement.dataset["theme"] = dark ? "dark" : "light";
+    localStorage.setItem(kThemeKey, dark ? "dark" : "light");
+  }, [dark]);
+  useGlobalKeys(() => setHelp(true));
+  return (
+    <div
+      className="app" style={{ gridTemplateColumns: `minmax(0, 1fr) 5px ${side}px` }}
+      onDragOver={(e) => e.preventDefault()}
+      onDrop={(e) => (e.preventDefault(), e.dataTransfer.files.length > 0 && void takeFiles(e.dataTransfer.files))}
+    >
+      <FileBar dark={dark} onDark={() => setDark(!dark)} />
+      <main style={{ gridTemplateRows: `${graph}fr 5px ${1 - graph}fr` }}>
+        <Viewport dark={dark} />
+        <Divider vertical onMove={(by) => setGraph((g) => Math.min(0.85, Math.max(0.15, g + by / innerHeight)))} />
+        <ReactFlowProvider><GraphEditor /></ReactFlowProvider>
+      </main>
+      <Divider onMove={(by) => setSide((s) => Math.min(640, Math.max(240, s - by)))} />
+      <aside>
+        <div className="properties"><PropertyPanel /></div>
+        <Insight />
+      </aside>
+      <div className="bottom"><Problem /><Transport /></div>
+      <Inside />
+      <Message />
+      {help && <Help onClose={() => setHelp(false)} />}
+    </div>
+  );
+}

@@ -1,0 +1,25 @@
+// All keys on one sheet.
+
+const kKeys: [string, string][] = [
+  ["Tab, A, double click", "add a node"], ["drag from a port into the open", "add a node that fits"],
+  ["Delete", "delete what is selected"], ["Shift + drag", "select by a box"], ["Ctrl+A", "select all"],
+  ["Ctrl+C, X, V, D", "copy, cut, paste, duplicate, with links"], ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo"],
+  ["M", "mute a node, or bring it back"], ["L", "arrange nodes"], ["F", "show the whole graph"],
+  ["Arrows (with Shift)", "move nodes by 10 (50)"], ["Enter, double click on a node", "its modules"],
+  ["Space", "play, pause"], [".", "one frame"], ["R", "reset"], ["Ctrl+S", "save"], ["?", "this sheet"],
+];
+
+export function Help({ onClose }: { onClose(): void }) {
+  return (
+    <>
+      <div className="shade" onClick={onClose} />
+      <div className="dialog" role="dialog" aria-label="Keys" onKeyDown={(e) => e.key === "Escape" && onClose()}>
+        <h2>Keys</h2>
+        <table className="keys">
+          <tbody>{kKeys.map(([k, what]) => <tr key={k}><th>{k}</th><td>{what}</td></tr>)}</tbody>
+        </table>
+        <button autoFocus onClick={onClose}>Close</button>
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,90 @@
+// What the run is like: where its time goes, plots, memory, and the log.
+import { useMemo, useState } from "react";
+import { useStudio } from "../model/store";
+import type { JsonObject } from "../model/types";
+import { Plot } from "./Plot";
+
+const kUsual = /compression\.mean|kinetic|potential|iterations|step \(ms\)|particles$|volume/;
+
+function Times() {
+  const times = useStudio((s) => s.numbers?.["modules_ms"]) as { [path: string]: { per_step: number } } | undefined;
+  const rows = Object.entries(times ?? {}).filter(([path]) => path.split("/").length === 2).sort((a, b) => b[1].per_step - a[1].per_step);
+  const most = rows[0]?.[1].per_step ?? 1;
+  if (rows.length === 0) return <p className="hint">No steps yet.</p>;
+  return (
+    <table className="times">
+      <tbody>
+        {rows.map(([path, t]) => (
+          <tr key={path}>
+            <th>{path}</th>
+            <td><i style={{ width: `${(100 * t.per_step) / most}%` }} /></td>
+            <td>{t.per_step.toPrecision(3)} ms</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Plots() {
+  const samples = useStudio((s) => s.samples);
+  const [filter, setFilter] = useState("");
+  const names = useMemo(() => Object.keys(samples.at(-1)?.values ?? {}), [samples]);
+  const shown = names.filter((n) => (filter ? n.includes(filter) : kUsual.test(n))).slice(0, 24);
+  return (
+    <>
+      <input aria-label="Filter plots" placeholder="Filter, such as momentum" value={filter} onChange={(e) => setFilter(e.target.value)} />
+      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} />)}</div>
+    </>
+  );
+}
+
+function Memory() {
+  const memory = useStudio((s) => s.numbers?.["memory"]) as JsonObject | undefined;
+  const rows = Object.entries(memory ?? {}).filter((r): r is [string, number] => typeof r[1] === "number");
+  return (
+    <table>
+      <tbody>
+        {rows.map(([name, v]) => (
+          <tr key={name}><th>{name.replaceAll("_", " ")}</th><td>{name.endsWith("bytes") ? `${(v / 2 ** 20).toFixed(1)} MiB` : v}</td></tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function LogView() {
+  const log = useStudio((s) => s.log);
+  const warnings = useStudio((s) => s.sceneState.warnings);
+  const events = useStudio((s) => s.numbers?.["rare_events"]) as { node: string; what: string; count: number }[] | undefined;
+  const [level, setLevel] = useState("info");
+  const levels = ["debug", "info", "warning", "error"];
+  const shown = log.filter((l) => levels.indexOf(l.level) >= levels.indexOf(level));
+  return (
+    <>
+      <select aria-label="Least level" value={level} onChange={(e) => setLevel(e.target.value)}>{levels.map((l) => <option key={l}>{l}</option>)}</select>
+      <ul className="log" role="log">
+        {warnings.map((w) => <li key={w} className="warning">{w}</li>)}
+        {events?.map((e) => <li key={e.node + e.what} className="warning">{e.node}: {e.count} {e.what}</li>)}
+        {shown.map((l, i) => <li key={i} className={l.level}><time>{new Date(l.at).toLocaleTimeString()}</time> {l.text}</li>)}
+      </ul>
+    </>
+  );
+}
+
+const kTabs = { Time: Times, Plots, Memory, Log: LogView } as const;
+
+export function Insight() {
+  const [tab, setTab] = useState<keyof typeof kTabs>("Plots");
+  const Shown = kTabs[tab];
+  return (
+    <section className="insight" aria-label="Insight">
+      <div role="tablist">
+        {(Object.keys(kTabs) as (keyof typeof kTabs)[]).map((t) => (
+          <button key={t} role="tab" aria-selected={t === tab} onClick={() => setTab(t)}>{t}</button>
+        ))}
+      </div>
+      <div role="tabpanel"><Shown /></div>
+    </section>
+  );
+}

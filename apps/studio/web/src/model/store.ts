@@ -1,0 +1,290 @@
+// All state of the page: the scene with its history, what the server says of it, the run, and what is selected.
+import { temporal } from "zundo";
+import { create } from "zustand";
+import { Client, fetchTypes, Refusal } from "../protocol/client";
+import type { FramePacket, GeometryPacket } from "../protocol/packets";
+import { emptyScene, type Clip, type Scene } from "./scene";
+import type { JsonObject, Problem, Types } from "./types";
+
+export interface Status {
+  state: "empty" | "paused" | "playing" | "finished" | "failed";
+  device?: string;
+  frame?: number;
+  frames?: number;
+  time?: number;
+  duration?: number;
+  steps?: number;
+  particles?: number;
+  stepping_seconds?: number;
+  problem?: Problem;
+}
+
+export interface Device {
+  name: string;
+  description: string;
+}
+
+export interface LogLine {
+  level: "debug" | "info" | "warning" | "error";
+  text: string;
+  at: number;
+}
+
+/** Some numbers of a run over simulated time, for plots. */
+export interface Sample {
+  time: number;
+  values: { [name: string]: number };
+}
+
+interface SceneState {
+  path: string;
+  problem?: Problem;
+  warnings: string[];
+  reset?: string;
+}
+
+export interface Studio {
+  // The document; history covers this part alone.
+  scene: Scene;
+
+  types: Types | null;
+  connected: boolean;
+  role: "writer" | "viewer";
+  devices: Device[];
+  device: string;
+  version: string;
+  sceneState: SceneState;
+  status: Status;
+  numbers: JsonObject | null;
+  samples: Sample[];
+  log: LogLine[];
+  selected: string[];
+  selectedLinks: string[];
+  /** The node whose modules are shown. */
+  inside: string | null;
+  clip: Clip | null;
+  attribute: string;
+  attributes: string[];
+  message: string | null;
+}
+
+const kMostSamples = 4000;
+const kMostLines = 1000;
+
+export const useStudio = create<Studio>()(
+  temporal(
+    (): Studio => ({
+      scene: emptyScene(),
+      types: null,
+      connected: false,
+      role: "viewer",
+      devices: [],
+      device: "auto",
+      version: "",
+      sceneState: { path: "", warnings: [] },
+      status: { state: "empty" },
+      numbers: null,
+      samples: [],
+      log: [],
+      selected: [],
+      selectedLinks: [],
+      inside: null,
+      clip: null,
+      attribute: "speed",
+      attributes: ["speed"],
+      message: null,
+    }),
+    { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
+  ),
+);
+
+const set = useStudio.setState;
+const get = useStudio.getState;
+
+/** What draws frames and meshes; the viewport puts itself here. */
+export const viewers = {
+  frame: (_: FramePacket): void => {},
+  geometry: (_: GeometryPacket): void => {},
+};
+/** Kept for a viewport that appears later. */
+export const last: { frame: FramePacket | null; geometry: GeometryPacket | null } = { frame: null, geometry: null };
+
+export const client = new Client({
+  connected: (on) => {
+    set({ connected: on });
+    if (on) void greet();
+  },
+  event: receive,
+  frame: (packet) => {
+    last.frame = packet;
+    const names = packet.fluids[0]?.attributes;
+    if (names && names.join() !== get().attributes.join()) set({ attributes: names });
+    viewers.frame(packet);
+    client.frameSeen();
+  },
+  geometry: (packet) => {
+    last.geometry = packet;
+    set({ samples: [] });
+    viewers.geometry(packet);
+  },
+});
+
+export function say(error: unknown): void {
+  set({ message: error instanceof Error ? error.message : String(error) });
+}
+
+/** Asks the server, and shows what it refuses. */
+export async function request<T = JsonObject>(what: string, fields: object = {}): Promise<T | null> {
+  try {
+    return await client.ask<T>(what, fields);
+  } catch (e) {
+    if (e instanceof Refusal && e.problem.node) set({ selected: [e.problem.node] });
+    say(e);
+    return null;
+  }
+}
+
+interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" | "status"> {
+  scene: SceneState & { scene: Scene };
+}
+
+async function greet(): Promise<void> {
+  try {
+    if (!get().types) set({ types: await fetchTypes() });
+    const hello = await client.ask<Hello>("hello");
+    const { scene, ...sceneState } = hello.scene;
+    set({ ...hello, scene: recovered(scene, sceneState.path), sceneState });
+    useStudio.temporal.getState().clear();
+    if (get().role === "writer" && get().scene !== scene) send();
+  } catch (e) {
+    say(e);
+  }
+}
+
+function receive(name: string, data: unknown): void {
+  if (name === "status") set({ status: data as Status });
+  if (name === "role") set({ role: data as Studio["role"] });
+  if (name === "numbers") takeNumbers(data as JsonObject);
+  if (name === "log") {
+    const line = { ...(data as Omit<LogLine, "at">), at: Date.now() };
+    set({ log: [...get().log, line].slice(-kMostLines) });
+  }
+  if (name === "scene") {
+    const { scene, ...sceneState } = data as Hello["scene"];
+    applying = true;
+    set({ scene, sceneState });
+    applying = false;
+  }
+}
+
+function takeNumbers(numbers: JsonObject): void {
+  const values: { [name: string]: number } = {};
+  const collect = (prefix: string, v: unknown) => {
+    if (typeof v === "number") values[prefix] = v;
+    else if (v && typeof v === "object" && !Array.isArray(v))
+      for (const [k, inner] of Object.entries(v)) collect(prefix ? `${prefix}.${k}` : k, inner);
+    else if (Array.isArray(v) && v.length === 3 && v.every((x) => typeof x === "number"))
+      values[prefix] = Math.hypot(...(v as number[]));
+  };
+  for (const [node, report] of Object.entries((numbers["nodes"] as JsonObject) ?? {})) collect(node, report);
+  const stepMs = (numbers["step_ms"] as JsonObject | undefined)?.["median"];
+  if (typeof stepMs === "number") values["step (ms)"] = stepMs;
+  if (typeof numbers["particles"] === "number") values["particles"] = numbers["particles"];
+  const time = Number(numbers["simulated_seconds"] ?? 0);
+  const samples = get().samples.filter((s) => s.time < time);
+  set({ numbers, samples: [...samples, { time, values }].slice(-kMostSamples) });
+}
+
+// Editing. Each change goes to the server at once, which answers with what is wrong.
+
+let applying = false;
+let sending = false;
+let again = false;
+
+/** Changes the scene; one undo step. */
+export function edit(change: (scene: Scene) => Scene): void {
+  if (get().role !== "writer") return say(new Error("another window has the pen: take it to make changes here"));
+  const next = change(get().scene);
+  if (next !== get().scene) set({ scene: next });
+}
+
+useStudio.subscribe((now, before) => {
+  if (now.scene === before.scene || applying) return;
+  keepDraft(now.scene, now.sceneState.path);
+  if (now.connected && now.role === "writer") void send();
+});
+
+async function send(): Promise<void> {
+  again = true;
+  if (sending) return;
+  sending = true;
+  while (again) {
+    again = false;
+    const state = await request<SceneState>("scene.set", { scene: get().scene });
+    if (state) set({ sceneState: state });
+  }
+  sending = false;
+}
+
+export const undo = (): void => useStudio.temporal.getState().undo();
+export const redo = (): void => useStudio.temporal.getState().redo();
+
+/** While f runs, changes are one undo step: for drags. */
+export const history = {
+  pause: (): void => useStudio.temporal.getState().pause(),
+  resume: (): void => useStudio.temporal.getState().resume(),
+};
+
+// Drafts: what was edited and not saved survives a crash of the browser or the server.
+
+const kDraft = "weir-draft";
+
+function keepDraft(scene: Scene, path: string): void {
+  try {
+    localStorage.setItem(kDraft, JSON.stringify({ path, scene }));
+  } catch {
+    // A full store is no reason to stop.
+  }
+}
+
+export function dropDraft(): void {
+  localStorage.removeItem(kDraft);
+}
+
+function recovered(scene: Scene, path: string): Scene {
+  try {
+    const draft = JSON.parse(localStorage.getItem(kDraft) ?? "null") as { path: string; scene: Scene } | null;
+    if (!draft || draft.path !== path || JSON.stringify(draft.scene) === JSON.stringify(scene)) return scene;
+    if (Object.keys(scene.nodes).length > 0 && !confirm("There are changes to this scene that were not saved. Take them up again?"))
+      return dropDraft(), scene;
+    return draft.scene;
+  } catch {
+    return scene;
+  }
+}
+
+/** Opens a scene of the served folder or a template. */
+export async function openScene(where: { path: string } | { template: string }): Promise<void> {
+  const state = await request<SceneState & { scene: Scene }>("scene.open", where);
+  if (!state) return;
+  const { scene, ...sceneState } = state;
+  applying = true;
+  set({ scene, sceneState, selected: [], inside: null });
+  applying = false;
+  dropDraft();
+  useStudio.temporal.getState().clear();
+  await request("run.reset");
+}
+
+export async function saveScene(path: string): Promise<boolean> {
+  const saved = await request<{ path: string }>("scene.save", { path });
+  if (!saved) return false;
+  set({ sceneState: { ...get().sceneState, path: saved.path } });
+  dropDraft();
+  return true;
+}
+
+export function newScene(): void {
+  edit(() => emptyScene());
+  set({ sceneState: { ...get().sceneState, path: "" }, selected: [], inside: null });
+}

@@ -1,0 +1,107 @@
+// The property editors of an owner of parameters: a node, a module, the world or a section.
+import { paramsOf, setParam, type Owner } from "../model/scene";
+import { edit, useStudio } from "../model/store";
+import type { Json, JsonObject, Parameter } from "../model/types";
+import { ValueField } from "./fields";
+import { isKeyframes, KeyframesField } from "./KeyframesField";
+
+interface Props {
+  owner: Owner;
+  parameters: Parameter[];
+  /** Where they stand inside the owner, for groups. */
+  path?: string[];
+}
+
+const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
+  path.reduce<Json | undefined>(
+    (v, key) => (v !== null && typeof v === "object" && !Array.isArray(v) ? v[key] : undefined),
+    params,
+  );
+
+function useProblem(owner: Owner, name: string): string | null {
+  const problem = useStudio((s) => s.sceneState.problem);
+  if (!problem) return null;
+  const text = problem.message + (problem.allowed ? ` — allowed: ${problem.allowed}` : "");
+  const base =
+    "section" in owner ? `/${owner.section}/` :
+    "module" in owner ? `/nodes/${owner.node}/modules/${owner.module}/params/` : `/nodes/${owner.node}/params/`;
+  return problem.pointer?.startsWith(base + name) ? text : null;
+}
+
+/** Of a list of groups: each an object that is edited in place. */
+function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parameter; path: string[] }) {
+  const list = useStudio((s) => valueAt(paramsOf(s.scene, owner), path));
+  const items = (Array.isArray(list) ? list : []) as JsonObject[];
+  const put = (next: JsonObject[]) => edit((s) => setParam(s, owner, path, next.length > 0 ? next : undefined));
+  return (
+    <div className="group-list">
+      {items.map((item, i) => (
+        <fieldset key={i}>
+          <legend>
+            {i + 1} <button aria-label="Remove" onClick={() => put(items.filter((_, k) => k !== i))}>×</button>
+          </legend>
+          {parameter.parameters!.map((p) => (
+            <label key={p.name} className="row" title={p.doc}>
+              <span>{p.name}</span>
+              <ValueField
+                parameter={p} label={`${parameter.name} ${i + 1} ${p.name}`} value={item[p.name] ?? p.default}
+                onChange={(v) => put(items.map((old, k) => (k === i ? { ...old, [p.name]: v } : old)))}
+              />
+            </label>
+          ))}
+        </fieldset>
+      ))}
+      <button onClick={() => put([...items, {}])}>Add</button>
+    </div>
+  );
+}
+
+function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; path: string[] }) {
+  const set = useStudio((s) => valueAt(paramsOf(s.scene, owner), path));
+  const playing = useStudio((s) => s.status.state !== "empty");
+  const problem = useProblem(owner, path.join("/"));
+  const value = set === undefined ? parameter.default : set;
+  const keyed = isKeyframes(value);
+  const change = (v: Json) => edit((s) => setParam(s, owner, path, v));
+  const Field = keyed ? KeyframesField : ValueField;
+  return (
+    <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
+      <span className="name" title={parameter.doc}>
+        {parameter.name}
+        {parameter.unit && <small>{parameter.unit}</small>}
+        {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}
+      </span>
+      <span className="field">
+        <Field parameter={parameter} value={value} label={parameter.name} onChange={change} />
+        {parameter.animated && (
+          <button
+            className="key" aria-pressed={keyed} title={keyed ? "One value for all times" : "Change over time by keyframes"}
+            onClick={() => change(keyed ? ((value.keyframes[0] as Json[])[1] ?? parameter.default) : { keyframes: [[0, value]] })}
+          >
+            ◆
+          </button>
+        )}
+        {set !== undefined && (
+          <button className="default" title={`Back to the default: ${JSON.stringify(parameter.default)}`} aria-label={`Reset ${parameter.name}`}
+            onClick={() => edit((s) => setParam(s, owner, path, undefined))}>↺</button>
+        )}
+      </span>
+      {problem && <p role="alert">{problem}</p>}
+    </div>
+  );
+}
+
+export function Parameters({ owner, parameters, path = [] }: Props) {
+  return (
+    <div className="parameters">
+      {parameters.map((p) => {
+        const below = [...path, p.name];
+        if (p.kind === "group list")
+          return <details key={p.name}><summary title={p.doc}>{p.name}</summary><GroupList owner={owner} parameter={p} path={below} /></details>;
+        if (p.parameters)
+          return <details key={p.name} open><summary title={p.doc}>{p.name}</summary><Parameters owner={owner} parameters={p.parameters} path={below} /></details>;
+        return <Row key={p.name} owner={owner} parameter={p} path={below} />;
+      })}
+    </div>
+  );
+}

@@ -1,0 +1,110 @@
+// What is selected: its name, its parameters and its modules; or the scene's own settings.
+import { useEffect, useState } from "react";
+import {
+  enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
+} from "../model/scene";
+import { edit, useStudio } from "../model/store";
+import { Parameters } from "./Parameters";
+
+function NameField({ name }: { name: string }) {
+  const scene = useStudio((s) => s.scene);
+  const [text, setText] = useState(name);
+  useEffect(() => setText(name), [name]);
+  const problem = nameProblem(scene, text, name);
+  const take = () => {
+    if (problem || text === name) return setText(name);
+    edit((s) => renameNode(s, name, text));
+    useStudio.setState({ selected: [text] });
+  };
+  return (
+    <label className="name-field">
+      <input aria-label="Name" value={text} aria-invalid={problem !== null} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />
+      {problem && <em role="alert">{problem}</em>}
+    </label>
+  );
+}
+
+/** The modules of a node, in the order in which they run. */
+export function Modules({ node }: { node: string }) {
+  const scene = useStudio((s) => s.scene);
+  const types = useStudio((s) => s.types)!;
+  const times = useStudio((s) => s.numbers?.["modules_ms"]) as { [path: string]: { per_step?: number } } | undefined;
+  const [open, setOpen] = useState<string | null>(null);
+  const type = types.nodes[scene.nodes[node]?.type ?? ""];
+  if (!type?.modules) return null;
+  const family = Object.entries(types.modules).filter(([, m]) => m.family === type.family);
+  const list = pipelineOf(scene, node, type);
+  return (
+    <section className="modules" aria-label="Modules">
+      <h3>Modules, in their order</h3>
+      <ol>
+        {list.map((m, i) => (
+          <li key={m.name} className={m.enabled ? "" : "off"} data-module={m.name}>
+            <div className="module">
+              <input type="checkbox" checked={m.enabled} aria-label={`Use ${m.name}`} onChange={(e) => edit((s) => enableModule(s, node, m.name, e.target.checked))} />
+              <button className="title" aria-expanded={open === m.name} onClick={() => setOpen(open === m.name ? null : m.name)} title={types.modules[m.type]?.doc}>
+                {m.name}
+              </button>
+              <select aria-label={`Type of ${m.name}`} value={m.type} onChange={(e) => edit((s) => replaceModule(s, node, m.name, e.target.value))}>
+                {family.map(([t, d]) => <option key={t} title={d.doc}>{t}</option>)}
+              </select>
+              {times?.[`${node}/${m.name}`]?.per_step !== undefined && <span className="badge">{times[`${node}/${m.name}`]!.per_step!.toPrecision(2)} ms</span>}
+              <button aria-label={`Move ${m.name} up`} disabled={i === 0} onClick={() => edit((s) => moveModule(s, node, type, m.name, -1))}>↑</button>
+              <button aria-label={`Move ${m.name} down`} disabled={i === list.length - 1} onClick={() => edit((s) => moveModule(s, node, type, m.name, 1))}>↓</button>
+              {!m.own && <button aria-label={`Remove ${m.name}`} onClick={() => edit((s) => removeModule(s, node, m.name))}>×</button>}
+            </div>
+            {open === m.name && <Parameters owner={{ node, module: m.name }} parameters={types.modules[m.type]?.parameters ?? []} />}
+          </li>
+        ))}
+      </ol>
+      <select aria-label="Insert a module" value="" onChange={(e) => e.target.value && edit((s) => insertModule(s, node, type, e.target.value))}>
+        <option value="">Insert a module…</option>
+        {family.map(([t, d]) => <option key={t} value={t} title={d.doc}>{t}</option>)}
+      </select>
+    </section>
+  );
+}
+
+function SceneSettings() {
+  const types = useStudio((s) => s.types)!;
+  const title = useStudio((s) => s.scene.title ?? "");
+  return (
+    <>
+      <h2>Scene</h2>
+      <label className="row"><span className="name">title</span>
+        <input aria-label="title" defaultValue={title} key={title} onBlur={(e) => e.target.value !== title && edit((s) => ({ ...s, title: e.target.value || undefined }))} />
+      </label>
+      <details open><summary>world</summary><Parameters owner={{ section: "world" }} parameters={types.world} /></details>
+      {Object.entries(types.sections).map(([name, parameters]) => (
+        <details key={name}><summary>{name}</summary><Parameters owner={{ section: name }} parameters={parameters} /></details>
+      ))}
+    </>
+  );
+}
+
+export function PropertyPanel() {
+  const types = useStudio((s) => s.types);
+  const scene = useStudio((s) => s.scene);
+  const selected = useStudio((s) => s.selected.filter((n) => n in s.scene.nodes).join());
+  if (!types) return <p className="hint">Waiting for the server…</p>;
+  const names = selected ? selected.split(",") : [];
+  if (names.length === 0) return <SceneSettings />;
+  if (names.length > 1)
+    return (
+      <>
+        <h2>{names.length} nodes</h2>
+        <button onClick={() => edit((s) => removeNodes(s, names))}>Delete them</button>
+      </>
+    );
+  const name = names[0]!;
+  const typeName = scene.nodes[name]!.type;
+  const type = types.nodes[typeName];
+  return (
+    <>
+      <NameField name={name} />
+      <p className="doc"><strong>{typeName}</strong> {type?.doc ?? "No plugin here knows this type."}</p>
+      {type && <Parameters key={name} owner={{ node: name }} parameters={type.parameters} />}
+      <Modules key={`${name} modules`} node={name} />
+    </>
+  );
+}

@@ -1,0 +1,217 @@
+// One editor for each kind of parameter value, made from the parameter's description alone.
+import { useEffect, useRef, useState } from "react";
+import { evaluate, numberText } from "../model/expression";
+import { fetchFiles, type ServedFile } from "../protocol/client";
+import type { Json, Parameter } from "../model/types";
+import { CurveField } from "./CurveField";
+
+export interface FieldProps {
+  parameter: Parameter;
+  value: Json;
+  onChange(value: Json): void;
+  label: string;
+}
+
+const isInt = (p: Parameter) => p.kind === "int";
+
+/** Why a number is refused, or null. */
+export function rangeProblem(p: Parameter, v: number): string | null {
+  if (isInt(p) && !Number.isInteger(v)) return "a whole number";
+  if (p.min !== undefined && v < p.min) return `at least ${p.min}`;
+  if (p.above !== undefined && v <= p.above) return `above ${p.above}`;
+  if (p.max !== undefined && v > p.max) return `at most ${p.max}`;
+  return null;
+}
+
+/** A number: typed, as an expression too, or dragged sideways. */
+export function NumberField({ parameter, value, onChange, label, placeholder }: FieldProps & { placeholder?: string }) {
+  const shown = typeof value === "number" ? numberText(value) : "";
+  const [text, setText] = useState(shown);
+  const [problem, setProblem] = useState<string | null>(null);
+  const drag = useRef<{ x: number; from: number; moved: boolean } | null>(null);
+  useEffect(() => (setText(shown), setProblem(null)), [shown]);
+
+  const take = (t: string) => {
+    const v = evaluate(t);
+    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v);
+    setProblem(wrong);
+    if (!wrong && v !== value) onChange(v);
+  };
+  const bounded = (v: number) => {
+    const above = parameter.above !== undefined ? parameter.above + 1e-6 : -Infinity;
+    const low = Math.max(parameter.min ?? -Infinity, above);
+    return Math.min(Math.max(isInt(parameter) ? Math.round(v) : v, low), parameter.max ?? Infinity);
+  };
+  /** A hundredth of what the number is about. */
+  const step = (from: number) => {
+    const span = (parameter.soft_max ?? NaN) - (parameter.soft_min ?? NaN);
+    return isInt(parameter) ? 0.2 : Number.isFinite(span) ? span / 200 : Math.max(Math.abs(from), 0.01) / 100;
+  };
+  return (
+    <span className="number" title={problem ? `allowed: ${problem}` : undefined}>
+      <input
+        value={text} aria-label={label} aria-invalid={problem !== null} inputMode="decimal" placeholder={placeholder}
+        onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)}
+        onKeyDown={(e) => {
+          if (e.key === "Enter") take(text);
+          else if (e.key === "Escape") (setText(shown), setProblem(null), e.currentTarget.blur());
+          else if ((e.key === "ArrowUp" || e.key === "ArrowDown") && typeof value === "number") {
+            const by = (isInt(parameter) ? 1 : 10 * step(value)) * (e.key === "ArrowUp" ? 1 : -1);
+            onChange(Number(bounded(value + by).toPrecision(6)));
+            e.preventDefault();
+          }
+        }}
+      />
+      {typeof value === "number" && (
+        <span
+          className="grip" aria-hidden title="Drag to change"
+          onPointerDown={(e) => {
+            e.currentTarget.setPointerCapture(e.pointerId);
+            drag.current = { x: e.clientX, from: value, moved: false };
+          }}
+          onPointerMove={(e) => {
+            if (!drag.current) return;
+            const v = bounded(drag.current.from + (e.clientX - drag.current.x) * step(drag.current.from));
+            setText(numberText(Number(v.toPrecision(4))));
+            drag.current.moved = true;
+          }}
+          onPointerUp={() => {
+            if (drag.current?.moved) take(text);
+            drag.current = null;
+          }}
+        >
+          ↔
+        </span>
+      )}
+      {problem && <em role="alert">{problem}</em>}
+    </span>
+  );
+}
+
+function VectorField({ parameter, value, onChange, label }: FieldProps) {
+  const size = parameter.kind === "vec2" ? 2 : 3;
+  const v = Array.isArray(value) ? value : Array<Json>(size).fill(null);
+  return (
+    <span className="vector">
+      {["x", "y", "z"].slice(0, size).map((axis, i) => (
+        <NumberField
+          key={axis} parameter={{ ...parameter, kind: "float" }} label={`${label} ${axis}`} placeholder={axis} value={v[i] ?? null}
+          onChange={(n) => onChange(v.map((old, k) => (k === i ? n : old ?? 0)))}
+        />
+      ))}
+    </span>
+  );
+}
+
+/** Degrees about x, y and z. A quaternion of four numbers is shown as it is. */
+function RotationField(props: FieldProps) {
+  const isQuaternion = Array.isArray(props.value) && props.value.length === 4;
+  return isQuaternion ? <JsonField {...props} /> : <VectorField {...props} parameter={{ ...props.parameter, kind: "vec3" }} />;
+}
+
+const hex = (v: Json): string => {
+  if (typeof v === "string") return v.slice(0, 7);
+  if (!Array.isArray(v)) return "#ffffff";
+  return "#" + v.slice(0, 3).map((c) => Math.round(Number(c) * 255).toString(16).padStart(2, "0")).join("");
+};
+
+function ColorField({ value, onChange, label }: FieldProps) {
+  return <input type="color" aria-label={label} value={hex(value)} onChange={(e) => onChange(e.target.value)} />;
+}
+
+function EnumField({ parameter, value, onChange, label }: FieldProps) {
+  const choices = parameter.choices ?? {};
+  return (
+    <select aria-label={label} value={String(value)} title={choices[String(value)]} onChange={(e) => onChange(e.target.value)}>
+      {Object.entries(choices).map(([name, doc]) => (
+        <option key={name} value={name} title={doc}>{name}</option>
+      ))}
+    </select>
+  );
+}
+
+function BoolField({ value, onChange, label }: FieldProps) {
+  return <input type="checkbox" className="switch" role="switch" aria-label={label} checked={value === true} onChange={(e) => onChange(e.target.checked)} />;
+}
+
+function TextField({ value, onChange, label }: FieldProps) {
+  const shown = typeof value === "string" ? value : "";
+  const [text, setText] = useState(shown);
+  useEffect(() => setText(shown), [shown]);
+  const take = () => text !== shown && onChange(text);
+  return <input aria-label={label} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
+}
+
+/** A file below the served folder. */
+function PathField(props: FieldProps) {
+  const [files, setFiles] = useState<ServedFile[] | null>(null);
+  const [folder, setFolder] = useState("");
+  const show = async (where: string) => {
+    setFolder(where);
+    setFiles(await fetchFiles(where).catch(() => []));
+  };
+  return (
+    <span className="path">
+      <TextField {...props} />
+      <button onClick={() => (files ? setFiles(null) : void show(""))} aria-expanded={files !== null} title="Choose a file">…</button>
+      {files && (
+        <ul className="files">
+          {folder && <li><button onClick={() => void show(folder.split("/").slice(0, -1).join("/"))}>../</button></li>}
+          {files.map((f) => (
+            <li key={f.path}>
+              <button onClick={() => (f.folder ? void show(f.path) : (props.onChange(f.path), setFiles(null)))}>
+                {f.path.split("/").at(-1)}{f.folder ? "/" : ""}
+              </button>
+            </li>
+          ))}
+          {files.length === 0 && <li>empty</li>}
+        </ul>
+      )}
+    </span>
+  );
+}
+
+/** What has no editor of its own, as JSON. */
+export function JsonField({ value, onChange, label }: FieldProps) {
+  const shown = JSON.stringify(value);
+  const [text, setText] = useState(shown);
+  const [wrong, setWrong] = useState(false);
+  useEffect(() => setText(shown), [shown]);
+  const take = () => {
+    try {
+      const v = JSON.parse(text) as Json;
+      setWrong(false);
+      if (text !== shown) onChange(v);
+    } catch {
+      setWrong(true);
+    }
+  };
+  return <input aria-label={label} aria-invalid={wrong} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
+}
+
+export function ValueField(props: FieldProps) {
+  switch (props.parameter.kind) {
+    case "float":
+    case "int":
+      return <NumberField {...props} placeholder={props.parameter.default === null ? "not set" : undefined} />;
+    case "vec2":
+    case "vec3":
+      return <VectorField {...props} />;
+    case "rotation":
+      return <RotationField {...props} />;
+    case "color":
+      return <ColorField {...props} />;
+    case "enum":
+      return <EnumField {...props} />;
+    case "bool":
+      return <BoolField {...props} />;
+    case "string":
+      return <TextField {...props} />;
+    case "path":
+      return <PathField {...props} />;
+    case "curve":
+      return <CurveField {...props} />;
+    default:
+      return <JsonField {...props} />;
+  }
+}

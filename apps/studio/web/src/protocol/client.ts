@@ -1,0 +1,95 @@
+// The connection to the server: questions with answers, events, packets. It comes back by itself when it breaks.
+import type { JsonObject, Problem } from "../model/types";
+import { readPacket, type FramePacket, type GeometryPacket } from "./packets";
+
+/** What the server refused, and why. */
+export class Refusal extends Error {
+  constructor(readonly problem: Problem) {
+    super([problem.message, problem.allowed && `allowed: ${problem.allowed}`, problem.hint].filter(Boolean).join(" — "));
+  }
+}
+
+export interface ClientEvents {
+  connected(on: boolean): void;
+  event(name: string, data: unknown): void;
+  frame(packet: FramePacket): void;
+  geometry(packet: GeometryPacket): void;
+}
+
+const kRetryMs = 1000;
+
+export class Client {
+  private socket: WebSocket | null = null;
+  private waiting = new Map<number, { resolve: (v: never) => void; reject: (e: Error) => void }>();
+  private lastId = 0;
+
+  constructor(private readonly events: ClientEvents) {}
+
+  open(): void {
+    const socket = new WebSocket(`ws://${location.host}/api/live`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => this.events.connected(true);
+    socket.onclose = () => this.closed();
+    socket.onmessage = (m) => this.receive(m.data as string | ArrayBuffer);
+    this.socket = socket;
+  }
+
+  /** Asks the server; rejects with a Refusal, or where the connection breaks. */
+  ask<T = JsonObject>(what: string, fields: object = {}): Promise<T> {
+    const id = ++this.lastId;
+    return new Promise<T>((resolve, reject) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) return reject(new Error("there is no connection to the server"));
+      this.waiting.set(id, { resolve: resolve as (v: never) => void, reject });
+      this.socket.send(JSON.stringify({ id, do: what, ...fields }));
+    });
+  }
+
+  /** Lets the server send one more frame. */
+  frameSeen(): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send('{"do":"frame.seen"}');
+  }
+
+  private closed(): void {
+    for (const { reject } of this.waiting.values()) reject(new Error("the connection to the server broke"));
+    this.waiting.clear();
+    this.events.connected(false);
+    setTimeout(() => this.open(), kRetryMs);
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data !== "string") {
+      const packet = readPacket(data);
+      if (packet.kind === "frame") this.events.frame(packet);
+      else this.events.geometry(packet);
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.event !== undefined) return this.events.event(message.event, message.data);
+    const asked = this.waiting.get(message.id);
+    if (!asked) return;
+    this.waiting.delete(message.id);
+    if (message.error) asked.reject(new Refusal(message.error));
+    else asked.resolve(message.result as never);
+  }
+}
+
+async function fetched(address: string, init?: RequestInit): Promise<Response> {
+  const answer = await fetch(address, init);
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer;
+}
+
+export interface ServedFile {
+  path: string;
+  folder: boolean;
+  bytes: number;
+}
+
+const pathOf = (file: string) => file.split("/").map(encodeURIComponent).join("/");
+
+export const fetchTypes = async () => (await fetched("/api/types")).json();
+export const fetchTemplates = async (): Promise<ServedFile[]> => (await fetched("/api/templates")).json();
+export const fetchFiles = async (folder: string): Promise<ServedFile[]> =>
+  (await fetched(`/api/files?folder=${encodeURIComponent(folder)}`)).json();
+export const upload = (path: string, file: File) =>
+  fetched(`/api/file/${pathOf(path)}`, { method: "PUT", body: file });

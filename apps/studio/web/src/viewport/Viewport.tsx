@@ -1,0 +1,140 @@
+// The view with its tools: camera, colours, handles, and the particle that was clicked.
+import { useEffect, useMemo, useRef, useState } from "react";
+import { setParam } from "../model/scene";
+import { edit, last, request, useStudio, viewers } from "../model/store";
+import type { Json, JsonObject } from "../model/types";
+import { gradient, isColorMap, kColorMaps, type ColorMapName } from "./colorMaps";
+import { handleOf, outlinesOf } from "./outlines";
+import { kPresets, View, type Preset } from "./view";
+
+const kMostChoices = [50_000, 200_000, 1_000_000];
+
+interface Key {
+  low: number;
+  high: number;
+  name: string;
+  unit: string;
+}
+
+interface Picked {
+  node: string;
+  id: number;
+  attributes: { [name: string]: Json };
+}
+
+const short = (v: Json): string =>
+  typeof v === "number" ? String(Number(v.toPrecision(4))) : Array.isArray(v) ? v.map(short).join(", ") : String(v);
+
+export function Viewport({ dark }: { dark: boolean }) {
+  const element = useRef<HTMLDivElement>(null);
+  const [view, setView] = useState<View | null>(null);
+  const [key, setKey] = useState<Key | null>(null);
+  const [picked, setPicked] = useState<Picked | null>(null);
+  const [mode, setMode] = useState<"translate" | "rotate">("translate");
+  const [most, setMost] = useState(kMostChoices[1]!);
+  const scene = useStudio((s) => s.scene);
+  const types = useStudio((s) => s.types);
+  const selected = useStudio((s) => s.selected);
+  const attribute = useStudio((s) => s.attribute);
+  const attributes = useStudio((s) => s.attributes);
+  const path = useStudio((s) => s.sceneState.path);
+  const render = scene["render"] as JsonObject | undefined;
+  const color = render?.["color"] as JsonObject | undefined;
+  const map: ColorMapName = isColorMap(color?.["map"]) ? color["map"] : "viridis";
+  const range = useMemo(
+    () => (attribute === (color?.["by"] ?? "speed") && Array.isArray(color?.["range"]) ? (color["range"] as [number, number]) : null),
+    [attribute, color],
+  );
+
+  useEffect(() => {
+    const made = new View(element.current!, {
+      moved: (node, position, rotation) =>
+        edit((s) => {
+          const placed = setParam(s, { node }, ["position"], position);
+          const turned = useStudio.getState().types && handleOf(s, useStudio.getState().types!, node)?.rotates && rotation.some((r) => r !== 0);
+          return turned ? setParam(placed, { node }, ["rotation"], rotation) : placed;
+        }),
+      picked: (node, id) => void request<Picked>("particle", { node, particle: id }).then((p) => p && (setPicked(p), made.choose(id))),
+      range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
+    });
+    setView(made);
+    viewers.frame = (p) => made.frame(p);
+    viewers.geometry = (p) => made.geometry(p);
+    if (last.geometry) made.geometry(last.geometry);
+    if (last.frame) made.frame(last.frame);
+    return () => {
+      viewers.frame = viewers.geometry = () => {};
+      made.dispose();
+    };
+  }, []);
+
+  useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
+  useEffect(() => view?.setColors(map, range), [view, map, range]);
+  useEffect(() => {
+    if (view && types) view.setOutlines(outlinesOf(scene, types));
+  }, [view, scene.nodes, types]); // eslint-disable-line
+  useEffect(() => {
+    const one = selected.length === 1 ? selected[0]! : null;
+    view?.hold(one && types && handleOf(scene, types, one) ? one : null, mode);
+  }, [view, selected, mode, scene.nodes, types]); // eslint-disable-line
+  useEffect(() => {
+    const camera = render?.["camera"] as JsonObject | undefined;
+    if (view && Array.isArray(camera?.["eye"]) && Array.isArray(camera["target"]))
+      view.setPose(camera["eye"] as number[], camera["target"] as number[], Number(camera["fov"] ?? 40));
+    else view?.fit();
+  }, [view, path, types]); // eslint-disable-line
+
+  const show = (name: string, count: number) => {
+    useStudio.setState({ attribute: name });
+    setMost(count);
+    void request("view.set", { attribute: name, most: count });
+  };
+  const keepCamera = () => {
+    const pose = view!.pose();
+    edit((s) => setParam(s, { section: "render" }, ["camera"], { ...((s["render"] as JsonObject)?.["camera"] as JsonObject), ...pose }));
+  };
+
+  return (
+    <div className="viewport" ref={element} aria-label="Simulation view">
+      <div className="view-tools" role="toolbar" aria-label="View">
+        <button onClick={() => view?.fit()} title="Show everything">Fit</button>
+        <select aria-label="View from" value="" onChange={(e) => e.target.value && view?.fit(e.target.value as Preset)}>
+          <option value="">View…</option>
+          {Object.keys(kPresets).map((p) => <option key={p}>{p}</option>)}
+        </select>
+        <button onClick={keepCamera} title="Use this camera for videos">Keep camera</button>
+        <button onClick={() => setMode(mode === "translate" ? "rotate" : "translate")} title="What the handle of the selected node does">
+          {mode === "translate" ? "Move" : "Turn"}
+        </button>
+        <select aria-label="Colour by" value={attribute} onChange={(e) => show(e.target.value, most)}>
+          {attributes.map((a) => <option key={a}>{a}</option>)}
+        </select>
+        <select aria-label="Colour map" value={map} onChange={(e) => edit((s) => setParam(s, { section: "render" }, ["color", "map"], e.target.value))}>
+          {Object.keys(kColorMaps).map((m) => <option key={m}>{m}</option>)}
+        </select>
+        <select aria-label="Most particles" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
+          {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
+        </select>
+      </div>
+      {key && (
+        <div className="color-key">
+          <span>{short(key.low)}</span>
+          <i style={{ background: gradient(map) }} />
+          <span>{short(key.high)} {key.unit}</span>
+          <b>{key.name}</b>
+        </div>
+      )}
+      {picked && (
+        <div className="picked">
+          <button aria-label="Close" onClick={() => (setPicked(null), view?.choose(-1))}>×</button>
+          <h3>Particle {picked.id} of {picked.node}</h3>
+          <table>
+            <tbody>
+              {Object.entries(picked.attributes).map(([name, v]) => <tr key={name}><th>{name}</th><td>{short(v)}</td></tr>)}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,243 @@
+// The 3D view: a renderer, a camera to orbit, and what there is to see. Draws only when something changed.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+import type { FramePacket, GeometryPacket } from "../protocol/packets";
+import type { ColorMapName } from "./colorMaps";
+import { Particles } from "./particles";
+
+export interface ViewEvents {
+  /** A handle was let go of: the new place, and the turn in degrees about fixed x, y, z. */
+  moved(node: string, position: number[], rotation: number[]): void;
+  picked(node: string, id: number): void;
+  range(low: number, high: number, name: string, unit: string): void;
+}
+
+export const kPresets = {
+  front: [0, 0.2, 1], back: [0, 0.2, -1], left: [-1, 0.2, 0], right: [1, 0.2, 0], top: [0, 1, 0.001], iso: [0.8, 0.6, 1],
+} as const;
+export type Preset = keyof typeof kPresets;
+
+const kMeshColors = ["#9fb6c9", "#c9b69f", "#a9c99f", "#c49fc9"];
+
+export class View {
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.PerspectiveCamera(40, 1, 0.005, 500);
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly handle: TransformControls;
+  private readonly fluids = new Map<string, Particles>();
+  private readonly meshes = new Map<string, THREE.Mesh>();
+  private readonly outlines = new THREE.Group();
+  private outlineOf = new Map<string, THREE.Object3D>();
+  private map: ColorMapName = "viridis";
+  private range: [number, number] | null = null;
+  private asked = false;
+  private fitted = false;
+  drawn = 0;
+
+  constructor(private readonly element: HTMLElement, private readonly events: ViewEvents) {
+    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    element.prepend(this.renderer.domElement);
+    this.camera.position.set(1.2, 1, 1.8);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.addEventListener("change", () => this.draw());
+    this.handle = new TransformControls(this.camera, this.renderer.domElement);
+    this.handle.addEventListener("dragging-changed", (e) => {
+      this.controls.enabled = !e.value;
+      if (!e.value) this.letGo();
+    });
+    this.handle.addEventListener("change", () => this.draw());
+    this.scene.add(this.handle.getHelper(), this.outlines);
+    this.scene.add(new THREE.HemisphereLight("#ffffff", "#6b7480", 2.2));
+    const sun = new THREE.DirectionalLight("#ffffff", 1.6);
+    sun.position.set(2, 4, 3);
+    this.scene.add(sun);
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.pickOnClick();
+    this.resize();
+  }
+
+  setBackground(color: string): void {
+    this.scene.background = new THREE.Color(color);
+    this.draw();
+  }
+
+  setColors(map: ColorMapName, range: [number, number] | null): void {
+    this.map = map;
+    this.range = range;
+    for (const particles of this.fluids.values()) particles.setMap(map);
+    this.draw();
+  }
+
+  frame(packet: FramePacket): void {
+    for (const fluid of packet.fluids) {
+      let particles = this.fluids.get(fluid.node);
+      if (!particles) {
+        particles = new Particles();
+        particles.setMap(this.map);
+        this.fluids.set(fluid.node, particles);
+        this.scene.add(particles.points);
+      }
+      particles.show(fluid);
+      const a = fluid.attribute;
+      const [low, high] = this.range ?? [a?.low ?? 0, a?.high ?? 1];
+      particles.setRange(low, high);
+      if (a) this.events.range(low, high, a.name, a.unit);
+    }
+    for (const [node, particles] of this.fluids)
+      if (!packet.fluids.some((f) => f.node === node)) {
+        this.scene.remove(particles.points);
+        particles.dispose();
+        this.fluids.delete(node);
+      }
+    for (const [node, pose] of Object.entries(packet.poses)) {
+      const mesh = this.meshes.get(node);
+      mesh?.position.set(pose[0]!, pose[1]!, pose[2]!);
+      mesh?.quaternion.set(pose[3]!, pose[4]!, pose[5]!, pose[6]!);
+    }
+    this.draw();
+  }
+
+  geometry(packet: GeometryPacket): void {
+    for (const mesh of this.meshes.values()) {
+      this.scene.remove(mesh);
+      mesh.geometry.dispose();
+      (mesh.material as THREE.Material).dispose();
+    }
+    this.meshes.clear();
+    packet.meshes.forEach((data, i) => {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(data.vertices, 3));
+      geometry.setIndex(new THREE.BufferAttribute(data.triangles, 1));
+      geometry.computeVertexNormals();
+      const material = new THREE.MeshStandardMaterial({
+        color: kMeshColors[i % kMeshColors.length]!, roughness: 0.5, transparent: true, opacity: 0.35, depthWrite: false, side: THREE.DoubleSide,
+      });
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.renderOrder = 1;
+      this.meshes.set(data.node, mesh);
+      this.scene.add(mesh);
+    });
+    this.draw();
+    if (!this.fitted) this.fit();
+  }
+
+  setOutlines(outlines: Map<string, THREE.Object3D>): void {
+    for (const object of this.outlineOf.values())
+      object.traverse((o) => {
+        if (o instanceof THREE.LineSegments || o instanceof THREE.Mesh) o.geometry.dispose();
+      });
+    this.outlines.clear();
+    this.outlineOf = outlines;
+    for (const object of outlines.values()) this.outlines.add(object);
+    this.draw();
+  }
+
+  /** Shows a handle at a node's outline, or none. */
+  hold(node: string | null, mode: "translate" | "rotate"): void {
+    const object = node ? this.outlineOf.get(node) : undefined;
+    if (!object) return void this.handle.detach();
+    object.userData["node"] = node;
+    this.handle.setMode(mode);
+    this.handle.attach(object);
+  }
+
+  choose(id: number): void {
+    for (const particles of this.fluids.values()) particles.choose(id);
+    this.draw();
+  }
+
+  fit(preset?: Preset): void {
+    const box = new THREE.Box3();
+    for (const mesh of this.meshes.values()) box.expandByObject(mesh);
+    for (const o of this.outlines.children) if (!(o instanceof THREE.GridHelper)) box.expandByObject(o);
+    if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
+    else this.fitted = true;
+    const sphere = box.getBoundingSphere(new THREE.Sphere());
+    const direction = preset
+      ? new THREE.Vector3(...kPresets[preset])
+      : this.camera.position.clone().sub(this.controls.target);
+    const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
+    const distance = sphere.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1)));
+    this.camera.near = distance / 500;
+    this.camera.far = distance * 50;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** As the scene's render.camera has it. */
+  pose(): { eye: number[]; target: number[]; fov: number } {
+    const round = (v: THREE.Vector3) => v.toArray().map((x) => Number(x.toPrecision(4)));
+    return { eye: round(this.camera.position), target: round(this.controls.target), fov: this.camera.fov };
+  }
+
+  setPose(eye: number[], target: number[], fov: number): void {
+    this.camera.fov = fov;
+    this.camera.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.fitted = true;
+    this.draw();
+  }
+
+  dispose(): void {
+    this.controls.dispose();
+    this.handle.dispose();
+    for (const particles of this.fluids.values()) particles.dispose();
+    this.renderer.dispose();
+    this.renderer.domElement.remove();
+  }
+
+  private draw(): void {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.renderer.render(this.scene, this.camera);
+      ++this.drawn;
+    });
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private letGo(): void {
+    const object = this.handle.object;
+    const node = object?.userData["node"] as string | undefined;
+    if (!object || !node) return;
+    const euler = new THREE.Euler().setFromQuaternion(object.quaternion, "ZYX");
+    const round = (x: number) => Number(x.toFixed(4));
+    this.events.moved(node, object.position.toArray().map(round), [euler.x, euler.y, euler.z].map((r) => round(THREE.MathUtils.radToDeg(r))));
+  }
+
+  private pickOnClick(): void {
+    const canvas = this.renderer.domElement;
+    let down = { x: 0, y: 0 };
+    canvas.addEventListener("pointerdown", (e) => (down = { x: e.clientX, y: e.clientY }));
+    canvas.addEventListener("click", (e) => {
+      if (Math.hypot(e.clientX - down.x, e.clientY - down.y) > 3) return;
+      const box = canvas.getBoundingClientRect();
+      const at = new THREE.Vector2(((e.clientX - box.left) / box.width) * 2 - 1, 1 - ((e.clientY - box.top) / box.height) * 2);
+      const caster = new THREE.Raycaster();
+      caster.setFromCamera(at, this.camera);
+      let best: { node: string; id: number; distance: number } | null = null;
+      for (const [node, particles] of this.fluids) {
+        const hit = particles.pick(caster.ray);
+        if (hit && (!best || hit.distance < best.distance)) best = { node, ...hit };
+      }
+      if (best) this.events.picked(best.node, best.id);
+    });
+  }
+}

@@ -1,0 +1,85 @@
+#include "apps/weir/output_options.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "framework/base/text.h"
+#include "framework/run/guarded_output.h"
+#include "framework/run/output_paths.h"
+
+namespace weir::app {
+
+namespace fs = std::filesystem;
+
+void TakenPaths::addInput(const std::string& path, const std::string& what) {
+  std::error_code error;
+  taken_[fs::weakly_canonical(path, error).string()] = what;
+}
+
+void TakenPaths::addOutput(const OutputOption& option, const std::string& path) {
+  if (path.empty()) return;
+  checkOutputPath(option, path, "--" + option.name + " " + printable(path, 200));
+  std::error_code error;
+  const auto [other, isNew] = taken_.emplace(fs::weakly_canonical(path, error).string(), "--" + option.name);
+  if (!isNew)
+    throw usageError(
+        fmt::format("--{} {} would overwrite {}", option.name, printable(path, 200), other->second),
+        "a path of its own for each output");
+}
+
+OutputOptions::OutputOptions(CLI::App& command, Program& program, bool replaysOnly) {
+  for (auto& [name, kind, source] : program.registry().createServices<OutputKind>()) {
+    if (replaysOnly && !kind->showsReplays()) continue;
+    Output output{
+        .name = name, .source = source, .kind = {}, .options = optionsOf(*kind, name, source), .paths = {}};
+    output.paths.resize(output.options.size());
+    output.kind = std::move(kind);
+    outputs_.push_back(std::move(output));
+  }
+  // The options write into the outputs, which stay where they are from now on.
+  for (Output& output : outputs_)
+    for (std::size_t i = 0; i < output.options.size(); ++i)
+      command.add_option("--" + output.options[i].name, output.paths[i], output.options[i].doc)
+          ->type_name(output.options[i].argument);
+}
+
+bool OutputOptions::any() const {
+  for (const Output& output : outputs_)
+    for (const std::string& path : output.paths)
+      if (!path.empty()) return true;
+  return false;
+}
+
+void OutputOptions::checkPaths(TakenPaths& taken) const {
+  for (const Output& output : outputs_)
+    for (std::size_t i = 0; i < output.options.size(); ++i)
+      taken.addOutput(output.options[i], output.paths[i]);
+}
+
+std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
+  std::vector<std::unique_ptr<Observer>> observers;
+  for (const Output& output : outputs_) {
+    OutputPaths paths;
+    for (std::size_t i = 0; i < output.options.size(); ++i)
+      if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
+    if (!paths.empty()) 
+      observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
+  }
+  return observers;
+}
+
+void OutputOptions::print() const {
+  for (const Output& output : outputs_)
+    for (const std::string& path : output.paths)
+      if (!path.empty()) fmt::print("{}\n", path);
+}
+
+std::string OutputOptions::names() const {
+  std::vector<std::string> names;
+  for (const Output& output : outputs_)
+    for (const OutputOption& option : output.options) names.push_back("--" + option.name);
+  return joinNames(names);
+}
+
+}  // namespace weir::app

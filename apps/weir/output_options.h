@@ -1,0 +1,55 @@
+// The options of the command line by which plugins' outputs are asked for, such as --video and --export.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/weir/program.h"
+#include "framework/run/output_kind.h"
+
+namespace weir::app {
+
+/// Which file is written, or read, for which option: no two may be the same.
+class TakenPaths {
+ public:
+  /// A file that is read: "the scene".
+  void addInput(const std::string& path, const std::string& what);
+  /// A file or folder that is written, or "" if the option was not given. Throws a usage Error if it does not
+  /// end as it must, or is taken; an io Error if the folder above is missing.
+  void addOutput(const OutputOption& option, const std::string& path);
+
+ private:
+  std::map<std::string, std::string> taken_;  // what for, by path
+};
+
+class OutputOptions {
+ public:
+  /// Adds the options of all kinds of outputs, or of those that show replays, to a command. Must stay where
+  /// it is.
+  OutputOptions(CLI::App& command, Program& program, bool replaysOnly);
+  OutputOptions(const OutputOptions&) = delete;
+  OutputOptions& operator=(const OutputOptions&) = delete;
+
+  /// Whether any was given.
+  bool any() const;
+  void checkPaths(TakenPaths& taken) const;
+  std::vector<std::unique_ptr<Observer>> makeObservers() const;
+  /// Prints the paths that were given, a line each.
+  void print() const;
+  /// "--images, --video"
+  std::string names() const;
+
+ private:
+  struct Output {
+    std::string name, source;  // of the kind, and the library that brings it
+    std::unique_ptr<OutputKind> kind;
+    std::vector<OutputOption> options;
+    std::vector<std::string> paths;  // as given, one for each option; empty if it was not
+  };
+  std::vector<Output> outputs_;
+};
+
+}  // namespace weir::app

@@ -1,0 +1,146 @@
+#include "apps/weir/render_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/weir/replay.h"
+#include "apps/weir/shown_run.h"
+#include "framework/base/text.h"
+
+namespace weir::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+/// Frames per second of equal distances; nothing where the distances differ, or there is one frame.
+std::optional<double> rateOf(const std::vector<double>& times) {
+  if (times.size() < 2) return std::nullopt;
+  const double mean = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  constexpr double kTolerance = 1e-3;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (std::abs(times[i] - times[i - 1] - mean) > kTolerance * mean) return std::nullopt;
+  return 1 / mean;
+}
+
+/// What colours the particles in pictures; "" where no plugin draws any.
+std::string colorOf(const Scene& scene) {
+  const auto section = scene.sections.find("render");
+  if (section == scene.sections.end()) return {};
+  const Property* color = section->second->findProperty("color");
+  const Property* by =
+      color != nullptr && color->group() != nullptr ? color->group()->findProperty("by") : nullptr;
+  return by != nullptr ? by->value().asString() : std::string();
+}
+
+void checkSpeed(const Scene& scene, const Recording& recording, const std::string& file) {
+  if (colorOf(scene) != "speed") return;
+  std::vector<std::string> names;
+  const std::vector<RecordedFluid> fluids = recording.read(0);
+  for (const RecordedArray& array : fluids.front().arrays) names.push_back(array.name);
+  if (std::find(names.begin(), names.end(), "velocity") != names.end()) return;
+  names.emplace_back("none");
+  throw ioError("the file has no attribute 'velocity', and the pictures are to show the speed",
+                "render.color.by=NAME, where NAME is " + joinNames(names, " or "))
+      .at({.file = file});
+}
+
+}  // namespace
+
+RenderCommand::RenderCommand(CLI::App& app, Program& program)
+    : program_(program),
+      command_(app.add_subcommand("render",
+                                  "Make videos and pictures of an export, without simulating: with another "
+                                  "camera, size or colours")) {
+  command_->add_option("file", file_, "What --export wrote")->required()->type_name("FILE");
+  command_->add_option("--scene", scene_, "The scene of that run; its section render may be another")
+      ->required()
+      ->type_name("SCENE");
+  outputs_ = std::make_unique<OutputOptions>(*command_, program_, true);
+  command_->add_option("--set", set_, "Change a parameter first, such as render.width=1920; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command_->add_option("--device", device_, "What holds the particles: cpu, cuda or cuda:N")
+      ->type_name("D")
+      ->capture_default_str();
+  command_->add_option("--plugin", plugin_, "Load this plugin; may be repeated")
+      ->type_name("LIB")
+      ->take_all()
+      ->allow_extra_args(false);
+  command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostThreads));
+  command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
+}
+
+std::unique_ptr<Recording> RenderCommand::openRecording() const {
+  std::vector<std::string> endings;
+  const std::string ending = lowerCase(fs::path(file_).extension().string());
+  for (auto& [name, reader, source] : program_.registry().createServices<RecordingReader>())
+    for (const std::string& known : reader->extensions()) {
+      if (known == ending) return reader->open(file_);
+      endings.push_back(known);
+    }
+  throw usageError(printable(file_, 200) + " is of no known kind",
+                   endings.empty() ? "nothing: no plugin that reads exports is loaded"
+                                   : "a file that ends in " + joinNames(endings));
+}
+
+std::unique_ptr<Scene> RenderCommand::loadScene(const Recording& recording) {
+  std::vector<Override> changes;
+  for (const std::string& text : set_) changes.push_back(parseOverride(text));
+  std::unique_ptr<Scene> scene = program_.load(scene_, changes);
+  // Videos then take as long as the run did, also where not every frame was exported.
+  if (const std::optional<double> rate = rateOf(recording.times()))
+    scene->world.frameRate.set(*rate);
+  else if (recording.times().size() > 1)
+    program_.log().warn(fmt::format("the frames of {} are not at equal distances: videos show {} a second",
+                                    printable(file_, 200), scene->world.frameRate.get()));
+  return scene;
+}
+
+int RenderCommand::run() {
+  program_.setQuiet(quiet_);
+  if (!outputs_->any())
+    throw usageError("nothing is to be made", outputs_->names().empty()
+                                                  ? "nothing: no plugin that makes pictures is loaded"
+                                                  : outputs_->names());
+  TakenPaths taken;
+  taken.addInput(file_, "the export");
+  taken.addInput(scene_, "the scene");
+  outputs_->checkPaths(taken);
+  const std::unique_ptr<Recording> recording = openRecording();
+  std::unique_ptr<Scene> scene = loadScene(*recording);
+  checkSpeed(*scene, *recording, file_);
+  const std::unique_ptr<Device> device = openDevice(device_, threads_);
+  Simulation simulation(std::move(scene), *device, program_.log(), program_.registry());
+  std::optional<Replay> replay;
+  try {
+    replay.emplace(simulation, *recording);
+  } catch (Error& error) {
+    throw error.at({.file = file_});
+  }
+
+  RunOptions options;
+  options.nextFrame = [&](Simulation&) { return replay->next(); };
+  const RunEnd end =
+      runShown(program_, simulation, outputs_->makeObservers(), options, quiet_, [&](const Simulation& s) {
+        ProgressState state = ProgressState::of(s, replay->lastFrame());
+        state.particles = replay->particles();
+        state.endTime = recording->times().back();
+        return state;
+      });
+  program_.log().info(
+      fmt::format("{}{} frames shown in {}", end == RunEnd::kInterrupted ? "interrupted: " : "",
+                  groupedText(replay->shown()), durationText(simulation.secondsSinceReset())));
+  outputs_->print();
+  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+}
+
+}  // namespace weir::app

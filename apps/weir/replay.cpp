@@ -1,0 +1,106 @@
+#include "apps/weir/replay.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "framework/base/text.h"
+
+namespace weir::app {
+
+namespace {
+
+std::vector<std::pair<std::string, Output<Fluid>*>> fluidsOf(Simulation& simulation) {
+  std::vector<std::pair<std::string, Output<Fluid>*>> found;
+  for (const auto& node : simulation.scene().graph.nodes())
+    for (OutputPort* port : node->outputs())
+      if (port->typeName() == Fluid::kPortType)
+        found.emplace_back(node->name(), static_cast<Output<Fluid>*>(port));
+  return found;
+}
+
+/// Adds the attribute, with the unit that the scene's own particles have, and saves its values.
+void addAttribute(const RecordedArray& array, const ParticleSet* own, ParticleSet& particles,
+                  const StateWriter& to) {
+  AttributeInfo info{.name = array.name, .unit = {}, .doc = {}};
+  const AttributeInfo* known = own != nullptr ? own->find(array.name) : nullptr;
+  if (known != nullptr) info.unit = known->unit;
+  if (const auto* floats = std::get_if<std::vector<float>>(&array.values)) {
+    if (array.components == 1) {
+      info.type = AttributeType::kFloat;
+      particles.add<float>(info);
+      to.put(array.name, std::span<const float>(*floats));
+    } else if (array.components == 3) {
+      info.type = AttributeType::kVec3;
+      particles.add<Vec3f>(info);
+      to.put(array.name, std::span(reinterpret_cast<const Vec3f*>(floats->data()), floats->size() / 3));
+    }
+  } else if (array.components == 1) {
+    const auto& wide = std::get<std::vector<std::int64_t>>(array.values);
+    const std::vector<int> narrow(wide.begin(), wide.end());
+    info.type = AttributeType::kInt;
+    particles.add<int>(info);
+    to.put(array.name, std::span<const int>(narrow));
+  }
+}
+
+bool has(const RecordedFluid& fluid, std::string_view name) {
+  return std::any_of(fluid.arrays.begin(), fluid.arrays.end(),
+                     [&](const RecordedArray& array) { return array.name == name; });
+}
+
+}  // namespace
+
+Replay::Replay(Simulation& simulation, const Recording& recording)
+    : simulation_(simulation), recording_(recording) {
+  const auto fluids = fluidsOf(simulation);
+  std::vector<std::string> names;
+  for (const auto& [name, output] : fluids) names.push_back(name);
+  std::vector<std::string> wanted = recording.fluids();
+  if (wanted.empty() && names.size() == 1) wanted = names;
+  if (wanted.empty())
+    throw ioError("the file does not say of which fluid its particles are", "a scene with one fluid");
+  for (const std::string& name : wanted) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw ioError(
+          "the file has particles of the fluid " + inQuotes(name) + ", which the scene does not have",
+          names.empty() ? "a scene with such a fluid" : joinNames(names), didYouMean(name, names));
+    targets_.push_back({fluids[static_cast<std::size_t>(found - names.begin())].second, nullptr});
+  }
+  simulation.replay();
+}
+
+bool Replay::next() {
+  if (frame_ == recording_.times().size()) return false;
+  const std::vector<RecordedFluid> fluids = recording_.read(frame_);
+  WEIR_CHECK(fluids.size() == targets_.size());
+  particles_ = 0;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    fill(targets_[i], fluids[i]);
+    particles_ += static_cast<std::int64_t>(fluids[i].positions.size());
+  }
+  simulation_.showAt(static_cast<std::int64_t>(frame_), recording_.times()[frame_]);
+  ++frame_;
+  return true;
+}
+
+void Replay::fill(Target& target, const RecordedFluid& from) const {
+  auto particles = std::make_unique<ParticleSet>(simulation_.device());
+  const ParticleSet* own = target.particles ? target.particles.get() : (*target.fluid)->particles;
+  const auto count = from.positions.size();
+  StateArrays arrays;
+  const StateWriter to(arrays);
+  to.put("count", static_cast<std::int64_t>(count));
+  to.put("next_id", static_cast<std::int64_t>(count));
+  to.put("position", std::span<const Vec3f>(from.positions));
+  if (!has(from, "velocity")) to.put("velocity", std::span<const Vec3f>(std::vector<Vec3f>(count)));
+  if (!has(from, "id")) to.put("id", std::span<const int>(std::vector<int>(count)));
+  for (const RecordedArray& array : from.arrays)
+    if (array.name != "position") addAttribute(array, own, *particles, to);
+  particles->restore(StateReader(arrays));
+  (*target.fluid)->particles = particles.get();
+  target.particles = std::move(particles);
+}
+
+}  // namespace weir::app

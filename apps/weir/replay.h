@@ -1,0 +1,44 @@
+// Shows a recording in its scene: puts the particles of each recorded frame into the scene's fluids.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/run/simulation.h"
+#include "nodes/particle_file/recording.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+
+namespace weir::app {
+
+class Replay {
+ public:
+  /// Makes the simulation a replay (Simulation::replay). Both must outlive it. Throws an io Error if the
+  /// recording has fluids that the scene does not have.
+  Replay(Simulation& simulation, const Recording& recording);
+
+  /// The next frame; false if there is none. Throws an io Error for what cannot be read.
+  bool next();
+
+  std::int64_t shown() const { return static_cast<std::int64_t>(frame_); }  ///< frames so far
+  std::int64_t particles() const { return particles_; }                     ///< of the present frame
+  std::int64_t lastFrame() const { return static_cast<std::int64_t>(recording_.times().size()) - 1; }
+
+ private:
+  struct Target {
+    Output<Fluid>* fluid;
+    /// Of recorded attributes alone, so that nothing else can be looked at.
+    std::unique_ptr<ParticleSet> particles;
+  };
+
+  void fill(Target& target, const RecordedFluid& from) const;
+
+  Simulation& simulation_;
+  const Recording& recording_;
+  std::vector<Target> targets_;
+  std::size_t frame_ = 0;
+  std::int64_t particles_ = 0;
+};
+
+}  // namespace weir::app

@@ -1,0 +1,20 @@
+// Outputs of plugins: whatever their observers throw becomes an Error that names output, hook and plugin.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "framework/run/output_kind.h"
+
+namespace weir {
+
+/// The options of an output kind of the library `source`; see Registry::setSource.
+std::vector<OutputOption> optionsOf(const OutputKind& kind, const std::string& name,
+                                    const std::string& source);
+
+/// Its observer for these paths, each of whose functions is guarded. An Error that names a file passes as it
+/// is: it says enough.
+std::unique_ptr<Observer> makeGuardedObserver(const OutputKind& kind, const std::string& name,
+                                              const std::string& source, const OutputPaths& paths);
+
+}  // namespace weir

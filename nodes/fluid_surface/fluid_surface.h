@@ -1,0 +1,96 @@
+// The surface of a particle fluid as a triangle mesh, made anew for each frame.
+//
+// particle_kernels.h says which field is zero outside and one inside of the fluid, kernel_field.h how it is
+// summed, and marching_cubes.h how the mesh is made of it.
+#pragma once
+
+#include <optional>
+
+#include "framework/graph/node.h"
+#include "nodes/fluid_surface/kernel_field.h"
+#include "nodes/fluid_surface/marching_cubes.h"
+#include "nodes/fluid_surface/mesh_smoother.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+
+namespace weir {
+
+class FluidSurface final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{
+      "FluidSurface", "The surface of a fluid as a closed triangle mesh, for pictures and export."};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<float> cellSize{*this,
+                        "cell_size",
+                        0.5f,
+                        {.unit = "spacings",
+                         .min = 0.1,
+                         .max = 4,
+                         .softMin = 0.25,
+                         .softMax = 1,
+                         .doc = "Of the grid on which the surface is found. Smaller is finer and slower."}};
+  Param<float> kernelRadius{*this,
+                            "kernel_radius",
+                            2.5f,
+                            {.unit = "spacings",
+                             .min = 1.5,
+                             .max = 4,
+                             .softMin = 2,
+                             .softMax = 3,
+                             .doc = "How far a particle reaches within fluid. Larger is smoother, and rounds "
+                                    "off more."}};
+  Param<float> smoothing{
+      *this,
+      "smoothing",
+      0.9f,
+      {.min = 0,
+       .max = 1,
+       .doc =
+           "How far particles are moved to the mean of those around them: 0 leaves them, 1 is all the way."}};
+  Param<float> anisotropy{
+      *this,
+      "anisotropy",
+      4,
+      {.min = 1,
+       .max = 10,
+       .doc = "The largest ratio of a particle's axes, which lie along the fluid; 1 makes balls of them."}};
+  Param<int> meshSmoothing{
+      *this,
+      "mesh_smoothing",
+      0,
+      {.min = 0, .max = 100, .softMax = 10, .doc = "Passes that smooth the mesh without shrinking it."}};
+  Param<std::optional<float>> level{
+      *this,
+      "level",
+      std::nullopt,
+      {.min = 0,
+       .max = 1,
+       .aboveMin = true,
+       .doc = "The field's value at the surface, about 1 being full fluid. If it is left out: such that a "
+              "flat surface is half a spacing outside of the outermost particles."}};
+
+  Input<Fluid> fluid{*this, "fluid", "The fluid."};
+  Output<DynamicMesh> surface{*this, "surface", "Its surface at the time of the last frame."};
+
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
+  void reset(const SetupContext& context) override;
+  void frame(const StepContext& context) override;
+  void report(NodeReport& report) override;
+
+ private:
+  struct State {
+    explicit State(Device& device) : kernels(device), field(device), cubes(device), smoother(device) {}
+    ParticleKernels kernels;
+    KernelField field;
+    MarchingCubes cubes;
+    MeshSmoother smoother;
+    KernelSettings settings;
+    float cell = 0;   // m
+    float level = 0;  // at which the surface is
+    std::int64_t leftOut = 0;
+  };
+
+  std::optional<State> state_;
+};
+
+}  // namespace weir

@@ -1,0 +1,105 @@
+#include "plugins/openvdb/volume_export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "framework/compute/host_copy.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "plugins/openvdb/density_grid.h"
+
+namespace weir {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOption = "vdb";
+
+class VolumeSnapshot final : public Snapshot {
+ public:
+  struct Part {
+    HostCopy<Vec3f> positions;
+    float volume = 0;  ///< of a particle, m³
+  };
+  std::vector<Part> parts;
+  float spacing = 0;  ///< the smallest, m
+  double time = 0;
+  std::int64_t frame = 0;
+};
+
+class VolumeExport final : public Observer {
+ public:
+  explicit VolumeExport(fs::path folder) : folder_(std::move(folder)) {}
+
+  std::string name() const override { return kOption; }
+
+  void begin(Simulation& simulation) override {
+    std::error_code error;
+    if (!fs::is_directory(folder_, error)) fs::create_directory(folder_, error);
+    if (error) throw ioError("the folder cannot be made: " + error.message()).at({.file = folder_.string()});
+    voxel_ = static_cast<const VolumeSettings&>(*simulation.scene().sections.at(kOption)).voxel;
+    for (const auto& node : simulation.scene().graph.nodes())
+      for (const OutputPort* port : node->outputs())
+        if (port->typeName() == Fluid::kPortType) fluids_.push_back(static_cast<const Output<Fluid>*>(port));
+    if (fluids_.empty())
+      throw ioError("there is no volume to export: the scene has no fluid", "a scene with a ParticleFluid")
+          .at({.file = folder_.string()});
+  }
+
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
+    std::unique_ptr<VolumeSnapshot> to(static_cast<VolumeSnapshot*>(used.release()));
+    if (!to) to = std::make_unique<VolumeSnapshot>();
+    to->time = simulation.time();
+    to->frame = simulation.frame();
+    to->spacing = std::numeric_limits<float>::max();
+    // A coupling may hand on a fluid that it got; its particles count once.
+    std::vector<const ParticleSet*> seen;
+    for (const Output<Fluid>* output : fluids_) {
+      const Fluid& fluid = **output;
+      if (fluid.particles == nullptr || std::count(seen.begin(), seen.end(), fluid.particles) > 0) continue;
+      if (to->parts.size() == seen.size()) to->parts.push_back({HostCopy<Vec3f>(simulation.device()), 0});
+      VolumeSnapshot::Part& part = to->parts[seen.size()];
+      seen.push_back(fluid.particles);
+      const std::int64_t count = fluid.particles->refreshCount();
+      part.positions.resize(count);
+      part.positions.start(0, fluid.particles->positions().data(), count);
+      part.volume = fluid.constants->particleVolume;
+      to->spacing = std::min(to->spacing, fluid.constants->spacing);
+    }
+    return to;
+  }
+
+  void write(Snapshot& snapshot) override {
+    auto& from = static_cast<VolumeSnapshot&>(snapshot);
+    std::vector<ParticleVolume> fluids;
+    for (VolumeSnapshot::Part& part : from.parts) fluids.push_back({part.positions.wait(), part.volume});
+    writeDensity(folder_ / fmt::format("frame_{:05}.vdb", from.frame), fluids, voxel_ * from.spacing,
+                 from.time);
+  }
+
+  void end(Simulation&, RunEnd) override {}
+
+ private:
+  fs::path folder_;
+  float voxel_ = 0;  // spacings
+  std::vector<const Output<Fluid>*> fluids_;
+};
+
+}  // namespace
+
+std::vector<OutputOption> VolumeExportKind::options() const {
+  return {{.name = kOption,
+           .argument = "DIR",
+           .extensions = {},
+           .doc = "Write the volume of the fluids at each frame as an OpenVDB file into a folder"}};
+}
+
+std::unique_ptr<Observer> VolumeExportKind::create(const OutputPaths& paths) const {
+  return std::make_unique<VolumeExport>(paths.at(kOption));
+}
+
+}  // namespace weir

@@ -1,0 +1,24 @@
+// The light of the sun at a point, for the shaders of several passes: soft shadows of what is opaque, and the
+// tints of glass and of liquids.
+#pragma once
+
+#include <string>
+
+#include "plugins/rendering/gl/shadow_pass.h"
+#include "plugins/rendering/gl/water_shadow.h"
+
+namespace weir::rendering::gl {
+
+/// The #defines that sunlightSnippet() needs, after the version of a shader: software drivers run both sides
+/// of a branch, so what is not in a picture is left out.
+std::string sunlightDefines(const Frame& frame);
+
+/// "vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater)", in camera space: the
+/// part of the sun's light that arrives.
+const std::string& sunlightSnippet();
+
+/// Its uniforms; takes four texture units from `unit` on. `water` may be null if there is no liquid.
+void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,
+                         const WaterShadow* water, int unit);
+
+}  // namespace weir::rendering::gl

@@ -1,0 +1,21 @@
+// Starting the program ffmpeg, and what is said where it fails.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/base/error.h"
+#include "plugins/rendering/output/piped_program.h"
+
+namespace weir::rendering {
+
+/// Throws an io Error that names the file that it was to make if there is no ffmpeg, or it cannot be started.
+std::unique_ptr<PipedProgram> startFfmpeg(const std::filesystem::path& file,
+                                          const std::vector<std::string>& arguments);
+
+/// What to throw when it has ended: "the file cannot be written: ffmpeg ended with exit code 1: <its words>".
+Error failureOf(const PipedProgram& ffmpeg, const std::filesystem::path& file);
+
+}  // namespace weir::rendering

@@ -1,0 +1,61 @@
+// A video that can be gone on with: by the same run after a checkpoint, and by one that resumes.
+//
+// An encoder cannot be stopped within a video and gone on with. So at each checkpoint the frames since the
+// last one become a video of their own, a piece, which is joined to the video without encoding it again. The
+// video at its place is thus whole and playable at any time after the first checkpoint.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "framework/base/error.h"
+#include "plugins/rendering/output/picture.h"
+
+namespace weir::rendering {
+
+class VideoWriter;
+
+/// What pieces must have in common, and how many frames there are.
+struct VideoState {
+  std::int64_t frames = 0;
+  int width = 0, height = 0;
+  std::string encoder;  ///< ffmpeg's name of it
+};
+
+class GrowingVideo {
+ public:
+  /// A new video; see VideoWriter's constructor for all but `earlier`. With `earlier` the first frames of the
+  /// video at `file` stay, and all behind them are cut off. Throws an io Error if they are not there, or were
+  /// of another size.
+  GrowingVideo(std::filesystem::path file, int width, int height, double frameRate,
+               const std::optional<VideoState>& earlier = std::nullopt);
+  /// Frames since the last save() are lost without finish().
+  ~GrowingVideo();
+
+  /// As VideoWriter::write.
+  void write(Picture picture);
+  /// Brings all frames so far into the video, and the video to the disk. Throws an io Error; then the video
+  /// is as the last save() left it, and nothing more can be written.
+  void save();
+  /// The same, for the last time. May be called again. Without a frame there is no video.
+  void finish();
+
+  /// As of the last save().
+  const VideoState& state() const { return state_; }
+
+ private:
+  void takeUp(const VideoState& earlier);
+  void startPiece();
+  void endPiece();
+
+  std::filesystem::path file_;
+  double frameRate_;
+  VideoState state_;
+  std::unique_ptr<VideoWriter> piece_;  // null after a save() until the next frame
+  std::optional<Error> failure_;
+};
+
+}  // namespace weir::rendering

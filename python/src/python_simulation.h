@@ -1,0 +1,73 @@
+// A simulation as Python drives it: steps without the GIL, callbacks with it, signals in between.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "python/src/python_scene.h"
+
+namespace weir::python {
+
+namespace nb = nanobind;
+
+/// What run() was asked for.
+struct RunRequest {
+  std::optional<double> duration;  ///< from now on, s
+  std::map<std::string, std::string> outputs;
+  nb::object callback;  ///< None, or called with `self` after each step; it ends the run by returning True
+  nb::object self;
+};
+
+class PythonSimulation {
+ public:
+  PythonSimulation(std::shared_ptr<PythonScene> scene, const std::string& device, int threads,
+                   bool deterministic);
+
+  /// To time 0, with all parameters as they are now.
+  void reset();
+  /// One step. Throws a usage Error at the end of the duration.
+  void step();
+  /// To the next frame, so many times; false if a callback ended it.
+  bool advance(std::int64_t frames, const nb::object& callback, const nb::object& self);
+  /// Frames with outputs; false if a callback ended it. After Ctrl-C the outputs hold what there was, and
+  /// KeyboardInterrupt is raised.
+  bool run(const RunRequest& request);
+  void refresh();
+  void close();
+  bool isOpen() const;
+  bool atEnd() const;
+
+  double time() const { return simulation().time(); }
+  double duration() const { return simulation().scene().world.duration; }
+  void setDuration(double seconds);
+  std::int64_t frame() const { return simulation().frame(); }
+  std::int64_t steps() const { return simulation().stepsDone(); }
+  std::string deviceName() const { return simulation().device().name(); }
+  std::uintptr_t stream() const;
+  nb::object statistics();
+  const std::shared_ptr<PythonScene>& scene() const { return scene_; }
+
+ private:
+  /// Throws a usage Error if it is closed.
+  Simulation& simulation() const;
+  /// The same, if it can go on.
+  Simulation& ready() const;
+  /// Runs f without the GIL; what it throws within a step makes the simulation unusable until a reset.
+  void stepping(const std::function<void()>& f);
+  /// Takes the GIL; true if the callback ends the run.
+  bool callBack(const nb::object& callback, const nb::object& self);
+
+  std::shared_ptr<PythonScene> scene_;
+  std::uint64_t number_ = 0;
+  bool failed_ = false;  // within a step
+  bool inCallback_ = false;
+};
+
+void bindSimulation(nb::module_& m);
+
+}  // namespace weir::python

@@ -1,0 +1,26 @@
+"""Weir: a node-graph framework for simulating liquids, on CPUs and CUDA.
+
+    import weir
+
+    scene = weir.load("dam_break.json")
+    weir.Simulation(scene).run(duration=2, video="dam_break.mp4")
+
+Scene builds and reads scenes, Simulation runs them, and `scene.water.positions` and its like are the particles as
+arrays that share memory with the simulation. Module is the base of modules that are written in Python. All node and
+module types explain themselves: `help(weir.nodes.ParticleFluid)`, `help(weir.modules.SemiImplicitSolver)`.
+Messages go to the logger "weir" of Python's logging.
+"""
+
+from . import modules, nodes
+from ._core import DeviceArray, FluidStep, Particles
+from ._errors import Error
+from ._library import devices, load_plugin, plugins, register, schema, version
+from ._module import Module, Param
+from ._nodes import ModuleHandle, Modules, Node, Port
+from ._scene import Scene, Section, keyframes, load, loads
+from ._simulation import Simulation
+
+__version__ = version()
+__all__ = ["DeviceArray", "Error", "FluidStep", "Module", "ModuleHandle", "Modules", "Node", "Param", "Particles", "Port",
+           "Scene", "Section", "Simulation", "devices", "keyframes", "load", "load_plugin", "loads", "modules", "nodes",
+           "plugins", "register", "schema", "version"]

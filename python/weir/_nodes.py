@@ -1,0 +1,217 @@
+"""Nodes, ports and modules of a scene, with classes made from what their types say of themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from . import _core
+from ._errors import usage_error
+from ._library import library
+from ._module import Module
+from ._parameters import Parameters, make_class
+
+
+class Port:
+    """Where nodes are linked: `tank.boundary >> water.boundaries`."""
+
+    def __init__(self, node: Node, about: dict, is_output: bool):
+        self.node, self.name, self.type, self.is_output = node, about["name"], about["type"], is_output
+        self.__doc__ = about["doc"]
+
+    @property
+    def path(self) -> str:
+        """ "water.boundaries" """
+        return f"{self.node.name}.{self.name}"
+
+    def __rshift__(self, other: Port) -> Node:
+        """Link this output to an input; gives the node of the input."""
+        if not isinstance(other, Port):
+            return NotImplemented
+        link(self.node._core, self, other)
+        return other.node
+
+    def __repr__(self) -> str:
+        return f"<{'output' if self.is_output else 'input'} {self.path}: {self.type}>"
+
+
+def link(core: _core.Scene, output: Port | str, input: Port | str) -> None:
+    """Link an output to an input, given as ports or as texts such as "tank.boundary"."""
+    for end in (output, input):
+        if isinstance(end, Port) and end.node._core is not core:
+            raise usage_error(f"'{end.path}' is of another scene", "ports of nodes of one scene")
+    texts = [end.path if isinstance(end, Port) else end for end in (output, input)]
+    core.link(" -> ".join(texts))
+
+
+class ModuleHandle(Parameters):
+    """A module of a node, with its parameters as attributes."""
+
+    _name: str
+    _node: str
+
+    @property
+    def name(self) -> str:
+        """Its name in the pipeline."""
+        return self._name
+
+    @property
+    def enabled(self) -> bool:
+        """Whether it takes part in steps."""
+        return self._core.module_enabled(self._node, self._name)
+
+    @enabled.setter
+    def enabled(self, on: bool) -> None:
+        self._core.enable_module(self._node, self._name, on)
+
+
+class Modules(Mapping):
+    """The modules of a node in their order, by name."""
+
+    def __init__(self, core: _core.Scene, node: str):
+        self._core, self._node = core, node
+
+    def _types(self) -> dict[str, str]:
+        return dict(self._core.modules(self._node))
+
+    def __getitem__(self, name: str) -> ModuleHandle | Module:
+        own = self._core.module_object(self._node, name)  # an Error that suggests the nearest name
+        if own is not None:
+            return own
+        handle = module_class(self._types()[name])()
+        handle._bind(self._core, _core.Target("module", self._node, name))
+        object.__setattr__(handle, "_node", self._node)
+        object.__setattr__(handle, "_name", name)
+        return handle
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._types())
+
+    def __len__(self) -> int:
+        return len(self._types())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._types()
+
+    def insert(self, name: str, module: Module | str | type, *, before: str | None = None, after: str | None = None,
+               **params: Any) -> ModuleHandle | Module:
+        """Insert a module before or after another one.
+
+        `module` is an object of a class that derives from weir.Module, such a class, or the name of a type.
+        """
+        if (before is None) == (after is None):
+            raise usage_error("found both before and after" if before else "found neither before nor after",
+                              f"one of them, with the name of a module: {', '.join(self)}")
+        neighbor = before if before is not None else after
+        self[neighbor]  # an error for an unknown name
+        index = list(self).index(neighbor) + (after is not None)
+        return self._put(name, module, index, params)
+
+    def replace(self, name: str, module: Module | str | type, **params: Any) -> ModuleHandle | Module:
+        """Put another module in the place of the one of this name."""
+        return self._put(name, module, None, params)
+
+    def _put(self, name: str, module: Any, index: int | None, params: dict[str, Any]) -> ModuleHandle | Module:
+        if isinstance(module, type):
+            module = module() if issubclass(module, Module) else module.__name__
+        if isinstance(module, Module) and not module._made:
+            raise usage_error(f"the {type(module).__name__} is not made", "super().__init__(**params) in its __init__")
+        self._core.insert_module(self._node, module, name, index, params)
+        return self[name]
+
+    def __repr__(self) -> str:
+        return "Modules(" + ", ".join(f"{name}: {type}" for name, type in self._types().items()) + ")"
+
+
+class Node(Parameters):
+    """A node of a scene, with its parameters and ports as attributes."""
+
+    _name: str
+    _type: str
+
+    @property
+    def name(self) -> str:
+        """Its name in the scene."""
+        return self._name
+
+    @property
+    def type(self) -> str:
+        """The name of its type."""
+        return self._type
+
+    def __repr__(self) -> str:
+        return f"<{self._type} {self._name!r}>"
+
+
+def _port_property(about: dict, is_output: bool) -> property:
+    kind = "output" if is_output else "input"
+    return property(lambda self: Port(self, about, is_output), doc=f"The {kind} of type {about['type']}. {about['doc']}")
+
+
+def _particles(self: Node) -> _core.Particles:
+    return self._core.particles(self._name)
+
+
+def _particle_member(name: str, doc: str) -> property:
+    def put(self: Node, values: Any) -> None:
+        setattr(_particles(self), name, values)
+
+    return property(lambda self: getattr(_particles(self), name), put, doc=doc)
+
+
+def _fluid_members() -> dict[str, property]:
+    return {
+        "particles": property(_particles, doc=_core.Particles.__doc__),
+        "positions": _particle_member("positions", "Positions of the particles, m: (n, 3); see weir.Particles."),
+        "velocities": _particle_member("velocities", "Velocities of the particles, m/s: (n, 3)."),
+        "ids": _particle_member("ids", "A number that stays with each particle: (n,)."),
+        "count": property(lambda self: _particles(self).count, doc="How many particles there are."),
+    }
+
+
+_node_classes: dict[str, type[Node]] = {}
+_module_classes: dict[str, type[ModuleHandle]] = {}
+
+
+def _make_node_class(name: str, about: dict) -> type[Node]:
+    members: dict[str, Any] = {}
+    if any(port["type"] == "Fluid" for port in about["outputs"]):
+        members.update(_fluid_members())
+    if "modules" in about:
+        members["modules"] = property(lambda self: Modules(self._core, self._name), doc="Its modules, by name.")
+    for ports, is_output in ((about["inputs"], False), (about["outputs"], True)):
+        members.update({port["name"]: _port_property(port, is_output) for port in ports})
+    members["_type"] = name
+    return make_class(name, (Node,), about["doc"], about["parameters"], members)
+
+
+def _known(classes: dict, kind: str) -> dict:
+    """The classes of all types that are loaded; those of plugins come when they are loaded."""
+    types = library.types()[kind]
+    for name, about in types.items():
+        if name not in classes:
+            if kind == "nodes":
+                classes[name] = _make_node_class(name, about)
+            else:
+                classes[name] = make_class(name, (ModuleHandle,), about["doc"], about["parameters"])
+    return classes
+
+
+def node_class(name: str) -> type[Node] | None:
+    """The class of a node type; None if there is no such type."""
+    return _node_classes.get(name) or _known(_node_classes, "nodes").get(name)
+
+
+def module_class(name: str) -> type[ModuleHandle]:
+    """The class of a module type."""
+    return _module_classes.get(name) or _known(_module_classes, "modules").get(name, ModuleHandle)
+
+
+def node_classes() -> dict[str, type[Node]]:
+    """All of them, by name."""
+    return _known(_node_classes, "nodes")
+
+
+def module_classes() -> dict[str, type[ModuleHandle]]:
+    """All of them, by name."""
+    return _known(_module_classes, "modules")

@@ -1,0 +1,187 @@
+"""Scenes: what a scene file says, as objects."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any, TypeVar, overload
+
+from . import _core, _nodes
+from ._errors import usage_error
+from ._library import library
+from ._parameters import Parameters, make_class
+
+N = TypeVar("N", bound=_nodes.Node)
+
+
+class Section(Parameters):
+    """A section of a scene, such as world and render, with its parameters as attributes."""
+
+
+def keyframes(*points: tuple[float, Any]) -> dict[str, list]:
+    """Values over time for a parameter that may be keyframes: pairs of a time in s, increasing, and a value.
+
+    Linear between them, and held at the ends.
+    """
+    return {"keyframes": [list(point) for point in points]}
+
+
+_section_classes: dict[str, type[Section]] = {}
+
+
+def _section_class(name: str) -> type[Section]:
+    if name not in _section_classes:
+        about = library.types()["sections"][name]
+        _section_classes[name] = make_class(name, (Section,), about["doc"], about["parameters"])
+    return _section_classes[name]
+
+
+class Scene:
+    """A graph of nodes, and what they share.
+
+        scene = weir.Scene("A dam breaks")
+        block = scene.add("BoxSampler", "block", max=(0.5, 0.5, 0.5))
+        water = scene.add("ParticleFluid", "water", spacing=0.02)
+        block.particles >> water.initial
+
+    Nodes are found by their names, as `scene.water` or `scene["water"]`, and so are the sections `scene.world`
+    and, with the plugin that draws pictures, `scene.render`.
+    """
+
+    def __init__(self, title: str = ""):
+        self._core = _core.Scene(library)
+        self._core.title = title
+
+    @classmethod
+    def _of(cls, core: _core.Scene) -> Scene:
+        made = cls.__new__(cls)
+        made._core = core
+        return made
+
+    @property
+    def title(self) -> str:
+        """Shown in videos."""
+        return self._core.title
+
+    @title.setter
+    def title(self, text: str) -> None:
+        self._core.title = text
+
+    @property
+    def world(self) -> Section:
+        """What all nodes share: gravity, time step, frame rate, duration."""
+        return self._section("world")
+
+    def _section(self, name: str) -> Section:
+        made = _section_class(name)()
+        made._bind(self._core, _core.Target("world") if name == "world" else _core.Target("section", name))
+        return made
+
+    @overload
+    def add(self, type: type[N], name: str, **params: Any) -> N: ...
+    @overload
+    def add(self, type: str, name: str, **params: Any) -> Any: ...
+    def add(self, type, name, **params):
+        """Add a node of a type, given by its name or as a class of weir.nodes, with values of its parameters."""
+        self._core.add_node(type if isinstance(type, str) else type.__name__, name, params)
+        return self[name]
+
+    def link(self, output: _nodes.Port | str, input: _nodes.Port | str) -> None:
+        """Link an output to an input: ports, or texts such as "tank.boundary"."""
+        _nodes.link(self._core, output, input)
+
+    @property
+    def links(self) -> list[str]:
+        """All links, as texts "tank.boundary -> water.boundaries"."""
+        return self._core.links()
+
+    @property
+    def nodes(self) -> dict[str, _nodes.Node]:
+        """All nodes by name, in the order in which they were added."""
+        return {name: self[name] for name, _ in self._core.nodes()}
+
+    def __getitem__(self, name: str) -> Any:
+        types = dict(self._core.nodes())
+        if name not in types:
+            self._core.modules(name)  # an Error that suggests the nearest name
+        found = _nodes.node_class(types[name])()
+        found._bind(self._core, _core.Target("node", name))
+        object.__setattr__(found, "_name", name)
+        return found
+
+    def __contains__(self, name: object) -> bool:
+        return name in dict(self._core.nodes())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict(self._core.nodes()))
+
+    def __len__(self) -> int:
+        return len(self._core.nodes())
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in self._core.sections():
+            return self._section(name)
+        if name in self:
+            return self[name]
+        raise AttributeError(f"the scene has no node or section '{name}'; it has {', '.join([*self, 'world', *self._core.sections()])}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name.startswith("_") or name == "title":
+            object.__setattr__(self, name, value)
+        else:
+            raise AttributeError(f"'{name}' cannot be set; nodes are added by scene.add(type, name)")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self, *self._core.sections()]
+
+    def validate(self) -> None:
+        """Check what can only be checked when all is there, as a simulation does: required inputs."""
+        self._core.validate()
+
+    def to_json(self) -> str:
+        """The text of a scene file. Only what differs from the defaults is written."""
+        return self._core.to_json("")
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a scene file, which `weir run` and weir.load() read."""
+        path = os.fspath(path)
+        text = self._core.to_json(os.path.dirname(os.path.abspath(path)))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def copy(self) -> Scene:
+        """Another scene that says the same, at time 0. Modules that are written in Python must be registered."""
+        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", "/", []))
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.title!r}: " + ", ".join(f"{name} ({type})" for name, type in self._core.nodes()) + ">"
+
+
+def load(path: str | os.PathLike, set: dict[str, Any] | None = None) -> Scene:
+    """Read a scene file.
+
+    `set` changes parameters before the scene is built: {"water.spacing": 0.02}, as --set does.
+    """
+    return Scene._of(_core.Scene.load(library, os.fspath(path), _changes(set)))
+
+
+def loads(text: str, folder: str | os.PathLike = ".", set: dict[str, Any] | None = None) -> Scene:
+    """The same from the text of a scene file. Relative paths in it are relative to `folder`."""
+    return Scene._of(_core.Scene.parse(library, text, "", os.path.abspath(os.fspath(folder)), _changes(set)))
+
+
+def _changes(set: dict[str, Any] | None) -> list[str]:
+    import json
+
+    return [f"{name}={json.dumps(value)}" for name, value in (set or {}).items()]
+
+
+def as_scene(scene: Scene | str | os.PathLike) -> Scene:
+    """A scene, or the one that a path leads to."""
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, (str, os.PathLike)):
+        return load(scene)
+    raise usage_error(f"found a {type(scene).__name__} as a scene", "a weir.Scene, or the path of a scene file")

@@ -1,0 +1,131 @@
+"""Simulations: scenes in time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from . import _core
+from ._scene import Scene, as_scene
+
+
+class Simulation:
+    """Runs a scene on one device.
+
+        sim = weir.Simulation(scene)
+        while sim.time < 1:
+            sim.step()
+            print(scene.water.positions[:, 1].max())
+
+    It begins at time 0, with the particles that are there at first. A scene has one simulation at a time: another
+    one of the same scene begins anew, and closes the one before. Other threads of Python run while it steps.
+    """
+
+    def __init__(self, scene: Scene | str | os.PathLike, device: str = "auto", threads: int | None = None,
+                 deterministic: bool = False):
+        """`device` is "auto" (a GPU if there is one), "cpu", "cuda" or "cuda:N"; `threads` those of the CPU, one a
+        core if it is left out; `deterministic` makes results on CUDA bitwise the same from run to run."""
+        self._scene = as_scene(scene)
+        self._core = _core.Simulation(self._scene._core, device, threads or 0, deterministic)
+
+    @property
+    def scene(self) -> Scene:
+        """What is simulated."""
+        return self._scene
+
+    def step(self) -> None:
+        """Make one step."""
+        self._core.step()
+
+    def advance(self, frames: int = 1, callback: Callable[[Simulation], Any] | None = None) -> bool:
+        """Step to the next frame, or over several.
+
+        `callback` is called with the simulation after each step, and ends this by returning True; then the
+        result is False.
+        """
+        return self._core.advance(frames, callback, self)
+
+    def run(self, duration: float | None = None, *, video: str | os.PathLike | None = None,
+            images: str | os.PathLike | None = None, export: str | os.PathLike | None = None,
+            series: str | os.PathLike | None = None, callback: Callable[[Simulation], Any] | None = None,
+            **outputs: str | os.PathLike | None) -> bool:
+        """Simulate from where it is to the end of the scene's duration, or for `duration` seconds.
+
+        Every frame, the present one included, is drawn into `video` (FILE.mp4) and `images` (a folder), exported
+        to `export` (FILE.vtkhdf), and described by numbers in `series` (FILE.jsonl). Outputs of plugins are named
+        in the same way. With `duration` the run ends at a frame, and makes the scene's duration longer if need be.
+        `callback` is called with the simulation after each step, and ends the run by returning True; then the
+        result is False. After Ctrl-C, or an exception of the callback, outputs are complete up to there.
+        """
+        asked = {"video": video, "images": images, "export": export, "series": series, **outputs}
+        paths = {name: os.fspath(path) for name, path in asked.items() if path is not None}
+        return self._core.run(duration, paths, callback, self)
+
+    def reset(self) -> None:
+        """Go back to time 0, with all parameters as they are now."""
+        self._core.reset()
+
+    def refresh(self) -> None:
+        """Bring derived attributes, such as the density, and statistics up to date with the last step, as they are
+        at every frame. Sorts the particles."""
+        self._core.refresh()
+
+    def close(self) -> None:
+        """End it. The scene, and arrays of particles, remain."""
+        self._core.close()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        self.close()
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._core.time
+
+    @property
+    def duration(self) -> float:
+        """When it ends, s; may be set at any time."""
+        return self._core.duration
+
+    @duration.setter
+    def duration(self, seconds: float) -> None:
+        self._core.duration = seconds
+
+    @property
+    def done(self) -> bool:
+        """Whether the end of the duration is reached."""
+        return self._core.at_end
+
+    @property
+    def frame(self) -> int:
+        """The last frame that was reached; frame k is at time k / frame_rate."""
+        return self._core.frame
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made."""
+        return self._core.steps
+
+    @property
+    def device(self) -> str:
+        """ "cpu" or "cuda:0"."""
+        return self._core.device
+
+    @property
+    def stream(self) -> int:
+        """The CUDA stream of the simulation, as a number; 0 on the CPU."""
+        return self._core.stream
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Numbers about the run, as `weir run --stats` writes them: times, memory, momentum, energies, …"""
+        return self._core.statistics()
+
+    def __repr__(self) -> str:
+        if not self._core.is_open:
+            return "<Simulation, closed>"
+        return f"<Simulation of {self._scene.title!r} on {self.device} at {self.time:g} s of {self.duration:g} s>"

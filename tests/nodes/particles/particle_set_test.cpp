@@ -1,0 +1,69 @@
+// Putting particles into another order, few of them and so many that attributes go one after another.
+#include "nodes/particles/particle_set.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+using ParticleSetTest = OnDevice;
+WEIR_ON_EVERY_DEVICE(ParticleSetTest);
+
+/// Values that tell the particle, its attribute and its component.
+Vec3f vectorOf(int i, float attribute) {
+  return {float(i), attribute, float(i % 1000) + 0.25f};
+}
+
+TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
+  for (const std::int64_t count : {std::int64_t{1000}, ParticleSet::kFew + 1000}) {
+    ParticleSet particles(*device);
+    Array<Vec3f>& carried = particles.add<Vec3f>({.name = "carried", .unit = "", .doc = ""});
+    Array<float>& share = particles.add<float>({.name = "share", .unit = "", .doc = ""});
+    Array<float>& heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    particles.add<float>({.name = "derived", .unit = "", .doc = "", .derived = true});
+    const auto n = static_cast<std::size_t>(count);
+    std::vector<Vec3f> positions, velocities, third;
+    std::vector<float> shares, heats;
+    for (int i = 0; i < count; ++i) {
+      positions.push_back(vectorOf(i, 1));
+      velocities.push_back(vectorOf(i, 2));
+      third.push_back(vectorOf(i, 3));
+      shares.push_back(float(i) + 0.5f);
+      heats.push_back(-float(i));
+    }
+    ParticleBatch batch;
+    batch.assign(*device, positions, velocities);
+    particles.append(batch);
+    ASSERT_EQ(particles.capacity() > ParticleSet::kFew, count > ParticleSet::kFew);
+    device->upload(carried.data(), third.data(), n * sizeof(Vec3f));
+    device->upload(share.data(), shares.data(), n * sizeof(float));
+    device->upload(heat.data(), heats.data(), n * sizeof(float));
+
+    std::vector<int> order(n);
+    for (std::size_t k = 0; k < n; ++k) order[k] = static_cast<int>((k * 7 + 3) % n);
+    const Array<int> onDevice(*device, order);
+    for (int times = 0; times < 2; ++times) {
+      particles.permute(onDevice.view());
+      // What is in the scratch memory does not matter.
+      particles.scratch().fillZero();
+    }
+    const std::vector<int> ids = particles.ids().toHost(count);
+    const auto found = [&](const auto& values, const auto& expected) {
+      const auto ordered = values.toHost(count);
+      for (std::size_t k = 0; k < n; ++k)
+        if (!(ordered[k] == expected[static_cast<std::size_t>(ids[k])])) return false;
+      return true;
+    };
+    EXPECT_EQ(ids[5], order[static_cast<std::size_t>(order[5])]);
+    EXPECT_TRUE(found(particles.positions(), positions));
+    EXPECT_TRUE(found(particles.velocities(), velocities));
+    EXPECT_TRUE(found(carried, third));
+    EXPECT_TRUE(found(share, shares));
+    EXPECT_TRUE(found(heat, heats));
+  }
+}
+
+}  // namespace
+}  // namespace weir::test

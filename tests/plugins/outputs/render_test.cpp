@@ -1,0 +1,136 @@
+// weir render: an export looks as its run did, without being simulated again.
+#include <filesystem>
+
+#include "tests/plugins/outputs/written_run.h"
+#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/support/expect_error.h"
+
+namespace weir::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two fluids, a moving solid, and a boundary; colours by an attribute.
+constexpr const char* kScene = R"({"weir": 1,
+  "world": {"dt": 0.005, "frame_rate": 50, "duration": 0.12},
+  "nodes": {
+    "left": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.1, 0.1, 0.1]}},
+    "right": {"type": "BoxSampler", "params": {"min": [0.2, 0.1, 0], "max": [0.3, 0.2, 0.1]}},
+    "tank": {"type": "StaticBoundary",
+             "params": {"shape": "box", "min": [0, 0, 0], "max": [0.3, 0.3, 0.1], "inverted": true}},
+    "blade": {"type": "BoxMesh", "params": {"min": [0.14, 0.02, 0.02], "max": [0.16, 0.2, 0.08]}},
+    "stirrer": {"type": "SemiAnalyticalSFI",
+                "params": {"angular_velocity": [0, 0, 6], "pivot": [0.15, 0.1, 0.05]}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 3}},
+    "oil": {"type": "ParticleFluid", "params": {"spacing": 0.025, "rest_density": 900, "rest_steps": 3}}},
+  "links": ["left.particles -> water.initial", "right.particles -> oil.initial",
+            "tank.boundary -> water.boundaries", "tank.boundary -> oil.boundaries",
+            "blade.surface -> stirrer.solids", "water.fluid -> stirrer.fluid"],
+  "render": {"width": 96, "height": 64, "color": {"by": "density"}}})";
+constexpr int kFrames = 7;
+
+class RenderCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    files_ = std::make_unique<TemporaryFolder>();
+    files_->write("scene.json", kScene);
+    const ChildResult result = runWeir({"run", *files_ / "scene.json", "--device", "cpu", "--threads", "2",
+                                        "--export", *files_ / "run.vtkhdf", "--images", *files_ / "run"});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  static void TearDownTestSuite() { files_.reset(); }
+
+  ChildResult render(std::vector<std::string> more) const {
+    std::vector<std::string> all{"render", *files_ / "run.vtkhdf", "--scene", *files_ / "scene.json"};
+    all.insert(all.end(), more.begin(), more.end());
+    return runWeir(all);
+  }
+
+  static std::string nameOf(int frame) { return "/frame_0000" + std::to_string(frame) + ".png"; }
+
+  /// Of the folder of images of this test.
+  void expectImagesOfTheRun() const {
+    for (int frame = 0; frame < kFrames; ++frame)
+      EXPECT_TRUE(readFile(images + nameOf(frame)) == readFile(*files_ / "run" + nameOf(frame))) << frame;
+  }
+
+  static std::unique_ptr<TemporaryFolder> files_;
+  TemporaryFolder folder;
+  std::string images = folder / "images";
+};
+
+std::unique_ptr<TemporaryFolder> RenderCommand::files_;
+
+TEST_F(RenderCommand, ShowsWhatTheRunShowed) {
+  std::vector<std::string> more{"--images", images};
+  if (canMakeVideos()) more.insert(more.end(), {"--video", folder / "run.mp4"});
+  const ChildResult result = render(more);
+  ASSERT_EQ(result.code, 0) << result.err;
+  expectImagesOfTheRun();
+  if (!canMakeVideos()) return;
+  const VideoInfo video = probeVideo(folder / "run.mp4");
+  EXPECT_EQ(video.frames, kFrames);
+  EXPECT_EQ(video.frameRate, "50/1");
+}
+
+TEST_F(RenderCommand, DrawsNoPictureTwice) {
+  ASSERT_EQ(render({"--images", images}).code, 0);
+  fs::remove(images + nameOf(3));
+  fs::remove(images + nameOf(6));
+  // A sign by which a picture that is left alone is known.
+  fs::copy_file(images + nameOf(0), images + nameOf(1), fs::copy_options::overwrite_existing);
+  const ChildResult again = render({"--images", images});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_CONTAINS(again.err, "5 pictures were there and have not been drawn again");
+  EXPECT_TRUE(readFile(images + nameOf(1)) == readFile(images + nameOf(0)));
+  EXPECT_TRUE(readFile(images + nameOf(3)) == readFile(*files_ / "run" + nameOf(3)));
+  EXPECT_TRUE(readFile(images + nameOf(6)) == readFile(*files_ / "run" + nameOf(6)));
+}
+
+TEST_F(RenderCommand, DrawsPicturesOfOtherSettingsAgain) {
+  ASSERT_EQ(render({"--images", images, "--set", "render.color.by=none"}).code, 0);
+  EXPECT_FALSE(readFile(images + nameOf(2)) == readFile(*files_ / "run" + nameOf(2)));
+  const ChildResult again = render({"--images", images});
+  EXPECT_FALSE(contains(again.err, "have not been drawn again")) << again.err;
+  expectImagesOfTheRun();
+  // What a run writes is not noted.
+  fs::copy(images, folder / "run");
+  ASSERT_EQ(runWeir({"run", *files_ / "scene.json", "--device", "cpu", "--images", folder / "run", "--frames",
+                     "0", "--set", "render.color.by=none"})
+                .code,
+            0);
+  EXPECT_FALSE(fs::exists(folder / "run/frames.txt"));
+}
+
+TEST_F(RenderCommand, UsesPicturesThatAreThereForTheVideo) {
+  if (!canMakeVideos()) GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
+  ASSERT_EQ(render({"--images", images}).code, 0);
+  const ChildResult result = render({"--images", images, "--video", folder / "run.mp4"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_CONTAINS(result.err, "7 pictures were there");
+  EXPECT_EQ(probeVideo(folder / "run.mp4").frames, kFrames);
+}
+
+TEST_F(RenderCommand, SaysWhatTheFileDoesNotHave) {
+  const auto expectFailure = [&](const ChildResult& result, int code, const std::vector<std::string>& parts) {
+    EXPECT_EQ(result.code, code) << result.err;
+    for (const std::string& part : parts) EXPECT_CONTAINS(result.err, part);
+  };
+  expectFailure(render({"--images", images, "--set", "render.color.by=vorticity"}), 3,
+                {"no attribute 'vorticity'", "density"});
+  expectFailure(render({}), 2, {"nothing is to be made", "--video"});
+  expectFailure(render({"--images", *files_ / "run.vtkhdf"}), 2, {"would overwrite the export"});
+  std::string text = kScene;
+  text.replace(text.find("\"oil\""), 5, "\"tar\"");
+  text.replace(text.find("oil.initial"), 11, "tar.initial");
+  text.replace(text.find("oil.boundaries"), 14, "tar.boundaries");
+  const std::string other = folder.write("other.json", text);
+  expectFailure(runWeir({"render", *files_ / "run.vtkhdf", "--scene", other, "--images", images}), 5,
+                {"particles of the fluid 'oil', which the scene does not have", "tar"});
+  expectFailure(runWeir({"render", other, "--scene", other, "--images", images}), 2, {".vtkhdf"});
+  const std::string junk = folder.write("junk.vtkhdf", "no HDF5");
+  expectFailure(runWeir({"render", junk, "--scene", other, "--images", images}), 5, {junk});
+}
+
+}  // namespace
+}  // namespace weir::test
