@@ -6,6 +6,7 @@
 
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
+#include "framework/run/output_worker.h"
 #include "framework/run/stopwatch.h"
 #include "framework/scene/scene_file.h"
 #include "plugins/rendering/gl/context.h"
@@ -16,6 +17,7 @@
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
 #include "plugins/rendering/overlay/overlay.h"
+#include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/scene_view.h"
 
@@ -57,7 +59,9 @@ decltype(auto) measured(double& seconds, F&& work) {
 
 class Pictures final : public Observer {
  public:
-  explicit Pictures(const OutputPaths& paths) : paths_(paths) {}
+  /// By the first camera, or by one of the others.
+  explicit Pictures(OutputPaths paths, std::optional<std::size_t> camera = std::nullopt)
+      : paths_(std::move(paths)), camera_(camera) {}
 
   std::string name() const override { return "pictures"; }
 
@@ -68,6 +72,7 @@ class Pictures final : public Observer {
   void save(const StateWriter& to) override {
     if (images_) images_->wait();
     to.put("frames", frames_);
+    history_->save(to.in("plots"));
     if (!video_) return;
     video_->save();
     const VideoState& state = video_->state();
@@ -95,6 +100,7 @@ class Pictures final : public Observer {
       simulation.log().warn("the video begins with frame " + std::to_string(frames) +
                             ", as the checkpoint is of a run without one");
     begin(simulation, frames, earlier);
+    history_->restore(from.in("plots"));
   }
 
   void begin(Simulation& simulation, std::int64_t firstFrame, const std::optional<VideoState>& earlier) {
@@ -103,9 +109,10 @@ class Pictures final : public Observer {
     settings_ = &settings;
     title_ = simulation.scene().title;
     capture_.emplace(settings);
+    history_.emplace(settings.plots, simulation.scene().world.duration);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
     renderer_ = makeRenderer(simulation.device());
-    view_ = std::make_unique<SceneView>(settings, *renderer_);
+    view_ = std::make_unique<SceneView>(settings, cameraOf(settings), *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
       video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate,
@@ -131,6 +138,7 @@ class Pictures final : public Observer {
     auto& scene = static_cast<SceneSnapshot&>(snapshot);
     if (made_) addStill(scene);
     const View view = measured(viewing_, [&] { return view_->of(scene); });
+    history_->add(scene.time, scene.plotted);
     if (!made_ || !isThere(scene, view)) draw(scene, view);
     ++frames_;
   }
@@ -164,6 +172,11 @@ class Pictures final : public Observer {
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
     if (video_) video_->write(std::move(picture));
+  }
+
+  const CameraSettings& cameraOf(const RenderSettings& settings) const {
+    if (camera_) return settings.cameras[*camera_];
+    return *settings.camera;
   }
 
   void addStill(const SceneSnapshot& scene) {
@@ -218,11 +231,13 @@ class Pictures final : public Observer {
     }
     const ColorKey& key = view_->colorKey();
     const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
+    text.plots = history_->plots();
     if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
     return text;
   }
 
   OutputPaths paths_;
+  std::optional<std::size_t> camera_;
   const RenderSettings* settings_ = nullptr;
   std::string title_;
   std::optional<SceneCapture> capture_;
@@ -232,6 +247,7 @@ class Pictures final : public Observer {
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
+  std::optional<PlotHistory> history_;
   std::optional<GrowingVideo> video_;
   std::optional<ImageSequence> images_;
   // Of replays with images alone.
@@ -240,15 +256,113 @@ class Pictures final : public Observer {
   std::int64_t there_ = 0;      // that have not been drawn again
 };
 
+/// What all cameras of a scene see: each has pictures of its own.
+class SeveralCameras final : public Observer {
+ public:
+  explicit SeveralCameras(const OutputPaths& paths) : paths_(paths) {}
+
+  std::string name() const override { return "pictures"; }
+  std::string_view stateName() const override { return "pictures"; }
+
+  void begin(Simulation& simulation) override {
+    start(simulation, [&](Pictures& pictures, const std::string&) { pictures.begin(simulation); });
+  }
+  void save(const StateWriter& to) override {
+    for (const Camera& camera : cameras_) camera.pictures->save(stateOf(to, camera.name));
+  }
+  void resume(Simulation& simulation, const StateReader& from) override {
+    start(simulation, [&](Pictures& pictures, const std::string& camera) {
+      const StateReader state = stateOf(from, camera);
+      if (state.has("frames")) return pictures.resume(simulation, state);
+      pictures.begin(simulation);  // a camera that the run did not have
+    });
+  }
+
+  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
+    std::unique_ptr<Snapshot> held = used ? std::move(used) : std::make_unique<AllSnapshots>();
+    auto& all = static_cast<AllSnapshots&>(*held).of;
+    all.resize(cameras_.size());
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+      all[i] = cameras_[i].pictures->capture(simulation, std::move(all[i]));
+    return held;
+  }
+  void write(Snapshot& snapshot) override {
+    auto& all = static_cast<AllSnapshots&>(snapshot).of;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].pictures->write(*all[i]);
+  }
+  std::vector<OutputPart> writeParts() const override {
+    std::vector<OutputPart> sums;
+    for (const Camera& camera : cameras_) {
+      const std::vector<OutputPart> parts = camera.pictures->writeParts();
+      if (sums.empty()) sums.resize(parts.size());
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        sums[i] = {parts[i].name, sums[i].seconds + parts[i].seconds};
+    }
+    return sums;
+  }
+
+  void end(Simulation& simulation, RunEnd how) override {
+    FirstError errors;
+    for (const Camera& camera : cameras_) {
+      try {
+        camera.pictures->end(simulation, how);
+      } catch (...) {
+        errors.keepCurrent();  // the others must be completed, too
+      }
+    }
+    errors.rethrowIfAny();
+  }
+
+ private:
+  struct Camera {
+    std::string name;  ///< "" for the first one
+    std::unique_ptr<Pictures> pictures;
+  };
+  struct AllSnapshots final : Snapshot {
+    std::vector<std::unique_ptr<Snapshot>> of;  ///< each camera
+  };
+
+  /// run.mp4 becomes run.NAME.mp4, and a folder the one of that name in it.
+  static OutputPaths pathsOf(OutputPaths paths, const std::string& camera) {
+    if (const auto video = paths.find(kVideo); video != paths.end())
+      video->second.replace_filename(video->second.stem().string() + "." + camera +
+                                     video->second.extension().string());
+    if (const auto images = paths.find(kImages); images != paths.end()) images->second /= camera;
+    return paths;
+  }
+
+  template <class State>
+  static State stateOf(const State& state, const std::string& camera) {
+    return camera.empty() ? state : state.in("cameras").in(camera);
+  }
+
+  /// The first one first: the folders of the others are in its folder.
+  template <class F>
+  void start(const Simulation& simulation, const F& begin) {
+    const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+    cameras_.clear();
+    cameras_.push_back({"", std::make_unique<Pictures>(paths_)});
+    for (std::size_t i = 0; i < settings.cameras.size(); ++i) {
+      const std::string& camera = settings.cameras[i].name;
+      cameras_.push_back({camera, std::make_unique<Pictures>(pathsOf(paths_, camera), i)});
+    }
+    for (Camera& camera : cameras_) begin(*camera.pictures, camera.name);
+  }
+
+  OutputPaths paths_;
+  std::vector<Camera> cameras_;
+};
+
 }  // namespace
 
 std::vector<OutputOption> PictureOutput::options() const {
-  return {{kVideo, "FILE.mp4", VideoWriter::extensions(), "Write a video; .mp4, .mkv or .webm"},
+  return {{kVideo, "FILE.mp4", VideoWriter::extensions(),
+           "Write a video; .mp4, .mkv, .webm, .mov (ProRes) or .gif"},
           {kImages, "DIR", {}, "Write each frame as a PNG file into a folder"}};
 }
 
 std::unique_ptr<Observer> PictureOutput::create(const OutputPaths& paths) const {
-  return std::make_unique<Pictures>(paths);
+  return std::make_unique<SeveralCameras>(paths);
 }
 
 }  // namespace weir::rendering

@@ -1,8 +1,11 @@
 #include "plugins/rendering/render_settings.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "framework/base/error.h"
+#include "framework/base/text.h"
 
 namespace weir::rendering {
 
@@ -21,6 +24,22 @@ void CameraSettings::validate() const {
       throw sceneError("keyframe " + std::to_string(i) + " is not after the one before", "times that grow")
           .inParameter(keyframes.name());
   }
+}
+
+void NamedCameraSettings::validate() const {
+  CameraSettings::validate();
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+  if (name->empty() || !std::all_of(name->begin(), name->end(), plain))
+    throw sceneError("a camera is called " + inQuotes(*name), "letters, digits, _ and -")
+        .inParameter(name.name());
+}
+
+void RenderSettings::validate() const {
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (*cameras[i].name == *cameras[k].name)
+        throw sceneError("two cameras are called " + inQuotes(*cameras[i].name), "a name of its own for each")
+            .inParameter(cameras.name());
 }
 
 void ColorSettings::validate() const {
@@ -49,6 +68,11 @@ bool ClipSettings::shows(const Vec3f& place) const {
 void ClipSettings::validate() const {
   if (length(normal.get()) == 0)
     throw sceneError("normal is [0, 0, 0]", "a direction").inParameter(normal.name());
+}
+
+std::string PlotSettings::caption() const {
+  const std::string& name = label->empty() ? of : label;
+  return unit->empty() ? name : name + " in " + *unit;
 }
 
 void EnvironmentSettings::validate() const {

@@ -74,7 +74,7 @@ class CameraKey final : public Configurable {
                                    .doc = "Vertical field of view; the camera's if it is left out."}};
 };
 
-class CameraSettings final : public Configurable {
+class CameraSettings : public Configurable {
  public:
   Param<std::optional<Vec3f>> eye{
       *this,
@@ -107,6 +107,19 @@ class CameraSettings final : public Configurable {
       "",
       {.doc = "Name of a node that the camera follows: its target is the middle of that fluid or mesh, and "
               "the eye keeps its distance and direction from there."}};
+
+  void validate() const override;
+};
+
+/// A camera beside the first one, whose pictures go to places of their own.
+class NamedCameraSettings final : public CameraSettings {
+ public:
+  Param<std::string> name{
+      *this,
+      "name",
+      "",
+      {.doc = "What its pictures are told apart by, run.NAME.mp4 and DIR/NAME: letters, digits, _ "
+              "and -."}};
 
   void validate() const override;
 };
@@ -207,6 +220,23 @@ class SurfaceSettings final : public Configurable {
   void validate() const override;
 };
 
+/// A number of the statistics over time, in the corner of the pictures.
+class PlotSettings final : public Configurable {
+ public:
+  Param<std::string> of{
+      *this,
+      "of",
+      "",
+      {.doc = "The number, as --series and --stats name it: \"particles\", or node and name, "
+              "\"water.kinetic_energy\"."}};
+  Param<std::string> label{
+      *this, "label", "", {.doc = "What it is called in the picture; of if it is empty."}};
+  Param<std::string> unit{*this, "unit", "", {.doc = "Its unit."}};
+
+  /// "kinetic energy in J"
+  std::string caption() const;
+};
+
 /// Light and surroundings.
 class EnvironmentSettings final : public Configurable {
  public:
@@ -231,6 +261,7 @@ class EnvironmentSettings final : public Configurable {
 class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
+  GroupList<NamedCameraSettings> cameras{*this, "cameras", "More cameras, each with pictures of its own."};
   Group<EnvironmentSettings> environment{*this, "environment", "Light and surroundings."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
   GroupList<FluidSettings> fluids{*this, "fluids",
@@ -251,11 +282,14 @@ class RenderSettings final : public Configurable {
       *this, "particles", ParticleDisplay::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
+  GroupList<PlotSettings> plots{*this, "plots", "Numbers that are plotted in a corner of the pictures."};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};
   Param<Color> backgroundTop{
       *this, "background_top", {0.78f, 0.84f, 0.9f, 1}, {.doc = "Background at the top."}};
   Param<Color> backgroundBottom{
       *this, "background_bottom", {0.95f, 0.96f, 0.97f, 1}, {.doc = "Background at the bottom."}};
+
+  void validate() const override;
 };
 
 }  // namespace rendering

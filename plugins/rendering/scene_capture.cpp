@@ -8,6 +8,7 @@
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/solids/motion_of.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
 
 namespace weir::rendering {
@@ -62,6 +63,7 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
   captureFluidSurfaces(simulation, *snapshot);
+  snapshot->plotted = plottedNumbers(settings_.plots, simulation);
   snapshot->poses.clear();
   for (const RigidMotion* motion : motions_)
     snapshot->poses.push_back(motion != nullptr ? motion->poseAt(simulation.time()) : Pose{});
@@ -89,9 +91,16 @@ void SceneCapture::checkNames(const Simulation& simulation) const {
     checkName(simulation, settings_.fluids[i].node, "/render/fluids/" + std::to_string(i) + "/node");
   for (std::size_t i = 0; i < settings_.surfaces.size(); ++i)
     checkName(simulation, settings_.surfaces[i].node, "/render/surfaces/" + std::to_string(i) + "/node");
-  const std::string& followed = settings_.camera->follow;
+  checkFollowed(simulation, settings_.camera->follow, "/render/camera/follow");
+  for (std::size_t i = 0; i < settings_.cameras.size(); ++i)
+    checkFollowed(simulation, settings_.cameras[i].follow,
+                  "/render/cameras/" + std::to_string(i) + "/follow");
+}
+
+void SceneCapture::checkFollowed(const Simulation& simulation, const std::string& followed,
+                                 const std::string& pointer) {
   if (followed.empty()) return;
-  checkName(simulation, followed, "/render/camera/follow");
+  checkName(simulation, followed, pointer);
   const auto puts = [&](const auto& outputs) {
     return std::any_of(outputs.begin(), outputs.end(),
                        [&](const auto& output) { return output.first == followed; });
@@ -100,7 +109,7 @@ void SceneCapture::checkNames(const Simulation& simulation) const {
   if (puts(outputsOf<Fluid>(graph)) || puts(outputsOf<TriangleMesh>(graph))) return;
   throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no fluid and no mesh",
                    "a node that puts out a Fluid or a mesh")
-      .at({.file = simulation.scene().file, .pointer = "/render/camera/follow"});
+      .at({.file = simulation.scene().file, .pointer = pointer});
 }
 
 void SceneCapture::checkName(const Simulation& simulation, const std::string& name,

@@ -70,6 +70,7 @@ class SceneSnapshot final : public Snapshot {
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
+  std::vector<double> plotted;  ///< the numbers that plots show
   std::vector<FluidSurfaceSnapshot> fluidSurfaces;
   std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
@@ -96,6 +97,8 @@ class SceneCapture {
   std::size_t placeOfFluid(const std::string& node) const;
   const SurfaceSettings* settingsOf(const std::string& node) const;
   void checkNames(const Simulation& simulation) const;
+  static void checkFollowed(const Simulation& simulation, const std::string& followed,
+                            const std::string& pointer);
   static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
   const RenderSettings& settings_;

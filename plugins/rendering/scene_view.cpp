@@ -63,7 +63,7 @@ View SceneView::of(SceneSnapshot& snapshot) {
     view.surfaces[i].position = snapshot.poses[i].translation;
   }
   addFluidSurfaces(snapshot, view);
-  view.camera = cameraAt(*settings_.camera, restingCamera(), snapshot.time, followedPlace(snapshot));
+  view.camera = cameraAt(camera_, restingCamera(), snapshot.time, followedPlace(snapshot));
   if (!lines_.empty()) view.lines.push_back({.points = lines_});
   if (settings_.arrows->spacing.get()) addArrows(snapshot, view);
   const Aabb box = bounds_.empty() ? Aabb{{-1, -1, -1}, {1, 1, 1}} : bounds_;
@@ -91,7 +91,7 @@ void SceneView::takeStill(StillScene& still) {
     if (surface.water) surfaceWaters_.push_back(*surface.water);
   }
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
-    if (still.surfaces[i].node != *settings_.camera->follow || followedSurface_) continue;
+    if (still.surfaces[i].node != *camera_.follow || followedSurface_) continue;
     followedSurface_ = i;
     Aabb box;
     for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);
@@ -204,7 +204,7 @@ void SceneView::chooseRange() {
 }
 
 CameraPose SceneView::restingCamera() const {
-  const CameraSettings& settings = *settings_.camera;
+  const CameraSettings& settings = camera_;
   const float aspect = float(settings_.width) / float(settings_.height);
   CameraPose camera = poseSeeing(bounds_, {0.55f, 0.42f, 0.72f}, settings.up, settings.fov, aspect);
   if (settings.target.get()) {
@@ -216,7 +216,7 @@ CameraPose SceneView::restingCamera() const {
 }
 
 std::optional<Vec3f> SceneView::followedPlace(SceneSnapshot& snapshot) const {
-  const std::string& name = settings_.camera->follow;
+  const std::string& name = camera_.follow;
   if (name.empty()) return std::nullopt;
   if (followedSurface_) return snapshot.poses[*followedSurface_].toWorld(followedMiddle_);
   Vec3d sum;

@@ -24,8 +24,8 @@ struct ColorKey {
 class SceneView {
  public:
   /// Gives its surfaces to the renderer, which must outlive it.
-  SceneView(const RenderSettings& settings, gl::Renderer& renderer)
-      : settings_(settings), renderer_(renderer) {}
+  SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer)
+      : settings_(settings), camera_(camera), renderer_(renderer) {}
 
   /// The view of a frame; it points to what this object and the snapshot hold until the next call. Waits
   /// until the particles have arrived, and takes the still scene from the first snapshot.
@@ -45,6 +45,7 @@ class SceneView {
   CameraPose restingCamera() const;
 
   const RenderSettings& settings_;
+  const CameraSettings& camera_;
   gl::Renderer& renderer_;
   ColorKey key_;
   std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour

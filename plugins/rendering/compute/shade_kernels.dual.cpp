@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "framework/compute/parallel.h"
 
@@ -78,7 +79,7 @@ struct Taps {
 };
 
 Taps spiral() {
-  constexpr float kTurns = 7, kCircle = 6.2831853f;
+  constexpr float kTurns = 7, kCircle = 2 * std::numbers::pi_v<float>;
   Taps taps;
   for (int i = 0; i < kTaps; ++i) {
     const float part = (static_cast<float>(i) + 0.5f) / kTaps;
@@ -95,7 +96,7 @@ struct Turns {
 Turns sixteenTurns() {
   Turns turns;
   for (int i = 0; i < 16; ++i) {
-    const float angle = static_cast<float>(i) * (6.2831853f / 16.0f);
+    const float angle = static_cast<float>(i) * (2 * std::numbers::pi_v<float> / 16.0f);
     turns.at[i] = {std::cos(angle), std::sin(angle)};
   }
   return turns;
@@ -127,12 +128,12 @@ struct EstimateOcclusion {
     const float radius = occlusion.radius, square = radius * radius;
     const float wanted = radius * occlusion.radiusInView / -position.z;
     const float reach = wanted < occlusion.largest ? wanted : occlusion.largest;
-    const Vec2f turn = turns.at[((column & 3) * 4 + (row & 3) * 7) & 15];
+    const Vec2f unit = turns.at[((column & 3) * 4 + (row & 3) * 7) & 15];
+    const Vec2f turn{reach * unit.x, reach * unit.y};
     float sum = 0;
     for (int i = 0; i < kTaps; ++i) {
       const Vec2f tap = taps.at[i];
-      const float right = reach * (tap.x * turn.x - tap.y * turn.y);
-      const float up = reach * (tap.x * turn.y + tap.y * turn.x);
+      const float right = tap.x * turn.x - tap.y * turn.y, up = tap.x * turn.y + tap.y * turn.x;
       const int tapX = clamped(x + static_cast<int>(std::rint(right)), 0, camera.width - 1);
       const int tapY = clamped(y + static_cast<int>(std::rint(up)), 0, camera.height - 1);
       const Vec3f towards = positionAt(tapX, tapY) - position;
@@ -183,7 +184,7 @@ struct SoftShadow {
 };
 
 SoftShadow softShadow() {
-  constexpr float kGoldenAngle = 2.3999632f, kQuarter = 1.5707963f;
+  constexpr float kGoldenAngle = 2.3999632f, kQuarter = 0.5f * std::numbers::pi_v<float>;
   SoftShadow soft;
   for (int i = 0; i < 4; ++i) {
     const auto n = static_cast<float>(i);

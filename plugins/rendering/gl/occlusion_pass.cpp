@@ -18,8 +18,14 @@ Vec2f spiral(int number, int count) {
   return {part * std::cos(angle), part * std::sin(angle)};
 }
 
-const std::string kEstimateShader =
-    kShaderVersion + kCameraSnippet + placesInCircle("kPlaces", kTaps, spiral) + R"(
+Vec2f evenTurn(int number, int count) {
+  const float angle = float(number) * (2 * std::numbers::pi_v<float> / float(count));
+  return {std::cos(angle), std::sin(angle)};
+}
+
+const std::string kEstimateShader = kShaderVersion + kCameraSnippet +
+                                    placesInCircle("kPlaces", kTaps, spiral) +
+                                    placesInCircle("kTurns", 16, evenTurn) + R"(
 uniform sampler2D uDepth, uNormal;
 uniform int uSamples;        // per pixel and axis
 uniform float uRadius;       // m
@@ -38,9 +44,8 @@ void main() {
   vec3 position = rayAt(vec2(place) + 0.5) * distanceAt(depth);
   vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
   float reach = min(uRadius * uRadiusInView / -position.z, uLargest);
-  float angle = float((pixel.x & 3) * 4 + (pixel.y & 3) * 7 & 15) * (6.2831853 / 16.0);
   ivec2 last = textureSize(uDepth, 0) - 1;
-  vec2 turn = reach * vec2(cos(angle), sin(angle));
+  vec2 turn = reach * kTurns[(pixel.x & 3) * 4 + (pixel.y & 3) * 7 & 15];
   float sum = 0.0;
   for (int i = 0; i < kPlaces.length(); ++i) {
     vec2 at = vec2(kPlaces[i].x * turn.x - kPlaces[i].y * turn.y, kPlaces[i].x * turn.y + kPlaces[i].y * turn.x);

@@ -36,11 +36,15 @@ const std::vector<Container>& containers() {
                                                {"mpeg4", {"-q:v", "2"}}};
   static const std::vector<VideoEncoder> kVp9{
       {"libvpx-vp9", {"-crf", "24", "-b:v", "0", "-deadline", "good", "-cpu-used", "5", "-row-mt", "1"}}};
+  static const std::vector<VideoEncoder> kProRes{{"prores_ks", {"-profile:v", "hq"}, "yuv422p10le"}};
+  static const std::vector<VideoEncoder> kGif{{"gif", {}, ""}};
   static const std::vector<Container> kAll{
       // The index at the front, so that browsers play the file while they load it.
       {".mp4", {"-f", "mp4", "-movflags", "+faststart"}, kMpeg},
       {".mkv", {"-f", "matroska"}, kMpeg},
-      {".webm", {"-f", "webm"}, kVp9}};
+      {".webm", {"-f", "webm"}, kVp9},
+      {".mov", {"-f", "mov"}, kProRes},
+      {".gif", {"-f", "gif"}, kGif}};
   return kAll;
 }
 
@@ -73,6 +77,21 @@ std::vector<std::uint8_t> evenSized(const Picture& picture) {
   return bytes;
 }
 
+std::vector<std::string> colorOptions(const VideoEncoder& encoder) {
+  // A palette of its own for each frame: one for all would need all frames at once.
+  if (encoder.pixels.empty())
+    return {
+        "-vf",
+        "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4"};
+  // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
+  // Some encoders take that from the options, others from the frames.
+  const std::string filter =
+      "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=" +
+      encoder.pixels + ",setparams=range=tv:color_primaries=bt709:color_trc=bt709:colorspace=bt709";
+  return {"-vf",   filter,       "-colorspace", "bt709",        "-color_primaries",
+          "bt709", "-color_trc", "bt709",       "-color_range", "tv"};
+}
+
 std::vector<std::string> argumentsFor(const fs::path& file, const Container& container,
                                       const VideoEncoder& encoder, int width, int height, double frameRate) {
   // -xerror: without it ffmpeg ends with exit code 0 when the disk is full as it completes the file.
@@ -85,9 +104,7 @@ std::vector<std::string> argumentsFor(const fs::path& file, const Container& con
   add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", "rgb24"});
   add({"-video_size", fmt::format("{}x{}", roundedToEven(width), roundedToEven(height))});
   add({"-framerate", fmt::format("{}", frameRate), "-i", "pipe:0"});
-  // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
-  add({"-vf", "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=yuv420p"});
-  add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
+  add(colorOptions(encoder));
   add({"-c:v", encoder.name});
   add(encoder.options);
   add(container.options);

@@ -21,13 +21,15 @@ class PipedProgram;
 struct VideoEncoder {
   std::string name;
   std::vector<std::string> options;
+  std::string pixels = "yuv420p";  ///< the format of its pixels; "" if it takes its colours from a palette
 };
 
 /// The video has another name, "run.part.mp4" for "run.mp4", until finish(). If the whole program is killed,
 /// ffmpeg completes that file with the frames it has got.
 class VideoWriter {
  public:
-  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm".
+  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm", ".mov" (ProRes, to
+  /// be edited), ".gif".
   static std::vector<std::string> extensions();
   /// ffmpeg's options for a file of this name. Throws an io Error if its extension is none of extensions().
   static std::vector<std::string> containerOptions(const std::filesystem::path& file);

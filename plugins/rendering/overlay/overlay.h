@@ -1,12 +1,14 @@
-// Writing on a finished picture: title, time, number of particles, and what the colours mean.
+// Writing on a finished picture: title, time, number of particles, what the colours mean, and plots.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "plugins/rendering/overlay/font.h"
+#include "plugins/rendering/overlay/plot.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -23,7 +25,8 @@ struct OverlayText {
   std::optional<double> seconds;
   std::optional<std::int64_t> particles;
   std::optional<ColorBar> bar;
-  bool lightText = false;  ///< for dark backgrounds
+  std::vector<Plot> plots;  ///< from the left to the right
+  bool lightText = false;   ///< for dark backgrounds
 };
 
 /// Whether text on this background should be light.

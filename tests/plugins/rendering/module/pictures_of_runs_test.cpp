@@ -49,6 +49,49 @@ TEST_F(PicturesOfRuns, VideoAndImagesShowEveryFrame) {
   ASSERT_NE(cost, nullptr);
   EXPECT_GT(cost->find("write_seconds")->asDouble(), 0);
   EXPECT_GT(cost->find("capture_seconds")->asDouble(), 0);
+  double parts = 0;
+  for (const char* part : {"view_seconds", "draw_seconds", "label_seconds", "hand_over_seconds"})
+    parts += cost->find(part)->asDouble();
+  EXPECT_GT(cost->find("draw_seconds")->asDouble(), 0);
+  EXPECT_LE(parts, cost->find("write_seconds")->asDouble());
+}
+
+TEST_F(PicturesOfRuns, EachCameraHasPicturesOfItsOwn) {
+  std::string text = kFallingCube;
+  text.replace(text.find("\"width\""), 0,
+               R"("cameras": [{ "name": "above", "eye": [0.1, 3, 0], "target": [0, 0, 0] },
+                              { "name": "with_it", "follow": "water" }], )");
+  const std::string scene2 = folder.write("cameras.json", text), images = folder / "images";
+  const ChildResult result = runWeir({"run", scene2, "--video", folder / "run.mp4", "--images", images});
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::vector<rendering::Picture> last;
+  for (const std::string camera : {"", "/above", "/with_it"}) {
+    for (int frame = 0; frame < 6; ++frame)
+      ASSERT_TRUE(std::filesystem::exists(images + camera + "/frame_0000" + std::to_string(frame) + ".png"));
+    last.push_back(readPng(images + camera + "/frame_00005.png"));
+  }
+  EXPECT_NE(last[0].rgb, last[1].rgb);
+  EXPECT_NE(last[0].rgb, last[2].rgb);
+  for (const std::string video : {"run.mp4", "run.above.mp4", "run.with_it.mp4"})
+    EXPECT_EQ(probeVideo(folder / video).frames, 6) << video;
+
+  text.replace(text.find("with_it"), 7, "above");
+  const ChildResult twice = runWeir({"run", folder.write("twice.json", text), "--images", images});
+  EXPECT_EQ(twice.code, 3);
+  EXPECT_CONTAINS(twice.err, "two cameras are called 'above'");
+}
+
+TEST_F(PicturesOfRuns, PlotsNameWhatThereIs) {
+  std::string text = kFallingCube;
+  text.replace(text.find("\"width\""), 0, R"("plots": [{ "of": "water.kinetic_energie" }], )");
+  const ChildResult result =
+      runWeir({"run", folder.write("plots.json", text), "--images", folder / "images"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_CONTAINS(result.err, "/render/plots/0/of");
+  EXPECT_CONTAINS(result.err, "water.kinetic_energy");
+  text.replace(text.find("energie"), 7, "energy");
+  const ChildResult good = runWeir({"run", folder.write("plots.json", text), "--images", folder / "images"});
+  EXPECT_EQ(good.code, 0) << good.err;
 }
 
 TEST_F(PicturesOfRuns, AnAttributeOfAPluginColoursTheParticles) {

@@ -48,8 +48,9 @@ class GrowingVideoTest : public testing::TestWithParam<std::string> {
     int i = 0;
     for (std::string line; std::getline(lines, line);) {
       if (line.empty()) continue;
-      // Matroska counts in milliseconds.
-      EXPECT_NEAR(std::atof(line.c_str()), i / kRate, GetParam() == ".mp4" ? 1e-4 : 1.6e-3) << i;
+      // Matroska counts in milliseconds, GIF in hundredths of a second.
+      const double unit = GetParam() == ".mp4" ? 1e-4 : GetParam() == ".gif" ? 5.1e-3 : 1.6e-3;
+      EXPECT_NEAR(std::atof(line.c_str()), i / kRate, unit) << i;
       ++i;
     }
     EXPECT_EQ(i, count);
