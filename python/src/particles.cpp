@@ -81,13 +81,16 @@ nb::tuple DeviceArray::dlpackDevice() const {
 }
 
 nb::object DeviceArray::dlpack(nb::object stream, nb::kwargs options) const {
+  if (options.contains("copy") && nb::cast<bool>(nb::bool_(options["copy"])))
+    throw nb::buffer_error("the array is shared, not copied: copy it on your side");
   const auto& cuda = static_cast<const CudaDevice&>(*lent_.device);
   const auto number = stream.is_none() ? std::int64_t(kLegacyStream) : nb::cast<std::int64_t>(stream);
   if (number != -1) letStreamWait(cuda, static_cast<std::uintptr_t>(number));
   const nb::ndarray<> array(data_, shape_.size(), shape_.data(), ownerOf(lent_), nullptr,
                             isInt_ ? nb::dtype<std::int32_t>() : nb::dtype<float>(), nb::device::cuda::value,
                             cuda.index());
-  return nb::cast(array).attr("__dlpack__")(**options);
+  // Without a framework it becomes a capsule, of the version that every reader knows.
+  return nb::cast(array);
 }
 
 nb::object DeviceArray::toHost() const {
