@@ -1,0 +1,69 @@
+#ifdef WEIR_HAS_STUDIO
+#include "apps/studio/session/scene_check.h"
+
+#include <gtest/gtest.h>
+
+#include "nodes/register_nodes.h"
+
+namespace weir::studio {
+namespace {
+
+constexpr const char* kScene = R"({
+  "weir": 1, "world": { "duration": 0.1 },
+  "nodes": { "block": { "type": "BoxSampler" },
+             "water": { "type": "ParticleFluid", "modules": { "viscosity": { "params": { "strength": 0.1 } } } } },
+  "links": ["block.particles -> water.initial"]
+})";
+
+class SceneCheck : public testing::Test {
+ protected:
+  SceneCheck() { registerNodes(registry); }
+
+  CheckedScene check(const std::string& from, const std::string& to) const {
+    std::string text = kScene;
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    return checkScene(parseJson(text, "test"), "scene.json", "", registry);
+  }
+  SceneDifference difference(const std::string& from, const std::string& to) const {
+    return differenceOf(*check("", "").scene, *check(from, to).scene);
+  }
+
+  Registry registry;
+};
+
+TEST_F(SceneCheck, TellsWhereAProblemIs) {
+  const CheckedScene wrong = check("\"strength\": 0.1", "\"strength\": \"much\"");
+  EXPECT_EQ(wrong.scene, nullptr);
+  ASSERT_TRUE(wrong.problem);
+  EXPECT_EQ(wrong.problem->find("pointer")->asString(), "/nodes/water/modules/viscosity/params/strength");
+  EXPECT_FALSE(wrong.problem->find("message")->asString().empty());
+  EXPECT_TRUE(check("", "").scene);
+}
+
+TEST_F(SceneCheck, KnowsWhatMayChangeDuringARun) {
+  EXPECT_TRUE(difference("", "").live.empty());
+  EXPECT_FALSE(difference("", "").reset);
+  const SceneDifference live = difference("\"strength\": 0.1", "\"strength\": 0.2");
+  ASSERT_EQ(live.live.size(), 1u);
+  EXPECT_FALSE(live.reset);
+  EXPECT_EQ(live.live[0].module, "viscosity");
+  const CheckedScene running = check("", "");
+  apply(live.live[0], *running.scene);
+  EXPECT_FALSE(differenceOf(*running.scene, *check("\"strength\": 0.1", "\"strength\": 0.2").scene).reset);
+  EXPECT_TRUE(
+      differenceOf(*running.scene, *check("\"strength\": 0.1", "\"strength\": 0.2").scene).live.empty());
+}
+
+TEST_F(SceneCheck, NamesWhatAsksForAReset) {
+  EXPECT_EQ(*difference("\"duration\": 0.1", "\"duration\": 0.2").reset, "world.duration");
+  EXPECT_EQ(*difference("\"ParticleFluid\"", "\"ParticleFluid\", \"params\": { \"spacing\": 0.03 }").reset,
+            "water.spacing");
+  EXPECT_EQ(*difference("\"links\": [\"block.particles -> water.initial\"]", "\"links\": []").reset,
+            "the links");
+  EXPECT_EQ(*difference("\"strength\": 0.1 }", "\"strength\": 0.1 }, \"enabled\": false").reset,
+            "the modules of water");
+}
+
+}  // namespace
+}  // namespace weir::studio
+#endif
