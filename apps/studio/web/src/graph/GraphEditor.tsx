@@ -38,6 +38,7 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
     const wrong = (name: string) => problem && (problem.node === name || problem.pointer?.startsWith(`/nodes/${name}`));
     const node = (name: string, typeName: string, muted: boolean): Node => ({
       id: name, type: "scene", position: at[name] ?? { x: 0, y: 0 }, selected: selected.includes(name),
+      initialWidth: 190, initialHeight: 100,
       data: {
         name, typeName, type: types?.nodes[typeName], muted, collapsed: at[name]?.collapsed ?? false,
         problem: wrong(name) ? text ?? null : null,
