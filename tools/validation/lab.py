@@ -73,7 +73,7 @@ def exported(folder, frame):
     import h5py  # slow to load, and needed by some checks only
     with h5py.File(folder / "particles.vtkhdf") as file:
         root = file["VTKHDF"]
-        count, first = root["NumberOfPoints"][frame], root["Steps/PointOffsets"][frame]
+        count, first = root["NumberOfPoints"][root["Steps/PartOffsets"][frame]], root["Steps/PointOffsets"][frame]
         part = slice(first, first + count)
         return Particles(root["Points"][part].astype(float), root["PointData/velocity"][part].astype(float))
 
