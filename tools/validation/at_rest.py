@@ -15,18 +15,18 @@ def height(frame):
 def settled_volume(lab):
     """Blocks in disorder settle in tanks that they fill from wall to wall. 90 iterations carry the weight of 16 layers."""
     spacing, iterations = lab.scale(("0.0125", "90"), ("0.005", "563"))
+    runs = {(ratio, calibration): lab.run(f"settled_volume/{calibration}_{ratio}", "validation/settled_block",
+                                          {"water.support_ratio": str(ratio), "water.calibration": calibration,
+                                           "water.spacing": spacing, "water.solver.iterations": iterations})
+            for ratio in (1.2, 1.5, 2.0, 2.4) for calibration in ("packing", "lattice")}
     rows, curves = [], []
-    for ratio in (1.2, 1.5, 2.0, 2.4):
-        for calibration in ("packing", "lattice"):
-            result = lab.run(f"settled_volume/{calibration}_{ratio}", "validation/settled_block",
-                             {"water.support_ratio": str(ratio), "water.calibration": calibration,
-                              "water.spacing": spacing, "water.solver.iterations": iterations})
-            series = result.series
-            last = mean(height(frame) for frame in series[-5:])
-            demanded = 0.01 if calibration == "packing" else None
-            rows.append(Row(f"height of the settled water, H = {ratio}d, {calibration}", last, "m", 0.2, demanded))
-            if calibration == "packing":
-                curves.append((f"H = {ratio}d", [f["time"] for f in series], [height(f) for f in series], "-"))
+    for (ratio, calibration), result in runs.items():
+        series = result.series
+        last = mean(height(frame) for frame in series[-5:])
+        demanded = 0.01 if calibration == "packing" else None
+        rows.append(Row(f"height of the settled water, H = {ratio}d, {calibration}", last, "m", 0.2, demanded))
+        if calibration == "packing":
+            curves.append((f"H = {ratio}d", [f["time"] for f in series], [height(f) for f in series], "-"))
     chart = Chart("Water settles from disorder", "time (s)", "height (m)", tuple(curves))
     return Outcome(rows, (chart,))
 
@@ -36,15 +36,16 @@ def block_at_rest(lab):
     mesh of SemiAnalyticalSFI, the other a StaticBoundary."""
     spacing = lab.scale("0.0125", "0.005")
     mesh = {"block.jitter": "0", "block.arrangement": "relaxed", "world.frame_rate": "100", "world.duration": "0.5"}
+    tanks = {"mesh": ("", "settled_block", mesh), "plain": ("_", "block_in_plain_tank", {})}
+    runs = {(tank, ratio): lab.run(f"block_at_rest/{style}{ratio}", f"validation/{scene}",
+                                   {"water.support_ratio": str(ratio), **settings, "water.spacing": spacing})
+            for tank, (style, scene, settings) in tanks.items() for ratio in (1.2, 1.5, 2.0, 2.4)}
     rows, curves = [], []
-    for tank, scene, settings, style in (("mesh", "settled_block", mesh, ""), ("plain", "block_in_plain_tank", {}, "_")):
-        for color, ratio in enumerate((1.2, 1.5, 2.0, 2.4)):
-            result = lab.run(f"block_at_rest/{style}{ratio}", f"validation/{scene}",
-                             {"water.support_ratio": str(ratio), **settings, "water.spacing": spacing})
-            times, energies = quantities.over_time(result.series[1:], quantities.kinetic)
-            label = f"{tank} tank, H = {ratio}d"
-            rows.append(Row(f"most kinetic energy per mass, {label}", max(energies), "m²/s²", below=1e-3))
-            curves.append((label, times, energies, f"C{color}" + ("-" if tank == "mesh" else ":")))
+    for k, ((tank, ratio), result) in enumerate(runs.items()):
+        times, energies = quantities.over_time(result.series[1:], quantities.kinetic)
+        label = f"{tank} tank, H = {ratio}d"
+        rows.append(Row(f"most kinetic energy per mass, {label}", max(energies), "m²/s²", below=1e-3))
+        curves.append((label, times, energies, f"C{k % 4}" + ("-" if tank == "mesh" else ":")))
     return Outcome(rows, (Chart("A block that starts at rest", "time (s)", "kinetic energy / mass (m²/s²)",
                                 tuple(curves)),))
 
@@ -60,23 +61,23 @@ def wall_force(lab):
     depth, width, plate = 0.3, 0.2, 0.05
     bottom = DENSITY * GRAVITY * depth
     heights = [plate * (k + 0.5) for k in range(6)]
+    runs = {(spacing, iterations): lab.run(f"wall_force/{spacing}_{iterations}", "validation/wall_force",
+                                           {"water.spacing": str(spacing), "water.solver.iterations": str(iterations)})
+            for spacing in lab.scale((0.02, 0.0125), (0.02, 0.01, 0.005)) for iterations in (enough(spacing), 3)}
     rows, curves = [], [("ρg(h − y)", [0, bottom], [depth, 0], "-")]
-    for spacing in lab.scale((0.02, 0.0125), (0.02, 0.01, 0.005)):
-        for iterations in (enough(spacing), 3):
-            result = lab.run(f"wall_force/{spacing}_{iterations}", "validation/wall_force",
-                             {"water.spacing": str(spacing), "water.solver.iterations": str(iterations)})
-            demanded = iterations > 3
-            forces = mean_force(result.series, "wall", 0.7)
-            weight = mean_force(result.series, "ground", 0.7)["tank"][1] + sum(f[1] for f in forces.values())
-            pressures = [forces[f"plate{k}"][0] / (plate * width) for k in range(6)]
-            worst = max(abs(p - bottom + DENSITY * GRAVITY * y) for y, p in zip(heights, pressures)) / bottom
-            label = f"d = {1000 * spacing:g} mm, {iterations} iterations"
-            rows += [Row(f"force on the wall, {label}", sum(f[0] for f in forces.values()), "N",
-                         bottom * depth / 2 * width, 0.03 if demanded else None),
-                     Row(f"weight on the tank, {label}", -weight, "N", bottom * width ** 2, 0.01 if demanded else None),
-                     Row(f"worst plate, error over the pressure at the bottom, {label}", worst,
-                         below=0.05 if demanded else None)]
-            curves.append((label, pressures, heights, "o" if demanded else "x"))
+    for (spacing, iterations), result in runs.items():
+        demanded = iterations > 3
+        forces = mean_force(result.series, "wall", 0.7)
+        weight = mean_force(result.series, "ground", 0.7)["tank"][1] + sum(f[1] for f in forces.values())
+        pressures = [forces[f"plate{k}"][0] / (plate * width) for k in range(6)]
+        worst = max(abs(p - bottom + DENSITY * GRAVITY * y) for y, p in zip(heights, pressures)) / bottom
+        label = f"d = {1000 * spacing:g} mm, {iterations} iterations"
+        rows += [Row(f"force on the wall, {label}", sum(f[0] for f in forces.values()), "N",
+                     bottom * depth / 2 * width, 0.03 if demanded else None),
+                 Row(f"weight on the tank, {label}", -weight, "N", bottom * width ** 2, 0.01 if demanded else None),
+                 Row(f"worst plate, error over the pressure at the bottom, {label}", worst,
+                     below=0.05 if demanded else None)]
+        curves.append((label, pressures, heights, "o" if demanded else "x"))
     return Outcome(rows, (Chart("Pressure on a wall", "pressure (Pa)", "height (m)", tuple(curves)),))
 
 
@@ -92,14 +93,14 @@ def held_sphere(lab):
     scene = scenes.read(SCENES / "validation" / "held_sphere.json")
     ball = scenes.parameter(scene, "ball.profile")
     expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
+    runs = {spacing: [lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
+                              {"water.spacing": str(spacing), "water.solver.iterations": str(enough(spacing)),
+                               "world.seed": str(seed)}) for seed in range(1, fillings + 1)]
+            for spacing, fillings in lab.scale(((0.02, 8), (0.013, 4)), ((0.02, 8), (0.013, 8), (0.005, 1)))}
     rows = []
-    for spacing, fillings in lab.scale(((0.02, 8), (0.013, 4)), ((0.02, 8), (0.013, 8), (0.005, 1))):
-        forces = []
-        for seed in range(1, fillings + 1):
-            result = lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
-                             {"water.spacing": str(spacing), "water.solver.iterations": str(enough(spacing)),
-                              "world.seed": str(seed)})
-            forces.append(mean_force(result.series, "held", 0.5)["ball"])
+    for spacing, results in runs.items():
+        fillings = len(results)
+        forces = [mean_force(result.series, "held", 0.5)["ball"] for result in results]
         force = [mean(axis) for axis in zip(*forces)]
         upwards = [f[1] for f in forces]
         label = f"d = {1000 * spacing:g} mm, {fillings} fillings"
@@ -122,9 +123,11 @@ def moving_tank(lab):
     """In a tank that moves at a constant velocity water does what it does in one that stands."""
     velocity = scenes.parameter(scenes.read(SCENES / "validation" / "moving_tank.json"), "walls.velocity")
     still = {"walls.velocity": "[0, 0, 0]", "block.velocity": "[0, 0, 0]"}
+    runs = [(name, moves, lab.run(f"moving_tank/{name}", "validation/moving_tank", settings))
+            for name, moves, settings in (("moving", velocity, {}), ("standing", [0, 0, 0], still))]
     rows, curves = [], []
-    for name, moves, settings in (("moving", velocity, {}), ("standing", [0, 0, 0], still)):
-        series = lab.run(f"moving_tank/{name}", "validation/moving_tank", settings).series[1:]
+    for name, moves, result in runs:
+        series = result.series[1:]
         energies = [relative_kinetic(quantities.fluid(frame), moves) for frame in series]
         slip = [p / quantities.mass(quantities.fluid(series[-1])) - v
                 for p, v in zip(quantities.fluid(series[-1])["linear_momentum"], moves)]
@@ -140,10 +143,13 @@ def moving_tank(lab):
 def sloshing(lab):
     """Kinetic and potential energy of water that falls in a closed tank: their sum may only fall. A rise is energy that
     the samplers stored in particles that were too close (the lattice calibration has none of that)."""
+    runs = [(calibration, style, lab.run(f"sloshing/{calibration}", "validation/sloshing",
+                                         {"water.spacing": lab.scale("0.01", "0.005"),
+                                          "water.calibration": calibration}))
+            for calibration, style in (("packing", "-"), ("lattice", ":"))]
     rows, curves = [], []
-    for calibration, style in (("packing", "-"), ("lattice", ":")):
-        series = lab.run(f"sloshing/{calibration}", "validation/sloshing",
-                         {"water.spacing": lab.scale("0.01", "0.005"), "water.calibration": calibration}).series
+    for calibration, style, result in runs:
+        series = result.series
         reports = [quantities.fluid(frame) for frame in series]
         kinetic = [r["kinetic_energy"] for r in reports]
         total = [r["kinetic_energy"] + r["potential_energy"] for r in reports]

@@ -45,10 +45,11 @@ def rotating_tank(lab):
     scene = scenes.read(SCENES / "validation" / "rotating_tank.json")
     omega, radius = scenes.parameter(scene, "walls.angular_velocity")[1], scenes.parameter(scene, "tank.profile")[1][0]
     spacing = lab.scale(0.0075, 0.004)
+    runs = {ratio: lab.run(f"rotating_tank/{ratio}", "validation/rotating_tank",
+                           {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+            for ratio in (1.5, 2.0)}
     rows, curves = [], []
-    for ratio in (1.5, 2.0):
-        result = lab.run(f"rotating_tank/{ratio}", "validation/rotating_tank",
-                         {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+    for ratio, result in runs.items():
         particles = exported(result.folder, -1)
         x, _, z = particles.positions.T
         turning = (z * particles.velocities[:, 0] - x * particles.velocities[:, 2]).sum() / (x * x + z * z).sum()
@@ -76,11 +77,12 @@ def efflux(lab):
     (hole, _), (outer, _), _ = scenes.parameter(scene, "vessel.profile")
     floor = scenes.parameter(scene, "vessel.thickness")
     inner = outer - floor
+    runs = {(spacing, ratio): lab.run(f"efflux/{spacing}_{ratio}", "validation/efflux",
+                                      {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+            for spacing, ratio in lab.scale(((0.016, 1.5), (0.0133, 1.5), (0.01, 1.5), (0.01, 2.0), (0.01, 2.4)),
+                                            ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4)))}
     rows, speeds, levels = [], [], []
-    for spacing, ratio in lab.scale(((0.016, 1.5), (0.0133, 1.5), (0.01, 1.5), (0.01, 2.0), (0.01, 2.4)),
-                                    ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4))):
-        result = lab.run(f"efflux/{spacing}_{ratio}", "validation/efflux",
-                         {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+    for (spacing, ratio), result in runs.items():
         table = []  # time, level, speed of the jet, in its core, and of a free fall, flux
         for k, frame in enumerate(result.series):
             if frame["time"] < 0.3:
@@ -122,10 +124,11 @@ def dam_front(lab):
     size = scenes.parameter(scene, "column.max")
     a = size[0]
     unit = math.sqrt(a / (2 * GRAVITY))
+    runs = {parts: lab.run(f"dam_front/{parts}", "validation/dam_front", {"water.spacing": f"{a / parts:.8g}"}, export=True)
+            for parts in lab.scale((20,), (20, 40))}
     rows, curves = [], [("Martin and Moyce 1952", *zip(*MARTIN_MOYCE), "ks")]
-    for parts in lab.scale((20,), (20, 40)):
+    for parts, result in runs.items():
         spacing = a / parts
-        result = lab.run(f"dam_front/{parts}", "validation/dam_front", {"water.spacing": f"{spacing:.8g}"}, export=True)
         row = round(size[2] / spacing)
         times = [frame["time"] / unit for frame in result.series]
         fronts = [float(numpy.sort(exported(result.folder, k).positions[:, 0])[-row] + spacing / 2) / a
@@ -150,7 +153,7 @@ def full_goblet(lab):
     scene = scenes.read(SCENES / "validation" / "full_goblet.json")
     profile = scenes.parameter(scene, "goblet.profile")
     spacing = lab.scale(0.0125, 0.006)
-    rows, charts = [], []
+    runs = []
     for name, settings in (("walls of 10 mm", {}),
                            ("a single layer", {"goblet.thickness": "null", "goblet.caps": "false"})):
         thickness = 0 if settings else scenes.parameter(scene, "goblet.thickness")
@@ -160,6 +163,9 @@ def full_goblet(lab):
         result = lab.run(f"full_goblet/{name.replace(' ', '_')}", "validation/full_goblet",
                          {**settings, "water.spacing": str(spacing), "nozzle.max_particles": str(amount)},
                          export=True, pictures=not settings)
+        runs.append((name, amount, result))
+    rows, charts = [], []
+    for name, amount, result in runs:
         last = result.series[-1]
         removed = sum(part["particles_removed"] for part in last["nodes"].values() if part["type"] == "Sink")
         positions = exported(result.folder, -1).positions
@@ -170,8 +176,7 @@ def full_goblet(lab):
                  Row(f"particles outside of the bowl's outer surface, {name}", int((r > wall).sum()), below=0.5),
                  Row(f"greatest height of water, {name}", float(y.max()), "m", note="the rim is at 0.382 m")]
         charts.append((name, [f["time"] for f in result.series], [f["particles"] for f in result.series], "-"))
-        if not settings:
-            picture = result.picture(10 ** 6)
+    picture = runs[0][2].picture(10 ** 6)
     return Outcome(rows, (Chart("Particles in the goblet", "time (s)", "particles", tuple(charts)),), picture)
 
 
@@ -205,20 +210,19 @@ def momentum(lab):
     figure = figures.find(["fig4"])[0]
     scene = scenes.read(SCENES / "paper" / figure.scene)
     common = {**scenes.scaled(scene, figure.scaling, scale, figure.lengths), "world.duration": "1"}
+    runs = [(run, iterations, lab.run(f"momentum/{run.name}_{iterations}", f"paper/{figure.scene.removesuffix('.json')}",
+                                      {**common, **run.settings, "water.solver.iterations": str(iterations)}))
+            for run in figure.runs if run.name.startswith("free_") for iterations in (3, 50)]
     rows, curves, last = [], [], {}
-    for run in figure.runs:
-        if not run.name.startswith("free_"):
-            continue
-        for iterations in (3, 50):
-            series = lab.run(f"momentum/{run.name}_{iterations}", f"paper/{figure.scene.removesuffix('.json')}",
-                             {**common, **run.settings, "water.solver.iterations": str(iterations)}).series
-            times, speeds = quantities.over_time(series[1:], quantities.mean_velocity)
-            label = f"{run.title.split(',')[0]}, {iterations} iterations"
-            last[run.name, iterations] = speeds[-1]
-            inner = math.sqrt(2 * quantities.kinetic(quantities.fluid(series[1])))
-            rows.append(Row(f"speed of the centre of mass, {label}", speeds[-1], "m/s",
-                            note=f"particles: {inner:.3g} m/s"))
-            curves.append((label, times, speeds, "-"))
+    for run, iterations, result in runs:
+        series = result.series
+        times, speeds = quantities.over_time(series[1:], quantities.mean_velocity)
+        label = f"{run.title.split(',')[0]}, {iterations} iterations"
+        last[run.name, iterations] = speeds[-1]
+        inner = math.sqrt(2 * quantities.kinetic(quantities.fluid(series[1])))
+        rows.append(Row(f"speed of the centre of mass, {label}", speeds[-1], "m/s",
+                        note=f"particles: {inner:.3g} m/s"))
+        curves.append((label, times, speeds, "-"))
     rows.append(Row("Eq. 14 over Eq. 12, 50 iterations", last["free_eq14", 50] / last["free_eq12", 50], below=0.1))
     return Outcome(rows, (Chart("Momentum of a free blob", "time (s)", "speed of the centre of mass (m/s)",
                                 tuple(curves)),))

@@ -2,6 +2,8 @@
 
 import shutil
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,12 +80,24 @@ def exported(folder, frame):
         return Particles(root["Points"][part].astype(float), root["PointData/velocity"][part].astype(float))
 
 
-class Lab:
-    """Runs of all checks. With `reuse`, results of the very same command are taken where they are there already: they
-    may be another build's."""
+class Pending:
+    """A result of a run that may not have ended: what it is asked for waits for it, and raises what the run raised."""
 
-    def __init__(self, weir, out, device, threads, full, say, reuse=False):
+    def __init__(self, future):
+        self._future = future
+
+    def __getattr__(self, name):
+        return getattr(self._future.result(), name)
+
+
+class Lab:
+    """Runs of all checks, so many `jobs` at a time, first come, first served. With `reuse`, results of the very same
+    command are taken where they are there already: they may be another build's."""
+
+    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1):
         self.reuse = reuse
+        self._pool = ThreadPoolExecutor(jobs)
+        self._lock = threading.Lock()  # of what runs leave here
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
         self.full, self._say = full, say
         self.seconds = 0.0  # of simulation, those of runs that were there already too
@@ -93,17 +107,28 @@ class Lab:
         """What to take at this scale."""
         return full if self.full else quick
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._pool.shutdown(cancel_futures=True)
+
     def run(self, name, scene, settings=None, **options):
-        """The results of a scene in resources/scenes, with settings for --set."""
+        """The results of a scene in resources/scenes, with settings for --set, once they are there: checks start all of
+        their runs before they look at the first."""
+        return Pending(self._pool.submit(self._run, name, scene, settings, options))
+
+    def _run(self, name, scene, settings, options):
         options.setdefault("pictures", False)
         if not self.reuse:
             shutil.rmtree(self.out / name, ignore_errors=True)
         result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
                                       threads=self.threads, **options)
-        if result.stats:
-            self.seconds += result.stats["wall_seconds"]
-            self.machine = result.stats["device"]["description"]
-        self._say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
+        with self._lock:
+            if result.stats:
+                self.seconds += result.stats["wall_seconds"]
+                self.machine = result.stats["device"]["description"]
+            self._say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
         return result
 
 

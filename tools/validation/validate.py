@@ -5,6 +5,7 @@ import math
 import shlex
 import shutil
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
@@ -60,6 +61,8 @@ def arguments(argv):
     parser.add_argument("--reuse", action="store_true",
                         help="do not repeat runs that are there already, maybe by another build")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N",
+                        help="run so many simulations at a time, with --threads of a part of the cores each")
     parser.add_argument("--docs", action="store_true",
                         help="write the table and the pictures into docs/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
@@ -70,6 +73,8 @@ def arguments(argv):
         parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
     if wanted and parsed.docs:
         parser.error("--docs: the page shows all checks, so --only cannot be given with it")
+    if parsed.jobs < 1:
+        parser.error(f"--jobs: {parsed.jobs} is not allowed; at least 1")
     parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
     return parsed
 
@@ -115,14 +120,16 @@ def main(argv):
     def say(text):
         print(text, file=sys.stderr, flush=True)
 
-    lab = Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse)
     done = []
-    for check in options.checks:
-        say(check.title)
-        outcome = outcome_of(check, lab)
-        for row in outcome.rows:
-            say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
-        done.append((check, outcome, pictures_of(check, outcome, out)))
+    with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
+            Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse,
+                options.jobs) as lab:  # left first: the checks of a run that failed wait for no others
+        outcomes = [checking.submit(outcome_of, check, lab) for check in options.checks]
+        for check, outcome in zip(options.checks, outcomes):
+            say(check.title)
+            for row in outcome.result().rows:
+                say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
+            done.append((check, outcome.result(), pictures_of(check, outcome.result(), out)))
     command = shlex.join(["./dev", "validate", *argv[2:]])
     results = report.markdown(done, command, lab.machine, lab.seconds)
     (out / "README.md").write_text("# Validation\n\n" + results, encoding="utf-8")

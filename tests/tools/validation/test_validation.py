@@ -129,13 +129,38 @@ class Checks(unittest.TestCase):
             left = Path(folder) / "out" / "drop/1" / "left"
             left.touch()
             lab.reuse = True
-            lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True)
+            self.assertTrue(lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True).stats)
             self.assertTrue(left.exists())
             self.assertEqual(lab.seconds, 4)  # found again, and counted
             lab.reuse = False
-            lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True)
+            self.assertTrue(lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True).stats)
             self.assertFalse(left.exists())
             self.assertEqual(lab.machine, "none")
+
+
+    def test_runs_are_made_at_once_and_waited_for_where_they_are_looked_at(self):
+        with tempfile.TemporaryDirectory() as folder:
+            stand_in = Path(folder) / "weir"  # it ends once the others have begun, too
+            stand_in.write_text(
+                f"#!{sys.executable}\nimport json, os, sys, time\na = sys.argv\nstats = a[a.index('--stats') + 1]\n"
+                f"open({folder!r} + '/' + str(os.getpid()) + '.begun', 'w')\n"
+                f"until = time.monotonic() + 20\n"
+                f"while sum(n.endswith('.begun') for n in os.listdir({folder!r})) < 3 and time.monotonic() < until:\n"
+                "    time.sleep(0.01)\n"
+                "open(stats, 'w').write(json.dumps({'device': {'description': 'none'}, 'wall_seconds': 2,\n"
+                "                                   'late': time.monotonic() > until}))\n")
+            stand_in.chmod(0o755)
+            with Lab(stand_in, Path(folder) / "out", "cpu", 1, False, lambda text: None, jobs=3) as lab:
+                results = [lab.run(f"drop/{k}", "validation/drop") for k in range(3)]
+                self.assertEqual([result.stats["late"] for result in results], [False] * 3)
+                self.assertEqual(lab.seconds, 6)
+
+    def test_a_run_that_cannot_be_made_fails_where_it_is_looked_at(self):
+        with tempfile.TemporaryDirectory() as folder, \
+                Lab(Path("/bin/false"), folder, "cpu", 1, False, lambda text: None) as lab:
+            result = lab.run("drop/1", "validation/drop")
+            with self.assertRaises(program.RunFailed):
+                result.series  # noqa: B018
 
 
 class Reports(unittest.TestCase):
