@@ -25,12 +25,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <future>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/compute/cpu_threads.h"
@@ -167,65 +171,133 @@ void printColumns(const std::vector<double>& ratios) {
   }
 }
 
-struct Walls {
-  double offset = 0, error = 0;  // spacings: of several fillings, the mean and its standard error
+/// A mean over fillings, and its standard error.
+struct Measured {
+  explicit Measured(const std::vector<double>& values) {
+    double squares = 0;
+    for (const double v : values) mean += v / double(values.size());
+    for (const double v : values) squares += (v - mean) * (v - mean);
+    error = std::sqrt(squares / double(values.size() * (values.size() - 1)));
+  }
+  double mean = 0, error = 0;
 };
 
-/// How much too far away walls hold water, from all calibration tanks filled a few times, on so many threads.
-Walls restInTanks(const test::TankWater& water, int threads) {
-  constexpr int kFillings = 3;
-  const std::vector<test::Tank> tanks = test::calibrationTanks();
-  std::vector<double> heights(kFillings * tanks.size());
-  std::atomic<std::size_t> next{0};
-  std::vector<std::future<void>> workers;
-  for (int k = 0; k < threads; ++k)
-    workers.push_back(std::async(std::launch::async, [&] {
-      CpuDevice device(1);
-      for (std::size_t i = next++; i < heights.size(); i = next++) {
-        test::TankWater filled = water;
-        filled.seed = 1 + static_cast<std::int64_t>(i / tanks.size());
-        heights[i] = test::restingHeight(device, tanks[i % tanks.size()], filled);
-      }
-    }));
-  for (std::future<void>& worker : workers) worker.get();
-  Walls walls;
-  double squares = 0;
-  for (int filling = 0; filling < kFillings; ++filling) {
-    const auto first = heights.begin() + static_cast<std::ptrdiff_t>(tanks.size()) * filling;
-    const double offset = test::wallOffset(tanks, {first, first + static_cast<std::ptrdiff_t>(tanks.size())});
-    walls.offset += offset / kFillings;
-    squares += offset * offset / kFillings;
+/// All calibration tanks, filled a few times, as they rest.
+class Tanks {
+ public:
+  Tanks(double supportRatio, bool mesh, int threads)
+      : tanks_(test::calibrationTanks()),
+        water_(kFillings * tanks_.size()),
+        ratio_(supportRatio),
+        threads_(threads) {
+    each("rests", [&](Water& water, const test::Tank& tank, std::size_t filling) {
+      const auto seed = static_cast<std::int64_t>(filling) + 1;
+      water.tank.emplace(water.device, tank,
+                         test::TankWater{.supportRatio = supportRatio, .mesh = mesh, .seed = seed});
+    });
   }
-  walls.error = std::sqrt(std::max(0.0, squares - walls.offset * walls.offset) / (kFillings - 1));
-  return walls;
-}
+
+  void settle(double seconds, std::optional<double> wallFactor = {}) {
+    const std::string done =
+        wallFactor ? fmt::format("has settled with a = {:.3f}", *wallFactor) : "has settled";
+    each(done,
+         [&](Water& water, const test::Tank&, std::size_t) { water.tank->settle(seconds, wallFactor); });
+  }
+
+  /// How much too far away walls hold the water of each filling, in spacings.
+  std::vector<double> offsets() const {
+    std::vector<double> result;
+    for (std::size_t filling = 0; filling < kFillings; ++filling) {
+      std::vector<double> heights;
+      for (std::size_t k = 0; k < tanks_.size(); ++k)
+        heights.push_back(water_[k * kFillings + filling].tank->height());
+      result.push_back(test::wallOffset(tanks_, heights));
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kFillings = 3;
+  struct Water {
+    CpuDevice device{1};
+    std::optional<test::RestingTank> tank;
+  };
+
+  /// Does it to all of them on some threads, and tells on stderr how far that is.
+  void each(const std::string& what, const std::function<void(Water&, const test::Tank&, std::size_t)>& act) {
+    std::atomic<std::size_t> next{0}, done{0};
+    const auto began = std::chrono::steady_clock::now();
+    std::vector<std::future<void>> workers;
+    for (int k = 0; k < threads_; ++k)
+      workers.push_back(std::async(std::launch::async, [&] {
+        for (std::size_t i = next++; i < water_.size(); i = next++) {
+          const std::size_t at = water_.size() - 1 - i;  // the large ones, which take longest, first
+          const test::Tank& tank = tanks_[at / kFillings];
+          act(water_[at], tank, at % kFillings);
+          const double seconds =
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+          fmt::print(stderr, "{}d: {} of {}, water of {} x {} {}, after {:.0f} s\n", ratio_, ++done,
+                     water_.size(), tank.width, tank.height, what, seconds);
+        }
+      }));
+    for (std::future<void>& worker : workers) worker.get();
+  }
+
+  std::vector<test::Tank> tanks_;
+  std::vector<Water> water_;  // [tank][filling]
+  double ratio_;
+  int threads_;
+};
+
+/// Water that its region no longer holds moves a little, and is at rest again after this.
+/// by.
+constexpr double kSettling = 0.3;  // s
 
 void printContact(int threads, const std::vector<double>& ratios) {
-  fmt::print("| support ratio | contact | error |\n|---:|---:|---:|\n");
+  fmt::print(
+      "| support ratio | contact, at rest | error | settled | error | table "
+      "|\n|---:|---:|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
-    const Walls walls = restInTanks({.supportRatio = ratio}, threads);
-    fmt::print("| {} | {:.3f} | {:.3f} |\n", ratio, contactRatio(ratio, Calibration::kPacking) - walls.offset,
-               walls.error);
+    Tanks tanks(ratio, false, threads);
+    const double now = contactRatio(ratio, Calibration::kPacking);
+    const Measured rest(tanks.offsets());
+    tanks.settle(kSettling);
+    const Measured settled(tanks.offsets());
+    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n", ratio, now - rest.mean, rest.error,
+               now - settled.mean, settled.error, now);
     std::fflush(stdout);
   }
 }
 
 void printFactors(int threads, const std::vector<double>& ratios) {
-  constexpr double kLow = 1.0, kHigh = 1.3;
-  constexpr double kCalming = 0.3;  // to rest with the factor that it is given then
-  fmt::print(
-      "| support ratio | missing at walls, a = {} | a = {} | a | error |\n|---:|---:|---:|---:|---:|\n", kLow,
-      kHigh);
+  constexpr double kFirstStep = -0.1;
+  constexpr int kMost = 4;
+  constexpr double kEnough = 1e-3;  // spacings
+  fmt::print("| support ratio | a | missing at walls | error |\n|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
-    const auto with = [&](double a) {
-      return restInTanks({.supportRatio = ratio, .mesh = true, .wallFactor = a, .seconds = kCalming},
-                         threads);
+    Tanks tanks(ratio, true, threads);
+    const auto missing = [&](double a) {
+      tanks.settle(kSettling, a);
+      const Measured offset(tanks.offsets());
+      fmt::print("| {} | {:.3f} | {:+.4f} | {:.4f} |\n", ratio, a, offset.mean, offset.error);
+      std::fflush(stdout);
+      return offset;
     };
-    const Walls low = with(kLow), high = with(kHigh);
-    const double slope = (high.offset - low.offset) / (kHigh - kLow);
-    fmt::print("| {} | {:+.4f} | {:+.4f} | {:.3f} | {:.3f} |\n", ratio, low.offset, high.offset,
-               kLow - low.offset / slope, std::hypot(low.error, high.error) / std::abs(slope));
-    std::fflush(stdout);
+    // Secants, from the factor of the table on.
+    double before = wallKernel(ratio, Calibration::kPacking).factor, a = before + kFirstStep;
+    const double table = before;
+    double offsetBefore = missing(before).mean;
+    for (int k = 1;; ++k) {
+      const Measured offset = missing(a);
+      const double slope = (offset.mean - offsetBefore) / (a - before);
+      before = std::exchange(a, a - offset.mean / slope);
+      offsetBefore = offset.mean;
+      if (std::abs(offset.mean) > kEnough && k < kMost) continue;
+      fmt::print("{}d: a = {:.3f} with an error of {:.3f}, in the table {:.3f}\n", ratio, a,
+                 offset.error / std::abs(slope), table);
+      std::fflush(stdout);
+      break;
+    }
   }
 }
 
@@ -249,7 +321,7 @@ int main(int count, char** arguments) {
   } else if (!words.empty() && words[0] == "contact") {
     weir::printContact(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
   } else if (!words.empty() && words[0] == "factor") {
-    weir::printFactors(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
+    weir::printFactors(number(1, 4), ratios(2, {1.5, 2.0, 2.4}));
   } else {
     fmt::print(stderr,
                "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | contact [THREADS "

@@ -18,6 +18,12 @@
 #include <vector>
 
 #include "framework/compute/device.h"
+#include "framework/graph/registry.h"
+#include "framework/graph/scene_graph.h"
+
+namespace weir {
+class ParticleFluid;
+}
 
 namespace weir::test {
 
@@ -30,14 +36,31 @@ std::vector<Tank> calibrationTanks();
 
 struct TankWater {
   double supportRatio = 1.5;
-  bool mesh = false;                 ///< walls of SemiAnalyticalSFI, else of StaticBoundary
-  std::optional<double> wallFactor;  ///< a, in place of the one that the fluid has; then give it seconds
-  double seconds = 0;                ///< after it has been brought to rest
+  bool mesh = false;  ///< walls of SemiAnalyticalSFI, else of StaticBoundary
   std::int64_t seed = 1;
 };
 
-/// The height of water at rest in a tank over that of its volume.
-double restingHeight(Device& device, const Tank& tank, const TankWater& water);
+/// Water in a tank, brought to rest.
+class RestingTank {
+ public:
+  RestingTank(Device& device, const Tank& tank, const TankWater& water);
+
+  /// Twice the height of the centre of mass over the height of the water's volume.
+  double height() const;
+
+  /// Lets the water move for so many seconds, with nothing but walls and gravity to hold it. With a factor a,
+  /// walls of a mesh push with that one from now on.
+  void settle(double seconds, std::optional<double> wallFactor = {});
+
+ private:
+  Device& device_;
+  Tank tank_;
+  Log log_;
+  Registry registry_;
+  SceneGraph graph_;
+  ParticleFluid* fluid_;
+  std::int64_t steps_ = 0;
+};
 
 /// o, spacings, by which walls hold water too far away. heights[k] is that in tanks[k].
 double wallOffset(const std::vector<Tank>& tanks, const std::vector<double>& heights);

@@ -30,7 +30,7 @@ TEST(WallCalibration, SignedDistanceWallsLeaveWaterItsVolume) {
   CpuDevice device(0);
   const std::vector<Tank> tanks = {{8, 8}, {12, 12}};
   std::vector<double> heights;
-  for (const Tank& tank : tanks) heights.push_back(restingHeight(device, tank, {.supportRatio = 2}));
+  for (const Tank& tank : tanks) heights.push_back(RestingTank(device, tank, {.supportRatio = 2}).height());
   EXPECT_NEAR(wallOffset(tanks, heights), 0, kFillings);
   EXPECT_GT(contactRatio(2, Calibration::kPacking), 0.5 + 2 * kFillings);  // so that d/2 would not pass
 }
@@ -38,8 +38,8 @@ TEST(WallCalibration, SignedDistanceWallsLeaveWaterItsVolume) {
 TEST(WallCalibration, SemiAnalyticWallsLeaveWaterItsVolume) {
   CpuDevice device(0);
   const std::vector<Tank> tanks = {{8, 8}};
-  EXPECT_NEAR(wallOffset(tanks, {restingHeight(device, tanks[0], {.supportRatio = 2, .mesh = true})}), 0,
-              kFillings);
+  const RestingTank tank(device, tanks[0], {.supportRatio = 2, .mesh = true});
+  EXPECT_NEAR(wallOffset(tanks, {tank.height()}), 0, kFillings);
 }
 
 /// λ of a body-centred lattice with so many particles per d³.
