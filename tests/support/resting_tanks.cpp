@@ -29,7 +29,7 @@ Value corner(double x, double y, double z) {
 }  // namespace
 
 std::vector<Tank> calibrationTanks() {
-  return {{8, 8}, {8, 16}, {16, 8}, {12, 12}, {16, 16}, {20, 20}};
+  return {{8, 8}, {8, 16}, {16, 8}, {12, 12}, {16, 16}};
 }
 
 RestingTank::RestingTank(Device& device, const Tank& tank, const TankWater& water)

@@ -25,6 +25,7 @@ class Check:
     key: str
     title: str
     run: Callable
+    long: bool = False  # among those that take most of the time: begun first where several run at a time
 
     @property
     def about(self):
@@ -35,13 +36,13 @@ CHECKS = [
     Check("settled_volume", "Settled volume", at_rest.settled_volume),
     Check("block_at_rest", "A block at rest", at_rest.block_at_rest),
     Check("wall_force", "Hydrostatic pressure", at_rest.wall_force),
-    Check("held_sphere", "Buoyancy", at_rest.held_sphere),
+    Check("held_sphere", "Buoyancy", at_rest.held_sphere, long=True),
     Check("moving_tank", "A tank that moves", at_rest.moving_tank),
     Check("sloshing", "Energy", at_rest.sloshing),
     Check("rotating_tank", "A tank that turns", in_motion.rotating_tank),
-    Check("efflux", "Efflux from a hole", in_motion.efflux),
+    Check("efflux", "Efflux from a hole", in_motion.efflux, long=True),
     Check("dam_front", "The front of a dam break", in_motion.dam_front),
-    Check("full_goblet", "A full goblet", in_motion.full_goblet),
+    Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("drop", "A drop", in_motion.drop),
     Check("momentum", "Momentum", in_motion.momentum),
 ]
@@ -124,12 +125,14 @@ def main(argv):
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse,
                 options.jobs) as lab:  # left first: the checks of a run that failed wait for no others
-        outcomes = [checking.submit(outcome_of, check, lab) for check in options.checks]
-        for check, outcome in zip(options.checks, outcomes):
+        begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
+        outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
+        for check in options.checks:
             say(check.title)
-            for row in outcome.result().rows:
+            outcome = outcomes[check.key].result()
+            for row in outcome.rows:
                 say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
-            done.append((check, outcome.result(), pictures_of(check, outcome.result(), out)))
+            done.append((check, outcome, pictures_of(check, outcome, out)))
     command = shlex.join(["./dev", "validate", *argv[2:]])
     results = report.markdown(done, command, lab.machine, lab.seconds)
     (out / "README.md").write_text("# Validation\n\n" + results, encoding="utf-8")
