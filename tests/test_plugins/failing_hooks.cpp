@@ -6,7 +6,7 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/checkpoint.h"
 #include "framework/run/output_kind.h"
-#include "framework/run/recording.h"
+#include "nodes/particle_file/recording.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
