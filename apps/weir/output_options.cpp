@@ -30,7 +30,7 @@ void TakenPaths::addOutput(const OutputOption& option, const std::string& path) 
 
 OutputOptions::OutputOptions(CLI::App& command, Program& program, bool replaysOnly) {
   for (auto& [name, kind, source] : program.registry().createServices<OutputKind>()) {
-    if (replaysOnly && !kind->showsReplays()) continue;
+    if (replaysOnly && !showsReplays(*kind, name, source)) continue;
     Output output{
         .name = name, .source = source, .kind = {}, .options = optionsOf(*kind, name, source), .paths = {}};
     output.paths.resize(output.options.size());
@@ -63,7 +63,7 @@ std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
     OutputPaths paths;
     for (std::size_t i = 0; i < output.options.size(); ++i)
       if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty()) 
+    if (!paths.empty())
       observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
   }
   return observers;

@@ -9,6 +9,7 @@
 #include "apps/weir/replay.h"
 #include "apps/weir/shown_run.h"
 #include "framework/base/text.h"
+#include "nodes/particle_file/guarded_recording.h"
 
 namespace weir::app {
 
@@ -82,7 +83,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
 std::unique_ptr<Recording> RenderCommand::openRecording() const {
   std::vector<std::string> endings;
   const std::string ending = lowerCase(fs::path(file_).extension().string());
-  for (auto& [name, reader, source] : program_.registry().createServices<RecordingReader>())
+  for (const auto& reader : guardedRecordingReaders(program_.registry()))
     for (const std::string& known : reader->extensions()) {
       if (known == ending) return reader->open(file_);
       endings.push_back(known);

@@ -7,6 +7,7 @@
 #include "apps/weir/shown_run.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/run/guarded_checkpoint.h"
 #include "framework/run/output_paths.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
@@ -122,7 +123,7 @@ void RunCommand::checkOutputPaths() const {
                          const std::string& path) {
     taken.addOutput({.name = name, .argument = "", .extensions = endings, .doc = ""}, path);
   };
-  check("checkpoint", {".h5"}, checkpoint_);
+  check("checkpoint", checkpointEndings(), checkpoint_);
   check("stats", {".json"}, stats_);
   check("series", {".jsonl", ".csv"}, series_);
 }
@@ -134,10 +135,18 @@ std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
   return observers;
 }
 
+std::vector<std::string> RunCommand::checkpointEndings() const {
+  std::vector<std::string> endings;
+  if (checkpoint_.empty()) return endings;
+  for (const auto& store : guardedCheckpointStores(program_.registry()))
+    endings.emplace_back(store->extension());
+  return endings;
+}
+
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
   std::vector<std::string> endings;
-  for (auto& [name, store, source] : program_.registry().createServices<CheckpointStore>()) {
+  for (auto& store : guardedCheckpointStores(program_.registry())) {
     endings.emplace_back(store->extension());
     if (fs::path(path).extension() == store->extension()) return std::move(store);
   }

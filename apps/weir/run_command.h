@@ -27,6 +27,8 @@ class RunCommand {
   std::vector<Override> overrides() const;
   std::vector<std::unique_ptr<Observer>> makeObservers() const;
   void checkOutputPaths() const;
+  /// What names of checkpoints may end in; asked for only if one is to be made.
+  std::vector<std::string> checkpointEndings() const;
   std::unique_ptr<CheckpointStore> checkpointStore(const std::string& option, const std::string& path) const;
   std::optional<Checkpoints> makeCheckpoints() const;
   /// What --resume names, if it belongs to the simulation.

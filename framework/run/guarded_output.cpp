@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "framework/base/check.h"
 #include "framework/base/text.h"
 #include "framework/graph/guard.h"
 
@@ -72,10 +73,19 @@ std::vector<OutputOption> optionsOf(const OutputKind& kind, const std::string& n
   return options;
 }
 
+bool showsReplays(const OutputKind& kind, const std::string& name, const std::string& source) {
+  bool shows = false;
+  callOutput(name, source, "showsReplays", [&] { shows = kind.showsReplays(); });
+  return shows;
+}
+
 std::unique_ptr<Observer> makeGuardedObserver(const OutputKind& kind, const std::string& name,
                                               const std::string& source, const OutputPaths& paths) {
   std::unique_ptr<Observer> observer;
-  callOutput(name, source, "create", [&] { observer = kind.create(paths); });
+  callOutput(name, source, "create", [&] {
+    observer = kind.create(paths);
+    WEIR_CHECK(observer != nullptr);
+  });
   return std::make_unique<GuardedObserver>(std::move(observer), name, source);
 }
 

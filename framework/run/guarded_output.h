@@ -12,6 +12,9 @@ namespace weir {
 std::vector<OutputOption> optionsOf(const OutputKind& kind, const std::string& name,
                                     const std::string& source);
 
+/// Whether it takes part in `weir render`.
+bool showsReplays(const OutputKind& kind, const std::string& name, const std::string& source);
+
 /// Its observer for these paths, each of whose functions is guarded. An Error that names a file passes as it
 /// is: it says enough.
 std::unique_ptr<Observer> makeGuardedObserver(const OutputKind& kind, const std::string& name,

@@ -1,6 +1,6 @@
 """What a module in Python costs beside its own kernel: prints one line a measurement, and fails beyond a bound.
 
-    PYTHONPATH=build/cpu/python python3 tests/benchmarks/python_module.py [--spacing 0.01] [--rounds 12] [--threads N] [--clock cpu]
+    PYTHONPATH=build/cpu/python .deps/python/bin/python tests/benchmarks/python_module.py [--spacing 0.01] [--rounds 12] [--threads N] [--clock cpu]
 
 Three simulations of one scene, 100,000 particles at rest in a tank, are advanced in turns: one as it is, one with a
 module in Python, and one with a callback after each step. The module reads positions, writes velocities and an

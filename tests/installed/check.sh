@@ -89,6 +89,29 @@ fails_with 5 "headers 0123456789abcdef" "$weir/bin/weir" nodes --plugin "$folder
 "$weir/bin/weir" nodes MyForcePull --plugin "$folder/right.so" >/dev/null
 cp "$folder/digest.h" "$digest"
 
+say "A plugin that writes behind its array is found by the address sanitizer"
+mkdir "$folder/bounds"
+cp "$source/tests/test_plugins/out_of_bounds.cpp" "$folder/bounds/"
+cat >"$folder/bounds/CMakeLists.txt" <<'TEXT'
+cmake_minimum_required(VERSION 3.24...3.31)
+project(out_of_bounds LANGUAGES C CXX)
+find_package(Weir CONFIG REQUIRED)
+weir_add_plugin(out_of_bounds)
+enable_testing()
+TEXT
+cat >"$folder/bounds/scene.json" <<'TEXT'
+{ "weir": 1, "nodes": {
+    "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.1, 0.1, 0.1] } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+               "modules": { "wrong": { "type": "OutOfBounds", "before": "predict" } } } },
+  "links": [ "drop.particles -> water.initial" ] }
+TEXT
+build_and_test "$folder/bounds" -DWEIR_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=address
+fails_with 1 "heap-buffer-overflow" env LD_PRELOAD="$("${CXX:-g++}" -print-file-name=libasan.so)" \
+  ASAN_OPTIONS=detect_leaks=0 "$weir/bin/weir" run "$folder/bounds/scene.json" --device cpu --frames 1 --quiet \
+  --plugin "$folder/bounds/build/plugins/weir_out_of_bounds.so"
+grep -q "out_of_bounds.cpp" "$folder/err" || fail "the sanitizer does not name the place"
+
 say "The examples"
 cp -r "$source/examples/plugins" "$folder/examples"
 build_and_test "$folder/examples"

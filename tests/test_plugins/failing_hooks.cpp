@@ -1,9 +1,12 @@
 // Types that fail where they are told to, as a plugin with mistakes would.
+#include <fstream>
 #include <stdexcept>
 
 #include "framework/base/check.h"
 #include "framework/graph/plugin.h"
+#include "framework/run/checkpoint.h"
 #include "framework/run/output_kind.h"
+#include "nodes/particle_file/recording.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
@@ -114,6 +117,54 @@ class FailingOutput final : public OutputKind {
   }
 };
 
+/// Fails in the function that the file is called after: "write.failing".
+class FailingStore final : public CheckpointStore {
+ public:
+  std::string_view extension() const override { return ".failing"; }
+  void write(const std::filesystem::path& file, const Checkpoint&) const override {
+    failIf(file.filename().string().starts_with("write."), "write");
+    std::ofstream(file) << "nothing";
+  }
+  Checkpoint read(const std::filesystem::path&) const override {
+    failIf(true, "read");
+    return {};
+  }
+};
+
+/// The same.
+class FailingRecording final : public Recording {
+ public:
+  explicit FailingRecording(std::string hook) : hook_(std::move(hook)) {}
+  const std::vector<double>& times() const override {
+    failIf(hook_ == "times", "times");
+    return times_;
+  }
+  const std::vector<std::string>& fluids() const override {
+    failIf(hook_ == "fluids", "fluids");
+    return fluids_;
+  }
+  std::vector<RecordedFluid> read(std::size_t) const override {
+    failIf(hook_ == "read", "read");
+    return std::vector<RecordedFluid>(1);
+  }
+
+ private:
+  std::string hook_;
+  std::vector<double> times_ = {0, 0.1};
+  std::vector<std::string> fluids_ = {"water"};
+};
+
+class FailingReader final : public RecordingReader {
+ public:
+  std::vector<std::string> extensions() const override { return {".failing"}; }
+  std::unique_ptr<Recording> open(const std::filesystem::path& file) const override {
+    const std::string hook = file.stem();
+    failIf(hook == "open", "open");
+    if (hook == "nothing") return nullptr;
+    return std::make_unique<FailingRecording>(hook);
+  }
+};
+
 }  // namespace
 
 WEIR_PLUGIN("failing_hooks", "Fails where it is told to.", registry) {
@@ -122,4 +173,6 @@ WEIR_PLUGIN("failing_hooks", "Fails where it is told to.", registry) {
   registry.addModule<FailingModule>();
   registry.addSection<FailingSection>("failing", "Fails where it is told to.");
   registry.addService<OutputKind>("failing", [] { return std::make_unique<FailingOutput>(); });
+  registry.addService<CheckpointStore>("failing", [] { return std::make_unique<FailingStore>(); });
+  registry.addService<RecordingReader>("failing", [] { return std::make_unique<FailingReader>(); });
 }

@@ -242,6 +242,39 @@ INSTANTIATE_TEST_SUITE_P(All, FailingOutput,
                                          "end"),
                          [](const auto& tested) { return std::string(tested.param); });
 
+TEST(Plugins, CheckpointsThatFailNameTheirPlugin) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("s.json", failingScene("", ""));
+  const std::string plugin = testPlugin("failing_hooks"), stats = folder / "stats.json";
+  ChildResult result = runWeir({"run", scene, "--plugin", plugin, "--stats", stats, "--checkpoint",
+                                folder / "write.failing", "--checkpoint-every", "2"});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "checkpoints 'failing', write (plugin failing_hooks): ");
+  EXPECT_CONTAINS(result.err, "mistake in write");
+  EXPECT_CONTAINS(readFile(stats), "failed");
+  result = runWeir(
+      {"run", scene, "--plugin", plugin, "--checkpoint", folder / "read.failing", "--checkpoint-every", "2"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  result = runWeir({"run", scene, "--plugin", plugin, "--resume", folder / "read.failing"});
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_CONTAINS(result.err, "checkpoints 'failing', read (plugin failing_hooks): ");
+}
+
+TEST(Plugins, RecordingsThatFailNameTheirPlugin) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("s.json", failingScene("", ""));
+  for (const auto& [file, hook] :
+       {std::pair{"open", "open"}, std::pair{"nothing", "open"}, std::pair{"times", "times"},
+        std::pair{"fluids", "fluids"}, std::pair{"read", "read"}}) {
+    const ChildResult result =
+        runWeir({"render", folder.write(std::string(file) + ".failing", ""), "--scene", scene, "--plugin",
+                 testPlugin("failing_hooks"), "--images", folder / file});
+    EXPECT_EQ(result.code, 4) << result.err;
+    EXPECT_CONTAINS(result.err,
+                    std::string("recording reader 'failing', ") + hook + " (plugin failing_hooks): ");
+  }
+}
+
 TEST(Plugins, ATypeThatCannotBeMadeNamesItsPlugin) {
   const TemporaryFolder folder;
   const std::string scene =
