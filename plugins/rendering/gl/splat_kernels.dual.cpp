@@ -11,7 +11,7 @@ namespace weir::rendering::gl {
 
 namespace {
 
-constexpr std::uint64_t kNobody = ~std::uint64_t{0};
+constexpr std::uint64_t kNobody = std::uint64_t{kOneBits} << 32 | kNoSphere;
 
 struct OfferDepths {
   ArrayView<const SplatSphere> spheres;
@@ -36,8 +36,7 @@ struct OfferDepths {
     const float front = kNearer * (along - radius);
     const std::uint64_t best =
         std::uint64_t{bitsOf(camera.depthAt(front > camera.near ? front : camera.near))} << 32;
-    // The later of two is less.
-    const std::uint64_t number = 0xffffffffu - static_cast<std::uint32_t>(i);
+    const std::uint64_t number = kNoSphere - 1 - static_cast<std::uint32_t>(i);
     for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
       std::uint64_t* line = nearest.data + std::int64_t{row} * camera.width;
       for (int column = x.first; column <= x.last; ++column) {
@@ -80,7 +79,7 @@ struct WriteTexels {
       out.depth[k] = 1;
       return;
     }
-    const SplatSphere& sphere = spheres[0xffffffffu - static_cast<std::uint32_t>(seen)];
+    const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
     const Vec3f center = camera.point(sphere.center);
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
     const Hit hit(ray, center, sphere.radius);
@@ -128,11 +127,17 @@ struct OfferShadow {
 }  // namespace
 
 template <class Backend>
+void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                 ArrayView<std::uint64_t> nearest) {
+  const Shares shares(spheres.size);
+  parallelFor(device, "offerDepths", shares.count(), OfferDepths{spheres, shares, camera, nearest});
+}
+
+template <class Backend>
 void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                    ArrayView<std::uint64_t> nearest, const SplatTexels& out) {
   parallelFor(device, "clearNearest", nearest.size, ClearNearest{nearest});
-  const Shares shares(spheres.size);
-  parallelFor(device, "offerDepths", shares.count(), OfferDepths{spheres, shares, camera, nearest});
+  splatDepths(device, spheres, camera, nearest);
   parallelFor(device, "writeTexels", nearest.size, WriteTexels{spheres, camera, nearest, out});
 }
 
@@ -144,6 +149,8 @@ void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const Sp
   parallelFor(device, "offerShadow", shares.count(), OfferShadow{spheres, shares, sun, depthBits});
 }
 
+template void splatDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
+                          ArrayView<std::uint64_t>);
 template void splatGeometry(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
                             ArrayView<std::uint64_t>, const SplatTexels&);
 template void splatShadow(ThisBackend&, ArrayView<const SplatSphere>, const SplatSun&,
