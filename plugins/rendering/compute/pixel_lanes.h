@@ -44,6 +44,9 @@ inline Ints selectInts(const Mask& condition, const Ints& ifTrue, const Ints& if
 inline Mask equal(const Ints& a, int b) {
   return {a == b};
 }
+inline Mask below(const Ints& a, int b) {
+  return {a < b};
+}
 inline Mask either(const Mask& a, const Mask& b) {
   return {a.v | b.v};
 }
@@ -179,6 +182,9 @@ WEIR_HD inline Ints selectInts(Mask condition, Ints ifTrue, Ints ifFalse) {
 }
 WEIR_HD inline Mask equal(Ints a, int b) {
   return a == b;
+}
+WEIR_HD inline Mask below(Ints a, int b) {
+  return a < b;
 }
 WEIR_HD inline Mask either(Mask a, Mask b) {
   return a || b;

@@ -4,6 +4,7 @@
 
 #include "plugins/rendering/compute/pixel_lanes.h"
 #include "plugins/rendering/gl/splat_kernels.h"
+#include "plugins/rendering/gl/splat_shapes.h"
 
 namespace weir::rendering {
 
@@ -59,12 +60,8 @@ struct SeenSamples {
                                                            : camera.moved.z);
     };
     const Numbers3 center{turned(0), turned(1), turned(2)};
-    const Number scale = 1 / dot(ray, ray);
-    const Number middle = dot(ray, center) * scale;
-    const Numbers3 aside = ray * middle - center;
-    const Number rest = radius * radius - dot(aside, aside);
-    const Number distance = middle - sqrtf(positivePart(rest) * scale);
-    return selectAll(level, up, unit(ray * distance - center));
+    const gl::Hit<Number> hit(ray, center, radius);
+    return selectAll(level, up, unit(ray * hit.distance - center));
   }
 
   /// The colours of spheres, as in SplatSphere.

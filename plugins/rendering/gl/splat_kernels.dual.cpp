@@ -3,9 +3,8 @@
 #include <bit>
 #include <cmath>
 
-#include "framework/compute/atomic_min.h"
 #include "framework/compute/parallel.h"
-#include "plugins/rendering/gl/splat_shapes.h"
+#include "plugins/rendering/gl/splat_rows.h"
 
 namespace weir::rendering::gl {
 
@@ -18,9 +17,11 @@ struct OfferDepths {
   Shares shares;
   SplatCamera camera;
   ArrayView<std::uint64_t> nearest;
+  std::int64_t first;  // share
+  FarthestTiles tiles;
 
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
+  WEIR_HD void operator()(std::int64_t later) const {
+    const std::int64_t k = first + later, i = shares.sphere(k);
     if (i >= shares.spheres) return;
     const float radius = spheres[i].radius;
     if (!(radius > 0)) return;
@@ -34,18 +35,36 @@ struct OfferDepths {
     }
     constexpr float kNearer = 0.9999f;  // for rounding
     const float front = kNearer * (along - radius);
-    const std::uint64_t best =
-        std::uint64_t{bitsOf(camera.depthAt(front > camera.near ? front : camera.near))} << 32;
+    const float best = positivePart(camera.depthAt(front > camera.near ? front : camera.near));
+    if (tiles.hide(x, y, best)) return;
+    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts)
+      offerRow(row, x, i, center, radius, best);
+  }
+
+  WEIR_HD void offerRow(int row, const Samples& x, std::int64_t i, const Vec3f& center, float radius,
+                        float best) const {
     const std::uint64_t number = kNoSphere - 1 - static_cast<std::uint32_t>(i);
-    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
-      std::uint64_t* line = nearest.data + std::int64_t{row} * camera.width;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;  // all of it is hidden there
-        const Hit hit(camera.ray(column, row), center, radius);
-        if (hit.rest < 0 || hit.distance < camera.near) continue;
-        atomicMin(line + column, std::uint64_t{bitsOf(camera.depthAt(hit.distance))} << 32 | number);
-      }
+    std::uint64_t* line = nearest.data + std::int64_t{row} * camera.width;
+    const Vec3f straight = camera.ray(0, row);
+    for (int column = x.first; column <= x.last; column += kPixels) {
+      const Number now = depthsOfRow(line, column, camera.width);
+      const Ints columns = intsFrom(column);
+      const Mask open = notSo(now < Number(best)) & below(columns, x.last + 1);
+      if (!any(open)) continue;  // all of it is hidden there
+      const Numbers3 ray{((toNumbers(columns) + 0.5f) * (2.0f / float(camera.width)) - 1) * camera.tangent.x,
+                         straight.y, straight.z};
+      const Hit<Number> hit(ray, allOf(center), radius);
+      const Number depth = positivePart(depthAt(hit.distance));
+      const Mask missed = either(hit.rest < Number(0.0f), hit.distance < Number(camera.near));
+      unsigned offered = bitsOfMask(open & notSo(either(missed, now < depth)));
+      for (int l = 0; offered != 0; ++l, offered >>= 1)
+        if ((offered & 1u) != 0)
+          atomicMin(line + column + l, std::uint64_t{laneOf(bitsOfNumbers(depth), l)} << 32 | number);
     }
+  }
+
+  WEIR_HD Number depthAt(const Number& distance) const {
+    return 0.5f + 0.5f * (camera.projection.w / distance - camera.projection.z);
   }
 };
 
@@ -82,7 +101,7 @@ struct WriteTexels {
     const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
     const Vec3f center = camera.point(sphere.center);
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
-    const Hit hit(ray, center, sphere.radius);
+    const Hit<float> hit(ray, center, sphere.radius);
     out.albedo[k] = sphere.color;
     out.normal[k] = packedNormal((ray * hit.distance - center) / sphere.radius);
     out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
@@ -99,9 +118,11 @@ struct OfferShadow {
   Shares shares;
   SplatSun sun;
   ArrayView<std::uint32_t> depthBits;
+  std::int64_t first;  // share
+  FarthestTiles tiles;
 
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
+  WEIR_HD void operator()(std::int64_t later) const {
+    const std::int64_t k = first + later, i = shares.sphere(k);
     if (i >= shares.spheres || !(spheres[i].radius > 0)) return;
     const Vec3f center = sun.point(spheres[i].center);
     const float radius = spheres[i].radius / sun.halfSize;  // in clip space
@@ -109,16 +130,22 @@ struct OfferShadow {
     const Samples y = Samples::between(center.y - radius, center.y + radius, sun.resolution);
     const float texel = 2.0f / float(sun.resolution);
     const float thick = spheres[i].radius * sun.zToDepth;
-    const std::uint32_t best = bitsOf(0.5f + 0.5f * (center.z - thick));
+    const float best = positivePart(0.5f + 0.5f * (center.z - thick));
+    if (tiles.hide(x, y, best)) return;
     for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
       const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
       std::uint32_t* line = depthBits.data + std::int64_t{row} * sun.resolution;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;
-        const float u = ((float(column) + 0.5f) * texel - 1 - center.x) / radius;
-        const float rest = 1 - (u * u + v * v);
-        if (rest < 0) continue;
-        atomicMin(line + column, bitsOf(0.5f + 0.5f * (center.z - thick * std::sqrt(rest))));
+      for (int column = x.first; column <= x.last; column += kPixels) {
+        const Number now = depthsOfRow(line, column, sun.resolution);
+        const Ints columns = intsFrom(column);
+        const Mask open = notSo(now < Number(best)) & below(columns, x.last + 1);
+        if (!any(open)) continue;
+        const Number u = ((toNumbers(columns) + 0.5f) * texel - 1 - center.x) / radius;
+        const Number rest = 1 - (u * u + v * v);
+        const Number depth = positivePart(0.5f + 0.5f * (center.z - thick * sqrtf(positivePart(rest))));
+        unsigned offered = bitsOfMask(open & (depth < now) & notSo(rest < Number(0.0f)));
+        for (int l = 0; offered != 0; ++l, offered >>= 1)
+          if ((offered & 1u) != 0) atomicMin(line + column + l, laneOf(bitsOfNumbers(depth), l));
       }
     }
   }
@@ -130,7 +157,10 @@ template <class Backend>
 void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                  ArrayView<std::uint64_t> nearest) {
   const Shares shares(spheres.size);
-  parallelFor(device, "offerDepths", shares.count(), OfferDepths{spheres, shares, camera, nearest});
+  offerInRounds(device, "offerDepths", shares, nearest, camera.width,
+                [&](std::int64_t first, const FarthestTiles& tiles) {
+                  return OfferDepths{spheres, shares, camera, nearest, first, tiles};
+                });
 }
 
 template <class Backend>
@@ -146,7 +176,10 @@ void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const Sp
                  ArrayView<std::uint32_t> depthBits) {
   parallelFor(device, "clearShadow", depthBits.size, ClearShadow{depthBits});
   const Shares shares(spheres.size);
-  parallelFor(device, "offerShadow", shares.count(), OfferShadow{spheres, shares, sun, depthBits});
+  offerInRounds(device, "offerShadow", shares, depthBits, sun.resolution,
+                [&](std::int64_t first, const FarthestTiles& tiles) {
+                  return OfferShadow{spheres, shares, sun, depthBits, first, tiles};
+                });
 }
 
 template void splatDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,

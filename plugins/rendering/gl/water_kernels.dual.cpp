@@ -39,7 +39,7 @@ struct OfferWaterDepth {
       std::uint32_t* line = depthBits.data + std::int64_t{row} * camera.width;
       for (int column = x.first; column <= x.last; ++column) {
         if (currentLeast(line + column) < best) continue;  // all of it is hidden there
-        const Hit hit(camera.ray(column, row), center, radius);
+        const Hit<float> hit(camera.ray(column, row), center, radius);
         if (hit.rest < 0 || hit.distance < camera.near) continue;
         atomicMin(line + column, bitsOf(camera.depthAt(hit.distance + inset)));
       }
