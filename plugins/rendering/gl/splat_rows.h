@@ -1,11 +1,9 @@
-// How spheres are splatted fast: several samples of a row at a time, and none where something nearer is known
-// to cover the whole sphere.
+// What kernels that splat spheres know of the depths that are there already: several samples of a row at a
+// time, and the farthest of each square.
 #pragma once
 
-#include <type_traits>
-
+#include "framework/compute/array.h"
 #include "framework/compute/atomic_min.h"
-#include "framework/compute/parallel.h"
 #include "plugins/rendering/compute/pixel_lanes.h"
 #include "plugins/rendering/gl/splat_shapes.h"
 
@@ -79,31 +77,5 @@ struct FindFarthest {
     farthest[tile] = one;
   }
 };
-
-/// Runs `offer(firstShare, tiles)`, a functor for each share, for all shares. On the CPU many spheres come in
-/// three rounds, each four times as large as those before: what a round hides need not be looked at closely
-/// in the next. A GPU hides that work behind its memory.
-template <class Backend, class Least, class Offer>
-void offerInRounds(Backend& device, std::string_view name, const Shares& shares, ArrayView<Least> least,
-                   int width, const Offer& offer) {
-  if (std::is_same_v<Backend, CudaDevice> || shares.parts > 1) {
-    parallelFor(device, name, shares.count(), offer(std::int64_t{0}, FarthestTiles{}));
-    return;
-  }
-  const int height = static_cast<int>(least.size / width);
-  const auto tilesAlong = [](int samples) { return (samples - 1) / FarthestTiles::kSide + 1; };
-  Array<float> farthest(device, std::int64_t{tilesAlong(width)} * tilesAlong(height));
-  FarthestTiles tiles{.perRow = tilesAlong(width)};
-  std::int64_t first = 0;
-  for (const int part : {16, 4, 1}) {
-    const std::int64_t behind = shares.count() / part;
-    parallelFor(device, name, behind - first, offer(first, tiles));
-    first = behind;
-    if (part == 1) break;
-    parallelFor(device, "findFarthest", farthest.size(),
-                FindFarthest<Least>{least.data, width, height, tiles.perRow, farthest.data()});
-    tiles.farthest = static_cast<const Array<float>&>(farthest).view();
-  }
-}
 
 }  // namespace weir::rendering::gl
