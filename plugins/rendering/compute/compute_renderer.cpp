@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kMostSamples = 4;
 
+const int kTilesPerRow = ShadowTiles::perRowOf(gl::ShadowPass::kResolution);
+
 std::vector<float> linearOfBytes() {
   std::vector<float> table;
   for (int i = 0; i < 256; ++i) table.push_back(gl::linear({static_cast<float>(i) / 255, 0, 0, 1}).x);
@@ -79,6 +81,8 @@ ShadedLine shadedLine(const Vec4f* corners, int width, int height) {
   line.along = {(to.x - from.x) / line.length, (to.y - from.y) / line.length};
   line.halfWidth = 0.5f * std::hypot(b.x - a.x, b.y - a.y);
   line.depthStep = (to.z - from.z) / line.length;
+  line.lowest = std::min({a.y, b.y, c.y, d.y});
+  line.highest = std::max({a.y, b.y, c.y, d.y});
   return line;
 }
 
@@ -93,6 +97,7 @@ ComputeRenderer::ComputeRenderer(Device& device)
       open_(device),
       scratch_(device),
       distances_(device),
+      tiles_{Array<float>(device), Array<float>(device), Array<float>(device), Array<float>(device)},
       rgb_(device),
       lines_(device),
       picture_(device) {}
@@ -125,18 +130,20 @@ void ComputeRenderer::setLines(const gl::Frame& frame) {
 ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
   const auto constView = [](const auto& array) { return array.view(); };
   const bool occluded = frame.view.lighting.occlusion && !frame.view.lighting.unlit;
-  return {.seen = {.camera = gl::splatCameraOf(frame),
-                   .spheres = spheres_.view(),
-                   .nearest = constView(nearest_),
-                   .ground = groundOf(frame)},
-          .samples = frame.samples,
-          .width = frame.view.width,
-          .height = frame.view.height,
-          .light = lightOf(frame),
-          .linear = constView(linear_),
-          .lines = constView(lines_),
-          .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
-          .open = occluded ? constView(open_) : ArrayView<const float>{}};
+  return {
+      .seen = {.camera = gl::splatCameraOf(frame),
+               .spheres = spheres_.view(),
+               .nearest = constView(nearest_),
+               .ground = groundOf(frame)},
+      .samples = frame.samples,
+      .width = frame.view.width,
+      .height = frame.view.height,
+      .light = lightOf(frame),
+      .linear = constView(linear_),
+      .lines = constView(lines_),
+      .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
+      .tiles = {.nearest = constView(tiles_[0]), .farthest = constView(tiles_[1]), .perRow = kTilesPerRow},
+      .open = occluded ? constView(open_) : ArrayView<const float>{}};
 }
 
 Picture ComputeRenderer::draw(const View& view) {
@@ -163,14 +170,18 @@ Picture ComputeRenderer::draw(const View& view) {
   shadow_.resizeDiscarding(kTexels);
   for (Array<float>* const each : {&open_, &scratch_, &distances_}) each->resizeDiscarding(pixels);
   rgb_.resizeDiscarding(3 * pixels);
+  for (Array<float>& each : tiles_) each.resizeDiscarding(std::int64_t{kTilesPerRow} * kTilesPerRow);
   setLines(frame);
   const ShadedPicture shaded = shadedPicture(frame);
   dispatch(device_, [&](auto& device) {
-    showGround(device, shaded.seen.camera, shaded.seen.ground, nearest_.view());
+    showGround(device, shaded.seen, nearest_.view());
     gl::splatDepths(device, spheres_.view(), shaded.seen.camera, nearest_.view());
-    if (frame.hasShadows)
+    if (frame.hasShadows) {
       gl::splatShadow(device, spheres_.view(), gl::splatSunOf(frame.sun, gl::ShadowPass::kResolution),
                       shadow_.view());
+      findShadowTiles(device, shaded.shadow, gl::ShadowPass::kResolution, tiles_[0].view(), tiles_[1].view(),
+                      tiles_[2].view(), tiles_[3].view());
+    }
     if (shaded.open.size > 0)
       findOcclusion(device, shaded.seen, samples, occlusionOf(frame, casters), open_.view(), scratch_.view(),
                     distances_.view());

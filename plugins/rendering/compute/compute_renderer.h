@@ -31,6 +31,7 @@ class ComputeRenderer {
   Array<std::uint64_t> nearest_;
   Array<std::uint32_t> shadow_;
   Array<float> linear_, open_, scratch_, distances_;
+  Array<float> tiles_[4];  // nearest and farthest depths of ShadowTiles, and scratch for them
   Array<std::uint8_t> rgb_;
   Array<ShadedLine> lines_;
   HostCopy<std::uint8_t> picture_;

@@ -106,6 +106,25 @@ inline Number gather(const float* from, const Ints& at) {
   return values;
 #endif
 }
+/// Elements that stand side by side.
+inline void gatherPairs(const float* from, const Ints& at, Number& first, Number& second) {
+#ifdef __AVX2__
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* pairs = reinterpret_cast<const long long*>(from);
+  const __m256 low =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(places), sizeof(float)));
+  const __m256 high =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(places, 1), sizeof(float)));
+  const Lanes::Vector a = low, b = high;
+  first = Lanes::Vector(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14));
+  second = Lanes::Vector(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15));
+#else
+  for (int l = 0; l < kPixels; ++l) {
+    first.v[l] = from[at[l]];
+    second.v[l] = from[at[l] + 1];
+  }
+#endif
+}
 /// The upper or the lower halves.
 inline Ints gatherHalf(const std::uint64_t* from, const Ints& at, bool upper) {
 #ifdef __AVX2__
@@ -218,6 +237,10 @@ WEIR_HD inline Ints gather(const std::uint32_t* from, Ints at) {
 }
 WEIR_HD inline Number gather(const float* from, Ints at) {
   return from[at];
+}
+WEIR_HD inline void gatherPairs(const float* from, Ints at, Number& first, Number& second) {
+  first = from[at];
+  second = from[at + 1];
 }
 WEIR_HD inline Ints gatherHalf(const std::uint64_t* from, Ints at, bool upper) {
   return static_cast<int>(static_cast<std::uint32_t>(from[at] >> (upper ? 32 : 0)));

@@ -12,22 +12,31 @@ namespace weir::rendering {
 namespace {
 
 struct ShowGround {
-  gl::SplatCamera camera;
-  ShadedGround ground;
+  SeenSamples seen;
+  PixelGroups samples;
   ArrayView<std::uint64_t> nearest;
 
-  WEIR_HD float depthAlong(const Vec3f& ray) const {
-    const float height = dot(ground.middle, ground.up), falling = dot(ray, ground.up);
-    if (!ground.visible || !(height < 0) || !(falling < 0)) return 1;
-    const float distance = height / falling;
-    if (distance < camera.near || length(ray * distance - ground.middle) > ground.radius) return 1;
-    const float depth = camera.depthAt(distance);
-    return depth < 1 ? depth : 1.0f;
+  WEIR_HD Number depthsAlong(const Numbers3& ray) const {
+    const ShadedGround& ground = seen.ground;
+    const float height = dot(ground.middle, ground.up);
+    const Number falling = dot(ray, allOf(ground.up));
+    if (!ground.visible || !(height < 0) || !any(falling < Number(0.0f))) return Number(1.0f);
+    const Number distance = height / falling;
+    const Numbers3 aside = ray * distance - allOf(ground.middle);
+    const Mask outside =
+        either(distance<Number(seen.camera.near), dot(aside, aside)> Number(ground.radius * ground.radius));
+    const Number depth = atMost(
+        positivePart(0.5f + 0.5f * (seen.camera.projection.w / distance - seen.camera.projection.z)), 1.0f);
+    return select(notSo(outside) & (falling < Number(0.0f)), depth, Number(1.0f));
   }
 
   WEIR_HD void operator()(std::int64_t k) const {
-    const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
-    nearest[k] = std::uint64_t{gl::bitsOf(depthAlong(ray))} << 32 | gl::kNoSphere;
+    const int row = samples.row(k), first = samples.column(k);
+    const Number x = toNumbers(intsFrom(first));
+    const Ints bits = bitsOfNumbers(depthsAlong(seen.ray(x, Number(static_cast<float>(row)))));
+    std::uint64_t* to = nearest.data + std::int64_t{row} * samples.width + first;
+    for (int l = 0; l < kPixels; ++l)
+      if (first + l < samples.width) to[l] = std::uint64_t{laneOf(bits, l)} << 32 | gl::kNoSphere;
   }
 };
 
@@ -55,38 +64,57 @@ struct Shade {
   SoftShadow soft;
   ArrayView<std::uint8_t> rgb;
 
-  /// Texels of the shadow map against depths: 1 where they are lit.
-  WEIR_HD Number areLit(const Ints& x, const Ints& y, const Number& depth) const {
-    const Number map = gather(in.shadow.data, y * in.light.shadowResolution + x);
-    return select(map < depth, Number(0.0f), Number(1.0f));
+  /// Two neighbouring texels of the shadow map against depths, mixed: 1 where they are lit. `left` is the
+  /// column of the first, which may lie outside.
+  WEIR_HD Number areLit(const Ints& left, const Ints& row, const Number& beyond, const Number& depth) const {
+    const int last = in.light.shadowResolution - 1;
+    Number first, second;
+    gatherPairs(in.shadow.data,
+                clamped(row, 0, last) * in.light.shadowResolution + clamped(left, 0, last - 1), first,
+                second);
+    const Number one = select(below(left, last), first, second), two = select(below(left, 0), first, second);
+    return mix(select(one < depth, Number(0.0f), Number(1.0f)),
+               select(two < depth, Number(0.0f), Number(1.0f)), beyond);
   }
 
   /// The comparisons of the four texels around a place, mixed.
   WEIR_HD Number litAt(const Number& u, const Number& v, const Number& depth) const {
-    const int last = in.light.shadowResolution - 1;
     const auto size = static_cast<float>(in.light.shadowResolution);
     Number right, up;
     const Ints column = split(clamped(u * size - 0.5f, -1.0f, size), right);
     const Ints row = split(clamped(v * size - 0.5f, -1.0f, size), up);
-    const Ints x0 = clamped(column, 0, last), x1 = clamped(column + 1, 0, last);
-    const Ints y0 = clamped(row, 0, last), y1 = clamped(row + 1, 0, last);
-    const Number lower = mix(areLit(x0, y0, depth), areLit(x1, y0, depth), right);
-    const Number upper = mix(areLit(x0, y1, depth), areLit(x1, y1, depth), right);
-    return mix(lower, upper, up);
+    return mix(areLit(column, row, right, depth), areLit(column, row + 1, right, depth), up);
   }
 
-  WEIR_HD Number sunlight(const Numbers3& position, const Numbers3& normal, const Ints& x, int y) const {
+  /// Whether places are lit, as far as the tiles know; true if they know it of all that are `wanted`.
+  WEIR_HD bool knowTiles(const Number& u, const Number& v, const Number& depth, const Mask& wanted,
+                         Number& lit) const {
+    constexpr float kSide = ShadowTiles::kSide;
+    const float tiles = static_cast<float>(in.light.shadowResolution) / kSide;
+    const auto last = static_cast<float>(in.tiles.perRow - 1);
+    const Ints at =
+        toInts(clamped(v * tiles, 0.0f, last)) * in.tiles.perRow + toInts(clamped(u * tiles, 0.0f, last));
+    const Mask dark = gather(in.tiles.farthest.data, at) < depth;
+    const Mask unsure = gather(in.tiles.nearest.data, at) < depth;
+    lit = select(dark, Number(0.0f), Number(1.0f));
+    return !any(wanted & unsure & notSo(dark));
+  }
+
+  WEIR_HD Number sunlight(const Numbers3& position, const Numbers3& normal, const Ints& x, int y,
+                          const Mask& wanted) const {
     const ShadedLight& light = in.light;
     if (light.shadowResolution == 0) return Number(1.0f);
     const Numbers3 p = position + normal * Number(light.shadowTexel * 2);
     const Number u = dot(allOf(light.toShadow[0]), p) + light.shadowMoved.x;
     const Number v = dot(allOf(light.toShadow[1]), p) + light.shadowMoved.y;
     const Number depth = atMost(dot(allOf(light.toShadow[2]), p) + light.shadowMoved.z, 1.0f);
+    Number open = 0.0f;
+    if (knowTiles(u, v, depth, wanted, open)) return open;
+    open = 0.0f;
     const Mask even = equal(x & 1, 0);
     const Vec2f first = soft.turns[2 * (y & 1)], second = soft.turns[1 + 2 * (y & 1)];
     const Number turnX = light.softness * select(even, Number(first.x), Number(second.x));
     const Number turnY = light.softness * select(even, Number(first.y), Number(second.y));
-    Number open = 0.0f;
     for (int i = 0; i < 4; ++i) {
       const Vec2f tap = soft.taps[i];
       open += 0.25f * litAt(u + tap.x * turnX - tap.y * turnY, v + tap.x * turnY + tap.y * turnX, depth);
@@ -153,10 +181,10 @@ struct Shade {
     const Numbers3 normal = in.seen.normal(seen, ray);
     const Number open = openAt(columns, row, right, up);
     const Number facing = positivePart(dot(normal, allOf(in.light.sun)));
-    const Mask sunny = facing > Number(0.0f);
-    const Number sun = any(sunny & seen.something())
-                           ? select(sunny, sunlight(position, normal, x, y), Number(0.0f))
-                           : Number(0.0f);
+    const Mask sunny = (facing > Number(0.0f)) & seen.something();
+    const Number sun =
+        any(sunny) ? select(facing > Number(0.0f), sunlight(position, normal, x, y, sunny), Number(0.0f))
+                   : Number(0.0f);
     const Numbers3 sunColor = allOf(kSunColor);
     const Number direct = sun * facing * (1 + (open - 1) * 0.35f);
     const Numbers3 color = times(surface, skyLight(normal) * open + sunColor * direct);
@@ -189,6 +217,7 @@ struct Shade {
     const float y = static_cast<float>(row * in.samples) + half;
     for (int i = 0; i < static_cast<int>(in.lines.size); ++i) {
       const ShadedLine& line = in.lines[i];
+      if (y + half < line.lowest || y - half > line.highest) continue;
       const float right = x - line.from.x, up = y - line.from.y;
       const float alongX = std::fabs(line.along.x), alongY = std::fabs(line.along.y);
       const float across =
@@ -277,9 +306,9 @@ struct Shade {
 }  // namespace
 
 template <class Backend>
-void showGround(Backend& device, const gl::SplatCamera& camera, const ShadedGround& ground,
-                ArrayView<std::uint64_t> nearest) {
-  parallelFor(device, "ground", nearest.size, ShowGround{camera, ground, nearest});
+void showGround(Backend& device, const SeenSamples& seen, ArrayView<std::uint64_t> nearest) {
+  const PixelGroups samples{seen.camera.width, seen.camera.height};
+  parallelFor(device, "ground", samples.count(), ShowGround{seen, samples, nearest});
 }
 
 template <class Backend>
@@ -288,7 +317,7 @@ void shade(Backend& device, const ShadedPicture& picture, ArrayView<std::uint8_t
   parallelFor(device, "shade", pixels.count(), Shade{picture, pixels, softShadow(), rgb});
 }
 
-template void showGround(ThisBackend&, const gl::SplatCamera&, const ShadedGround&, ArrayView<std::uint64_t>);
+template void showGround(ThisBackend&, const SeenSamples&, ArrayView<std::uint64_t>);
 template void shade(ThisBackend&, const ShadedPicture&, ArrayView<std::uint8_t>);
 
 }  // namespace weir::rendering

@@ -7,6 +7,7 @@
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 #include "plugins/rendering/compute/seen_samples.h"
+#include "plugins/rendering/compute/shadow_tiles.h"
 
 namespace weir::rendering {
 
@@ -18,6 +19,7 @@ struct ShadedLine {
   Vec2f from, along;  ///< the middle of a short side, and the unit vector to the other one
   float length = 0, halfWidth = 0;
   float depth = 0, depthStep = 0;  ///< at the first side, and its change a sample
+  float lowest = 0, highest = 0;   ///< the rows that it touches
   Vec3f color;                     ///< linear
   float opacity = 1;
 };
@@ -41,14 +43,14 @@ struct ShadedPicture {
   ArrayView<const float> linear;  ///< of each sRGB number of eight bits
   ArrayView<const ShadedLine> lines;
   ArrayView<const float> shadow;  ///< depths
+  ShadowTiles tiles;
   ArrayView<const float>
       open;  ///< of each pixel, 1 where nothing occludes; rows from the bottom. May be empty.
 };
 
 /// Makes a picture for gl::splatDepths that shows the ground alone.
 template <class Backend>
-void showGround(Backend& device, const gl::SplatCamera& camera, const ShadedGround& ground,
-                ArrayView<std::uint64_t> nearest);
+void showGround(Backend& device, const SeenSamples& seen, ArrayView<std::uint64_t> nearest);
 
 /// Writes red, green and blue of each pixel, the upper row first.
 template <class Backend>
