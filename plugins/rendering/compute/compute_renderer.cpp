@@ -108,7 +108,7 @@ bool ComputeRenderer::canDraw(const View& view) {
   const LightingView& lighting = view.lighting;
   const bool plain = lighting.tone == ToneCurve::kPlain && lighting.exposure == 1 && view.ground.tiles == 0 &&
                      view.environment == EnvironmentLook::kStudio;
-  return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * std::size_t{kMostLines};
+  return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * kMostLines;
 }
 
 void ComputeRenderer::setLines(const gl::Frame& frame) {

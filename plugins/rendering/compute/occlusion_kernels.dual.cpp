@@ -70,7 +70,7 @@ struct EstimateOcclusion {
       const Vec2f tap = taps.at[i];
       const Ints tapX = clamped(x + nearestInts(tap.x * cosine - tap.y * sine), 0, seen.camera.width - 1);
       const Ints up = clamped(nearestInts(tap.x * sine + tap.y * cosine), -y, seen.camera.height - 1 - y);
-      const Number depth = numbersOfBits(gatherHalf(line, up * seen.camera.width + tapX, true));
+      const Number depth = numbersOfBits(gatherUpper(line, up * seen.camera.width + tapX));
       const Numbers3 there = seen.ray(toNumbers(tapX), toNumbers(up + y)) * seen.distanceAt(depth);
       const Numbers3 towards = there - position;
       const Number way = dot(towards, towards);
@@ -93,19 +93,16 @@ struct BlurOcclusion {
   float* to;
 
   WEIR_HD void operator()(std::int64_t k) const {
-    const int row = pixels.row(k);
-    const Ints columns = pixels.columns(k);
-    const std::int64_t line = std::int64_t{row} * pixels.width;
-    const Number here = gather(distances + line, columns);
+    const int row = pixels.row(k), column = pixels.column(k), width = pixels.width;
+    const Number here = rowFrom(distances + std::int64_t{row} * width, column, width);
     Number sum = 0.0f, weights = 0.0f;
     for (int i = -2; i <= 2; ++i) {
-      const int y =
-          row + i * stepY > 0 ? (row + i * stepY < pixels.height ? row + i * stepY : pixels.height - 1) : 0;
-      const Ints x = clamped(columns + i * stepX, 0, pixels.width - 1);
-      const std::int64_t start = std::int64_t{y} * pixels.width;
-      const Number away = (gather(distances + start, x) - here) * (2 / radius);
+      const int wanted = row + i * stepY, x = column + i * stepX;
+      const int y = wanted > 0 ? (wanted < pixels.height ? wanted : pixels.height - 1) : 0;
+      const std::int64_t start = std::int64_t{y} * width;
+      const Number away = (rowFrom(distances + start, x, width) - here) * (2 / radius);
       const Number weight = (i == -2 || i == 2 ? 0.5f : 1.0f) * positivePart(1 - away * away);
-      sum += weight * gather(from + start, x);
+      sum += weight * rowFrom(from + start, x, width);
       weights += weight;
     }
     pixels.store(k, rounded(sum / weights), to);

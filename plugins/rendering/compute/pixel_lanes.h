@@ -125,16 +125,37 @@ inline void gatherPairs(const float* from, const Ints& at, Number& first, Number
   }
 #endif
 }
-/// The upper or the lower halves.
-inline Ints gatherHalf(const std::uint64_t* from, const Ints& at, bool upper) {
+/// Upper halves.
+inline Ints gatherUpper(const std::uint64_t* from, const Ints& at) {
 #ifdef __AVX2__
-  return reinterpret_cast<Ints>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(from) + (upper ? 1 : 0),
-                                                       reinterpret_cast<__m256i>(at), 8));
+  return reinterpret_cast<Ints>(
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from) + 1, reinterpret_cast<__m256i>(at), 8));
 #else
   Ints values;
-  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]] >> (upper ? 32 : 0));
+  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]] >> 32);
   return values;
 #endif
+}
+inline void gatherHalves(const std::uint64_t* from, const Ints& at, Ints& lower, Ints& upper) {
+#ifdef __AVX2__
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* whole = reinterpret_cast<const long long*>(from);
+  const Ints a = reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_castsi256_si128(places), 8));
+  const Ints b =
+      reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_extracti128_si256(places, 1), 8));
+  lower = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+  upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#else
+  for (int l = 0; l < kPixels; ++l) {
+    lower[l] = static_cast<int>(static_cast<std::uint32_t>(from[at[l]]));
+    upper[l] = static_cast<int>(from[at[l]] >> 32);
+  }
+#endif
+}
+/// Numbers first, first + 1, … of a row of `size`; the nearest that there is for those that lie outside.
+inline Number rowFrom(const float* row, int first, int size) {
+  if (first >= 0 && first + kPixels <= size) return Lanes::load(row + first);
+  return gather(row, clamped(intsFrom(first), 0, size - 1));
 }
 
 namespace detail {
@@ -242,8 +263,16 @@ WEIR_HD inline void gatherPairs(const float* from, Ints at, Number& first, Numbe
   first = from[at];
   second = from[at + 1];
 }
-WEIR_HD inline Ints gatherHalf(const std::uint64_t* from, Ints at, bool upper) {
-  return static_cast<int>(static_cast<std::uint32_t>(from[at] >> (upper ? 32 : 0)));
+WEIR_HD inline Ints gatherUpper(const std::uint64_t* from, Ints at) {
+  return static_cast<int>(static_cast<std::uint32_t>(from[at] >> 32));
+}
+WEIR_HD inline void gatherHalves(const std::uint64_t* from, Ints at, Ints& lower, Ints& upper) {
+  const std::uint64_t whole = from[at];
+  lower = static_cast<int>(static_cast<std::uint32_t>(whole));
+  upper = static_cast<int>(static_cast<std::uint32_t>(whole >> 32));
+}
+WEIR_HD inline Number rowFrom(const float* row, int first, int size) {
+  return row[clamped(first, 0, size - 1)];
 }
 WEIR_HD inline Number exponential(Number x) {
   return std::exp(x);

@@ -2,6 +2,8 @@
 // splat_kernels.h found it, the ground, or the background.
 #pragma once
 
+#include <cstddef>
+
 #include "plugins/rendering/compute/pixel_lanes.h"
 #include "plugins/rendering/gl/splat_kernels.h"
 #include "plugins/rendering/gl/splat_shapes.h"
@@ -26,6 +28,16 @@ struct SeenRow {
   WEIR_HD Mask ground() const { return equal(numbers, static_cast<int>(gl::kNoSphere)); }
 };
 
+#ifdef WEIR_HAS_LANES
+/// What weir::detail::transposed makes columns of: centre and radius.
+inline weir::detail::HalfLanes rowOf(const SplatSphere& sphere) {
+  weir::detail::HalfLanes row;
+  static_assert(offsetof(SplatSphere, radius) == 3 * sizeof(float));
+  __builtin_memcpy(&row, &sphere, sizeof row);
+  return row;
+}
+#endif
+
 struct SeenSamples {
   gl::SplatCamera camera;  ///< in samples
   ArrayView<const SplatSphere> spheres;
@@ -33,8 +45,9 @@ struct SeenSamples {
   ShadedGround ground;
 
   WEIR_HD SeenRow row(const Ints& x, int y) const {
-    const std::uint64_t* line = nearest.data + std::int64_t{y} * camera.width;
-    return {gatherHalf(line, x, true), gatherHalf(line, x, false)};
+    SeenRow seen;
+    gatherHalves(nearest.data + std::int64_t{y} * camera.width, x, seen.numbers, seen.depthBits);
+    return seen;
   }
 
   /// The ray through the middle of a sample, of length 1 along the camera's axis.
@@ -51,9 +64,8 @@ struct SeenSamples {
     const Mask level = seen.ground();
     const Numbers3 up = allOf(ground.up);
     if (!any(notSo(level))) return up;
-    const Ints first = firstWords(seen);
-    const Numbers3 place{word(first, 0), word(first, 1), word(first, 2)};
-    const Number radius = word(first, 3);
+    Number radius;
+    const Numbers3 place = balls(seen, radius);
     const auto turned = [&](int i) {
       return dot(allOf(camera.rows[i]), place) + (i == 0   ? camera.moved.x
                                                   : i == 1 ? camera.moved.y
@@ -66,20 +78,30 @@ struct SeenSamples {
 
   /// The colours of spheres, as in SplatSphere.
   WEIR_HD Ints sphereColors(const SeenRow& seen) const {
-    return gather(reinterpret_cast<const std::uint32_t*>(spheres.data), firstWords(seen) + 4);
+    constexpr int kWords = sizeof(SplatSphere) / sizeof(std::uint32_t);
+    return gather(&spheres.data->color, sphereOf(seen) * kWords);
   }
 
  private:
-  static constexpr int kWords = 5;  // of a SplatSphere
-  static_assert(sizeof(SplatSphere) == kWords * sizeof(float));
-
-  /// Where the spheres begin; that of the first sphere where none is seen.
-  WEIR_HD Ints firstWords(const SeenRow& seen) const {
-    const Ints sphere = static_cast<int>(gl::kNoSphere) - 1 - seen.numbers;
-    return selectInts(seen.ground(), allInts(0), sphere) * kWords;
+  /// The first one where none is seen.
+  WEIR_HD static Ints sphereOf(const SeenRow& seen) {
+    return selectInts(seen.ground(), allInts(0), static_cast<int>(gl::kNoSphere) - 1 - seen.numbers);
   }
-  WEIR_HD Number word(const Ints& first, int i) const {
-    return gather(reinterpret_cast<const float*>(spheres.data), first + i);
+
+  /// Centres and radii.
+  WEIR_HD Numbers3 balls(const SeenRow& seen, Number& radius) const {
+#ifdef WEIR_HAS_LANES
+    int index[kPixels];
+    const Ints sphere = sphereOf(seen);
+    __builtin_memcpy(index, &sphere, sizeof index);
+    const Vec4<Lanes> columns = weir::detail::transposed(spheres.data, index);
+    radius = columns.w;
+    return {columns.x, columns.y, columns.z};
+#else
+    const SplatSphere& sphere = spheres[sphereOf(seen)];
+    radius = sphere.radius;
+    return sphere.center;
+#endif
   }
 };
 

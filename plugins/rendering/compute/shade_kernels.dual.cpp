@@ -129,19 +129,19 @@ struct Shade {
                above * (2 - above));
   }
 
-  /// The occlusion at samples, mixed of the four pixels around each.
-  WEIR_HD Number openAt(const Ints& columns, int row, int right, int up) const {
+  /// The occlusion at samples, mixed of the four pixels around each. `column` is of the first pixel.
+  WEIR_HD Number openAt(int column, int row, int right, int up) const {
     if (in.open.size == 0) return Number(1.0f);
     // From the middle of the sample's pixel, in pixels.
     const float asideX = (static_cast<float>(right) + 0.5f) / static_cast<float>(in.samples) - 0.5f;
     const float asideY = (static_cast<float>(up) + 0.5f) / static_cast<float>(in.samples) - 0.5f;
     const int other = asideY < 0 ? (row > 0 ? row - 1 : 0) : (row + 1 < in.height ? row + 1 : row);
-    const Ints others = clamped(columns + (asideX < 0 ? -1 : 1), 0, in.width - 1);
-    const float* here = in.open.data + std::int64_t{row} * in.width;
-    const float* beside = in.open.data + std::int64_t{other} * in.width;
-    const float shareX = std::fabs(asideX);
-    return mix(mix(gather(here, columns), gather(here, others), shareX),
-               mix(gather(beside, columns), gather(beside, others), shareX), std::fabs(asideY));
+    const int next = column + (asideX < 0 ? -1 : 1);
+    const auto along = [&](int of) {
+      const float* line = in.open.data + std::int64_t{of} * in.width;
+      return mix(rowFrom(line, column, in.width), rowFrom(line, next, in.width), std::fabs(asideX));
+    };
+    return mix(along(row), along(other), std::fabs(asideY));
   }
 
   WEIR_HD Vec3f backgroundAt(int y) const {
@@ -166,11 +166,11 @@ struct Shade {
     return selectAll(ground, groundColor, color);
   }
 
-  /// The light from surfaces; anything where there is none. `columns` and `row` are of the pixels, `right`
-  /// and `up` count the sample in them.
-  WEIR_HD Numbers3 surfaceAt(const SeenRow& seen, const Ints& columns, int row, int right, int up) const {
+  /// The light from surfaces; anything where there is none. `column` and `row` are of the first pixel,
+  /// `right` and `up` count the sample in them.
+  WEIR_HD Numbers3 surfaceAt(const SeenRow& seen, const Ints& x, int column, int row, int right,
+                             int up) const {
     constexpr Vec3f kSunColor{0.74f, 0.71f, 0.66f};
-    const Ints x = columns * in.samples + right;
     const int y = row * in.samples + up;
     const Mask ground = seen.ground();
     const Numbers3 surface = albedo(seen, ground);
@@ -179,7 +179,7 @@ struct Shade {
     if (in.light.unlit)
       return any(ground) ? selectAll(ground, faded(surface, position, y), surface) : surface;
     const Numbers3 normal = in.seen.normal(seen, ray);
-    const Number open = openAt(columns, row, right, up);
+    const Number open = openAt(column, row, right, up);
     const Number facing = positivePart(dot(normal, allOf(in.light.sun)));
     const Mask sunny = (facing > Number(0.0f)) & seen.something();
     const Number sun =
@@ -282,7 +282,8 @@ struct Shade {
         const SeenRow seen = in.seen.row(x, y);
         const Mask something = seen.something();
         Numbers3 light = background;
-        if (any(something)) light = selectAll(something, surfaceAt(seen, columns, row, i, j), background);
+        if (any(something))
+          light = selectAll(something, surfaceAt(seen, x, pixels.column(k), row, i, j), background);
         if (near.any) light = withLines(light, near, toNumbers(x), static_cast<float>(y), seen.depth());
         sum += exposed(light);
       }

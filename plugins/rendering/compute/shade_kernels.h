@@ -2,6 +2,7 @@
 // lines, tone curve. The arithmetic is that of the shaders of the passes in gl/.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "framework/base/vec.h"
@@ -12,7 +13,7 @@
 namespace weir::rendering {
 
 /// More lines are OpenGL's: each pixel looks at all of them.
-inline constexpr int kMostLines = 256;
+inline constexpr std::size_t kMostLines = 256;
 
 /// A line in the picture: a rectangle, in samples. Depth changes from one short side to the other.
 struct ShadedLine {
