@@ -1,7 +1,7 @@
 // How long pictures take: 1280 x 720 pixels of 2 x 2 samples, with shadows and ambient occlusion, of a wave
 // in a tank. Prints a Markdown table of medians, all after pictures that are not counted.
 //
-//   weir_picture_times [DEVICE [THREADS [PICTURES]]] [sizes=20000,500000] [ways=device] [kernels]
+//   weir_picture_times [DEVICE [THREADS [PICTURES]]] [sizes=20000,500000] [ways=OpenGL/device] [kernels]
 //
 // `sizes` and `ways` ask for a part of the table, `kernels` for the time in each kernel of the device, in all
 // pictures.
@@ -111,10 +111,10 @@ struct Options {
   }
 };
 
-std::vector<std::string> parts(const std::string& list) {
+std::vector<std::string> parts(const std::string& list, char between) {
   std::vector<std::string> found{""};
   for (const char c : list)
-    if (c == ',')
+    if (c == between)
       found.emplace_back();
     else
       found.back() += c;
@@ -138,9 +138,9 @@ Options optionsOf(int argc, char** argv) {
       options.kernels = true;
     } else if (argument.starts_with("sizes=")) {
       options.sizes.clear();
-      for (const std::string& size : parts(argument.substr(6))) options.sizes.push_back(numberOf(size));
+      for (const std::string& size : parts(argument.substr(6), ',')) options.sizes.push_back(numberOf(size));
     } else if (argument.starts_with("ways=")) {
-      options.ways = parts(argument.substr(5));
+      options.ways = parts(argument.substr(5), '/');
     } else if (++place == 1) {
       options.device = argument;
     } else {

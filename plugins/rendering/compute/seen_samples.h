@@ -46,7 +46,13 @@ struct SeenSamples {
 
   WEIR_HD SeenRow row(const Ints& x, int y) const {
     SeenRow seen;
-    gatherHalves(nearest.data + std::int64_t{y} * camera.width, x, seen.numbers, seen.depthBits);
+    const std::uint64_t* line = nearest.data + std::int64_t{y} * camera.width;
+    gatherHalves(line, x, seen.numbers, seen.depthBits);
+#ifdef WEIR_HAS_LANES
+    constexpr int kAhead = 96;  // samples: the processor does not see by itself where gathers go
+    __builtin_prefetch(line + laneOf(x, 0) + kAhead);
+    __builtin_prefetch(line + laneOf(x, kPixels - 1) + kAhead);
+#endif
     return seen;
   }
 

@@ -117,7 +117,7 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
                            .slices = groups.size < 32768 ? 8 : 1,
                            .parts = spheres.size < 8192 ? 8 : 1};
   const std::int64_t count = groups.size * slices.slices * slices.parts;
-  for (std::int64_t behind = std::max(count / 16, kLeast); slices.first < count; behind *= 2) {
+  for (std::int64_t behind = std::max(count / 12, kLeast); slices.first < count; behind *= 3) {
     behind = std::min(behind, count);
     parallelFor(device, name, behind - slices.first, slices);
     slices.first = behind;
