@@ -41,14 +41,14 @@ std::unique_ptr<Device> sibling(const Device& device) {
   return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
 }
 
-/// A GPU that computes draws most pictures alone, because OpenGL may have few of its processors. Where OpenGL
-/// is software, the device helps it.
+/// A device draws what pictures it can alone: on a GPU because OpenGL may have few of its processors, on the
+/// CPU because kernels do it in a third of the time. Where OpenGL is a GPU's, though, the CPU leaves all to
+/// it.
 std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
   std::unique_ptr<gl::Context> context = gl::makeContext();
-  if (device.kind() == DeviceKind::kCuda)
-    return std::make_unique<gl::Renderer>(std::move(context), sibling(device), gl::ComputeShare::kWhatCanBe);
-  std::unique_ptr<Device> helper = context->isSoftware() ? sibling(device) : nullptr;
-  return std::make_unique<gl::Renderer>(std::move(context), std::move(helper));
+  const bool draws = device.kind() == DeviceKind::kCuda || context->isSoftware();
+  return std::make_unique<gl::Renderer>(std::move(context), draws ? sibling(device) : nullptr,
+                                        gl::ComputeShare::kWhatCanBe);
 }
 
 template <class F>

@@ -1,7 +1,10 @@
 // How long pictures take: 1280 x 720 pixels of 2 x 2 samples, with shadows and ambient occlusion, of a wave
 // in a tank. Prints a Markdown table of medians, all after pictures that are not counted.
 //
-//   weir_picture_times [DEVICE [THREADS [PICTURES]]]
+//   weir_picture_times [DEVICE [THREADS [PICTURES]]] [sizes=20000,500000] [ways=OpenGL/device] [kernels]
+//
+// `sizes` and `ways` ask for a part of the table, `kernels` for the time in each kernel of the device, in all
+// pictures.
 //
 // "OpenGL": OpenGL draws the particles, too. "OpenGL, device": the device finds which particles are seen.
 // "device": it draws the whole picture. A GPU's OpenGL is not measured with the CPU as the device. What
@@ -17,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/error.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
 #include "plugins/rendering/view.h"
@@ -95,29 +99,114 @@ Times medianTimes(gl::Renderer& renderer, int particles, int pictures) {
   return {median(walls), median(processors)};
 }
 
-int run(const std::string& device, int threads, int pictures) {
-  constexpr int kSizes[] = {20'000, 100'000, 500'000, 2'000'000};
-  const auto open = [&] { return openDevice(device, threads); };
-  std::vector<std::pair<std::string, std::unique_ptr<gl::Renderer>>> ways;
+struct Options {
+  std::string device = "auto";
+  int threads = 0, pictures = 30;
+  std::vector<int> sizes{20'000, 100'000, 500'000, 2'000'000};
+  std::vector<std::string> ways;  ///< empty: all
+  bool kernels = false;
+
+  bool asksFor(const std::string& way) const {
+    return ways.empty() || std::find(ways.begin(), ways.end(), way) != ways.end();
+  }
+};
+
+std::vector<std::string> parts(const std::string& list, char between) {
+  std::vector<std::string> found{""};
+  for (const char c : list)
+    if (c == between)
+      found.emplace_back();
+    else
+      found.back() += c;
+  return found;
+}
+
+int numberOf(const std::string& text) {
+  char* end = nullptr;
+  const long number = std::strtol(text.c_str(), &end, 10);
+  if (text.empty() || *end != 0 || number < 0 || number > 1'000'000'000)
+    throw usageError("'" + text + "' is not a number that can be used");
+  return static_cast<int>(number);
+}
+
+Options optionsOf(int argc, char** argv) {
+  Options options;
+  int place = 0;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "kernels") {
+      options.kernels = true;
+    } else if (argument.starts_with("sizes=")) {
+      options.sizes.clear();
+      for (const std::string& size : parts(argument.substr(6), ',')) options.sizes.push_back(numberOf(size));
+    } else if (argument.starts_with("ways=")) {
+      options.ways = parts(argument.substr(5), '/');
+    } else if (++place == 1) {
+      options.device = argument;
+    } else {
+      (place == 2 ? options.threads : options.pictures) = numberOf(argument);
+    }
+  }
+  options.pictures = std::max(1, options.pictures);
+  return options;
+}
+
+struct Way {
+  std::string name;
+  Device* device;  ///< null: OpenGL alone
+  std::unique_ptr<gl::Renderer> renderer;
+};
+
+std::vector<Way> waysOf(const Options& options) {
+  std::vector<Way> ways;
+  const auto add = [&](const std::string& name, std::unique_ptr<Device> device, gl::ComputeShare share) {
+    if (!options.asksFor(name)) return;
+    Device* const used = device.get();
+    if (used != nullptr) used->profiler().timeKernels(options.kernels);
+    ways.push_back({name, used, std::make_unique<gl::Renderer>(gl::makeContext(), std::move(device), share)});
+  };
+  const auto open = [&] { return openDevice(options.device, options.threads); };
   // The CPU helps OpenGL only where that is software.
   if (open()->kind() == DeviceKind::kCuda || gl::makeContext()->isSoftware()) {
-    ways.emplace_back("OpenGL", std::make_unique<gl::Renderer>(gl::makeContext()));
-    ways.emplace_back("OpenGL, device", std::make_unique<gl::Renderer>(gl::makeContext(), open()));
+    add("OpenGL", nullptr, gl::ComputeShare::kParticles);
+    add("OpenGL, device", open(), gl::ComputeShare::kParticles);
   }
-  ways.emplace_back("device",
-                    std::make_unique<gl::Renderer>(gl::makeContext(), open(), gl::ComputeShare::kWhatCanBe));
+  add("device", open(), gl::ComputeShare::kWhatCanBe);
+  if (ways.empty()) throw usageError("no pictures are drawn by these ways");
+  return ways;
+}
+
+int run(const Options& options) {
+  const std::vector<Way> ways = waysOf(options);
   fmt::print(
       "Milliseconds a picture, and in brackets processor time of all threads; median of {}. Device: {}. "
       "OpenGL: {}\n\n",
-      pictures, open()->description(), ways.front().second->description());
-  fmt::print("| drawn by | 20k | 100k | 500k | 2M |\n|---|---:|---:|---:|---:|\n");
-  for (const auto& [name, renderer] : ways) {
-    fmt::print("| {} |", name);
-    for (const int size : kSizes) {
-      const Times times = medianTimes(*renderer, size, pictures);
+      options.pictures, openDevice(options.device, options.threads)->description(),
+      ways.front().renderer->description());
+  std::string rule = "|---|";
+  fmt::print("| drawn by |");
+  for (const int size : options.sizes) {
+    const bool many = size >= 1'000'000;
+    fmt::print(" {}{} |", size / (many ? 1'000'000 : 1000), many ? 'M' : 'k');
+    rule += "---:|";
+  }
+  fmt::print("\n{}\n", rule);
+  for (const Way& way : ways) {
+    fmt::print("| {} |", way.name);
+    for (const int size : options.sizes) {
+      const Times times = medianTimes(*way.renderer, size, options.pictures);
       fmt::print(" {:.1f} ({:.0f}) |", times.wall, times.processor);
+      std::fflush(stdout);
     }
     fmt::print("\n");
+  }
+  if (!options.kernels) return 0;
+  for (const Way& way : ways) {
+    if (way.device == nullptr) continue;
+    fmt::print("\n{}:\n", way.name);
+    for (const ProfileEntry& entry : way.device->profiler().entries())
+      fmt::print("  {:<20} {:8.2f} ms a call\n", entry.path,
+                 entry.totalMs / static_cast<double>(entry.calls));
   }
   return 0;
 }
@@ -127,8 +216,7 @@ int run(const std::string& device, int threads, int pictures) {
 
 int main(int argc, char** argv) {
   try {
-    return weir::rendering::run(argc > 1 ? argv[1] : "auto", argc > 2 ? std::atoi(argv[2]) : 0,
-                                argc > 3 ? std::max(1, std::atoi(argv[3])) : 30);
+    return weir::rendering::run(weir::rendering::optionsOf(argc, argv));
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}\n", e.what());
     return 1;

@@ -13,8 +13,9 @@ namespace weir::rendering {
 
 namespace {
 
-constexpr std::size_t kMostLines = 256;  // each sample looks at all of them
 constexpr int kMostSamples = 4;
+
+const int kTilesPerRow = ShadowTiles::perRowOf(gl::ShadowPass::kResolution);
 
 std::vector<float> linearOfBytes() {
   std::vector<float> table;
@@ -22,23 +23,21 @@ std::vector<float> linearOfBytes() {
   return table;
 }
 
-std::uint32_t packedColor(const Color& color, std::uint32_t material) {
-  const auto byte = [](float x) {
-    return static_cast<std::uint32_t>(std::lround(255 * std::clamp(x, 0.0f, 1.0f)));
-  };
-  return byte(color.r) | byte(color.g) << 8 | byte(color.b) << 16 | material << 24;
+/// In linear light, after it was rounded to bytes, as OpenGL's passes have it.
+Vec3f inBytes(const Color& color) {
+  const auto byte = [](float x) { return std::round(255 * std::clamp(x, 0.0f, 1.0f)) / 255; };
+  return gl::linear({byte(color.r), byte(color.g), byte(color.b), 1});
 }
 
 /// In camera space.
 ShadedGround groundOf(const gl::Frame& frame) {
-  constexpr std::uint32_t kGroundMaterial = 255;  // kGround of kMaterialSnippet, in eight bits
   const GroundView& ground = frame.view.ground;
   const Vec3f up = normalized(frame.view.worldUp);
   return {.visible = ground.visible,
           .middle = frame.camera.point(ground.center + up * (ground.height - dot(ground.center, up))),
           .up = frame.camera.direction(up),
           .radius = ground.radius,
-          .albedo = packedColor(ground.color, kGroundMaterial)};
+          .color = inBytes(ground.color)};
 }
 
 ShadedLight lightOf(const gl::Frame& frame) {
@@ -82,6 +81,8 @@ ShadedLine shadedLine(const Vec4f* corners, int width, int height) {
   line.along = {(to.x - from.x) / line.length, (to.y - from.y) / line.length};
   line.halfWidth = 0.5f * std::hypot(b.x - a.x, b.y - a.y);
   line.depthStep = (to.z - from.z) / line.length;
+  line.lowest = std::min({a.y, b.y, c.y, d.y});
+  line.highest = std::max({a.y, b.y, c.y, d.y});
   return line;
 }
 
@@ -91,13 +92,12 @@ ComputeRenderer::ComputeRenderer(Device& device)
     : device_(device),
       spheres_(device),
       nearest_(device),
-      albedo_(device),
-      normal_(device),
       shadow_(device),
-      depth_(device),
       linear_(device, std::span<const float>(linearOfBytes())),
       open_(device),
       scratch_(device),
+      distances_(device),
+      tiles_{Array<float>(device), Array<float>(device), Array<float>(device), Array<float>(device)},
       rgb_(device),
       lines_(device),
       picture_(device) {}
@@ -127,21 +127,23 @@ void ComputeRenderer::setLines(const gl::Frame& frame) {
   lines_.assign(all);
 }
 
-ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame, const ShadedGround& ground) {
+ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
   const auto constView = [](const auto& array) { return array.view(); };
-  return {.camera = gl::splatCameraOf(frame),
-          .samples = frame.samples,
-          .width = frame.view.width,
-          .height = frame.view.height,
-          .light = lightOf(frame),
-          .ground = ground,
-          .linear = constView(linear_),
-          .lines = constView(lines_),
-          .albedo = constView(albedo_),
-          .normal = constView(normal_),
-          .depth = constView(depth_),
-          .shadow = constView(shadow_),
-          .open = constView(open_)};
+  const bool occluded = frame.view.lighting.occlusion && !frame.view.lighting.unlit;
+  return {
+      .seen = {.camera = gl::splatCameraOf(frame),
+               .spheres = spheres_.view(),
+               .nearest = constView(nearest_),
+               .ground = groundOf(frame)},
+      .samples = frame.samples,
+      .width = frame.view.width,
+      .height = frame.view.height,
+      .light = lightOf(frame),
+      .linear = constView(linear_),
+      .lines = constView(lines_),
+      .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
+      .tiles = {.nearest = constView(tiles_[0]), .farthest = constView(tiles_[1]), .perRow = kTilesPerRow},
+      .open = occluded ? constView(open_) : ArrayView<const float>{}};
 }
 
 Picture ComputeRenderer::draw(const View& view) {
@@ -164,28 +166,25 @@ Picture ComputeRenderer::draw(const View& view) {
   const std::int64_t pixels = std::int64_t{view.width} * view.height;
   const std::int64_t places = pixels * samples * samples;
   nearest_.resizeDiscarding(places);
-  albedo_.resizeDiscarding(places);
-  normal_.resizeDiscarding(places);
-  depth_.resizeDiscarding(places);
   constexpr std::int64_t kTexels = std::int64_t{gl::ShadowPass::kResolution} * gl::ShadowPass::kResolution;
   shadow_.resizeDiscarding(kTexels);
-  open_.resizeDiscarding(pixels);
-  scratch_.resizeDiscarding(pixels);
+  for (Array<float>* const each : {&open_, &scratch_, &distances_}) each->resizeDiscarding(pixels);
   rgb_.resizeDiscarding(3 * pixels);
+  for (Array<float>& each : tiles_) each.resizeDiscarding(std::int64_t{kTilesPerRow} * kTilesPerRow);
   setLines(frame);
-  const ShadedGround ground = groundOf(frame);
-  const ShadedPicture shaded = shadedPicture(frame, ground);
-  const gl::SplatTexels texels{albedo_.view(), normal_.view(), depth_.view()};
+  const ShadedPicture shaded = shadedPicture(frame);
   dispatch(device_, [&](auto& device) {
-    gl::splatGeometry(device, spheres_.view(), shaded.camera, nearest_.view(), texels);
-    addGround(device, shaded.camera, ground, texels);
-    if (frame.hasShadows)
+    showGround(device, shaded.seen, nearest_.view());
+    gl::splatDepths(device, spheres_.view(), shaded.seen.camera, nearest_.view());
+    if (frame.hasShadows) {
       gl::splatShadow(device, spheres_.view(), gl::splatSunOf(frame.sun, gl::ShadowPass::kResolution),
                       shadow_.view());
-    if (view.lighting.occlusion && !view.lighting.unlit)
-      findOcclusion(device, shaded, occlusionOf(frame, casters), open_.view(), scratch_.view());
-    else
-      device.fillBytes(open_.data(), 255, static_cast<std::size_t>(pixels));
+      findShadowTiles(device, shaded.shadow, gl::ShadowPass::kResolution, tiles_[0].view(), tiles_[1].view(),
+                      tiles_[2].view(), tiles_[3].view());
+    }
+    if (shaded.open.size > 0)
+      findOcclusion(device, shaded.seen, samples, occlusionOf(frame, casters), open_.view(), scratch_.view(),
+                    distances_.view());
     shade(device, shaded, rgb_.view());
   });
   return download(view);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/occlusion_kernels.h"
 #include "plugins/rendering/compute/shade_kernels.h"
 #include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/frame.h"
@@ -22,15 +23,16 @@ class ComputeRenderer {
 
  private:
   void setLines(const gl::Frame& frame);
-  ShadedPicture shadedPicture(const gl::Frame& frame, const ShadedGround& ground);
+  ShadedPicture shadedPicture(const gl::Frame& frame);
   Picture download(const View& view);
 
   Device& device_;
   SphereSet spheres_;
   Array<std::uint64_t> nearest_;
-  Array<std::uint32_t> albedo_, normal_, shadow_;
-  Array<float> depth_, linear_;
-  Array<std::uint8_t> open_, scratch_, rgb_;
+  Array<std::uint32_t> shadow_;
+  Array<float> linear_, open_, scratch_, distances_;
+  Array<float> tiles_[4];  // nearest and farthest depths of ShadowTiles, and scratch for them
+  Array<std::uint8_t> rgb_;
   Array<ShadedLine> lines_;
   HostCopy<std::uint8_t> picture_;
 };

@@ -1,179 +1,42 @@
 #include "plugins/rendering/compute/shade_kernels.h"
 
-#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "framework/compute/parallel.h"
+#include "plugins/rendering/compute/pixel_groups.h"
+#include "plugins/rendering/gl/splat_shapes.h"
 
 namespace weir::rendering {
 
 namespace {
 
-using gl::SplatCamera;
-using gl::SplatTexels;
+struct ShowGround {
+  SeenSamples seen;
+  PixelGroups samples;
+  ArrayView<std::uint64_t> nearest;
 
-WEIR_HD float clamped(float x, float low, float high) {
-  return x > low ? (x < high ? x : high) : low;
-}
-WEIR_HD int clamped(int x, int low, int high) {
-  return x > low ? (x < high ? x : high) : low;
-}
-WEIR_HD float mix(float a, float b, float t) {
-  return a + (b - a) * t;
-}
-WEIR_HD Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
-  return a + (b - a) * t;
-}
-WEIR_HD Vec3f times(const Vec3f& a, const Vec3f& b) {
-  return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-WEIR_HD float smoothstep(float low, float high, float x) {
-  const float t = clamped((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-WEIR_HD std::uint8_t byteOf(float x) {
-  return static_cast<std::uint8_t>(clamped(x, 0.0f, 1.0f) * 255.0f + 0.5f);
-}
-
-WEIR_HD float distanceAt(const SplatCamera& camera, float depth) {
-  return camera.projection.w / (2 * depth - 1 + camera.projection.z);
-}
-
-WEIR_HD float tenBits(std::uint32_t packed, int shift) {
-  return 2 * static_cast<float>(packed >> shift & 1023u) / 1023.0f - 1;
-}
-WEIR_HD Vec3f normalOf(std::uint32_t packed) {
-  return normalized(Vec3f{tenBits(packed, 0), tenBits(packed, 10), tenBits(packed, 20)});
-}
-WEIR_HD std::uint32_t toTenBits(float component) {
-  return static_cast<std::uint32_t>(clamped(0.5f + 0.5f * component, 0.0f, 1.0f) * 1023.0f + 0.5f);
-}
-WEIR_HD std::uint32_t packedNormal(const Vec3f& n) {
-  return toTenBits(n.x) | toTenBits(n.y) << 10 | toTenBits(n.z) << 20 | 3u << 30;
-}
-
-struct AddGround {
-  SplatCamera camera;
-  ShadedGround ground;
-  SplatTexels texels;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
-    const float height = dot(ground.middle, ground.up), falling = dot(ray, ground.up);
-    if (!(height < 0) || !(falling < 0)) return;
-    const float distance = height / falling;
-    if (distance < camera.near || length(ray * distance - ground.middle) > ground.radius) return;
-    const float depth = camera.depthAt(distance);
-    if (!(depth < texels.depth[k])) return;
-    texels.depth[k] = depth;
-    texels.albedo[k] = ground.albedo;
-    texels.normal[k] = packedNormal(ground.up);
-  }
-};
-
-/// Eleven places of a spiral of seven turns, a number without a common factor.
-constexpr int kTaps = 11;
-struct Taps {
-  Vec2f at[kTaps];
-};
-
-Taps spiral() {
-  constexpr float kTurns = 7, kCircle = 2 * std::numbers::pi_v<float>;
-  Taps taps;
-  for (int i = 0; i < kTaps; ++i) {
-    const float part = (static_cast<float>(i) + 0.5f) / kTaps;
-    taps.at[i] = {part * std::cos(kCircle * kTurns * part), part * std::sin(kCircle * kTurns * part)};
-  }
-  return taps;
-}
-
-/// Cosine and sine of the sixteen angles by which pixels turn the taps.
-struct Turns {
-  Vec2f at[16];
-};
-
-Turns sixteenTurns() {
-  Turns turns;
-  for (int i = 0; i < 16; ++i) {
-    const float angle = static_cast<float>(i) * (2 * std::numbers::pi_v<float> / 16.0f);
-    turns.at[i] = {std::cos(angle), std::sin(angle)};
-  }
-  return turns;
-}
-
-struct EstimateOcclusion {
-  SplatCamera camera;
-  ShadedOcclusion occlusion;
-  int samples, width;
-  ArrayView<const float> depth;
-  ArrayView<const std::uint32_t> normals;
-  Taps taps;
-  Turns turns;
-  ArrayView<std::uint8_t> open;
-
-  WEIR_HD Vec3f positionAt(int x, int y) const {
-    return camera.ray(x, y) * distanceAt(camera, depth[std::int64_t{y} * camera.width + x]);
+  WEIR_HD Number depthsAlong(const Numbers3& ray) const {
+    const ShadedGround& ground = seen.ground;
+    const float height = dot(ground.middle, ground.up);
+    const Number falling = dot(ray, allOf(ground.up));
+    if (!ground.visible || !(height < 0) || !any(falling < Number(0.0f))) return Number(1.0f);
+    const Number distance = height / falling;
+    const Numbers3 aside = ray * distance - allOf(ground.middle);
+    const Mask outside =
+        either(distance<Number(seen.camera.near), dot(aside, aside)> Number(ground.radius * ground.radius));
+    const Number depth = atMost(
+        positivePart(0.5f + 0.5f * (seen.camera.projection.w / distance - seen.camera.projection.z)), 1.0f);
+    return select(notSo(outside) & (falling < Number(0.0f)), depth, Number(1.0f));
   }
 
   WEIR_HD void operator()(std::int64_t k) const {
-    const int column = static_cast<int>(k % width), row = static_cast<int>(k / width);
-    const int x = column * samples + samples / 2, y = row * samples + samples / 2;
-    const std::int64_t place = std::int64_t{y} * camera.width + x;
-    if (depth[place] >= 1) {
-      open[k] = 255;
-      return;
-    }
-    const Vec3f position = positionAt(x, y), normal = normalOf(normals[place]);
-    const float radius = occlusion.radius, square = radius * radius;
-    const float wanted = radius * occlusion.radiusInView / -position.z;
-    const float reach = wanted < occlusion.largest ? wanted : occlusion.largest;
-    const Vec2f unit = turns.at[((column & 3) * 4 + (row & 3) * 7) & 15];
-    const Vec2f turn{reach * unit.x, reach * unit.y};
-    float sum = 0;
-    for (int i = 0; i < kTaps; ++i) {
-      const Vec2f tap = taps.at[i];
-      const float right = tap.x * turn.x - tap.y * turn.y, up = tap.x * turn.y + tap.y * turn.x;
-      const int tapX = clamped(x + static_cast<int>(std::rint(right)), 0, camera.width - 1);
-      const int tapY = clamped(y + static_cast<int>(std::rint(up)), 0, camera.height - 1);
-      const Vec3f towards = positionAt(tapX, tapY) - position;
-      const float way = dot(towards, towards);
-      const float within = square > way ? square - way : 0.0f;
-      const float over = dot(towards, normal) - 0.02f * radius;
-      sum += within * within * within * (over > 0 ? over : 0.0f) / (way + 1e-3f * square);
-    }
-    const float hemmedIn = sum * 5 / (square * square * radius * static_cast<float>(kTaps));
-    open[k] = byteOf(1 - hemmedIn);
-  }
-};
-
-/// Means over neighbours that are about as far away, along one axis.
-struct BlurOcclusion {
-  SplatCamera camera;
-  float radius;
-  int samples, width, height, stepX, stepY;
-  ArrayView<const float> depth;
-  ArrayView<const std::uint8_t> from;
-  ArrayView<std::uint8_t> to;
-
-  WEIR_HD float distanceOf(int column, int row) const {
-    const int x = column * samples + samples / 2, y = row * samples + samples / 2;
-    return distanceAt(camera, depth[std::int64_t{y} * camera.width + x]);
-  }
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const int column = static_cast<int>(k % width), row = static_cast<int>(k / width);
-    const float here = distanceOf(column, row);
-    float sum = 0, weights = 0;
-    for (int i = -2; i <= 2; ++i) {
-      const int x = clamped(column + i * stepX, 0, width - 1), y = clamped(row + i * stepY, 0, height - 1);
-      const float away = (distanceOf(x, y) - here) / (0.5f * radius);
-      const float near = 1 - away * away;
-      const float weight = (i == -2 || i == 2 ? 0.5f : 1.0f) * (near > 0 ? near : 0.0f);
-      sum += weight * static_cast<float>(from[std::int64_t{y} * width + x]);
-      weights += weight;
-    }
-    to[k] = byteOf(sum / weights * (1 / 255.0f));
+    const int row = samples.row(k), first = samples.column(k);
+    const Number x = toNumbers(intsFrom(first));
+    const Ints bits = bitsOfNumbers(depthsAlong(seen.ray(x, Number(static_cast<float>(row)))));
+    std::uint64_t* to = nearest.data + std::int64_t{row} * samples.width + first;
+    for (int l = 0; l < kPixels; ++l)
+      if (first + l < samples.width) to[l] = std::uint64_t{laneOf(bits, l)} << 32 | gl::kNoSphere;
   }
 };
 
@@ -197,189 +60,265 @@ SoftShadow softShadow() {
 
 struct Shade {
   ShadedPicture in;
+  PixelGroups pixels;
   SoftShadow soft;
   ArrayView<std::uint8_t> rgb;
 
-  /// A texel of the shadow map against a depth: 1 if it is lit.
-  WEIR_HD float isLit(int x, int y, float depth) const {
+  /// Two neighbouring texels of the shadow map against depths, mixed: 1 where they are lit. `left` is the
+  /// column of the first, which may lie outside.
+  WEIR_HD Number areLit(const Ints& left, const Ints& row, const Number& beyond, const Number& depth) const {
     const int last = in.light.shadowResolution - 1;
-    const std::int64_t at =
-        std::int64_t{clamped(y, 0, last)} * in.light.shadowResolution + clamped(x, 0, last);
-    return depth <= std::bit_cast<float>(in.shadow[at]) ? 1.0f : 0.0f;
+    Number first, second;
+    gatherPairs(in.shadow.data,
+                clamped(row, 0, last) * in.light.shadowResolution + clamped(left, 0, last - 1), first,
+                second);
+    const Number one = select(below(left, last), first, second), two = select(below(left, 0), first, second);
+    return mix(select(one < depth, Number(0.0f), Number(1.0f)),
+               select(two < depth, Number(0.0f), Number(1.0f)), beyond);
   }
 
   /// The comparisons of the four texels around a place, mixed.
-  WEIR_HD float litAt(float u, float v, float depth) const {
+  WEIR_HD Number litAt(const Number& u, const Number& v, const Number& depth) const {
     const auto size = static_cast<float>(in.light.shadowResolution);
-    const float x = clamped(u * size - 0.5f, -1.0f, size), y = clamped(v * size - 0.5f, -1.0f, size);
-    const float left = std::floor(x), low = std::floor(y);
-    const int column = static_cast<int>(left), row = static_cast<int>(low);
-    const float lower = mix(isLit(column, row, depth), isLit(column + 1, row, depth), x - left);
-    const float upper = mix(isLit(column, row + 1, depth), isLit(column + 1, row + 1, depth), x - left);
-    return mix(lower, upper, y - low);
+    Number right, up;
+    const Ints column = split(clamped(u * size - 0.5f, -1.0f, size), right);
+    const Ints row = split(clamped(v * size - 0.5f, -1.0f, size), up);
+    return mix(areLit(column, row, right, depth), areLit(column, row + 1, right, depth), up);
   }
 
-  WEIR_HD float sunlight(const Vec3f& position, const Vec3f& normal, int x, int y) const {
+  /// Whether places are lit, as far as the tiles know; true if they know it of all that are `wanted`.
+  WEIR_HD bool knowTiles(const Number& u, const Number& v, const Number& depth, const Mask& wanted,
+                         Number& lit) const {
+    constexpr float kSide = ShadowTiles::kSide;
+    const float tiles = static_cast<float>(in.light.shadowResolution) / kSide;
+    const auto last = static_cast<float>(in.tiles.perRow - 1);
+    const Ints at =
+        toInts(clamped(v * tiles, 0.0f, last)) * in.tiles.perRow + toInts(clamped(u * tiles, 0.0f, last));
+    const Mask dark = gather(in.tiles.farthest.data, at) < depth;
+    const Mask unsure = gather(in.tiles.nearest.data, at) < depth;
+    lit = select(dark, Number(0.0f), Number(1.0f));
+    return !any(wanted & unsure & notSo(dark));
+  }
+
+  WEIR_HD Number sunlight(const Numbers3& position, const Numbers3& normal, const Ints& x, int y,
+                          const Mask& wanted) const {
     const ShadedLight& light = in.light;
-    if (light.shadowResolution == 0) return 1;
-    const Vec3f p = position + normal * (light.shadowTexel * 2);
-    const float u = dot(light.toShadow[0], p) + light.shadowMoved.x;
-    const float v = dot(light.toShadow[1], p) + light.shadowMoved.y;
-    const float depth = dot(light.toShadow[2], p) + light.shadowMoved.z;
-    const Vec2f unit = soft.turns[(x & 1) + 2 * (y & 1)];
-    const Vec2f turn{light.softness * unit.x, light.softness * unit.y};
-    float open = 0;
+    if (light.shadowResolution == 0) return Number(1.0f);
+    const Numbers3 p = position + normal * Number(light.shadowTexel * 2);
+    const Number u = dot(allOf(light.toShadow[0]), p) + light.shadowMoved.x;
+    const Number v = dot(allOf(light.toShadow[1]), p) + light.shadowMoved.y;
+    const Number depth = atMost(dot(allOf(light.toShadow[2]), p) + light.shadowMoved.z, 1.0f);
+    Number open = 0.0f;
+    if (knowTiles(u, v, depth, wanted, open)) return open;
+    open = 0.0f;
+    const Mask even = equal(x & 1, 0);
+    const Vec2f first = soft.turns[2 * (y & 1)], second = soft.turns[1 + 2 * (y & 1)];
+    const Number turnX = light.softness * select(even, Number(first.x), Number(second.x));
+    const Number turnY = light.softness * select(even, Number(first.y), Number(second.y));
     for (int i = 0; i < 4; ++i) {
       const Vec2f tap = soft.taps[i];
-      open += 0.25f * litAt(u + tap.x * turn.x - tap.y * turn.y, v + tap.x * turn.y + tap.y * turn.x,
-                            depth < 1 ? depth : 1.0f);
+      open += 0.25f * litAt(u + tap.x * turnX - tap.y * turnY, v + tap.x * turnY + tap.y * turnX, depth);
     }
     return open;
   }
 
-  WEIR_HD Vec3f skyLight(const Vec3f& normal) const {
+  WEIR_HD Numbers3 skyLight(const Numbers3& normal) const {
     constexpr float kStrength = 0.56f;
-    const float above = 0.5f + 0.5f * dot(normal, in.light.up);
-    return kStrength * mix(0.62f * in.light.ground, in.light.sky, above * (2 - above));
+    const Number above = 0.5f + 0.5f * dot(normal, allOf(in.light.up));
+    return mix(allOf(kStrength * 0.62f * in.light.ground), allOf(kStrength * in.light.sky),
+               above * (2 - above));
   }
 
-  /// The occlusion at a sample, mixed of the four pixels around it.
-  WEIR_HD float openAt(int x, int y) const {
-    const float scale = 1 / static_cast<float>(in.samples);
-    const float column = (static_cast<float>(x) + 0.5f) * scale - 0.5f;
-    const float row = (static_cast<float>(y) + 0.5f) * scale - 0.5f;
-    const float left = std::floor(column), low = std::floor(row);
-    const int x0 = clamped(static_cast<int>(left), 0, in.width - 1);
-    const int y0 = clamped(static_cast<int>(low), 0, in.height - 1);
-    const int x1 = clamped(static_cast<int>(left) + 1, 0, in.width - 1);
-    const int y1 = clamped(static_cast<int>(low) + 1, 0, in.height - 1);
-    const auto at = [&](int i, int j) {
-      return static_cast<float>(in.open[std::int64_t{j} * in.width + i]) * (1 / 255.0f);
+  /// The occlusion at samples, mixed of the four pixels around each. `column` is of the first pixel.
+  WEIR_HD Number openAt(int column, int row, int right, int up) const {
+    if (in.open.size == 0) return Number(1.0f);
+    // From the middle of the sample's pixel, in pixels.
+    const float asideX = (static_cast<float>(right) + 0.5f) / static_cast<float>(in.samples) - 0.5f;
+    const float asideY = (static_cast<float>(up) + 0.5f) / static_cast<float>(in.samples) - 0.5f;
+    const int other = asideY < 0 ? (row > 0 ? row - 1 : 0) : (row + 1 < in.height ? row + 1 : row);
+    const int next = column + (asideX < 0 ? -1 : 1);
+    const auto along = [&](int of) {
+      const float* line = in.open.data + std::int64_t{of} * in.width;
+      return mix(rowFrom(line, column, in.width), rowFrom(line, next, in.width), std::fabs(asideX));
     };
-    return mix(mix(at(x0, y0), at(x1, y0), column - left), mix(at(x0, y1), at(x1, y1), column - left),
-               row - low);
+    return mix(along(row), along(other), std::fabs(asideY));
   }
 
   WEIR_HD Vec3f backgroundAt(int y) const {
-    const float height = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.camera.height);
-    return mix(in.light.background[0], in.light.background[1], smoothstep(0, 1, height));
+    float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.seen.camera.height);
+    t = t * t * (3 - 2 * t);
+    return in.light.background[0] + (in.light.background[1] - in.light.background[0]) * t;
   }
 
   /// The ground becomes the background towards its rim.
-  WEIR_HD Vec3f faded(const Vec3f& color, const Vec3f& position, int y) const {
-    const float away = length(position - in.ground.middle) / in.ground.radius;
-    return mix(color, backgroundAt(y), smoothstep(0.12f, 0.9f, away));
+  WEIR_HD Numbers3 faded(const Numbers3& color, const Numbers3& position, int y) const {
+    const Numbers3 aside = position - allOf(in.seen.ground.middle);
+    const Number away = sqrtf(dot(aside, aside)) / in.seen.ground.radius;
+    return mix(color, allOf(backgroundAt(y)), smoothstep(0.12f, 0.9f, away));
   }
 
-  WEIR_HD Vec3f surfaceAt(int x, int y, std::int64_t k) const {
+  WEIR_HD Numbers3 albedo(const SeenRow& seen, const Mask& ground) const {
+    const Numbers3 groundColor = allOf(in.seen.ground.color);
+    if (!any(notSo(ground))) return groundColor;
+    const Ints packed = in.seen.sphereColors(seen);
+    const Numbers3 color{gather(in.linear.data, packed & 255), gather(in.linear.data, (packed >> 8) & 255),
+                         gather(in.linear.data, (packed >> 16) & 255)};
+    return selectAll(ground, groundColor, color);
+  }
+
+  /// The light from surfaces; anything where there is none. `column` and `row` are of the first pixel,
+  /// `right` and `up` count the sample in them.
+  WEIR_HD Numbers3 surfaceAt(const SeenRow& seen, const Ints& x, int column, int row, int right,
+                             int up) const {
     constexpr Vec3f kSunColor{0.74f, 0.71f, 0.66f};
-    constexpr std::uint32_t kGround = 255;
-    const std::uint32_t albedo = in.albedo[k];
-    const Vec3f surface{in.linear[albedo & 255u], in.linear[albedo >> 8 & 255u],
-                        in.linear[albedo >> 16 & 255u]};
-    const bool ground = albedo >> 24 == kGround;
-    const Vec3f position = in.camera.ray(x, y) * distanceAt(in.camera, in.depth[k]);
-    if (in.light.unlit) return ground ? faded(surface, position, y) : surface;
-    const Vec3f normal = normalOf(in.normal[k]);
-    const Vec3f towardsEye = -normalized(position);
-    const float open = openAt(x, y), facing = dot(normal, in.light.sun);
-    const float sun = facing > 0 ? sunlight(position, normal, x, y) : 0.0f;
-    const float direct = sun * (facing > 0 ? facing : 0.0f) * mix(1, open, 0.35f);
-    const Vec3f color = times(surface, skyLight(normal) * open + kSunColor * direct);
-    if (ground) return faded(color, position, y);
-    const float cosine = dot(normal, normalized(towardsEye + in.light.sun));
-    const float slant = 1 - clamped(dot(normal, towardsEye), 0.0f, 1.0f), square = slant * slant;
-    const float rim = 0.04f + 0.96f * square * square * slant;
-    return color + kSunColor * (0.10f * sun * highlight(cosine > 0 ? cosine : 0.0f) * 0.25f) +
-           times(in.light.sky, surface) * (0.25f * rim * open);
+    const int y = row * in.samples + up;
+    const Mask ground = seen.ground();
+    const Numbers3 surface = albedo(seen, ground);
+    const Numbers3 ray = in.seen.ray(toNumbers(x), Number(static_cast<float>(y)));
+    const Numbers3 position = ray * in.seen.distanceAt(seen.depth());
+    if (in.light.unlit)
+      return any(ground) ? selectAll(ground, faded(surface, position, y), surface) : surface;
+    const Numbers3 normal = in.seen.normal(seen, ray);
+    const Number open = openAt(column, row, right, up);
+    const Number facing = positivePart(dot(normal, allOf(in.light.sun)));
+    const Mask sunny = (facing > Number(0.0f)) & seen.something();
+    const Number sun =
+        any(sunny) ? select(facing > Number(0.0f), sunlight(position, normal, x, y, sunny), Number(0.0f))
+                   : Number(0.0f);
+    const Numbers3 sunColor = allOf(kSunColor);
+    const Number direct = sun * facing * (1 + (open - 1) * 0.35f);
+    const Numbers3 color = times(surface, skyLight(normal) * open + sunColor * direct);
+    if (!any(notSo(ground))) return faded(color, position, y);
+    const Numbers3 towardsEye = unit(-position);
+    const Number cosine = positivePart(dot(normal, unit(towardsEye + allOf(in.light.sun))));
+    const Number slant = 1 - clamped(dot(normal, towardsEye), 0.0f, 1.0f), square = slant * slant;
+    const Number rim = 0.04f + 0.96f * square * square * slant;
+    const Numbers3 shiny = color + sunColor * (0.10f * 0.25f * sun * highlight(cosine)) +
+                           times(allOf(in.light.sky), surface) * (0.25f * rim * open);
+    return any(ground) ? selectAll(ground, faded(color, position, y), shiny) : shiny;
   }
 
   /// The normalised Blinn-Phong highlight of the exponent 40.
-  WEIR_HD static float highlight(float cosine) {
-    const float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
+  WEIR_HD static Number highlight(const Number& cosine) {
+    const Number c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
     return 6 * c16 * c16 * c8;
   }
 
-  WEIR_HD void addLines(int x, int y, float depth, Vec3f& light) const {
-    for (std::int64_t i = 0; i < in.lines.size; ++i) {
+  /// Which of the lines come near the pixels, one bit each.
+  struct NearLines {
+    std::uint32_t bits[kMostLines / 32] = {};
+    bool any = false;
+  };
+  WEIR_HD NearLines linesAt(int column, int row) const {
+    NearLines found;
+    const float half = 0.5f * static_cast<float>(in.samples);
+    const float halfWidth = half * kPixels;
+    const float x = static_cast<float>(column * in.samples) + halfWidth;
+    const float y = static_cast<float>(row * in.samples) + half;
+    for (int i = 0; i < static_cast<int>(in.lines.size); ++i) {
       const ShadedLine& line = in.lines[i];
-      const float right = static_cast<float>(x) + 0.5f - line.from.x;
-      const float up = static_cast<float>(y) + 0.5f - line.from.y;
-      const float across = right * line.along.y - up * line.along.x;
-      if (!(std::fabs(across) <= line.halfWidth)) continue;
-      const float along = right * line.along.x + up * line.along.y;
-      if (!(along >= 0 && along <= line.length) || line.depth + along * line.depthStep > depth) continue;
-      light = mix(light, line.color, line.opacity);
+      if (y + half < line.lowest || y - half > line.highest) continue;
+      const float right = x - line.from.x, up = y - line.from.y;
+      const float alongX = std::fabs(line.along.x), alongY = std::fabs(line.along.y);
+      const float across =
+          std::fabs(right * line.along.y - up * line.along.x) - halfWidth * alongY - half * alongX;
+      if (across > line.halfWidth) continue;
+      const float along = right * line.along.x + up * line.along.y,
+                  reach = halfWidth * alongX + half * alongY;
+      if (along + reach < 0 || along - reach > line.length) continue;
+      found.bits[i / 32] |= 1u << (i % 32);
+      found.any = true;
     }
+    return found;
+  }
+
+  WEIR_HD Numbers3 withLines(Numbers3 light, const NearLines& near, const Number& x, float y,
+                             const Number& depth) const {
+    for (int i = 0; i < static_cast<int>(in.lines.size); ++i) {
+      if ((near.bits[i / 32] >> (i % 32) & 1u) == 0) continue;
+      const ShadedLine& line = in.lines[i];
+      const Number right = x + 0.5f - line.from.x;
+      const float up = y + 0.5f - line.from.y;
+      const Number across = right * line.along.y - up * line.along.x;
+      const Number along = right * line.along.x + up * line.along.y;
+      const Mask outside = either(either(Number(line.halfWidth) < across, across < Number(-line.halfWidth)),
+                                  either(either(along<Number(0.0f), along> Number(line.length)),
+                                         depth < line.depth + along * line.depthStep));
+      light = selectAll(outside, light, mix(light, allOf(line.color), line.opacity));
+    }
+    return light;
   }
 
   /// Leaves light below the knee alone, and bends what is above it towards 1.
-  WEIR_HD static float shoulder(float light) {
-    constexpr float kKnee = 0.8f;
-    if (!(light > kKnee)) return light;
-    return kKnee + (1 - kKnee) * (1 - std::exp(-(light - kKnee) / (1 - kKnee)));
+  WEIR_HD static Number shoulder(const Number& light) {
+    constexpr float kKnee = 0.8f, kMost = 80;
+    const Mask above = light > Number(kKnee);
+    if (!any(above)) return light;
+    const Number over = clamped((light - kKnee) * (1 / (1 - kKnee)), 0.0f, kMost);
+    return select(above, 1 - (1 - kKnee) * exponential(-over), light);
   }
 
-  WEIR_HD static float encoded(float light) {
-    return light < 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
+  WEIR_HD static Number encoded(const Number& light) {
+    constexpr float kLinear = 0.0031308f;
+    const Number bent = 1.055f * power(atLeast(light, kLinear), 1 / 2.4f) - 0.055f;
+    return select(light < Number(kLinear), 12.92f * light, bent);
   }
 
-  WEIR_HD float exposed(float light) const {
-    return in.light.unlit ? (light < 1 ? light : 1.0f) : shoulder(light);
+  WEIR_HD Numbers3 exposed(const Numbers3& light) const {
+    if (in.light.unlit) return {atMost(light.x, 1.0f), atMost(light.y, 1.0f), atMost(light.z, 1.0f)};
+    return {shoulder(light.x), shoulder(light.y), shoulder(light.z)};
   }
 
-  WEIR_HD void operator()(std::int64_t pixel) const {
-    const int column = static_cast<int>(pixel % in.width);
-    const int row = in.height - 1 - static_cast<int>(pixel / in.width);
-    Vec3f sum;
+  WEIR_HD void operator()(std::int64_t k) const {
+    const Ints columns = pixels.columns(k);
+    const int row = in.height - 1 - pixels.row(k);
+    const NearLines near = linesAt(pixels.column(k), row);
+    Numbers3 sum = allOf({0, 0, 0});
     for (int j = 0; j < in.samples; ++j) {
       const int y = row * in.samples + j;
+      const Numbers3 background = allOf(backgroundAt(y));
       for (int i = 0; i < in.samples; ++i) {
-        const int x = column * in.samples + i;
-        const std::int64_t k = std::int64_t{y} * in.camera.width + x;
-        const float depth = in.depth[k];
-        Vec3f light = depth >= 1 ? backgroundAt(y) : surfaceAt(x, y, k);
-        addLines(x, y, depth, light);
-        sum += Vec3f{exposed(light.x), exposed(light.y), exposed(light.z)};
+        const Ints x = columns * in.samples + i;
+        const SeenRow seen = in.seen.row(x, y);
+        const Mask something = seen.something();
+        Numbers3 light = background;
+        if (any(something))
+          light = selectAll(something, surfaceAt(seen, x, pixels.column(k), row, i, j), background);
+        if (near.any) light = withLines(light, near, toNumbers(x), static_cast<float>(y), seen.depth());
+        sum += exposed(light);
       }
     }
-    const float share = 1 / static_cast<float>(in.samples * in.samples);
-    for (int c = 0; c < 3; ++c) rgb[3 * pixel + c] = byteOf(encoded(share * sum[c]));
+    write(k, sum * Number(1 / static_cast<float>(in.samples * in.samples)));
+  }
+
+  WEIR_HD void write(std::int64_t k, const Numbers3& light) const {
+    const Ints red = bytesOf(encoded(light.x)), green = bytesOf(encoded(light.y)),
+               blue = bytesOf(encoded(light.z));
+    const int first = pixels.column(k);
+    std::uint8_t* to = rgb.data + 3 * (std::int64_t{pixels.row(k)} * in.width + first);
+    for (int l = 0; l < kPixels && first + l < in.width; ++l) {
+      to[3 * l] = static_cast<std::uint8_t>(laneOf(red, l));
+      to[3 * l + 1] = static_cast<std::uint8_t>(laneOf(green, l));
+      to[3 * l + 2] = static_cast<std::uint8_t>(laneOf(blue, l));
+    }
   }
 };
 
 }  // namespace
 
 template <class Backend>
-void addGround(Backend& device, const SplatCamera& camera, const ShadedGround& ground,
-               const SplatTexels& texels) {
-  if (ground.visible) parallelFor(device, "ground", texels.depth.size, AddGround{camera, ground, texels});
-}
-
-template <class Backend>
-void findOcclusion(Backend& device, const ShadedPicture& in, const ShadedOcclusion& occlusion,
-                   ArrayView<std::uint8_t> open, ArrayView<std::uint8_t> scratch) {
-  parallelFor(device, "occlusion", open.size,
-              EstimateOcclusion{in.camera, occlusion, in.samples, in.width, in.depth, in.normal, spiral(),
-                                sixteenTurns(), open});
-  const auto blur = [&](int stepX, ArrayView<const std::uint8_t> from, ArrayView<std::uint8_t> to) {
-    parallelFor(device, "blur occlusion", open.size,
-                BlurOcclusion{in.camera, occlusion.radius, in.samples, in.width, in.height, stepX, 1 - stepX,
-                              in.depth, from, to});
-  };
-  blur(1, open, scratch);
-  blur(0, scratch, open);
+void showGround(Backend& device, const SeenSamples& seen, ArrayView<std::uint64_t> nearest) {
+  const PixelGroups samples{seen.camera.width, seen.camera.height};
+  parallelFor(device, "ground", samples.count(), ShowGround{seen, samples, nearest});
 }
 
 template <class Backend>
 void shade(Backend& device, const ShadedPicture& picture, ArrayView<std::uint8_t> rgb) {
-  parallelFor(device, "shade", std::int64_t{picture.width} * picture.height,
-              Shade{picture, softShadow(), rgb});
+  const PixelGroups pixels{picture.width, picture.height};
+  parallelFor(device, "shade", pixels.count(), Shade{picture, pixels, softShadow(), rgb});
 }
 
-template void addGround(ThisBackend&, const SplatCamera&, const ShadedGround&, const SplatTexels&);
-template void findOcclusion(ThisBackend&, const ShadedPicture&, const ShadedOcclusion&,
-                            ArrayView<std::uint8_t>, ArrayView<std::uint8_t>);
+template void showGround(ThisBackend&, const SeenSamples&, ArrayView<std::uint64_t>);
 template void shade(ThisBackend&, const ShadedPicture&, ArrayView<std::uint8_t>);
 
 }  // namespace weir::rendering

@@ -1,35 +1,26 @@
 // Lights what splat_kernels.h found, without OpenGL: ground, ambient occlusion, a sun with a soft shadow,
-// lines, tone curve. The arithmetic is that of the shaders of the passes in gl/, and so are the numbers'
-// formats.
+// lines, tone curve. The arithmetic is that of the shaders of the passes in gl/.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
-#include "plugins/rendering/gl/splat_kernels.h"
+#include "plugins/rendering/compute/seen_samples.h"
+#include "plugins/rendering/compute/shadow_tiles.h"
 
 namespace weir::rendering {
 
-/// The ground: a level disc, seen from above only. In camera space.
-struct ShadedGround {
-  bool visible = false;
-  Vec3f middle, up;
-  float radius = 0;          ///< m
-  std::uint32_t albedo = 0;  ///< with its material
-};
-
-struct ShadedOcclusion {
-  float radius = 0;        ///< m
-  float radiusInView = 0;  ///< of 1 m at a distance of 1 m, in samples
-  float largest = 0;       ///< samples
-};
+/// More lines are OpenGL's: each pixel looks at all of them.
+inline constexpr std::size_t kMostLines = 256;
 
 /// A line in the picture: a rectangle, in samples. Depth changes from one short side to the other.
 struct ShadedLine {
   Vec2f from, along;  ///< the middle of a short side, and the unit vector to the other one
   float length = 0, halfWidth = 0;
   float depth = 0, depthStep = 0;  ///< at the first side, and its change a sample
+  float lowest = 0, highest = 0;   ///< the rows that it touches
   Vec3f color;                     ///< linear
   float opacity = 1;
 };
@@ -46,28 +37,21 @@ struct ShadedLight {
 };
 
 struct ShadedPicture {
-  gl::SplatCamera camera;  ///< in samples
-  int samples = 1;         ///< per axis and pixel
+  SeenSamples seen;
+  int samples = 1;  ///< per axis and pixel
   int width = 0, height = 0;
   ShadedLight light;
-  ShadedGround ground;
   ArrayView<const float> linear;  ///< of each sRGB number of eight bits
   ArrayView<const ShadedLine> lines;
-  ArrayView<const std::uint32_t> albedo, normal;  ///< see gl::SplatTexels
-  ArrayView<const float> depth;
-  ArrayView<const std::uint32_t> shadow;  ///< bits of depths
-  ArrayView<const std::uint8_t> open;     ///< occlusion of each pixel, 255 is open; rows from the bottom
+  ArrayView<const float> shadow;  ///< depths
+  ShadowTiles tiles;
+  ArrayView<const float>
+      open;  ///< of each pixel, 1 where nothing occludes; rows from the bottom. May be empty.
 };
 
-/// Puts the ground behind what is there.
+/// Makes a picture for gl::splatDepths that shows the ground alone.
 template <class Backend>
-void addGround(Backend& device, const gl::SplatCamera& camera, const ShadedGround& ground,
-               const gl::SplatTexels& texels);
-
-/// Fills `open`; `scratch` has its size.
-template <class Backend>
-void findOcclusion(Backend& device, const ShadedPicture& picture, const ShadedOcclusion& occlusion,
-                   ArrayView<std::uint8_t> open, ArrayView<std::uint8_t> scratch);
+void showGround(Backend& device, const SeenSamples& seen, ArrayView<std::uint64_t> nearest);
 
 /// Writes red, green and blue of each pixel, the upper row first.
 template <class Backend>

@@ -3,52 +3,14 @@
 #include <bit>
 #include <cmath>
 
-#include "framework/compute/atomic_min.h"
 #include "framework/compute/parallel.h"
-#include "plugins/rendering/gl/splat_shapes.h"
+#include "plugins/rendering/gl/splat_offers.h"
 
 namespace weir::rendering::gl {
 
 namespace {
 
-constexpr std::uint64_t kNobody = ~std::uint64_t{0};
-
-struct OfferDepths {
-  ArrayView<const SplatSphere> spheres;
-  Shares shares;
-  SplatCamera camera;
-  ArrayView<std::uint64_t> nearest;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
-    if (i >= shares.spheres) return;
-    const float radius = spheres[i].radius;
-    if (!(radius > 0)) return;
-    const Vec3f center = camera.point(spheres[i].center);
-    const float along = -center.z;
-    if (along + radius < camera.near) return;  // behind the camera
-    Samples x{0, camera.width - 1}, y{0, camera.height - 1};
-    if (along - radius > camera.near) {  // otherwise it may fill the picture
-      x = touched(center.x, along, radius, camera.tangent.x, camera.width);
-      y = touched(center.y, along, radius, camera.tangent.y, camera.height);
-    }
-    constexpr float kNearer = 0.9999f;  // for rounding
-    const float front = kNearer * (along - radius);
-    const std::uint64_t best =
-        std::uint64_t{bitsOf(camera.depthAt(front > camera.near ? front : camera.near))} << 32;
-    // The later of two is less.
-    const std::uint64_t number = 0xffffffffu - static_cast<std::uint32_t>(i);
-    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
-      std::uint64_t* line = nearest.data + std::int64_t{row} * camera.width;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;  // all of it is hidden there
-        const Hit hit(camera.ray(column, row), center, radius);
-        if (hit.rest < 0 || hit.distance < camera.near) continue;
-        atomicMin(line + column, std::uint64_t{bitsOf(camera.depthAt(hit.distance))} << 32 | number);
-      }
-    }
-  }
-};
+constexpr std::uint64_t kNobody = std::uint64_t{kOneBits} << 32 | kNoSphere;
 
 struct ClearNearest {
   ArrayView<std::uint64_t> nearest;
@@ -80,10 +42,10 @@ struct WriteTexels {
       out.depth[k] = 1;
       return;
     }
-    const SplatSphere& sphere = spheres[0xffffffffu - static_cast<std::uint32_t>(seen)];
+    const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
     const Vec3f center = camera.point(sphere.center);
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
-    const Hit hit(ray, center, sphere.radius);
+    const Hit<float> hit(ray, center, sphere.radius);
     out.albedo[k] = sphere.color;
     out.normal[k] = packedNormal((ray * hit.distance - center) / sphere.radius);
     out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
@@ -95,44 +57,19 @@ struct ClearShadow {
   WEIR_HD void operator()(std::int64_t k) const { depthBits[k] = kOneBits; }
 };
 
-struct OfferShadow {
-  ArrayView<const SplatSphere> spheres;
-  Shares shares;
-  SplatSun sun;
-  ArrayView<std::uint32_t> depthBits;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
-    if (i >= shares.spheres || !(spheres[i].radius > 0)) return;
-    const Vec3f center = sun.point(spheres[i].center);
-    const float radius = spheres[i].radius / sun.halfSize;  // in clip space
-    const Samples x = Samples::between(center.x - radius, center.x + radius, sun.resolution);
-    const Samples y = Samples::between(center.y - radius, center.y + radius, sun.resolution);
-    const float texel = 2.0f / float(sun.resolution);
-    const float thick = spheres[i].radius * sun.zToDepth;
-    const std::uint32_t best = bitsOf(0.5f + 0.5f * (center.z - thick));
-    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
-      const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
-      std::uint32_t* line = depthBits.data + std::int64_t{row} * sun.resolution;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;
-        const float u = ((float(column) + 0.5f) * texel - 1 - center.x) / radius;
-        const float rest = 1 - (u * u + v * v);
-        if (rest < 0) continue;
-        atomicMin(line + column, bitsOf(0.5f + 0.5f * (center.z - thick * std::sqrt(rest))));
-      }
-    }
-  }
-};
-
 }  // namespace
+
+template <class Backend>
+void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                 ArrayView<std::uint64_t> nearest) {
+  offerToCamera(device, "offerDepths", spheres, camera, nearest);
+}
 
 template <class Backend>
 void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                    ArrayView<std::uint64_t> nearest, const SplatTexels& out) {
   parallelFor(device, "clearNearest", nearest.size, ClearNearest{nearest});
-  const Shares shares(spheres.size);
-  parallelFor(device, "offerDepths", shares.count(), OfferDepths{spheres, shares, camera, nearest});
+  splatDepths(device, spheres, camera, nearest);
   parallelFor(device, "writeTexels", nearest.size, WriteTexels{spheres, camera, nearest, out});
 }
 
@@ -140,10 +77,11 @@ template <class Backend>
 void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
                  ArrayView<std::uint32_t> depthBits) {
   parallelFor(device, "clearShadow", depthBits.size, ClearShadow{depthBits});
-  const Shares shares(spheres.size);
-  parallelFor(device, "offerShadow", shares.count(), OfferShadow{spheres, shares, sun, depthBits});
+  offerToSun(device, "offerShadow", spheres, sun, depthBits);
 }
 
+template void splatDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
+                          ArrayView<std::uint64_t>);
 template void splatGeometry(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
                             ArrayView<std::uint64_t>, const SplatTexels&);
 template void splatShadow(ThisBackend&, ArrayView<const SplatSphere>, const SplatSun&,

@@ -54,7 +54,17 @@ struct SplatTexels {
   ArrayView<float> depth;
 };
 
-/// `nearest` is scratch of width × height elements. Of spheres that are equally near, the last one is seen.
+/// The number of samples at which no sphere is seen, in the lower half of splatDepths' `nearest`. Spheres
+/// count down from the number below it, so that of spheres that are equally near, the last one is seen.
+inline constexpr std::uint32_t kNoSphere = 0xffffffff;
+
+/// Puts spheres before what `nearest` holds for each sample: the bits of a depth in its upper half, a number
+/// in its lower half.
+template <class Backend>
+void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                 ArrayView<std::uint64_t> nearest);
+
+/// `nearest` is scratch of width × height elements.
 template <class Backend>
 void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                    ArrayView<std::uint64_t> nearest, const SplatTexels& out);

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "framework/base/vec.h"
+#include "framework/compute/lanes.h"
 
 namespace weir::rendering::gl {
 
@@ -69,16 +70,17 @@ struct Shares {
 };
 
 /// Where a ray meets a sphere: the distance along the camera's axis, and by how much the square of the radius
-/// exceeds that of the ray's distance from the centre, negative for a miss.
+/// exceeds that of the ray's distance from the centre, negative for a miss. Of one number or of several.
+template <class N>
 struct Hit {
-  float distance, rest;
+  N distance, rest;
 
-  WEIR_HD Hit(const Vec3f& ray, const Vec3f& center, float radius) {
-    const float scale = 1 / dot(ray, ray);
-    const float middle = dot(ray, center) * scale;
-    const Vec3f aside = ray * middle - center;
+  WEIR_HD Hit(const Vec3<N>& ray, const Vec3<N>& center, const N& radius) {
+    const N scale = 1 / dot(ray, ray);
+    const N middle = dot(ray, center) * scale;
+    const Vec3<N> aside = ray * middle - center;
     rest = radius * radius - dot(aside, aside);
-    distance = middle - std::sqrt((rest > 0 ? rest : 0.0f) * scale);
+    distance = middle - sqrtf(positivePart(rest) * scale);
   }
 };
 

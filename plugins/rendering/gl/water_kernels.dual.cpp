@@ -3,7 +3,7 @@
 #include "framework/compute/atomic_add.h"
 #include "framework/compute/atomic_min.h"
 #include "framework/compute/parallel.h"
-#include "plugins/rendering/gl/splat_shapes.h"
+#include "plugins/rendering/gl/splat_offers.h"
 
 namespace weir::rendering::gl {
 
@@ -12,69 +12,6 @@ namespace {
 struct ClearDepth {
   ArrayView<std::uint32_t> depthBits;
   WEIR_HD void operator()(std::int64_t k) const { depthBits[k] = kOneBits; }
-};
-
-struct OfferWaterDepth {
-  ArrayView<const WaterParticle> particles;
-  Shares shares;
-  SplatCamera camera;
-  ArrayView<std::uint32_t> depthBits;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
-    if (i >= shares.spheres) return;
-    const float radius = particles[i].radius, inset = particles[i].inset;
-    const Vec3f center = camera.point(particles[i].center);
-    const float along = -center.z;
-    if (along + radius < camera.near) return;  // behind the camera
-    Samples x{0, camera.width - 1}, y{0, camera.height - 1};
-    if (along - radius > camera.near) {  // otherwise it may fill the picture
-      x = touched(center.x, along, radius, camera.tangent.x, camera.width);
-      y = touched(center.y, along, radius, camera.tangent.y, camera.height);
-    }
-    constexpr float kNearer = 0.9999f;  // for rounding
-    const float front = kNearer * (along - radius + inset);
-    const std::uint32_t best = bitsOf(camera.depthAt(front > camera.near ? front : camera.near));
-    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
-      std::uint32_t* line = depthBits.data + std::int64_t{row} * camera.width;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;  // all of it is hidden there
-        const Hit hit(camera.ray(column, row), center, radius);
-        if (hit.rest < 0 || hit.distance < camera.near) continue;
-        atomicMin(line + column, bitsOf(camera.depthAt(hit.distance + inset)));
-      }
-    }
-  }
-};
-
-struct OfferWaterSunDepth {
-  ArrayView<const WaterParticle> particles;
-  Shares shares;
-  SplatSun sun;
-  ArrayView<std::uint32_t> depthBits;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = shares.sphere(k);
-    if (i >= shares.spheres) return;
-    const Vec3f center = sun.point(particles[i].center);
-    const float radius = particles[i].radius / sun.halfSize;  // in clip space
-    const Samples x = Samples::between(center.x - radius, center.x + radius, sun.resolution);
-    const Samples y = Samples::between(center.y - radius, center.y + radius, sun.resolution);
-    const float texel = 2.0f / float(sun.resolution);
-    const float thick = particles[i].radius * sun.zToDepth;
-    const std::uint32_t best = bitsOf(0.5f + 0.5f * (center.z - thick));
-    for (int row = y.first + shares.part(k); row <= y.last; row += shares.parts) {
-      const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
-      std::uint32_t* line = depthBits.data + std::int64_t{row} * sun.resolution;
-      for (int column = x.first; column <= x.last; ++column) {
-        if (currentLeast(line + column) < best) continue;
-        const float u = ((float(column) + 0.5f) * texel - 1 - center.x) / radius;
-        const float rest = 1 - (u * u + v * v);
-        if (rest < 0) continue;
-        atomicMin(line + column, bitsOf(0.5f + 0.5f * (center.z - thick * std::sqrt(rest))));
-      }
-    }
-  }
 };
 
 struct ClearSums {
@@ -152,17 +89,14 @@ template <class Backend>
 void splatWaterDepth(Backend& device, ArrayView<const WaterParticle> particles, const SplatCamera& camera,
                      ArrayView<std::uint32_t> depthBits) {
   parallelFor(device, "clear water", depthBits.size, ClearDepth{depthBits});
-  const Shares shares(particles.size);
-  parallelFor(device, "water depth", shares.count(), OfferWaterDepth{particles, shares, camera, depthBits});
+  offerToCamera(device, "water depth", particles, camera, depthBits);
 }
 
 template <class Backend>
 void splatWaterSunDepth(Backend& device, ArrayView<const WaterParticle> particles, const SplatSun& sun,
                         ArrayView<std::uint32_t> depthBits) {
   parallelFor(device, "clear water", depthBits.size, ClearDepth{depthBits});
-  const Shares shares(particles.size);
-  parallelFor(device, "water from the sun", shares.count(),
-              OfferWaterSunDepth{particles, shares, sun, depthBits});
+  offerToSun(device, "water from the sun", particles, sun, depthBits);
 }
 
 template <class Backend>

@@ -1,0 +1,334 @@
+// Numbers of the kernels that work on whole pictures: eight neighbouring pixels at a time on the CPU, one at
+// a time on CUDA. A kernel that is written with Number, Ints and Mask is right for both.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "framework/base/vec.h"
+#include "framework/compute/lanes.h"
+
+namespace weir::rendering {
+
+#ifdef WEIR_HAS_LANES
+
+using Number = Lanes;
+using Mask = LaneMask;
+using Ints = LaneInts::Vector;  // the compiler knows its arithmetic
+inline constexpr int kPixels = Lanes::kCount;
+
+/// first, first + 1, …
+inline Ints intsFrom(int first) {
+  return LaneInts::from(first).v;
+}
+inline Ints allInts(int value) {
+  return Ints{} + value;
+}
+inline Number toNumbers(const Ints& ints) {
+  return Lanes(__builtin_convertvector(ints, Lanes::Vector));
+}
+/// Without the part behind the point.
+inline Ints toInts(const Number& numbers) {
+  return __builtin_convertvector(numbers.v, Ints);
+}
+inline Number numbersOfBits(const Ints& bits) {
+  return Lanes(reinterpret_cast<Lanes::Vector>(bits));
+}
+inline Ints bitsOfNumbers(const Number& numbers) {
+  return reinterpret_cast<Ints>(numbers.v);
+}
+inline Ints selectInts(const Mask& condition, const Ints& ifTrue, const Ints& ifFalse) {
+  return (condition.v & ifTrue) | (~condition.v & ifFalse);
+}
+inline Mask equal(const Ints& a, int b) {
+  return {a == b};
+}
+inline Mask below(const Ints& a, int b) {
+  return {a < b};
+}
+inline Mask either(const Mask& a, const Mask& b) {
+  return {a.v | b.v};
+}
+inline Mask notSo(const Mask& a) {
+  return {~a.v};
+}
+inline bool any(const Mask& mask) {
+  return mask.bits() != 0;
+}
+inline unsigned bitsOfMask(const Mask& mask) {
+  return mask.bits();
+}
+inline float laneOf(const Number& numbers, int lane) {
+  return numbers.v[lane];
+}
+inline std::uint32_t laneOf(const Ints& ints, int lane) {
+  return static_cast<std::uint32_t>(ints[lane]);
+}
+inline Ints clamped(const Ints& x, int low, int high) {
+  const Ints lowest = allInts(low), highest = allInts(high);
+  const Ints above = x > lowest ? x : lowest;
+  return above < highest ? above : highest;
+}
+/// The larger one; `low` where x is no number.
+inline Number atLeast(const Number& x, const Number& low) {
+#ifdef __AVX2__
+  return Lanes::Vector(_mm256_max_ps(x.v, low.v));
+#else
+  return select(x > low, x, low);
+#endif
+}
+/// The smaller one; `high` where x is no number.
+inline Number atMost(const Number& x, const Number& high) {
+#ifdef __AVX2__
+  return Lanes::Vector(_mm256_min_ps(x.v, high.v));
+#else
+  return select(x < high, x, high);
+#endif
+}
+
+inline Ints gather(const std::uint32_t* from, const Ints& at) {
+#ifdef __AVX2__
+  return reinterpret_cast<Ints>(
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from), reinterpret_cast<__m256i>(at), 4));
+#else
+  Ints values;
+  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]]);
+  return values;
+#endif
+}
+inline Number gather(const float* from, const Ints& at) {
+#ifdef __AVX2__
+  return Lanes::Vector(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
+#else
+  Number values;
+  for (int l = 0; l < kPixels; ++l) values.v[l] = from[at[l]];
+  return values;
+#endif
+}
+/// Elements that stand side by side.
+inline void gatherPairs(const float* from, const Ints& at, Number& first, Number& second) {
+#ifdef __AVX2__
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* pairs = reinterpret_cast<const long long*>(from);
+  const __m256 low =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(places), sizeof(float)));
+  const __m256 high =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(places, 1), sizeof(float)));
+  const Lanes::Vector a = low, b = high;
+  first = Lanes::Vector(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14));
+  second = Lanes::Vector(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15));
+#else
+  for (int l = 0; l < kPixels; ++l) {
+    first.v[l] = from[at[l]];
+    second.v[l] = from[at[l] + 1];
+  }
+#endif
+}
+/// Upper halves.
+inline Ints gatherUpper(const std::uint64_t* from, const Ints& at) {
+#ifdef __AVX2__
+  return reinterpret_cast<Ints>(
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from) + 1, reinterpret_cast<__m256i>(at), 8));
+#else
+  Ints values;
+  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]] >> 32);
+  return values;
+#endif
+}
+inline void gatherHalves(const std::uint64_t* from, const Ints& at, Ints& lower, Ints& upper) {
+#ifdef __AVX2__
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* whole = reinterpret_cast<const long long*>(from);
+  const Ints a = reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_castsi256_si128(places), 8));
+  const Ints b =
+      reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_extracti128_si256(places, 1), 8));
+  lower = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+  upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#else
+  for (int l = 0; l < kPixels; ++l) {
+    lower[l] = static_cast<int>(static_cast<std::uint32_t>(from[at[l]]));
+    upper[l] = static_cast<int>(from[at[l]] >> 32);
+  }
+#endif
+}
+/// Numbers first, first + 1, … of a row of `size`; the nearest that there is for those that lie outside.
+inline Number rowFrom(const float* row, int first, int size) {
+  if (first >= 0 && first + kPixels <= size) return Lanes::load(row + first);
+  return gather(row, clamped(intsFrom(first), 0, size - 1));
+}
+
+namespace detail {
+
+/// 2^x for |x| < 126: Taylor's series around the next whole number, to one unit of the last bit or two.
+inline Number powerOfTwo(const Number& x) {
+  constexpr float kRound = 12582912;  // 1.5 · 2^23: adding it leaves whole numbers only
+  const Number whole = (x + kRound) - kRound;
+  const Number t = (x - whole) * 0.693147181f;
+  const Number part =
+      1 + t * (1 + t * (0.5f + t * (0.166666667f +
+                                    t * (0.0416666667f + t * (8.33333333e-3f + t * 1.38888889e-3f)))));
+  return part * numbersOfBits((toInts(whole) + 127) << 23);
+}
+
+/// The logarithm to base 2 of normal positive numbers, by the series of the inverse hyperbolic tangent.
+inline Number logarithmToTwo(const Number& x) {
+  constexpr int kRootOfHalf = 0x3f3504f3;  // the bits of √½: mantissas are from there to √2
+  const Ints exponent = (bitsOfNumbers(x) - kRootOfHalf) >> 23;
+  const Number mantissa = numbersOfBits(bitsOfNumbers(x) - (exponent << 23));
+  const Number s = (mantissa - 1) / (mantissa + 1), q = s * s;
+  const Number series = s * (1 + q * (0.333333333f + q * (0.2f + q * (0.142857143f + q * 0.111111111f))));
+  return toNumbers(exponent) + 2.88539008f * series;
+}
+
+}  // namespace detail
+
+/// e^x for x from -87 to 87.
+inline Number exponential(const Number& x) {
+  return detail::powerOfTwo(x * 1.44269504f);
+}
+/// x^exponent for normal x > 0.
+inline Number power(const Number& x, float exponent) {
+  return detail::powerOfTwo(exponent * detail::logarithmToTwo(x));
+}
+
+#else
+
+using Number = float;
+using Mask = bool;
+using Ints = int;
+inline constexpr int kPixels = 1;
+
+WEIR_HD inline Ints intsFrom(int first) {
+  return first;
+}
+WEIR_HD inline Ints allInts(int value) {
+  return value;
+}
+WEIR_HD inline Number toNumbers(Ints ints) {
+  return static_cast<float>(ints);
+}
+WEIR_HD inline Ints toInts(Number numbers) {
+  return static_cast<int>(numbers);
+}
+WEIR_HD inline Number numbersOfBits(Ints bits) {
+  return std::bit_cast<float>(bits);
+}
+WEIR_HD inline Ints bitsOfNumbers(Number numbers) {
+  return std::bit_cast<int>(numbers);
+}
+WEIR_HD inline Ints selectInts(Mask condition, Ints ifTrue, Ints ifFalse) {
+  return condition ? ifTrue : ifFalse;
+}
+WEIR_HD inline Mask equal(Ints a, int b) {
+  return a == b;
+}
+WEIR_HD inline Mask below(Ints a, int b) {
+  return a < b;
+}
+WEIR_HD inline Mask either(Mask a, Mask b) {
+  return a || b;
+}
+WEIR_HD inline Mask notSo(Mask a) {
+  return !a;
+}
+WEIR_HD inline bool any(Mask mask) {
+  return mask;
+}
+WEIR_HD inline unsigned bitsOfMask(Mask mask) {
+  return mask ? 1 : 0;
+}
+WEIR_HD inline float laneOf(Number numbers, int) {
+  return numbers;
+}
+WEIR_HD inline std::uint32_t laneOf(Ints ints, int) {
+  return static_cast<std::uint32_t>(ints);
+}
+WEIR_HD inline Ints clamped(Ints x, int low, int high) {
+  return x > low ? (x < high ? x : high) : low;
+}
+WEIR_HD inline Number atLeast(Number x, Number low) {
+  return x > low ? x : low;
+}
+WEIR_HD inline Number atMost(Number x, Number high) {
+  return x < high ? x : high;
+}
+WEIR_HD inline Ints gather(const std::uint32_t* from, Ints at) {
+  return static_cast<int>(from[at]);
+}
+WEIR_HD inline Number gather(const float* from, Ints at) {
+  return from[at];
+}
+WEIR_HD inline void gatherPairs(const float* from, Ints at, Number& first, Number& second) {
+  first = from[at];
+  second = from[at + 1];
+}
+WEIR_HD inline Ints gatherUpper(const std::uint64_t* from, Ints at) {
+  return static_cast<int>(static_cast<std::uint32_t>(from[at] >> 32));
+}
+WEIR_HD inline void gatherHalves(const std::uint64_t* from, Ints at, Ints& lower, Ints& upper) {
+  const std::uint64_t whole = from[at];
+  lower = static_cast<int>(static_cast<std::uint32_t>(whole));
+  upper = static_cast<int>(static_cast<std::uint32_t>(whole >> 32));
+}
+WEIR_HD inline Number rowFrom(const float* row, int first, int size) {
+  return row[clamped(first, 0, size - 1)];
+}
+WEIR_HD inline Number exponential(Number x) {
+  return std::exp(x);
+}
+WEIR_HD inline Number power(Number x, float exponent) {
+  return std::pow(x, exponent);
+}
+
+#endif
+
+using Numbers3 = Vec3<Number>;
+
+/// The same for all pixels.
+WEIR_HD inline Numbers3 allOf(const Vec3f& v) {
+  return {Number(v.x), Number(v.y), Number(v.z)};
+}
+WEIR_HD inline Number clamped(const Number& x, float low, float high) {
+  return atMost(atLeast(x, low), high);
+}
+WEIR_HD inline Number mix(const Number& a, const Number& b, const Number& t) {
+  return a + (b - a) * t;
+}
+WEIR_HD inline Numbers3 mix(const Numbers3& a, const Numbers3& b, const Number& t) {
+  return a + (b - a) * t;
+}
+WEIR_HD inline Numbers3 times(const Numbers3& a, const Numbers3& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+WEIR_HD inline Numbers3 selectAll(const Mask& condition, const Numbers3& a, const Numbers3& b) {
+  return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
+}
+/// The unit vector along v; zero for zero.
+WEIR_HD inline Numbers3 unit(const Numbers3& v) {
+  const Number size = sqrtf(dot(v, v));
+  return v * select(size > Number(0.0f), 1 / size, Number(0.0f));
+}
+WEIR_HD inline Number smoothstep(float low, float high, const Number& x) {
+  const Number t = clamped((x - low) / (high - low), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+/// The whole number below x, and what x has beyond it; |x| < 2^31.
+WEIR_HD inline Ints split(const Number& x, Number& beyond) {
+  const Ints cut = toInts(x);
+  const Number low = toNumbers(cut);
+  const Mask below = x < low;
+  beyond = x - select(below, low - 1, low);
+  return selectInts(below, cut - 1, cut);
+}
+/// The nearest whole number, the even one of two; |x| < 2^22.
+WEIR_HD inline Ints nearestInts(const Number& x) {
+  constexpr float kRound = 12582912;  // 1.5 · 2^23: adding it leaves whole numbers only
+  return toInts((x + kRound) - kRound);
+}
+/// 0 … 1 as a byte.
+WEIR_HD inline Ints bytesOf(const Number& x) {
+  return toInts(clamped(x, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
+
+}  // namespace weir::rendering
