@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { chromium } from "playwright-core";
 
 const kWeir = process.env.WEIR ?? "weir";
+const kLong = 60;
 const kPatience = 20_000;
 const kDrawn = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
@@ -76,14 +77,23 @@ export class Hands {
   async type(field, text, end = "Enter") {
     await field.click({ clickCount: 3 });
     await this.page.keyboard.press("Control+A");
-    await this.page.keyboard.type(String(text));
+    // Long texts come at once, as from an input method.
+    if (String(text).length > kLong) await this.page.keyboard.insertText(text);
+    else await this.page.keyboard.type(String(text));
     await this.page.keyboard.press(end);
   }
 
   /** Clicks where the graph is empty: then nothing is selected, and the graph has the keyboard. */
-  async pointAtGraph(x = 0.5, y = 0.06) {
-    const box = await this.page.getByRole("application", { name: "Node editor" }).boundingBox();
-    await this.page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+  async pointAtGraph() {
+    const spot = await this.page.evaluate(() => {
+      const box = document.querySelector(".graph").getBoundingClientRect();
+      for (let y = box.top + 12; y < box.bottom; y += 12)
+        for (let x = box.left + 100; x < box.right - 340; x += 20)
+          if (document.elementFromPoint(x, y)?.classList.contains("react-flow__pane")) return { x, y };
+      return null;
+    });
+    if (!spot) throw new Error("the graph has no empty place");
+    await this.page.mouse.click(spot.x, spot.y);
   }
 
   async pressInGraph(...keys) {
@@ -122,13 +132,25 @@ export class Hands {
     return this.page.locator(`.react-flow__edge[data-id="${text}"]`);
   }
 
+  /** Clicks a link where nothing lies upon it. */
+  async clickLink(text) {
+    const spot = await this.edge(text).evaluate((edge) => {
+      const path = edge.querySelector("path");
+      for (let i = 1; i < 40; ++i) {
+        const { x, y } = path.getPointAtLength((i / 40) * path.getTotalLength()).matrixTransform(path.getScreenCTM());
+        if (edge.contains(document.elementFromPoint(x, y))) return { x, y };
+      }
+      return null;
+    });
+    if (!spot) throw new Error(`the link ${text} is hidden`);
+    await this.page.mouse.click(spot.x, spot.y);
+  }
+
   async drag(from, to) {
-    const [a, b] = [await from.boundingBox(), await to.boundingBox()];
-    const { mouse } = this.page;
-    await mouse.move(a.x + a.width / 2, a.y + a.height / 2);
-    await mouse.down();
-    await mouse.move(b.x + b.width / 2, b.y + b.height / 2, { steps: 6 });
-    await mouse.up();
+    await from.hover();
+    await this.page.mouse.down();
+    await to.hover();
+    await this.page.mouse.up();
   }
 
   /** Sets a value by the editor of its kind, within a part of the page. */

@@ -7,8 +7,8 @@ import {
   addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, mute, pasteNodes, removeLinks, removeNodes,
   type LinkEnds, type Note, type Scene,
 } from "../model/scene";
-import { edit, redo, say, undo, useStudio } from "../model/store";
-import type { Types } from "../model/types";
+import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
+import type { Problem, Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
 import { arrange } from "./arrange";
 import { changeNote, NoteNode } from "./NoteNode";
@@ -28,7 +28,7 @@ export const rowsOf = (scene: Scene, types: Types | null) => (name: string) => {
 function useFlow(): { nodes: Node[]; edges: Edge[] } {
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
-  const problem = useStudio((s) => s.sceneState.problem);
+  const problem = useStudio(problemOf);
   const selected = useStudio((s) => s.selected);
   const selectedLinks = useStudio((s) => s.selectedLinks);
   return useMemo(() => {
@@ -41,7 +41,7 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
       initialWidth: 190, initialHeight: 100,
       data: {
         name, typeName, type: types?.nodes[typeName], muted, collapsed: at[name]?.collapsed ?? false,
-        problem: wrong(name) ? text ?? null : null,
+        problem: wrong(name) ? text ?? null : null, wrongPort: portOf(problem, name),
       } satisfies SceneNodeData,
     });
     const notes = (scene.layout?.notes ?? []).map((note): Node => ({
@@ -65,6 +65,14 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
     });
     return { nodes, edges };
   }, [scene, types, problem, selected, selectedLinks]);
+}
+
+/** Messages name ports as 'node.port'. */
+function portOf(problem: Problem | undefined, node: string): string | null {
+  const text = `${problem?.message} ${problem?.allowed} ${problem?.hint}`;
+  const start = `'${node}.`;
+  const at = text.indexOf(start);
+  return at < 0 ? null : text.slice(at + start.length).split("'")[0]!;
 }
 
 const endsOf = (c: Connection | Edge): LinkEnds => ({

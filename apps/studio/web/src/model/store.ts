@@ -1,6 +1,6 @@
 // All state of the page: the scene with its history, what the server says of it, the run, and what is selected.
 import { temporal } from "zundo";
-import { create } from "zustand";
+import { create, useStore } from "zustand";
 import { Client, fetchTypes, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket } from "../protocol/packets";
 import { emptyScene, type Clip, type Scene } from "./scene";
@@ -66,6 +66,8 @@ export interface Studio {
   attribute: string;
   attributes: string[];
   message: string | null;
+  /** What is asked or shown above the page. */
+  dialog: "save" | "help" | null;
 }
 
 const kMostSamples = 4000;
@@ -93,10 +95,15 @@ export const useStudio = create<Studio>()(
       attribute: "speed",
       attributes: ["speed"],
       message: null,
+      dialog: null,
     }),
     { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
   ),
 );
+
+/** What is wrong: with the scene, or else with the run that failed. */
+export const problemOf = (s: Studio): Problem | undefined =>
+  s.sceneState.problem ?? (s.status.state === "failed" ? s.status.problem : undefined);
 
 const set = useStudio.setState;
 const get = useStudio.getState;
@@ -228,6 +235,12 @@ async function send(): Promise<void> {
 
 export const undo = (): void => useStudio.temporal.getState().undo();
 export const redo = (): void => useStudio.temporal.getState().redo();
+
+/** Whether there is something to undo, and to redo. */
+export const useHistory = (): { past: boolean; future: boolean } => ({
+  past: useStore(useStudio.temporal, (h) => h.pastStates.length > 0),
+  future: useStore(useStudio.temporal, (h) => h.futureStates.length > 0),
+});
 
 /** While f runs, changes are one undo step: for drags. */
 export const history = {

@@ -24,7 +24,11 @@ export function rangeProblem(p: Parameter, v: number): string | null {
 }
 
 /** A number: typed, as an expression too, or dragged sideways. */
-export function NumberField({ parameter, value, onChange, label, placeholder }: FieldProps & { placeholder?: string }) {
+export function NumberField({ parameter, value, onChange, label, placeholder, refuse }: FieldProps & {
+  placeholder?: string;
+  /** Further reasons to refuse a number. */
+  refuse?(v: number): string | null;
+}) {
   const shown = typeof value === "number" ? numberText(value) : "";
   const [text, setText] = useState(shown);
   const [problem, setProblem] = useState<string | null>(null);
@@ -33,7 +37,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder }: 
 
   const take = (t: string) => {
     const v = evaluate(t);
-    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v);
+    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v) ?? refuse?.(v) ?? null;
     setProblem(wrong);
     if (!wrong && v !== value) onChange(v);
   };

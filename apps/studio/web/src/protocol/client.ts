@@ -85,10 +85,19 @@ export interface ServedFile {
   bytes: number;
 }
 
+/** A scene to start from. `thumbnail` is an address, or "". */
+export interface Template {
+  path: string;
+  title: string;
+  description: string;
+  group: string;
+  thumbnail: string;
+}
+
 const pathOf = (file: string) => file.split("/").map(encodeURIComponent).join("/");
 
 export const fetchTypes = async () => (await fetched("/api/types")).json();
-export const fetchTemplates = async (): Promise<ServedFile[]> => (await fetched("/api/templates")).json();
+export const fetchTemplates = async (): Promise<Template[]> => (await fetched("/api/templates")).json();
 export const fetchFiles = async (folder: string): Promise<ServedFile[]> =>
   (await fetched(`/api/files?folder=${encodeURIComponent(folder)}`)).json();
 export const upload = (path: string, file: File) =>
