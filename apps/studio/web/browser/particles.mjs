@@ -37,5 +37,8 @@ export async function particlesOfPage(page, node, ids) {
       }),
     [node, ids],
   );
-  return new Map(answers.filter(Boolean).map((a) => [a.id, a.attributes]));
+  // Floats come with as many digits as they need.
+  const floats = (v) => (Array.isArray(v) ? v.map(Math.fround) : Math.fround(v));
+  const read = (attributes) => Object.fromEntries(Object.entries(attributes).map(([name, v]) => [name, floats(v)]));
+  return new Map(answers.filter(Boolean).map((a) => [a.id, read(a.attributes)]));
 }
