@@ -8,8 +8,10 @@ import { chromium } from "playwright-core";
 
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
+const kRestMs = 300;
 const kPatience = 20_000;
-const kDrawn = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+// As where there is no graphics card: the page is drawn by the processor, WebGL too.
+const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
 
 /** The address that a server prints when it is ready. */
 async function addressOf(server) {
@@ -115,6 +117,16 @@ export class Hands {
   async arrange() {
     await this.pointAtGraph();
     await this.pressInGraph("l", "f");
+    await this.stillness();
+  }
+
+  /** Waits until the graph has come to rest. */
+  async stillness() {
+    await this.page.waitForFunction((rest) => {
+      const now = { at: performance.now(), transform: document.querySelector(".react-flow__viewport").style.transform };
+      if (window.seen?.transform !== now.transform) window.seen = now;
+      return now.at - window.seen.at > rest;
+    }, kRestMs);
   }
 
   async select(name) {

@@ -1,6 +1,6 @@
 // The graph of nodes and links, and all that is done to it by mouse and keyboard.
 import {
-  Background, Controls, MiniMap, ReactFlow, useReactFlow, type Connection, type Edge, type Node, type NodeChange,
+  Controls, MiniMap, ReactFlow, useReactFlow, type Connection, type Edge, type Node, type NodeChange,
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import {
@@ -11,6 +11,7 @@ import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
 import type { Problem, Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
 import { arrange } from "./arrange";
+import { Dots } from "./Dots";
 import { changeNote, NoteNode } from "./NoteNode";
 import { portColor } from "./ports";
 import { SceneNode, type SceneNodeData } from "./SceneNode";
@@ -158,10 +159,12 @@ export function GraphEditor() {
         isValidConnection={(c) => types !== null && linkProblem(useStudio.getState().scene, types, endsOf(c as Connection)) === null}
         onConnectEnd={(event, state) => connectEnded(event, state, openMenu)}
         onNodeDoubleClick={(_, n) => n.type === "scene" && (n.data as SceneNodeData).type?.modules && useStudio.setState({ inside: n.id })}
+        onMoveStart={() => (surface.current!.dataset["moving"] = "")} onMoveEnd={() => delete surface.current!.dataset["moving"]}
+        onMove={(_, { zoom }) => (zoom < kLegible ? (surface.current!.dataset["far"] = "") : delete surface.current!.dataset["far"])}
         deleteKeyCode={null} multiSelectionKeyCode={["Shift", "Control", "Meta"]} selectionKeyCode="Shift" minZoom={0.05}
         zoomOnDoubleClick={false} elevateNodesOnSelect={false} onlyRenderVisibleElements proOptions={{ hideAttribution: true }}
       >
-        <Background gap={24} />
+        <Dots />
         <MiniMap pannable zoomable ariaLabel="Overview" nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
         <Controls showInteractive={false} />
       </ReactFlow>
