@@ -19,6 +19,7 @@ import { SceneNode, type SceneNodeData } from "./SceneNode";
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kPasteOffset = 40;
 const kLegible = 0.35;
+const kOverview = { width: 150, height: 100 };
 
 export const rowsOf = (scene: Scene, types: Types | null) => (name: string) => {
   const t = types?.nodes[scene.nodes[name]?.type ?? ""];
@@ -165,7 +166,7 @@ export function GraphEditor() {
         zoomOnDoubleClick={false} elevateNodesOnSelect={false} onlyRenderVisibleElements proOptions={{ hideAttribution: true }}
       >
         <Dots />
-        <MiniMap pannable zoomable ariaLabel="Overview" nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
+        <MiniMap pannable zoomable ariaLabel="Overview" style={kOverview} nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
         <Controls showInteractive={false} />
       </ReactFlow>
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onNote={addNote} onClose={() => setMenu(null)} />}

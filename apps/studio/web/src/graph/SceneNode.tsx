@@ -7,6 +7,8 @@ import { edit, useStudio } from "../model/store";
 import type { JsonObject, NodeType } from "../model/types";
 import { portColor } from "./ports";
 
+const kLeastMs = 0.01;
+
 export interface SceneNodeData extends Record<string, unknown> {
   name: string;
   typeName: string;
@@ -42,7 +44,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {collapsed ? "▸" : "▾"}
         </button>
         <strong>{name}</strong>
-        {time !== null && <span className="badge">{time.toPrecision(2)} ms</span>}
+        {time !== null && <span className="badge">{time < kLeastMs ? `< ${kLeastMs}` : time.toPrecision(2)} ms</span>}
         <small>{typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
       <div className="ports">

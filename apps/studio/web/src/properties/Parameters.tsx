@@ -19,6 +19,9 @@ const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
     params,
   );
 
+/** "kg/m³" of "kg/m^3". */
+const unitText = (unit: string): string => unit.replaceAll("^2", "²").replaceAll("^3", "³");
+
 function useProblem(owner: Owner, name: string): string | null {
   const problem = useStudio(problemOf);
   if (!problem) return null;
@@ -63,13 +66,13 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
   const problem = useProblem(owner, path.join("/"));
   const value = set === undefined ? parameter.default : set;
   const keyed = isKeyframes(value);
-  const change = (v: Json) => edit((s) => setParam(s, owner, path, v));
+  const change = (v: Json) => edit((s) => setParam(s, owner, path, v), JSON.stringify([owner, path]));
   const Field = keyed ? KeyframesField : ValueField;
   return (
     <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
       <span className="name" title={parameter.doc}>
         {parameter.name}
-        {parameter.unit && <small>{parameter.unit}</small>}
+        {parameter.unit && <small>{unitText(parameter.unit)}</small>}
         {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}
       </span>
       <span className="field">
