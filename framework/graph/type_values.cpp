@@ -4,6 +4,26 @@
 
 namespace weir {
 
+namespace {
+
+/// What the elements of a list are: "color", "float", "int" or "string"; empty where they are none of these.
+std::string elementKind(const Property& list) {
+  const Value schema = list.schema();
+  const Value* items = schema.find("items");
+  // A list that may be left out is one of two alternatives.
+  if (const Value* either = schema.find("anyOf"); items == nullptr && either != nullptr)
+    items = either->asArray().front().find("items");
+  if (items == nullptr) return {};
+  if (*items == ParamTraits<Color>::schema({})) return "color";
+  const Value* type = items->find("type");
+  if (type == nullptr || !type->isString()) return {};
+  if (type->asString() == "number") return "float";
+  if (type->asString() == "integer") return "int";
+  return type->asString() == "string" ? "string" : "";
+}
+
+}  // namespace
+
 Value parametersAsValue(const Configurable& owner) {
   Value list = Value::array();
   for (const Property* property : owner.properties()) {
@@ -11,6 +31,9 @@ Value parametersAsValue(const Configurable& owner) {
     Value v = Value::object();
     v["name"] = property->name();
     v["kind"] = property->kind();
+    if (property->kind() == "list") {
+      if (const std::string elements = elementKind(*property); !elements.empty()) v["elements"] = elements;
+    }
     if (!spec.unit.empty()) v["unit"] = spec.unit;
     v["doc"] = spec.doc;
     v["default"] = property->defaultValue();

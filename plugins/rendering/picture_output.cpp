@@ -1,7 +1,5 @@
 #include "plugins/rendering/picture_output.h"
 
-#include <dlfcn.h>
-
 #include <optional>
 
 #include "framework/base/build_info.h"
@@ -9,14 +7,13 @@
 #include "framework/run/output_worker.h"
 #include "framework/run/stopwatch.h"
 #include "framework/scene/scene_file.h"
-#include "plugins/rendering/gl/context.h"
-#include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/make_renderer.h"
 #include "plugins/rendering/output/frame_ledger.h"
 #include "plugins/rendering/output/growing_video.h"
 #include "plugins/rendering/output/image_file.h"
 #include "plugins/rendering/output/image_sequence.h"
 #include "plugins/rendering/output/video_writer.h"
-#include "plugins/rendering/overlay/overlay.h"
+#include "plugins/rendering/overlay_text.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/scene_view.h"
@@ -27,29 +24,6 @@ namespace {
 
 constexpr const char* kVideo = "video";
 constexpr const char* kImages = "images";
-
-/// share/weir/fonts of the build or installation that this library is in: <prefix>/lib/weir/plugins.
-std::filesystem::path fontFolder() {
-  Dl_info self{};
-  if (dladdr(reinterpret_cast<const void*>(&fontFolder), &self) == 0) return {};
-  return std::filesystem::absolute(self.dli_fname).parent_path() / "../../../share/weir/fonts";
-}
-
-/// Another device on the same machine, for another thread.
-std::unique_ptr<Device> sibling(const Device& device) {
-  const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
-  return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
-}
-
-/// A device draws what pictures it can alone: on a GPU because OpenGL may have few of its processors, on the
-/// CPU because kernels do it in a third of the time. Where OpenGL is a GPU's, though, the CPU leaves all to
-/// it.
-std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
-  std::unique_ptr<gl::Context> context = gl::makeContext();
-  const bool draws = device.kind() == DeviceKind::kCuda || context->isSoftware();
-  return std::make_unique<gl::Renderer>(std::move(context), draws ? sibling(device) : nullptr,
-                                        gl::ComputeShare::kWhatCanBe);
-}
 
 template <class F>
 decltype(auto) measured(double& seconds, F&& work) {
@@ -162,7 +136,7 @@ class Pictures final : public Observer {
  private:
   void draw(const SceneSnapshot& scene, const View& view) {
     Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
-    measured(labelling_, [&] { overlay_->draw(overlayText(scene), picture); });
+    measured(labelling_, [&] { overlay_->draw(textOf(scene), picture); });
     measured(handingOver_, [&] { handOver(std::move(picture)); });
   }
 
@@ -221,19 +195,8 @@ class Pictures final : public Observer {
     images_.emplace(paths_.at(kImages), frames_);
   }
 
-  OverlayText overlayText(const SceneSnapshot& scene) const {
-    OverlayText text;
-    text.lightText = wantsLightText(settings_->backgroundTop, settings_->backgroundBottom);
-    if (settings_->overlay) {
-      text.title = title_;
-      text.seconds = scene.time;
-      text.particles = scene.particles;
-    }
-    const ColorKey& key = view_->colorKey();
-    const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
-    text.plots = history_->plots();
-    if (key.shown) text.bar = ColorBar{settings_->color->colorMap(), key.low, key.high, caption};
-    return text;
+  OverlayText textOf(const SceneSnapshot& scene) const {
+    return overlayText(*settings_, title_, scene, view_->colorKey(), history_->plots());
   }
 
   OutputPaths paths_;

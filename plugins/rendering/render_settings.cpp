@@ -48,15 +48,13 @@ void ColorSettings::validate() const {
     throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
   if (table->size() == 1)
     throw sceneError("the table has one colour", "two or more").inParameter(table.name());
-  for (const Vec3f& color : table.get())
-    for (int c = 0; c < 3; ++c)
-      if (!(color[c] >= 0 && color[c] <= 1))
-        throw sceneError("a colour of the table has the component " + std::to_string(color[c]), "0 to 1")
-            .inParameter(table.name());
 }
 
 ColorMap ColorSettings::colorMap() const {
-  return table->empty() ? ColorMap(map) : ColorMap(table);
+  if (table->empty()) return ColorMap(map);
+  std::vector<Vec3f> colors;
+  for (const Color& c : table.get()) colors.push_back({c.r, c.g, c.b});
+  return ColorMap(colors);
 }
 
 bool ClipSettings::shows(const Vec3f& place) const {

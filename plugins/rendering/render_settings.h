@@ -138,13 +138,12 @@ class ColorSettings final : public Configurable {
       std::nullopt,
       {.doc = "Values at the two ends of the colour map; found from the first frames if it is left out."}};
   Param<ColorMapName> map{*this, "map", ColorMapName::kViridis, {.doc = "The colours."}};
-  Param<std::vector<Vec3f>> table{
-      *this,
-      "table",
-      {},
-      {.doc =
-           "Colours of one's own in place of map: [red, green, blue] from 0 to 1, evenly spread from low to "
-           "high values."}};
+  Param<std::vector<Color>> table{*this,
+                                  "table",
+                                  {},
+                                  {.doc = "Colours of one's own in place of map: [red, green, blue] from 0 "
+                                          "to 1 or \"#rrggbb\", evenly spread from "
+                                          "low to high values."}};
   Param<Color> fixed{
       *this, "fixed", {0.16f, 0.45f, 0.85f, 1}, {.doc = "The one colour for \"by\": \"none\"."}};
   /// That of the table, or else the one that is named.

@@ -24,6 +24,14 @@ std::vector<T> onHost(const Array<T>& array, std::int64_t count) {
   return {elements.begin(), elements.end()};
 }
 
+template <class T>
+T elementOnHost(const Array<T>& array, std::int64_t at) {
+  HostCopy<T> copy(array.device());
+  copy.resize(1);
+  copy.start(0, array.data() + at, 1);
+  return copy.wait()[0];
+}
+
 /// An attribute as numbers, vectors by their length; nothing if there is none of that name.
 std::optional<std::vector<float>> numbersOf(const ParticleSet& particles, const std::string& name,
                                             std::int64_t count) {
@@ -154,14 +162,14 @@ Value particleValue(const Simulation& simulation, const std::string& node, std::
     const std::vector<int> ids = onHost(particles.ids(), count);
     const auto found = std::find(ids.begin(), ids.end(), id);
     if (found == ids.end()) return {};
-    const auto at = static_cast<std::size_t>(found - ids.begin());
+    const std::int64_t at = found - ids.begin();
     Value attributes = Value::object();
     for (const AttributeInfo& info : particles.attributes()) {
       Value& v = attributes[info.name];
-      if (info.type == AttributeType::kFloat) v = onHost(particles.get<float>(info.name), count)[at];
+      if (info.type == AttributeType::kFloat) v = elementOnHost(particles.get<float>(info.name), at);
       if (info.type == AttributeType::kVec3)
-        v = vectorValue(onHost(particles.get<Vec3f>(info.name), count)[at]);
-      if (info.type == AttributeType::kInt) v = onHost(particles.get<int>(info.name), count)[at];
+        v = vectorValue(elementOnHost(particles.get<Vec3f>(info.name), at));
+      if (info.type == AttributeType::kInt) v = elementOnHost(particles.get<int>(info.name), at);
     }
     Value result = Value::object();
     result["node"] = node;

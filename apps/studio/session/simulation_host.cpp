@@ -90,7 +90,7 @@ void SimulationHost::show(FrameView view) {
       listener_.frame(simulation_->frame(), framePacket(*simulation_, view_));
   });
 }
-void SimulationHost::ask(std::function<void(const Simulation*)> f) {
+void SimulationHost::ask(std::function<void(Simulation*)> f) {
   post([this, f = std::move(f)] { f(simulation_.get()); });
 }
 
@@ -99,6 +99,7 @@ void SimulationHost::work() {
     guarded([this] { runTasks(); });
     if (state_ == HostState::kPlaying && !quit_) guarded([this] { advanceNow(); });
   }
+  listener_.leaving();
 }
 
 void SimulationHost::runTasks() {
@@ -130,6 +131,7 @@ void SimulationHost::guarded(const std::function<void()>& f) {
 
 void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& device) {
   // The old simulation gives its memory back first.
+  listener_.leaving();
   simulation_.reset();
   if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
   deviceName_ = device;
@@ -141,7 +143,12 @@ void SimulationHost::resetNow() {
   if (!simulation_) return;
   problem_.reset();
   pauseAt_.reset();
-  simulation_->reset();
+  try {
+    simulation_->reset();
+  } catch (...) {
+    simulation_.reset();  // nobody may look at half a scene
+    throw;
+  }
   listener_.geometry(geometryPacket(*simulation_));
   tell(HostState::kPaused);
   frameReached();
@@ -155,10 +162,13 @@ void SimulationHost::go(std::optional<std::int64_t> pauseAt) {
 }
 
 void SimulationHost::advanceNow() {
-  const auto afterStep = [this] {
+  // At least one step between tasks, however many of them come.
+  std::atomic<bool> stop = false;
+  const auto afterStep = [&] {
+    stop = stop_.load();
     if (isTime(told_, kStatusEvery)) listener_.status(status());
   };
-  if (!simulation_->advanceFrame(stop_, afterStep)) return;  // a task waits
+  if (!simulation_->advanceFrame(stop, afterStep)) return;  // a task waits
   frameReached();
   if (simulation_->frame() >= simulation_->clock().frameCount())
     tell(HostState::kFinished);
@@ -168,6 +178,7 @@ void SimulationHost::advanceNow() {
 
 void SimulationHost::frameReached() {
   listener_.frame(simulation_->frame(), framePacket(*simulation_, view_));
+  listener_.reached(*simulation_);
   if (isTime(counted_, kNumbersEvery)) listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
   if (isTime(told_, kStatusEvery)) listener_.status(status());
 }

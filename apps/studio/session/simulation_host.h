@@ -36,6 +36,10 @@ class HostListener {
   virtual void numbers(const Value& numbers) = 0;
   virtual void frame(std::int64_t frame, const Packet& packet) = 0;
   virtual void geometry(const Packet& packet) = 0;
+  /// The simulation has reached a frame. It waits meanwhile.
+  virtual void reached(Simulation& simulation) = 0;
+  /// It will be gone when this returns.
+  virtual void leaving() = 0;
 };
 
 class SimulationHost {
@@ -58,7 +62,7 @@ class SimulationHost {
   void change(std::vector<LiveChange> changes);
   void show(FrameView view);
   /// Calls f with the simulation between two steps, or with null if there is none.
-  void ask(std::function<void(const Simulation*)> f);
+  void ask(std::function<void(Simulation*)> f);
 
  private:
   using Task = std::function<void()>;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "apps/studio/session/message.h"
+#include "apps/studio/session/templates.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
 
@@ -40,6 +42,8 @@ std::string typeOf(const fs::path& file) {
       {".json", kJson},
       {".svg", "image/svg+xml"},
       {".png", "image/png"},
+      {".jpg", "image/jpeg"},
+      {".mp4", "video/mp4"},
       {".woff2", "font/woff2"}};
   const auto type = kTypes.find(file.extension().string());
   return type != kTypes.end() ? type->second : "application/octet-stream";
@@ -51,34 +55,13 @@ Value stringsValue(const std::vector<std::string>& texts) {
   return list;
 }
 
-// Members of a message. A missing or wrong one is a usage Error.
-
-const Value& member(const Value& message, std::string_view name) {
-  const Value* v = message.find(name);
-  if (v == nullptr) throw usageError("the message has no '" + std::string(name) + "'");
-  return *v;
-}
-
-std::string textMember(const Value& message, std::string_view name) {
-  const Value& v = member(message, name);
-  if (!v.isString()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "a string");
-  return v.asString();
-}
-
-std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t least, std::int64_t most) {
-  const Value& v = member(message, name);
-  if (!v.isInt() || v.asInt() < least || v.asInt() > most)
-    throw usageError("'" + std::string(name) + "' is " + v.brief(),
-                     "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
-  return v.asInt();
-}
-
 ServerOptions serverOptions(const StudioOptions& options) {
   return {.host = options.host,
           .port = options.port,
           .token = randomToken(),
-          .largestBody = ServedFolder::kLargestUpload,
-          .largestMessage = kLargestSceneFile};
+          .largestBody = options.largestUpload,
+          .largestMessage = kLargestSceneFile,
+          .mostWaiting = options.mostWaiting};
 }
 
 }  // namespace
@@ -91,6 +74,10 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       device_(options_.device),
       recording_(options_.mostRecorded),
       server_(serverOptions(options_), *this),
+      desk_(registry,
+            [this](const VideoStatus& video) {
+              server_.post([this, video] { tell("video", videoValue(video)); });
+            }),
       host_(registry, log, *this, options_.threads) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
@@ -112,12 +99,11 @@ void Studio::showLog(LogLevel level, std::string_view message) {
 // Requests
 
 HttpReply Studio::request(const HttpRequest& request) {
+  constexpr std::string_view kThumbnail = "/api/thumbnail/";
   if (request.path == "/api/types") return {.type = kJson, .body = options_.types};
-  if (request.path == "/api/templates") {
-    std::error_code error;
-    if (!fs::is_directory(options_.templates, error)) return listing({});
-    return listing(ServedFolder(options_.templates).list(""));
-  }
+  if (request.path == "/api/templates")
+    return {.type = kJson, .body = writeJsonLine(templatesIn(options_.templates))};
+  if (request.path.starts_with(kThumbnail)) return thumbnail(request.path.substr(kThumbnail.size()));
   if (request.path.starts_with("/api/")) return files(request);
   if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET"};
   return page(request.path == "/" ? "/index.html" : request.path);
@@ -132,6 +118,14 @@ HttpReply Studio::page(const std::string& path) const {
   const std::string below = path.substr(1);
   if (!fs::is_regular_file(page.resolve(below), error)) return {.status = kNotFound, .body = "not found"};
   return {.type = typeOf(below), .body = page.read(below)};
+}
+
+HttpReply Studio::thumbnail(const std::string& name) const {
+  std::error_code error;
+  if (!fs::is_directory(options_.templates, error)) return {.status = kNotFound, .body = "not found"};
+  const fs::path file = thumbnailFile(options_.templates, name);
+  if (!fs::is_regular_file(file, error)) return {.status = kNotFound, .body = "not found"};
+  return {.type = typeOf(file), .body = readTextFile(file, ServedFolder::kLargestUpload)};
 }
 
 HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
@@ -171,6 +165,7 @@ void Studio::opened(ClientId client) {
 
 void Studio::closed(ClientId client) {
   clients_.erase(client);
+  desk_.forget(client);
   if (writer_ != client) return;
   writer_.reset();
   if (!clients_.empty()) writer_ = clients_.begin()->first;
@@ -178,14 +173,24 @@ void Studio::closed(ClientId client) {
 }
 
 const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
-  static const std::map<std::string, Command, std::less<>> kCommands{
-      {"hello", &Studio::hello},          {"scene.set", &Studio::setScene},
-      {"scene.open", &Studio::openScene}, {"scene.save", &Studio::saveScene},
-      {"run.play", &Studio::play},        {"run.pause", &Studio::pause},
-      {"run.step", &Studio::step},        {"run.reset", &Studio::reset},
-      {"run.seek", &Studio::seek},        {"view.set", &Studio::setView},
-      {"frame.seen", &Studio::confirm},   {"role.claim", &Studio::claim},
-      {"particle", &Studio::askParticle}};
+  static const std::map<std::string, Command, std::less<>> kCommands{{"hello", &Studio::hello},
+                                                                     {"scene.set", &Studio::setScene},
+                                                                     {"scene.open", &Studio::openScene},
+                                                                     {"scene.save", &Studio::saveScene},
+                                                                     {"run.play", &Studio::play},
+                                                                     {"run.pause", &Studio::pause},
+                                                                     {"run.step", &Studio::step},
+                                                                     {"run.reset", &Studio::reset},
+                                                                     {"run.seek", &Studio::seek},
+                                                                     {"view.set", &Studio::setView},
+                                                                     {"frame.seen", &Studio::confirm},
+                                                                     {"role.claim", &Studio::claim},
+                                                                     {"particle", &Studio::askParticle},
+                                                                     {"stream.set", &Studio::setStream},
+                                                                     {"picture", &Studio::askPicture},
+                                                                     {"video.start", &Studio::startVideo},
+                                                                     {"video.camera", &Studio::moveVideo},
+                                                                     {"video.stop", &Studio::stopVideo}};
   return kCommands;
 }
 
@@ -249,6 +254,11 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
   result["device"] = device_;
   result["scene"] = sceneValue();
   result["status"] = status_;
+  Value pictures = Value::object();
+  if (const auto problem = desk_.problem()) pictures["problem"] = problemOf(*problem);
+  pictures["videos"] = stringsValue(desk_.videoExtensions());
+  result["pictures"] = std::move(pictures);
+  result["video"] = videoValue(desk_.video());
   if (geometry_) server_.sendBinary(client, geometry_);
   if (const Packet last = recording_.nearest(std::numeric_limits<std::int64_t>::max()))
     sendFrame(client, clients_[client], last);
@@ -388,7 +398,7 @@ void Studio::askParticle(ClientId client, const Value& message, Value& result) {
   const std::string node = textMember(message, "node");
   const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
   const Value* id = message.find("id");
-  host_.ask([this, client, node, particle, id = id != nullptr ? *id : Value()](const Simulation* simulation) {
+  host_.ask([this, client, node, particle, id = id != nullptr ? *id : Value()](Simulation* simulation) {
     Value reply = Value::object();
     reply["id"] = id;
     reply["result"] = simulation != nullptr ? particleValue(*simulation, node, particle) : Value();
@@ -400,6 +410,10 @@ void Studio::askParticle(ClientId client, const Value& message, Value& result) {
 // What the simulation tells
 
 void Studio::status(const Value& status) {
+  const std::string& state = status.find("state")->asString();
+  if (state == nameOf(HostState::kFinished) || state == nameOf(HostState::kFailed)) desk_.stopVideo();
+  // Those who wait for a picture of a run that could not begin are told so.
+  if (state == nameOf(HostState::kFailed)) host_.ask([this](Simulation* s) { desk_.serve(s); });
   server_.post([this, status] {
     status_ = status;
     tell("status", status);
@@ -424,7 +438,16 @@ void Studio::frame(std::int64_t frame, const Packet& packet) {
   });
 }
 
+void Studio::reached(Simulation& simulation) {
+  desk_.frame(simulation);
+}
+
+void Studio::leaving() {
+  desk_.leave();
+}
+
 void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {
+  if (!client.wantsFrames) return;
   if (client.unseen >= kMostUnseen) {
     client.next = packet;
     return;

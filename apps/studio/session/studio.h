@@ -12,6 +12,7 @@
 
 #include "apps/studio/server/http_server.h"
 #include "apps/studio/server/served_folder.h"
+#include "apps/studio/session/picture_desk.h"
 #include "apps/studio/session/recording.h"
 #include "apps/studio/session/simulation_host.h"
 
@@ -22,11 +23,13 @@ struct StudioOptions {
   int port = 0;
   std::string device = "auto";
   int threads = 0;
-  std::filesystem::path folder;                       ///< whose files may be read and written
-  std::filesystem::path page;                         ///< the built web page
-  std::filesystem::path templates;                    ///< scenes to start from
-  std::string types;                                  ///< what `weir nodes --json` prints
-  std::int64_t mostRecorded = std::int64_t{1} << 30;  ///< bytes of frames that are kept
+  std::filesystem::path folder;                               ///< whose files may be read and written
+  std::filesystem::path page;                                 ///< the built web page
+  std::filesystem::path templates;                            ///< scenes to start from
+  std::string types;                                          ///< what `weir nodes --json` prints
+  std::int64_t mostRecorded = std::int64_t{1} << 30;          ///< bytes of frames that are kept
+  std::int64_t largestUpload = ServedFolder::kLargestUpload;  ///< bytes
+  std::int64_t mostWaiting = std::int64_t{64} << 20;          ///< bytes for a client before it is closed
 };
 
 class Studio final : private ServerEvents, private HostListener {
@@ -46,6 +49,7 @@ class Studio final : private ServerEvents, private HostListener {
   struct Client {
     int unseen = 0;                           // frames that it was sent and has not confirmed
     std::shared_ptr<const std::string> next;  // the newest frame, which waits until it has
+    bool wantsFrames = true;
   };
   using Command = void (Studio::*)(ClientId, const Value&, Value&);
 
@@ -59,9 +63,12 @@ class Studio final : private ServerEvents, private HostListener {
   void numbers(const Value& numbers) override;
   void frame(std::int64_t frame, const Packet& packet) override;
   void geometry(const Packet& packet) override;
+  void reached(Simulation& simulation) override;
+  void leaving() override;
 
   HttpReply page(const std::string& path) const;
   HttpReply files(const HttpRequest& request);
+  HttpReply thumbnail(const std::string& name) const;
   HttpReply listing(const std::vector<ServedFile>& files) const;
 
   void hello(ClientId client, const Value& message, Value& result);
@@ -77,10 +84,17 @@ class Studio final : private ServerEvents, private HostListener {
   void confirm(ClientId client, const Value& message, Value& result);
   void claim(ClientId client, const Value& message, Value& result);
   void askParticle(ClientId client, const Value& message, Value& result);
+  void setStream(ClientId client, const Value& message, Value& result);
+  void askPicture(ClientId client, const Value& message, Value& result);
+  void startVideo(ClientId client, const Value& message, Value& result);
+  void moveVideo(ClientId client, const Value& message, Value& result);
+  void stopVideo(ClientId client, const Value& message, Value& result);
   static const std::map<std::string, Command, std::less<>>& commands();
 
   void takeScene(Value scene, std::string path, ClientId from);
   void requireWriter(ClientId client) const;
+  void sendPicture(ClientId client, const Value& id, const LivePictureOptions& options, PictureAnswer answer);
+  Value videoValue(const VideoStatus& video) const;
   Value sceneState() const;  ///< all but the scene itself
   Value sceneValue() const;
   void tell(const std::string& event, Value data, std::optional<ClientId> except = {});
@@ -105,8 +119,10 @@ class Studio final : private ServerEvents, private HostListener {
   Value status_ = Value::object();
   Packet geometry_;
   Recording recording_;
+  std::string videoPath_;  // of the last one, below the served folder
 
   HttpServer server_;
+  PictureDesk desk_;
   SimulationHost host_;  // last: it calls the rest
 };
 

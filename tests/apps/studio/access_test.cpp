@@ -1,4 +1,3 @@
-#ifdef WEIR_HAS_STUDIO
 #include "apps/studio/server/access.h"
 
 #include <gtest/gtest.h>
@@ -60,4 +59,3 @@ TEST_F(AccessTest, TokensAreLongAndNeverTheSame) {
 
 }  // namespace
 }  // namespace weir::studio
-#endif

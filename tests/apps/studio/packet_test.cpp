@@ -1,4 +1,3 @@
-#ifdef WEIR_HAS_STUDIO
 #include "apps/studio/session/packet.h"
 
 #include <gtest/gtest.h>
@@ -82,4 +81,3 @@ TEST(Recordings, ForgetEverySecondFrameWhereTheyGrowTooLarge) {
 
 }  // namespace
 }  // namespace weir::studio
-#endif

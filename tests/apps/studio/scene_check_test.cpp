@@ -1,4 +1,3 @@
-#ifdef WEIR_HAS_STUDIO
 #include "apps/studio/session/scene_check.h"
 
 #include <gtest/gtest.h>
@@ -66,4 +65,3 @@ TEST_F(SceneCheck, NamesWhatAsksForAReset) {
 
 }  // namespace
 }  // namespace weir::studio
-#endif

@@ -1,4 +1,3 @@
-#ifdef WEIR_HAS_STUDIO
 #include "apps/studio/server/served_folder.h"
 
 #include <gtest/gtest.h>
@@ -59,4 +58,3 @@ TEST_F(ServedFolderTest, MustBeThere) {
 
 }  // namespace
 }  // namespace weir::studio
-#endif

@@ -2,10 +2,10 @@
 import { ReactFlowProvider } from "@xyflow/react";
 import { useEffect, useRef, useState } from "react";
 import { FileBar, save } from "./files/FileBar";
-import { Help } from "./files/Help";
+import { Dialog } from "./files/Dialog";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
-import { client, edit, request, say, useStudio } from "./model/store";
+import { client, edit, problemOf, request, say, useStudio } from "./model/store";
 import { addNode, setParam } from "./model/scene";
 import { Modules, PropertyPanel } from "./properties/PropertyPanel";
 import { upload } from "./protocol/client";
@@ -16,25 +16,25 @@ const kThemeKey = "weir-theme";
 const kMessageMs = 8000;
 
 /** Keys that work everywhere but where somebody types. */
-function useGlobalKeys(onHelp: () => void): void {
+function useGlobalKeys(): void {
   useEffect(() => {
     const key = (e: KeyboardEvent) => {
       const { status, device } = useStudio.getState();
       if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "s") {
         e.preventDefault();
-        return void save(false);
+        return save();
       }
       if ((e.target as Element).closest("input, textarea, select, button, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === " ") void request(status.state === "playing" ? "run.pause" : "run.play");
       else if (e.key === ".") void request("run.step");
       else if (e.key.toLowerCase() === "r") void request("run.reset", { device });
-      else if (e.key === "?") onHelp();
+      else if (e.key === "?") useStudio.setState({ dialog: "help" });
       else return;
       e.preventDefault();
     };
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
-  }, [onHelp]);
+  }, []);
 }
 
 function Message() {
@@ -50,9 +50,7 @@ function Message() {
 
 /** What is wrong with the scene or the run, in one line; a click leads to the node. */
 function Problem() {
-  const scene = useStudio((s) => s.sceneState.problem);
-  const run = useStudio((s) => s.status.problem);
-  const p = scene ?? run;
+  const p = useStudio(problemOf);
   if (!p) return null;
   return (
     <button className="problem-line" role="alert" onClick={() => p.node && useStudio.setState({ selected: [p.node] })}>
@@ -67,14 +65,11 @@ function Inside() {
   if (!inside || !there) return null;
   const close = () => useStudio.setState({ inside: null });
   return (
-    <>
-      <div className="shade" onClick={close} />
-      <div className="dialog inside" role="dialog" aria-label={`Inside ${inside}`} onKeyDown={(e) => e.key === "Escape" && close()}>
-        <h2>{inside}</h2>
-        <Modules node={inside} />
-        <button autoFocus onClick={close}>Close</button>
-      </div>
-    </>
+    <Dialog title={`Inside ${inside}`} className="inside" onClose={close}>
+      <h2>{inside}</h2>
+      <Modules node={inside} />
+      <button data-first onClick={close}>Close</button>
+    </Dialog>
   );
 }
 
@@ -114,7 +109,6 @@ function Divider({ onMove, vertical }: { onMove(by: number): void; vertical?: bo
 
 export function App() {
   const [dark, setDark] = useState(() => (localStorage.getItem(kThemeKey) ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark")) === "dark");
-  const [help, setHelp] = useState(false);
   const [side, setSide] = useState(320);
   const [graph, setGraph] = useState(0.5);
   useEffect(() => client.open(), []);
@@ -122,7 +116,7 @@ export function App() {
     document.documentElement.dataset["theme"] = dark ? "dark" : "light";
     localStorage.setItem(kThemeKey, dark ? "dark" : "light");
   }, [dark]);
-  useGlobalKeys(() => setHelp(true));
+  useGlobalKeys();
   return (
     <div
       className="app" style={{ gridTemplateColumns: `minmax(0, 1fr) 5px ${side}px` }}
@@ -143,7 +137,6 @@ export function App() {
       <div className="bottom"><Problem /><Transport /></div>
       <Inside />
       <Message />
-      {help && <Help onClose={() => setHelp(false)} />}
     </div>
   );
 }

@@ -1,4 +1,5 @@
 // All keys on one sheet.
+import { Dialog } from "./Dialog";
 
 const kKeys: [string, string][] = [
   ["Tab, A, double click", "add a node"], ["drag from a port into the open", "add a node that fits"],
@@ -11,15 +12,12 @@ const kKeys: [string, string][] = [
 
 export function Help({ onClose }: { onClose(): void }) {
   return (
-    <>
-      <div className="shade" onClick={onClose} />
-      <div className="dialog" role="dialog" aria-label="Keys" onKeyDown={(e) => e.key === "Escape" && onClose()}>
-        <h2>Keys</h2>
-        <table className="keys">
-          <tbody>{kKeys.map(([k, what]) => <tr key={k}><th>{k}</th><td>{what}</td></tr>)}</tbody>
-        </table>
-        <button autoFocus onClick={onClose}>Close</button>
-      </div>
-    </>
+    <Dialog title="Keys" onClose={onClose}>
+      <h2>Keys</h2>
+      <table className="keys">
+        <tbody>{kKeys.map(([k, what]) => <tr key={k}><th>{k}</th><td>{what}</td></tr>)}</tbody>
+      </table>
+      <button data-first onClick={onClose}>Close</button>
+    </Dialog>
   );
 }

@@ -1,16 +1,17 @@
 // The graph of nodes and links, and all that is done to it by mouse and keyboard.
 import {
-  Background, Controls, MiniMap, ReactFlow, useReactFlow, type Connection, type Edge, type Node, type NodeChange,
+  Controls, MiniMap, ReactFlow, useReactFlow, type Connection, type Edge, type Node, type NodeChange,
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import {
   addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, mute, pasteNodes, removeLinks, removeNodes,
   type LinkEnds, type Note, type Scene,
 } from "../model/scene";
-import { edit, redo, say, undo, useStudio } from "../model/store";
-import type { Types } from "../model/types";
+import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
+import type { Problem, Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
 import { arrange } from "./arrange";
+import { Dots } from "./Dots";
 import { changeNote, NoteNode } from "./NoteNode";
 import { portColor } from "./ports";
 import { SceneNode, type SceneNodeData } from "./SceneNode";
@@ -18,6 +19,7 @@ import { SceneNode, type SceneNodeData } from "./SceneNode";
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kPasteOffset = 40;
 const kLegible = 0.35;
+const kOverview = { width: 150, height: 100 };
 
 export const rowsOf = (scene: Scene, types: Types | null) => (name: string) => {
   const t = types?.nodes[scene.nodes[name]?.type ?? ""];
@@ -28,7 +30,7 @@ export const rowsOf = (scene: Scene, types: Types | null) => (name: string) => {
 function useFlow(): { nodes: Node[]; edges: Edge[] } {
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
-  const problem = useStudio((s) => s.sceneState.problem);
+  const problem = useStudio(problemOf);
   const selected = useStudio((s) => s.selected);
   const selectedLinks = useStudio((s) => s.selectedLinks);
   return useMemo(() => {
@@ -41,7 +43,7 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
       initialWidth: 190, initialHeight: 100,
       data: {
         name, typeName, type: types?.nodes[typeName], muted, collapsed: at[name]?.collapsed ?? false,
-        problem: wrong(name) ? text ?? null : null,
+        problem: wrong(name) ? text ?? null : null, wrongPort: portOf(problem, name),
       } satisfies SceneNodeData,
     });
     const notes = (scene.layout?.notes ?? []).map((note): Node => ({
@@ -65,6 +67,14 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
     });
     return { nodes, edges };
   }, [scene, types, problem, selected, selectedLinks]);
+}
+
+/** Messages name ports as 'node.port'. */
+function portOf(problem: Problem | undefined, node: string): string | null {
+  const text = `${problem?.message} ${problem?.allowed} ${problem?.hint}`;
+  const start = `'${node}.`;
+  const at = text.indexOf(start);
+  return at < 0 ? null : text.slice(at + start.length).split("'")[0]!;
 }
 
 const endsOf = (c: Connection | Edge): LinkEnds => ({
@@ -150,11 +160,13 @@ export function GraphEditor() {
         isValidConnection={(c) => types !== null && linkProblem(useStudio.getState().scene, types, endsOf(c as Connection)) === null}
         onConnectEnd={(event, state) => connectEnded(event, state, openMenu)}
         onNodeDoubleClick={(_, n) => n.type === "scene" && (n.data as SceneNodeData).type?.modules && useStudio.setState({ inside: n.id })}
+        onMoveStart={() => (surface.current!.dataset["moving"] = "")} onMoveEnd={() => delete surface.current!.dataset["moving"]}
+        onMove={(_, { zoom }) => (zoom < kLegible ? (surface.current!.dataset["far"] = "") : delete surface.current!.dataset["far"])}
         deleteKeyCode={null} multiSelectionKeyCode={["Shift", "Control", "Meta"]} selectionKeyCode="Shift" minZoom={0.05}
         zoomOnDoubleClick={false} elevateNodesOnSelect={false} onlyRenderVisibleElements proOptions={{ hideAttribution: true }}
       >
-        <Background gap={24} />
-        <MiniMap pannable zoomable ariaLabel="Overview" nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
+        <Dots />
+        <MiniMap pannable zoomable ariaLabel="Overview" style={kOverview} nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
         <Controls showInteractive={false} />
       </ReactFlow>
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onNote={addNote} onClose={() => setMenu(null)} />}

@@ -7,6 +7,8 @@ import { edit, useStudio } from "../model/store";
 import type { JsonObject, NodeType } from "../model/types";
 import { portColor } from "./ports";
 
+const kLeastMs = 0.01;
+
 export interface SceneNodeData extends Record<string, unknown> {
   name: string;
   typeName: string;
@@ -14,6 +16,8 @@ export interface SceneNodeData extends Record<string, unknown> {
   collapsed: boolean;
   muted: boolean;
   problem: string | null;
+  /** The port that the problem names. */
+  wrongPort: string | null;
 }
 
 /** Milliseconds a step of the last run, of a node and its modules. */
@@ -26,7 +30,7 @@ function useTime(name: string): number | null {
 }
 
 export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps & { data: SceneNodeData }) {
-  const { name, typeName, type, collapsed, muted, problem } = data;
+  const { name, typeName, type, collapsed, muted, problem, wrongPort } = data;
   const time = useTime(name);
   const classes = ["scene-node", selected && "selected", muted && "muted", problem && "wrong", collapsed && "collapsed"];
   return (
@@ -40,13 +44,13 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {collapsed ? "▸" : "▾"}
         </button>
         <strong>{name}</strong>
-        {time !== null && <span className="badge">{time.toPrecision(2)} ms</span>}
+        {time !== null && <span className="badge">{time < kLeastMs ? `< ${kLeastMs}` : time.toPrecision(2)} ms</span>}
         <small>{typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
       <div className="ports">
         <div>
           {type?.inputs.map((p) => (
-            <div key={p.name} className="port in" title={`${p.type}: ${p.doc}`}>
+            <div key={p.name} className={`port in${p.name === wrongPort ? " wrong" : ""}`} data-port={p.name} title={`${p.type}: ${p.doc}`}>
               <Handle
                 type="target" position={Position.Left} id={p.name} isConnectableStart={!muted}
                 className={p.many ? "many" : ""} style={{ background: portColor(p.type) }}
@@ -57,7 +61,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
         </div>
         <div>
           {type?.outputs.map((p) => (
-            <div key={p.name} className="port out" title={`${p.type}: ${p.doc}`}>
+            <div key={p.name} className={`port out${p.name === wrongPort ? " wrong" : ""}`} data-port={p.name} title={`${p.type}: ${p.doc}`}>
               {!collapsed && <span>{p.name}</span>}
               <Handle type="source" position={Position.Right} id={p.name} style={{ background: portColor(p.type) }} />
             </div>

@@ -1,8 +1,8 @@
 // All state of the page: the scene with its history, what the server says of it, the run, and what is selected.
 import { temporal } from "zundo";
-import { create } from "zustand";
+import { create, useStore } from "zustand";
 import { Client, fetchTypes, Refusal } from "../protocol/client";
-import type { FramePacket, GeometryPacket } from "../protocol/packets";
+import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { emptyScene, type Clip, type Scene } from "./scene";
 import type { JsonObject, Problem, Types } from "./types";
 
@@ -22,6 +22,14 @@ export interface Status {
 export interface Device {
   name: string;
   description: string;
+}
+
+/** A video that is recorded on the server. */
+export interface Video {
+  state: "none" | "recording" | "finishing" | "done" | "failed";
+  path: string;
+  frames: number;
+  problem?: Problem;
 }
 
 export interface LogLine {
@@ -55,6 +63,9 @@ export interface Studio {
   version: string;
   sceneState: SceneState;
   status: Status;
+  /** Whether the server can draw pictures, and which videos it can write. */
+  pictures: { problem?: Problem; videos: string[] };
+  video: Video;
   numbers: JsonObject | null;
   samples: Sample[];
   log: LogLine[];
@@ -66,6 +77,8 @@ export interface Studio {
   attribute: string;
   attributes: string[];
   message: string | null;
+  /** What is asked or shown above the page. */
+  dialog: "save" | "help" | null;
 }
 
 const kMostSamples = 4000;
@@ -83,6 +96,8 @@ export const useStudio = create<Studio>()(
       version: "",
       sceneState: { path: "", warnings: [] },
       status: { state: "empty" },
+      pictures: { videos: [] },
+      video: { state: "none", path: "", frames: 0 },
       numbers: null,
       samples: [],
       log: [],
@@ -93,10 +108,15 @@ export const useStudio = create<Studio>()(
       attribute: "speed",
       attributes: ["speed"],
       message: null,
+      dialog: null,
     }),
     { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
   ),
 );
+
+/** What is wrong: with the scene, or else with the run that failed. */
+export const problemOf = (s: Studio): Problem | undefined =>
+  s.sceneState.problem ?? (s.status.state === "failed" ? s.status.problem : undefined);
 
 const set = useStudio.setState;
 const get = useStudio.getState;
@@ -105,6 +125,7 @@ const get = useStudio.getState;
 export const viewers = {
   frame: (_: FramePacket): void => {},
   geometry: (_: GeometryPacket): void => {},
+  picture: (_: PicturePacket): void => {},
 };
 /** Kept for a viewport that appears later. */
 export const last: { frame: FramePacket | null; geometry: GeometryPacket | null } = { frame: null, geometry: null };
@@ -127,6 +148,7 @@ export const client = new Client({
     set({ samples: [] });
     viewers.geometry(packet);
   },
+  picture: (packet) => viewers.picture(packet),
 });
 
 export function say(error: unknown): void {
@@ -144,7 +166,7 @@ export async function request<T = JsonObject>(what: string, fields: object = {})
   }
 }
 
-interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" | "status"> {
+interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: SceneState & { scene: Scene };
 }
 
@@ -163,6 +185,7 @@ async function greet(): Promise<void> {
 
 function receive(name: string, data: unknown): void {
   if (name === "status") set({ status: data as Status });
+  if (name === "video") set({ video: data as Video });
   if (name === "role") set({ role: data as Studio["role"] });
   if (name === "numbers") takeNumbers(data as JsonObject);
   if (name === "log") {
@@ -201,11 +224,20 @@ let applying = false;
 let sending = false;
 let again = false;
 
-/** Changes the scene; one undo step. */
-export function edit(change: (scene: Scene) => Scene): void {
+const kTogetherMs = 600;
+let lastPart: { name: string; at: number } | null = null;
+
+/** Changes the scene; one undo step. Changes of the same part that follow each other quickly, as in a drag, are one step. */
+export function edit(change: (scene: Scene) => Scene, part?: string): void {
   if (get().role !== "writer") return say(new Error("another window has the pen: take it to make changes here"));
   const next = change(get().scene);
-  if (next !== get().scene) set({ scene: next });
+  if (next === get().scene) return;
+  const history = useStudio.temporal.getState();
+  const together = part !== undefined && lastPart?.name === part && performance.now() - lastPart.at < kTogetherMs;
+  lastPart = part === undefined ? null : { name: part, at: performance.now() };
+  if (together) history.pause();
+  set({ scene: next });
+  if (together) history.resume();
 }
 
 useStudio.subscribe((now, before) => {
@@ -226,14 +258,18 @@ async function send(): Promise<void> {
   sending = false;
 }
 
-export const undo = (): void => useStudio.temporal.getState().undo();
-export const redo = (): void => useStudio.temporal.getState().redo();
-
-/** While f runs, changes are one undo step: for drags. */
-export const history = {
-  pause: (): void => useStudio.temporal.getState().pause(),
-  resume: (): void => useStudio.temporal.getState().resume(),
+const step = (which: "undo" | "redo") => () => {
+  lastPart = null;
+  useStudio.temporal.getState()[which]();
 };
+export const undo = step("undo");
+export const redo = step("redo");
+
+/** Whether there is something to undo, and to redo. */
+export const useHistory = (): { past: boolean; future: boolean } => ({
+  past: useStore(useStudio.temporal, (h) => h.pastStates.length > 0),
+  future: useStore(useStudio.temporal, (h) => h.futureStates.length > 0),
+});
 
 // Drafts: what was edited and not saved survives a crash of the browser or the server.
 

@@ -6,6 +6,8 @@ export type JsonObject = { [key: string]: Json };
 export interface Parameter {
   name: string;
   kind: string;
+  /** Of lists: the kind of their elements, where there is an editor for it. */
+  elements?: string;
   doc: string;
   default: Json;
   unit?: string;

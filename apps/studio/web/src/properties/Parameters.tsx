@@ -1,9 +1,10 @@
 // The property editors of an owner of parameters: a node, a module, the world or a section.
+import { isKeyframes } from "../model/keyframes";
 import { paramsOf, setParam, type Owner } from "../model/scene";
-import { edit, useStudio } from "../model/store";
+import { edit, problemOf, useStudio } from "../model/store";
 import type { Json, JsonObject, Parameter } from "../model/types";
 import { ValueField } from "./fields";
-import { isKeyframes, KeyframesField } from "./KeyframesField";
+import { KeyframesField } from "./KeyframesField";
 
 interface Props {
   owner: Owner;
@@ -18,8 +19,11 @@ const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
     params,
   );
 
+/** "kg/m³" of "kg/m^3". */
+const unitText = (unit: string): string => unit.replaceAll("^2", "²").replaceAll("^3", "³");
+
 function useProblem(owner: Owner, name: string): string | null {
-  const problem = useStudio((s) => s.sceneState.problem);
+  const problem = useStudio(problemOf);
   if (!problem) return null;
   const text = problem.message + (problem.allowed ? ` — allowed: ${problem.allowed}` : "");
   const base =
@@ -38,7 +42,7 @@ function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parame
       {items.map((item, i) => (
         <fieldset key={i}>
           <legend>
-            {i + 1} <button aria-label="Remove" onClick={() => put(items.filter((_, k) => k !== i))}>×</button>
+            {i + 1} <button aria-label={`Remove ${parameter.name} ${i + 1}`} onClick={() => put(items.filter((_, k) => k !== i))}>×</button>
           </legend>
           {parameter.parameters!.map((p) => (
             <label key={p.name} className="row" title={p.doc}>
@@ -51,7 +55,7 @@ function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parame
           ))}
         </fieldset>
       ))}
-      <button onClick={() => put([...items, {}])}>Add</button>
+      <button aria-label={`Add to ${parameter.name}`} onClick={() => put([...items, {}])}>Add</button>
     </div>
   );
 }
@@ -62,13 +66,13 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
   const problem = useProblem(owner, path.join("/"));
   const value = set === undefined ? parameter.default : set;
   const keyed = isKeyframes(value);
-  const change = (v: Json) => edit((s) => setParam(s, owner, path, v));
+  const change = (v: Json) => edit((s) => setParam(s, owner, path, v), JSON.stringify([owner, path]));
   const Field = keyed ? KeyframesField : ValueField;
   return (
     <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
       <span className="name" title={parameter.doc}>
         {parameter.name}
-        {parameter.unit && <small>{parameter.unit}</small>}
+        {parameter.unit && <small>{unitText(parameter.unit)}</small>}
         {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}
       </span>
       <span className="field">
@@ -97,9 +101,9 @@ export function Parameters({ owner, parameters, path = [] }: Props) {
       {parameters.map((p) => {
         const below = [...path, p.name];
         if (p.kind === "group list")
-          return <details key={p.name}><summary title={p.doc}>{p.name}</summary><GroupList owner={owner} parameter={p} path={below} /></details>;
+          return <details key={p.name} data-param={p.name}><summary title={p.doc}>{p.name}</summary><GroupList owner={owner} parameter={p} path={below} /></details>;
         if (p.parameters)
-          return <details key={p.name} open><summary title={p.doc}>{p.name}</summary><Parameters owner={owner} parameters={p.parameters} path={below} /></details>;
+          return <details key={p.name} data-param={p.name} open><summary title={p.doc}>{p.name}</summary><Parameters owner={owner} parameters={p.parameters} path={below} /></details>;
         return <Row key={p.name} owner={owner} parameter={p} path={below} />;
       })}
     </div>

@@ -74,9 +74,9 @@ function SceneSettings() {
       <label className="row"><span className="name">title</span>
         <input aria-label="title" defaultValue={title} key={title} onBlur={(e) => e.target.value !== title && edit((s) => ({ ...s, title: e.target.value || undefined }))} />
       </label>
-      <details open><summary>world</summary><Parameters owner={{ section: "world" }} parameters={types.world} /></details>
+      <details open data-param="world"><summary>world</summary><Parameters owner={{ section: "world" }} parameters={types.world} /></details>
       {Object.entries(types.sections).map(([name, parameters]) => (
-        <details key={name}><summary>{name}</summary><Parameters owner={{ section: name }} parameters={parameters} /></details>
+        <details key={name} data-param={name}><summary>{name}</summary><Parameters owner={{ section: name }} parameters={parameters} /></details>
       ))}
     </>
   );

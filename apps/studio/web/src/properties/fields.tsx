@@ -4,6 +4,7 @@ import { evaluate, numberText } from "../model/expression";
 import { fetchFiles, type ServedFile } from "../protocol/client";
 import type { Json, Parameter } from "../model/types";
 import { CurveField } from "./CurveField";
+import { RampField, WordsField } from "./ListField";
 
 export interface FieldProps {
   parameter: Parameter;
@@ -24,7 +25,11 @@ export function rangeProblem(p: Parameter, v: number): string | null {
 }
 
 /** A number: typed, as an expression too, or dragged sideways. */
-export function NumberField({ parameter, value, onChange, label, placeholder }: FieldProps & { placeholder?: string }) {
+export function NumberField({ parameter, value, onChange, label, placeholder, refuse }: FieldProps & {
+  placeholder?: string;
+  /** Further reasons to refuse a number. */
+  refuse?(v: number): string | null;
+}) {
   const shown = typeof value === "number" ? numberText(value) : "";
   const [text, setText] = useState(shown);
   const [problem, setProblem] = useState<string | null>(null);
@@ -33,7 +38,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder }: 
 
   const take = (t: string) => {
     const v = evaluate(t);
-    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v);
+    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v) ?? refuse?.(v) ?? null;
     setProblem(wrong);
     if (!wrong && v !== value) onChange(v);
   };
@@ -109,20 +114,35 @@ function RotationField(props: FieldProps) {
   return isQuaternion ? <JsonField {...props} /> : <VectorField {...props} parameter={{ ...props.parameter, kind: "vec3" }} />;
 }
 
-const hex = (v: Json): string => {
+/** "#rrggbb" of a colour; white where there is none. */
+export function hexOf(v: Json): string {
   if (typeof v === "string") return v.slice(0, 7);
   if (!Array.isArray(v)) return "#ffffff";
   return "#" + v.slice(0, 3).map((c) => Math.round(Number(c) * 255).toString(16).padStart(2, "0")).join("");
+}
+
+const opacityOf = (v: Json): number => {
+  if (typeof v === "string") return v.length === 9 ? parseInt(v.slice(7), 16) / 255 : 1;
+  return Array.isArray(v) && v.length === 4 ? Number(v[3]) : 1;
 };
 
 function ColorField({ value, onChange, label }: FieldProps) {
-  return <input type="color" aria-label={label} value={hex(value)} onChange={(e) => onChange(e.target.value)} />;
+  const opacity = opacityOf(value);
+  const put = (color: string, alpha: number) =>
+    onChange(alpha === 1 ? color : color + Math.round(255 * alpha).toString(16).padStart(2, "0"));
+  return (
+    <span className={value === null ? "color none" : "color"}>
+      <input type="color" aria-label={label} title={value === null ? "not set" : hexOf(value)} value={hexOf(value)} onChange={(e) => put(e.target.value, opacity)} />
+      <input type="range" aria-label={`${label}, opacity`} title={`Opacity ${Math.round(100 * opacity)} %`} min={0} max={100} value={Math.round(100 * opacity)} onChange={(e) => put(hexOf(value), Number(e.target.value) / 100)} />
+    </span>
+  );
 }
 
 function EnumField({ parameter, value, onChange, label }: FieldProps) {
   const choices = parameter.choices ?? {};
   return (
     <select aria-label={label} value={String(value)} title={choices[String(value)]} onChange={(e) => onChange(e.target.value)}>
+      {value === null && <option value="null" disabled>not set</option>}
       {Object.entries(choices).map(([name, doc]) => (
         <option key={name} value={name} title={doc}>{name}</option>
       ))}
@@ -211,6 +231,9 @@ export function ValueField(props: FieldProps) {
       return <PathField {...props} />;
     case "curve":
       return <CurveField {...props} />;
+    case "list":
+      if (props.parameter.elements === "color") return <RampField {...props} />;
+      return props.parameter.elements ? <WordsField {...props} /> : <JsonField {...props} />;
     default:
       return <JsonField {...props} />;
   }

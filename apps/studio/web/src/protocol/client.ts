@@ -1,6 +1,6 @@
 // The connection to the server: questions with answers, events, packets. It comes back by itself when it breaks.
 import type { JsonObject, Problem } from "../model/types";
-import { readPacket, type FramePacket, type GeometryPacket } from "./packets";
+import { readPacket, type FramePacket, type GeometryPacket, type PicturePacket } from "./packets";
 
 /** What the server refused, and why. */
 export class Refusal extends Error {
@@ -14,6 +14,7 @@ export interface ClientEvents {
   event(name: string, data: unknown): void;
   frame(packet: FramePacket): void;
   geometry(packet: GeometryPacket): void;
+  picture(packet: PicturePacket): void;
 }
 
 const kRetryMs = 1000;
@@ -60,6 +61,7 @@ export class Client {
     if (typeof data !== "string") {
       const packet = readPacket(data);
       if (packet.kind === "frame") this.events.frame(packet);
+      else if (packet.kind === "picture") this.events.picture(packet);
       else this.events.geometry(packet);
       return;
     }
@@ -85,11 +87,21 @@ export interface ServedFile {
   bytes: number;
 }
 
+/** A scene to start from. `thumbnail` is an address, or "". */
+export interface Template {
+  path: string;
+  title: string;
+  description: string;
+  group: string;
+  thumbnail: string;
+}
+
 const pathOf = (file: string) => file.split("/").map(encodeURIComponent).join("/");
 
+export const addressOfFile = (path: string): string => `/api/file/${pathOf(path)}`;
 export const fetchTypes = async () => (await fetched("/api/types")).json();
-export const fetchTemplates = async (): Promise<ServedFile[]> => (await fetched("/api/templates")).json();
+export const fetchTemplates = async (): Promise<Template[]> => (await fetched("/api/templates")).json();
 export const fetchFiles = async (folder: string): Promise<ServedFile[]> =>
   (await fetched(`/api/files?folder=${encodeURIComponent(folder)}`)).json();
 export const upload = (path: string, file: File) =>
-  fetched(`/api/file/${pathOf(path)}`, { method: "PUT", body: file });
+  fetched(addressOfFile(path), { method: "PUT", body: file });

@@ -41,11 +41,22 @@ export interface GeometryPacket {
   meshes: MeshData[];
 }
 
+export interface PicturePacket {
+  kind: "picture";
+  frame: number;
+  time: number;
+  width: number;
+  height: number;
+  type: string;
+  data: Uint8Array<ArrayBuffer>;
+}
+
 /* eslint-disable @typescript-eslint/no-explicit-any */
-export function readPacket(buffer: ArrayBuffer): FramePacket | GeometryPacket {
+export function readPacket(buffer: ArrayBuffer): FramePacket | GeometryPacket | PicturePacket {
   const length = new DataView(buffer).getUint32(0, true);
   const header: any = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   const start = 4 + length;
+  if (header.kind === "picture") return { ...header, data: new Uint8Array(buffer, start + header.data, header.bytes) };
   if (header.kind === "geometry") {
     const meshes = header.meshes.map((m: any) => ({
       node: m.node,

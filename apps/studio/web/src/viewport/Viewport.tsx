@@ -1,10 +1,13 @@
 // The view with its tools: camera, colours, handles, and the particle that was clicked.
-import { useEffect, useMemo, useRef, useState } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { setParam } from "../model/scene";
 import { edit, last, request, useStudio, viewers } from "../model/store";
 import type { Json, JsonObject } from "../model/types";
-import { gradient, isColorMap, kColorMaps, type ColorMapName } from "./colorMaps";
+import { gradient, isColorMap, kColorMaps, type Ramp } from "./colorMaps";
+import { hexOf } from "../properties/fields";
 import { handleOf, outlinesOf } from "./outlines";
+import { Recorder } from "./Recorder";
+import { Rendered } from "./Rendered";
 import { kPresets, View, type Preset } from "./view";
 
 const kMostChoices = [50_000, 200_000, 1_000_000];
@@ -31,6 +34,9 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [key, setKey] = useState<Key | null>(null);
   const [picked, setPicked] = useState<Picked | null>(null);
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
+  const [rendered, setRendered] = useState(false);
+  const noPictures = useStudio((s) => s.pictures.problem?.message);
+  const stopRendered = useCallback(() => setRendered(false), []);
   const [most, setMost] = useState(kMostChoices[1]!);
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
@@ -40,7 +46,9 @@ export function Viewport({ dark }: { dark: boolean }) {
   const path = useStudio((s) => s.sceneState.path);
   const render = scene["render"] as JsonObject | undefined;
   const color = render?.["color"] as JsonObject | undefined;
-  const map: ColorMapName = isColorMap(color?.["map"]) ? color["map"] : "viridis";
+  const table = color?.["table"];
+  const name = isColorMap(color?.["map"]) ? color["map"] : "viridis";
+  const ramp: Ramp = useMemo(() => (Array.isArray(table) && table.length > 1 ? table.map(hexOf) : kColorMaps[name]), [table, name]);
   const range = useMemo(
     () => (attribute === (color?.["by"] ?? "speed") && Array.isArray(color?.["range"]) ? (color["range"] as [number, number]) : null),
     [attribute, color],
@@ -69,7 +77,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   }, []);
 
   useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
-  useEffect(() => view?.setColors(map, range), [view, map, range]);
+  useEffect(() => view?.setColors(ramp, range), [view, ramp, range]);
   useEffect(() => {
     if (view && types) view.setOutlines(outlinesOf(scene, types));
   }, [view, scene.nodes, types]); // eslint-disable-line
@@ -97,6 +105,13 @@ export function Viewport({ dark }: { dark: boolean }) {
   return (
     <div className="viewport" ref={element} aria-label="Simulation view">
       <div className="view-tools" role="toolbar" aria-label="View">
+        <button
+          aria-pressed={rendered} disabled={noPictures !== undefined} onClick={() => setRendered(!rendered)}
+          title={noPictures ?? "Pictures by the renderer of the videos, drawn by the server"}
+        >
+          Rendered
+        </button>
+        <Recorder view={view} />
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
         <select aria-label="View from" value="" onChange={(e) => e.target.value && view?.fit(e.target.value as Preset)}>
           <option value="">View…</option>
@@ -109,17 +124,18 @@ export function Viewport({ dark }: { dark: boolean }) {
         <select aria-label="Colour by" value={attribute} onChange={(e) => show(e.target.value, most)}>
           {attributes.map((a) => <option key={a}>{a}</option>)}
         </select>
-        <select aria-label="Colour map" value={map} onChange={(e) => edit((s) => setParam(s, { section: "render" }, ["color", "map"], e.target.value))}>
+        <select aria-label="Colour map" value={name} onChange={(e) => edit((s) => setParam(s, { section: "render" }, ["color", "map"], e.target.value))}>
           {Object.keys(kColorMaps).map((m) => <option key={m}>{m}</option>)}
         </select>
         <select aria-label="Most particles" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
           {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
-      {key && (
+      {rendered && view && <Rendered view={view} onFailed={stopRendered} />}
+      {key && !rendered && (
         <div className="color-key">
           <span>{short(key.low)}</span>
-          <i style={{ background: gradient(map) }} />
+          <i style={{ background: gradient(ramp) }} />
           <span>{short(key.high)} {key.unit}</span>
           <b>{key.name}</b>
         </div>

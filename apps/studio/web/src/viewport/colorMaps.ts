@@ -10,13 +10,16 @@ export const kColorMaps = {
 
 export type ColorMapName = keyof typeof kColorMaps;
 
+/** Colours from low to high values, as "#rrggbb". */
+export type Ramp = readonly string[];
+
 export const isColorMap = (name: unknown): name is ColorMapName => typeof name === "string" && name in kColorMaps;
 
 const kSize = 256;
 
 /** RGBA bytes of a row of 256 texels. */
-export function colorTable(name: ColorMapName) {
-  const stops = kColorMaps[name].map((c) => [1, 3, 5].map((i) => parseInt(c.slice(i, i + 2), 16)));
+export function colorTable(ramp: Ramp) {
+  const stops = ramp.map((c) => [1, 3, 5].map((i) => parseInt(c.slice(i, i + 2), 16)));
   const table = new Uint8Array(4 * kSize);
   for (let i = 0; i < kSize; ++i) {
     const at = (i / (kSize - 1)) * (stops.length - 1);
@@ -27,4 +30,4 @@ export function colorTable(name: ColorMapName) {
   return table;
 }
 
-export const gradient = (name: ColorMapName): string => `linear-gradient(to right, ${kColorMaps[name].join(", ")})`;
+export const gradient = (ramp: Ramp): string => `linear-gradient(to right, ${ramp.join(", ")})`;

@@ -1,7 +1,7 @@
 // Particles as shaded spheres: one point each, drawn by a shader that knows where a ball's surface is.
 import * as THREE from "three";
 import type { FluidFrame } from "../protocol/packets";
-import { colorTable, type ColorMapName } from "./colorMaps";
+import { colorTable, type Ramp } from "./colorMaps";
 
 const kVertexShader = /* glsl */ `
   uniform vec3 low, extent;
@@ -94,8 +94,8 @@ export class Particles {
     this.material.uniforms["rangeHigh"]!.value = high;
   }
 
-  setMap(name: ColorMapName): void {
-    const texture = new THREE.DataTexture(colorTable(name), 256, 1);
+  setMap(ramp: Ramp): void {
+    const texture = new THREE.DataTexture(colorTable(ramp), 256, 1);
     texture.magFilter = THREE.LinearFilter;
     texture.needsUpdate = true;
     this.material.uniforms["map"]!.value?.dispose();

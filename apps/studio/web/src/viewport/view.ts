@@ -3,7 +3,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { FramePacket, GeometryPacket } from "../protocol/packets";
-import type { ColorMapName } from "./colorMaps";
+import { kColorMaps, type Ramp } from "./colorMaps";
 import { Particles } from "./particles";
 
 export interface ViewEvents {
@@ -30,8 +30,10 @@ export class View {
   private readonly meshes = new Map<string, THREE.Mesh>();
   private readonly outlines = new THREE.Group();
   private outlineOf = new Map<string, THREE.Object3D>();
-  private map: ColorMapName = "viridis";
+  private map: Ramp = kColorMaps.viridis;
   private range: [number, number] | null = null;
+  private readonly cameraListeners = new Set<() => void>();
+  private shown: FramePacket | null = null;
   private asked = false;
   private fitted = false;
   drawn = 0;
@@ -42,7 +44,10 @@ export class View {
     element.prepend(this.renderer.domElement);
     this.camera.position.set(1.2, 1, 1.8);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("change", () => {
+      this.draw();
+      for (const listener of this.cameraListeners) listener();
+    });
     this.handle = new TransformControls(this.camera, this.renderer.domElement);
     this.handle.addEventListener("dragging-changed", (e) => {
       this.controls.enabled = !e.value;
@@ -64,14 +69,16 @@ export class View {
     this.draw();
   }
 
-  setColors(map: ColorMapName, range: [number, number] | null): void {
+  setColors(map: Ramp, range: [number, number] | null): void {
     this.map = map;
     this.range = range;
     for (const particles of this.fluids.values()) particles.setMap(map);
+    if (this.shown) this.frame(this.shown);
     this.draw();
   }
 
   frame(packet: FramePacket): void {
+    this.shown = packet;
     for (const fluid of packet.fluids) {
       let particles = this.fluids.get(fluid.node);
       if (!particles) {
@@ -168,6 +175,12 @@ export class View {
     this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance);
     this.controls.update();
     this.draw();
+  }
+
+  /** Calls back whenever the camera has moved. Returns what ends that. */
+  onCamera(listener: () => void): () => void {
+    this.cameraListeners.add(listener);
+    return () => void this.cameraListeners.delete(listener);
   }
 
   /** As the scene's render.camera has it. */

@@ -1,0 +1,82 @@
+#include "apps/studio/session/message.h"
+
+#include <cmath>
+
+#include "framework/base/error.h"
+
+namespace weir::studio {
+
+const Value& member(const Value& message, std::string_view name) {
+  const Value* v = message.find(name);
+  if (v == nullptr) throw usageError("the message has no '" + std::string(name) + "'");
+  return *v;
+}
+
+std::string textMember(const Value& message, std::string_view name) {
+  const Value& v = member(message, name);
+  if (!v.isString()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "a string");
+  return v.asString();
+}
+
+std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t least, std::int64_t most) {
+  const Value& v = member(message, name);
+  if (!v.isInt() || v.asInt() < least || v.asInt() > most)
+    throw usageError("'" + std::string(name) + "' is " + v.brief(),
+                     "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  return v.asInt();
+}
+
+bool switchMember(const Value& message, std::string_view name) {
+  const Value& v = member(message, name);
+  if (!v.isBool()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "true or false");
+  return v.asBool();
+}
+
+namespace {
+
+Vec3f vectorMember(const Value& message, std::string_view name) {
+  constexpr double kFarthest = 1e6;
+  const Value& v = member(message, name);
+  Vec3f result;
+  bool good = v.isArray() && v.asArray().size() == 3;
+  for (int i = 0; good && i < 3; ++i) {
+    const Value& component = v.asArray()[static_cast<std::size_t>(i)];
+    good = component.isNumber() && std::abs(component.asDouble()) <= kFarthest;
+    if (good) result[i] = static_cast<float>(component.asDouble());
+  }
+  if (!good) throw usageError("'" + std::string(name) + "' is " + v.brief(), "[x, y, z] in metres");
+  return result;
+}
+
+}  // namespace
+
+LiveCamera cameraOf(const Value& message) {
+  constexpr double kNarrowest = 1, kWidest = 170;
+  LiveCamera camera;
+  camera.eye = vectorMember(message, "eye");
+  camera.target = vectorMember(message, "target");
+  if (message.find("up") != nullptr) camera.up = vectorMember(message, "up");
+  if (const Value* fov = message.find("fov")) {
+    if (!fov->isNumber() || !(fov->asDouble() >= kNarrowest && fov->asDouble() <= kWidest))
+      throw usageError("'fov' is " + fov->brief(), "1 to 170 degrees");
+    camera.fovDegrees = static_cast<float>(fov->asDouble());
+  }
+  if (length(camera.eye - camera.target) == 0 || length(camera.up) == 0)
+    throw usageError("the camera looks nowhere", "an eye beside the target, and an up that is not 0");
+  return camera;
+}
+
+LivePictureOptions pictureOptionsOf(const Value& message) {
+  constexpr std::int64_t kLeast = 16, kMost = 4096, kMostSamples = 4;
+  LivePictureOptions options;
+  options.camera = cameraOf(message);
+  const auto whole = [&](std::string_view name, std::int64_t least, std::int64_t most, int& to) {
+    if (message.find(name) != nullptr) to = static_cast<int>(wholeMember(message, name, least, most));
+  };
+  whole("width", kLeast, kMost, options.width);
+  whole("height", kLeast, kMost, options.height);
+  whole("samples", 1, kMostSamples, options.samplesPerAxis);
+  return options;
+}
+
+}  // namespace weir::studio

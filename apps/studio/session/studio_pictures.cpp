@@ -1,0 +1,106 @@
+// What the studio does about pictures and videos.
+#include <filesystem>
+#include <utility>
+
+#include "apps/studio/session/message.h"
+#include "apps/studio/session/studio.h"
+#include "framework/base/error.h"
+#include "framework/base/text.h"
+#include "framework/scene/scene_file.h"
+
+namespace weir::studio {
+
+namespace fs = std::filesystem;
+
+void Studio::setStream(ClientId client, const Value& message, Value&) {
+  Client& c = clients_[client];
+  c.wantsFrames = switchMember(message, "particles");
+  c.next.reset();
+  if (!c.wantsFrames) return;
+  if (const Packet last = recording_.nearest(std::numeric_limits<std::int64_t>::max()))
+    sendFrame(client, c, last);
+}
+
+void Studio::askPicture(ClientId client, const Value& message, Value& result) {
+  const LivePictureOptions options = pictureOptionsOf(message);
+  const bool newer = message.find("newer") != nullptr && switchMember(message, "newer");
+  const Value* id = message.find("id");
+  desk_.ask(client, options, newer,
+            [this, client, options, id = id != nullptr ? *id : Value()](PictureAnswer answer) {
+              sendPicture(client, id, options, std::move(answer));
+            });
+  if (!newer) host_.ask([this](Simulation* simulation) { desk_.serve(simulation); });
+  result = {};
+}
+
+void Studio::sendPicture(ClientId client, const Value& id, const LivePictureOptions& options,
+                         PictureAnswer answer) {
+  Value reply = Value::object();
+  reply["id"] = id;
+  if (answer.problem) {
+    reply["error"] = problemOf(*answer.problem);
+  } else {
+    Value result = Value::object();
+    result["drawn"] = !answer.jpeg.empty();
+    result["frame"] = answer.frame;
+    result["time"] = answer.time;
+    reply["result"] = std::move(result);
+  }
+  if (!answer.jpeg.empty()) {
+    PacketWriter writer;
+    Value header = Value::object();
+    header["kind"] = "picture";
+    header["request"] = id;
+    header["frame"] = answer.frame;
+    header["time"] = answer.time;
+    header["width"] = options.width;
+    header["height"] = options.height;
+    header["type"] = "image/jpeg";
+    header["bytes"] = static_cast<std::int64_t>(answer.jpeg.size());
+    header["data"] = writer.add(std::span<const char>(answer.jpeg));
+    server_.sendBinary(client, writer.finish(header));
+  }
+  server_.sendText(client, writeJsonLine(reply));
+}
+
+Value Studio::videoValue(const VideoStatus& video) const {
+  Value v = Value::object();
+  v["state"] = nameOf(video.state);
+  v["path"] = videoPath_;
+  v["frames"] = video.frames;
+  if (video.problem) v["problem"] = problemOf(*video.problem);
+  return v;
+}
+
+void Studio::startVideo(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const std::string path = textMember(message, "path");
+  const LivePictureOptions options = pictureOptionsOf(message);
+  if (const auto problem = desk_.problem()) throw *problem;
+  const fs::path file = folder_.resolve(path);
+  const std::vector<std::string>& allowed = desk_.videoExtensions();
+  if (std::find(allowed.begin(), allowed.end(), file.extension().string()) == allowed.end())
+    throw usageError("there is no kind of video for the name " + inQuotes(path),
+                     "a name that ends in " + joinNames(allowed));
+  std::error_code error;
+  if (!fs::is_directory(file.parent_path(), error))
+    throw usageError("there is no folder for " + inQuotes(path), "a folder that exists");
+  if (fs::is_directory(file, error)) throw usageError(inQuotes(path) + " is a folder", "the name of a file");
+  desk_.startVideo(file, options);
+  videoPath_ = path;
+  host_.ask([this](Simulation* simulation) { desk_.serve(simulation); });
+  result = videoValue(desk_.video());
+}
+
+void Studio::moveVideo(ClientId client, const Value& message, Value&) {
+  requireWriter(client);
+  desk_.moveCamera(cameraOf(message));
+}
+
+void Studio::stopVideo(ClientId client, const Value&, Value& result) {
+  requireWriter(client);
+  desk_.stopVideo();
+  result = videoValue(desk_.video());
+}
+
+}  // namespace weir::studio

@@ -1,0 +1,44 @@
+// Particles as a page sees them, and as `weir run --ply-particles` writes them: by id, every attribute to the last bit.
+
+const kRead = { float: (view, at) => view.getFloat32(at, true), int: (view, at) => view.getInt32(at, true) };
+const kBytes = 4;
+
+/** Of a binary PLY file of particles: attributes by id. */
+export function particlesOfPly(bytes) {
+  const end = bytes.indexOf("end_header\n") + "end_header\n".length;
+  const header = bytes.subarray(0, end).toString("latin1");
+  const count = Number(/element vertex (\d+)/.exec(header)[1]);
+  const columns = [...header.matchAll(/property (\w+) (\w+)/g)].map((m) => ({ read: kRead[m[1]], name: m[2] }));
+  const view = new DataView(bytes.buffer, bytes.byteOffset + end);
+  const particles = new Map();
+  for (let i = 0; i < count; ++i) {
+    const row = Object.fromEntries(columns.map((c, k) => [c.name, c.read(view, kBytes * (i * columns.length + k))]));
+    const { x, y, z, vx, vy, vz, id, ...rest } = row;
+    particles.set(id, { position: [x, y, z], velocity: [vx, vy, vz], ...rest });
+  }
+  return particles;
+}
+
+/** Of the simulation that runs behind a page. It is asked as the page asks when a particle is clicked. */
+export async function particlesOfPage(page, node, ids) {
+  const answers = await page.evaluate(
+    ([node, ids]) =>
+      new Promise((resolve, reject) => {
+        const socket = new WebSocket(`ws://${location.host}/api/live`);
+        const found = [];
+        socket.onopen = () => ids.forEach((particle, id) => socket.send(JSON.stringify({ id, do: "particle", node, particle })));
+        socket.onerror = () => reject(new Error("no connection"));
+        socket.onmessage = (m) => {
+          const answer = typeof m.data === "string" ? JSON.parse(m.data) : {};
+          if (answer.id === undefined) return;
+          found.push(answer.result);
+          if (found.length === ids.length) (socket.close(), resolve(found));
+        };
+      }),
+    [node, ids],
+  );
+  // Floats come with as many digits as they need.
+  const floats = (v) => (Array.isArray(v) ? v.map(Math.fround) : Math.fround(v));
+  const read = (attributes) => Object.fromEntries(Object.entries(attributes).map(([name, v]) => [name, floats(v)]));
+  return new Map(answers.filter(Boolean).map((a) => [a.id, read(a.attributes)]));
+}

@@ -1,0 +1,211 @@
+// A studio of its own with a page in a real Chromium, for tests and measurements; and what hands do there. WEIR names the
+// program (weir), WEIR_CHROMIUM the browser.
+import { spawn } from "node:child_process";
+import { mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const kWeir = process.env.WEIR ?? "weir";
+const kLong = 60;
+const kRestMs = 300;
+const kPatience = 20_000;
+// As where there is no graphics card: the page is drawn by the processor, WebGL too.
+const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
+
+/** The address that a server prints when it is ready. */
+async function addressOf(server) {
+  let text = "";
+  for await (const chunk of server.stdout) {
+    text += chunk;
+    if (text.includes("\n")) return text.trim();
+  }
+  throw new Error("weir studio ended before it said where it is");
+}
+
+/** Starts a server in a folder of its own. `close` ends it and removes the folder. */
+export async function startServer(...options) {
+  const folder = await mkdtemp(join(tmpdir(), "weir-studio-"));
+  const server = spawn(kWeir, ["studio", "--no-browser", "--folder", folder, "--device", "cpu", "--threads", "2", ...options], {
+    stdio: ["ignore", "pipe", "inherit"],
+  });
+  const ended = new Promise((resolve) => server.once("close", resolve));
+  const close = async () => {
+    server.kill("SIGINT");
+    await ended;
+    await rm(folder, { recursive: true });
+  };
+  try {
+    return { folder, address: await addressOf(server), close };
+  } catch (e) {
+    await close();
+    throw e;
+  }
+}
+
+/** Runs the program and waits for its end. */
+export function weir(...words) {
+  const child = spawn(kWeir, words, { stdio: ["ignore", "ignore", "inherit"] });
+  return new Promise((resolve, reject) =>
+    child.once("close", (code) => (code === 0 ? resolve() : reject(new Error(`weir ${words.join(" ")} ended with ${code}`)))),
+  );
+}
+
+/** A page at an address. `mistakes` gathers what its console complains of. */
+export async function openPage(address, { width = 1600, height = 1000, colorScheme = "dark" } = {}) {
+  const browser = await chromium.launch({ executablePath: process.env.WEIR_CHROMIUM ?? "/usr/bin/chromium", args: kDrawn });
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme });
+  page.setDefaultTimeout(kPatience);
+  const mistakes = [];
+  page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
+  page.on("pageerror", (e) => mistakes.push(e.message));
+  await page.goto(address);
+  await page.locator(".bar .title").waitFor();
+  await page.getByLabel("title", { exact: true }).or(page.getByLabel("Name", { exact: true })).waitFor();
+  return { browser, page, mistakes };
+}
+
+/** What hands do on a page: nothing here reaches behind the page's face. */
+export class Hands {
+  constructor(page) {
+    this.page = page;
+  }
+
+  node(name) {
+    return this.page.locator(`[data-node="${name}"]`);
+  }
+
+  /** Replaces what a field holds. */
+  async type(field, text, end = "Enter") {
+    await field.click({ clickCount: 3 });
+    await this.page.keyboard.press("Control+A");
+    // Long texts come at once, as from an input method.
+    if (String(text).length > kLong) await this.page.keyboard.insertText(text);
+    else await this.page.keyboard.type(String(text));
+    await this.page.keyboard.press(end);
+  }
+
+  /** Clicks where the graph is empty: then nothing is selected, and the graph has the keyboard. */
+  async pointAtGraph() {
+    const spot = await this.page.evaluate(() => {
+      const box = document.querySelector(".graph").getBoundingClientRect();
+      for (let y = box.top + 12; y < box.bottom; y += 12)
+        for (let x = box.left + 100; x < box.right - 340; x += 20)
+          if (document.elementFromPoint(x, y)?.classList.contains("react-flow__pane")) return { x, y };
+      return null;
+    });
+    if (!spot) throw new Error("the graph has no empty place");
+    await this.page.mouse.click(spot.x, spot.y);
+  }
+
+  async pressInGraph(...keys) {
+    await this.page.getByRole("application", { name: "Node editor" }).focus();
+    for (const key of keys) await this.page.keyboard.press(key);
+  }
+
+  /** Adds a node by its type's name, and gives it one. */
+  async addNode(type, name) {
+    await this.pointAtGraph();
+    await this.pressInGraph("Tab");
+    await this.page.getByRole("textbox", { name: "Search" }).waitFor();
+    await this.page.keyboard.type(type);
+    await this.page.keyboard.press("Enter");
+    await this.type(this.page.getByLabel("Name", { exact: true }), name);
+    await this.node(name).waitFor();
+  }
+
+  async arrange() {
+    await this.pointAtGraph();
+    await this.pressInGraph("l", "f");
+    await this.stillness();
+  }
+
+  /** Waits until the graph has come to rest. */
+  async stillness() {
+    await this.page.waitForFunction((rest) => {
+      const now = { at: performance.now(), transform: document.querySelector(".react-flow__viewport").style.transform };
+      if (window.seen?.transform !== now.transform) window.seen = now;
+      return now.at - window.seen.at > rest;
+    }, kRestMs);
+  }
+
+  async select(name) {
+    await this.node(name).locator("strong").click();
+    await this.page.getByLabel("Name", { exact: true }).and(this.page.locator(`[value="${name}"]`)).waitFor();
+  }
+
+  async link(text) {
+    const [, from, output, to, input] = /^(\w+)\.(\w+) -> (\w+)\.(\w+)$/.exec(text);
+    await this.drag(this.node(from).locator(`.source[data-handleid="${output}"]`), this.node(to).locator(`.target[data-handleid="${input}"]`));
+    await this.edge(text).waitFor({ state: "attached" });
+  }
+
+  edge(text) {
+    return this.page.locator(`.react-flow__edge[data-id="${text}"]`);
+  }
+
+  /** Clicks a link where nothing lies upon it. */
+  async clickLink(text) {
+    const spot = await this.edge(text).evaluate((edge) => {
+      const path = edge.querySelector("path");
+      for (let i = 1; i < 40; ++i) {
+        const { x, y } = path.getPointAtLength((i / 40) * path.getTotalLength()).matrixTransform(path.getScreenCTM());
+        if (edge.contains(document.elementFromPoint(x, y))) return { x, y };
+      }
+      return null;
+    });
+    if (!spot) throw new Error(`the link ${text} is hidden`);
+    await this.page.mouse.click(spot.x, spot.y);
+  }
+
+  async drag(from, to) {
+    await from.hover();
+    await this.page.mouse.down();
+    await to.hover();
+    await this.page.mouse.up();
+  }
+
+  /** Sets a value by the editor of its kind, within a part of the page. */
+  async set(within, label, kind, value) {
+    const field = (suffix = "") => within.getByLabel(`${label}${suffix}`, { exact: true });
+    if (kind === "bool") {
+      if ((await field().isChecked()) !== value) await field().click();
+    } else if (kind === "enum") {
+      await field().focus();
+      await this.page.keyboard.type(value);
+    } else if (kind === "curve") {
+      await within.getByRole("button", { name: `${label} as text` }).click();
+      await this.type(within.getByRole("textbox", { name: `${label}, points` }), value.map((p) => p.join(" ")).join("\n"), "Control+Enter");
+    } else if (Array.isArray(value)) {
+      for (const [i, axis] of ["x", "y", "z"].slice(0, value.length).entries()) await this.type(field(` ${axis}`), value[i]);
+    } else {
+      await this.type(field(), value);
+    }
+  }
+
+  /** Sets many parameters, groups and lists of groups too. */
+  async setAll(within, parameters, values) {
+    for (const [name, value] of Object.entries(values)) {
+      const p = parameters.find((q) => q.name === name);
+      const part = within.locator(`[data-param="${name}"]`).first();
+      if (p.kind === "group list") await this.setList(part, p, value);
+      else if (p.parameters) await this.setAll(await this.open(part), p.parameters, value);
+      else await this.set(part, name, p.kind, value);
+    }
+  }
+
+  async setList(part, parameter, items) {
+    await this.open(part);
+    for (const [i, item] of items.entries()) {
+      await part.getByRole("button", { name: `Add to ${parameter.name}`, exact: true }).click();
+      for (const [name, value] of Object.entries(item))
+        await this.set(part, `${parameter.name} ${i + 1} ${name}`, parameter.parameters.find((q) => q.name === name).kind, value);
+    }
+  }
+
+  /** Unfolds what can be folded. */
+  async open(part) {
+    if ((await part.getAttribute("open")) === null) await part.locator("summary").first().click();
+    return part;
+  }
+}

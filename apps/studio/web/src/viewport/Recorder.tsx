@@ -1,0 +1,71 @@
+// Records a video with the view's camera, on the server.
+import { useEffect, useState } from "react";
+import { Dialog } from "../files/Dialog";
+import { client, request, useStudio } from "../model/store";
+import { addressOfFile } from "../protocol/client";
+import type { View } from "./view";
+
+const kSizes: [number, number][] = [[1280, 720], [1920, 1080], [3840, 2160], [720, 720]];
+const kCameraMs = 80;
+
+/** "videos/a_jet_fills_goblet.mp4" */
+const nameOf = (title: string | undefined, ending: string): string =>
+  `videos/${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
+
+function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
+  const title = useStudio((s) => s.scene.title);
+  const endings = useStudio((s) => s.pictures.videos);
+  const [path, setPath] = useState(() => nameOf(title, endings[0] ?? ".mp4"));
+  const [size, setSize] = useState(0);
+  const wrong = !endings.some((e) => path.endsWith(e));
+  const start = async () => {
+    const [width, height] = kSizes[size]!;
+    if (await request("video.start", { path, ...view.pose(), width, height })) onClose();
+  };
+  return (
+    <Dialog title="Record a video" onClose={onClose}>
+      <h2>Record a video</h2>
+      <form onSubmit={(e) => (e.preventDefault(), void start())}>
+        <label className="row"><span className="name">File</span>
+          <input aria-label="Video file" data-first aria-invalid={wrong} value={path} onChange={(e) => setPath(e.target.value)} />
+        </label>
+        <label className="row"><span className="name">Size</span>
+          <select aria-label="Video size" value={size} onChange={(e) => setSize(Number(e.target.value))}>
+            {kSizes.map(([w, h], i) => <option key={i} value={i}>{w} × {h}</option>)}
+          </select>
+        </label>
+        <p className="hint">{wrong ? `The name ends in ${endings.join(", ")}.` : "Every frame from this one on, seen from the view's camera, also while it moves."}</p>
+        <button type="submit" className="wanted" disabled={wrong}>Record</button> <button type="button" onClick={onClose}>Cancel</button>
+      </form>
+    </Dialog>
+  );
+}
+
+export function Recorder({ view }: { view: View | null }) {
+  const [asking, setAsking] = useState(false);
+  const video = useStudio((s) => s.video);
+  const pictures = useStudio((s) => s.pictures);
+  const writer = useStudio((s) => s.role === "writer");
+  const recording = video.state === "recording";
+  useEffect(() => {
+    if (!view || !recording || !writer) return;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const send = () => ((timer = undefined), void client.ask("video.camera", view.pose()).catch(() => {}));
+    const leave = view.onCamera(() => (timer ??= setTimeout(send, kCameraMs)));
+    return () => (clearTimeout(timer), leave());
+  }, [view, recording, writer]);
+  const why = pictures.problem?.message;
+  return (
+    <>
+      {recording ? (
+        <button className="recording" disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
+      ) : (
+        <button disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
+      )}
+      {video.state === "finishing" && <span role="status" className="told">finishing {video.path}…</span>}
+      {video.state === "done" && <a className="told" href={addressOfFile(video.path)} target="_blank" rel="noreferrer">{video.path} ({video.frames} frames)</a>}
+      {video.state === "failed" && <span role="alert" className="told lost">the video failed: {video.problem?.message}</span>}
+      {asking && view && <StartDialog view={view} onClose={() => setAsking(false)} />}
+    </>
+  );
+}

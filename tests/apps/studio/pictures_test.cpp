@@ -1,0 +1,234 @@
+// Pictures and videos that the studio's server draws, with the plugin that draws them in runs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "framework/graph/plugin.h"
+#include "tests/apps/studio/web_client.h"
+
+namespace weir::studio {
+namespace {
+
+constexpr const char* kScene = R"({
+  "weir": 1, "world": { "duration": 0.04, "frame_rate": 100 },
+  "nodes": { "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
+             "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } } },
+  "links": ["block.particles -> water.initial"]
+})";
+constexpr const char* kAsk =
+    R"({"id": 1, "do": "picture", "eye": [1, 1, 1], "target": [0.1, 0.1, 0.1], "width": 64, "height": 48, "samples": 1})";
+
+Value with(const std::string& text, const std::string& name, Value value) {
+  Value request = parseJson(text, "request");
+  request[name] = std::move(value);
+  return request;
+}
+
+class PicturesTest : public testing::Test {
+ protected:
+  void start(bool withPlugin) {
+    folder.write("scene.json", kScene);
+    StudioOptions options;
+    options.folder = folder.path();
+    options.threads = 1;
+    studio = std::make_unique<RunningStudio>(options, "scene.json", [&](Registry& registry) {
+      if (withPlugin)
+        plugins.emplace_back(test::buildFolder() + "/lib/weir/plugins/weir_rendering.so", registry);
+    });
+  }
+
+  test::TemporaryFolder folder;
+  std::vector<Plugin> plugins;
+  std::unique_ptr<RunningStudio> studio;
+};
+
+TEST_F(PicturesTest, WithoutAPluginThatIsSaid) {
+  start(false);
+  const Socket socket = studio->socket();
+  const Value hello = socket.ask(R"({"id": 7, "do": "hello"})");
+  EXPECT_NE(hello.find("result")->find("pictures")->find("problem"), nullptr);
+  for (const char* text :
+       {kAsk, R"({"id": 1, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})"}) {
+    const Value answer = socket.ask(text);
+    ASSERT_NE(answer.find("error"), nullptr) << text;
+    EXPECT_NE(answer.find("error")->find("message")->asString().find("no plugin"), std::string::npos);
+  }
+}
+
+#ifdef WEIR_HAS_RENDERING
+
+TEST_F(PicturesTest, BadRequestsAreRefused) {
+  start(true);
+  const Socket socket = studio->socket();
+  const Value nowhere(Value::Array{Value(0.1), Value(0.1), Value(0.1)});
+  for (const auto& [name, value] :
+       std::vector<std::pair<std::string, Value>>{{"eye", nowhere},
+                                                  {"eye", Value("left")},
+                                                  {"eye", Value(Value::Array{Value(1), Value(2)})},
+                                                  {"up", Value(Value::Array{Value(0), Value(0), Value(0)})},
+                                                  {"fov", Value(180)},
+                                                  {"width", Value(5000)},
+                                                  {"height", Value(0)},
+                                                  {"samples", Value(9)},
+                                                  {"newer", Value(1)}})
+    EXPECT_NE(socket.ask(with(kAsk, name, value)).find("error"), nullptr) << name;
+  const std::string video =
+      R"({"id": 1, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})";
+  for (const char* path : {"a.txt", "../a.mp4", "/tmp/a.mp4", "none/a.mp4", "", "a\nb.mp4"})
+    EXPECT_NE(socket.ask(with(video, "path", path)).find("error"), nullptr) << path;
+  // Nothing has been simulated.
+  const Value early = socket.ask(kAsk);
+  ASSERT_NE(early.find("error"), nullptr);
+  EXPECT_NE(early.find("error")->find("message")->asString().find("nothing to draw"), std::string::npos);
+}
+
+TEST_F(PicturesTest, ShowTheSceneFromAnySide) {
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  socket.sendText(kAsk);
+  std::set<std::string> seen;
+  for (int i = 0; i < 2; ++i) {
+    const auto packet = socket.until([](const Socket::Message& message) {
+      return !message.text && Socket::headerOf(message).find("kind")->asString() == "picture";
+    });
+    ASSERT_TRUE(packet);
+    const Value header = Socket::headerOf(*packet);
+    EXPECT_EQ(header.find("width")->asInt(), 64);
+    const std::string_view jpeg =
+        Socket::payloadOf(*packet).substr(static_cast<std::size_t>(header.find("data")->asInt()),
+                                          static_cast<std::size_t>(header.find("bytes")->asInt()));
+    EXPECT_TRUE(jpeg.starts_with("\xff\xd8\xff"));
+    EXPECT_TRUE(jpeg.ends_with("\xff\xd9"));
+    seen.emplace(jpeg);
+    EXPECT_TRUE(socket.answer(1).find("result")->find("drawn")->asBool());
+    socket.sendText(writeJsonLine(with(kAsk, "eye", Value(Value::Array{Value(-2), Value(0.1), Value(0)}))));
+  }
+  EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST_F(PicturesTest, TheNewestRequestWinsAndAllAreAnswered) {
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  constexpr int kRequests = 30;
+  for (int i = 0; i < kRequests; ++i) socket.sendText(writeJsonLine(with(kAsk, "id", 100 + i)));
+  int drawn = 0, answers = 0;
+  bool lastDrawn = false;
+  socket.until([&](const Socket::Message& message) {
+    if (!message.text) return false;
+    const Value value = parseJson(message.data, "answer");
+    const Value* result = value.find("result");
+    if (result == nullptr || result->find("drawn") == nullptr) return false;
+    lastDrawn = result->find("drawn")->asBool();
+    drawn += lastDrawn ? 1 : 0;
+    return ++answers == kRequests;
+  });
+  EXPECT_EQ(answers, kRequests);
+  EXPECT_GE(drawn, 1);
+  EXPECT_TRUE(lastDrawn);
+}
+
+TEST_F(PicturesTest, NewerOnesWaitForAFrame) {
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  const Value first = socket.ask(kAsk);
+  EXPECT_EQ(first.find("result")->find("frame")->asInt(), 0);
+  socket.sendText(writeJsonLine(with(kAsk, "newer", true)));
+  socket.sendText(R"({"id": 6, "do": "run.step", "frames": 2})");
+  const Value second = socket.answer(1);
+  EXPECT_GE(second.find("result")->find("frame")->asInt(), 1);
+}
+
+TEST_F(PicturesTest, WithoutOpenGLThatIsSaidAndTheRunGoesOn) {
+  ::setenv("WEIR_GL", "nonsense", 1);
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  const Value answer = socket.ask(kAsk);
+  ::unsetenv("WEIR_GL");
+  ASSERT_NE(answer.find("error"), nullptr);
+  EXPECT_NE(answer.find("error")->find("message")->asString().find("WEIR_GL"), std::string::npos);
+  socket.sendText(R"({"id": 6, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
+}
+
+TEST_F(PicturesTest, AWrongRenderSectionIsTheRequestsError) {
+  start(true);
+  const Socket socket = studio->socket();
+  Value scene = parseJson(kScene, "scene");
+  scene["render"]["color"]["by"] = "beauty";
+  Value set = parseJson(R"({"id": 4, "do": "scene.set"})", "request");
+  set["scene"] = scene;
+  socket.ask(set);
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  for (int i = 0; i < 2; ++i) {
+    const Value answer = socket.ask(kAsk);
+    ASSERT_NE(answer.find("error"), nullptr);
+    EXPECT_NE(answer.find("error")->find("message")->asString().find("beauty"), std::string::npos);
+  }
+  socket.sendText(R"({"id": 6, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
+}
+
+bool hasEnded(const Value& video) {
+  const std::string& state = video.find("state")->asString();
+  return state == "done" || state == "failed";
+}
+
+TEST_F(PicturesTest, AVideoHasAPictureOfEachFrame) {
+  start(true);
+  const Socket socket = studio->socket();
+  const std::string begin =
+      R"({"id": 2, "do": "video.start", "path": "run.mp4", "eye": [1, 1, 1], "target": [0, 0, 0], "width": 64, "height": 48})";
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  const Value started = socket.ask(begin);
+  ASSERT_NE(started.find("result"), nullptr) << writeJsonLine(started);
+  EXPECT_EQ(started.find("result")->find("state")->asString(), "recording");
+  EXPECT_NE(socket.ask(begin).find("error"), nullptr);  // one at a time
+  socket.ask(R"({"id": 3, "do": "video.camera", "eye": [1, 2, 1], "target": [0, 0, 0]})");
+  socket.sendText(R"({"id": 4, "do": "run.play"})");
+  const Value done = socket.event("video", hasEnded);
+  EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
+  EXPECT_EQ(done.find("frames")->asInt(), 5);  // 0 to 4
+  EXPECT_GT(std::filesystem::file_size(folder / "run.mp4"), 500u);
+}
+
+TEST_F(PicturesTest, AVideoThatIsStoppedIsComplete) {
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.ask(
+      R"({"id": 2, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0], "width": 64, "height": 48})");
+  socket.ask(R"({"id": 3, "do": "run.step", "frames": 1})");
+  socket.state("paused");
+  socket.ask(R"({"id": 4, "do": "video.stop"})");
+  const Value done = socket.event("video", hasEnded);
+  EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.mp4"));
+}
+
+TEST_F(PicturesTest, WithoutFfmpegTheVideoFailsAndTheRunGoesOn) {
+  start(true);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", folder.path().c_str(), 1);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.ask(R"({"id": 2, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})");
+  const Value failed = socket.event("video", hasEnded);
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(failed.find("state")->asString(), "failed");
+  EXPECT_NE(failed.find("problem")->find("message")->asString().find("ffmpeg"), std::string::npos);
+  EXPECT_TRUE(socket.ask(kAsk).find("result")->find("drawn")->asBool());
+  socket.sendText(R"({"id": 6, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
+}
+
+#endif
+
+}  // namespace
+}  // namespace weir::studio
