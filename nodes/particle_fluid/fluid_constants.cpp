@@ -101,7 +101,7 @@ double wallFactor(double supportRatio) {
   struct Point {
     double ratio, factor;
   };
-  constexpr Point kMeasured[] = {{1.5, 1.2}, {2.0, 1.145}, {2.4, 1.06}};
+  constexpr Point kMeasured[] = {{1.5, 1.2}, {2.0, 1.13}, {2.4, 1.07}};
   if (supportRatio <= kMeasured[0].ratio) return kMeasured[0].factor;
   for (std::size_t k = 1; k < std::size(kMeasured); ++k) {
     const Point a = kMeasured[k - 1], b = kMeasured[k];

@@ -190,9 +190,10 @@ Measured meanOf(const std::vector<double>& values) {
 /// All calibration tanks, filled a few times, as they rest.
 class Tanks {
  public:
-  Tanks(const test::TankWater& water, int threads)
+  Tanks(const test::TankWater& water, std::size_t fillings, int threads)
       : tanks_(test::calibrationTanks()),
-        water_(kFillings * tanks_.size()),
+        fillings_(fillings),
+        water_(fillings * tanks_.size()),
         ratio_(water.supportRatio),
         threads_(threads) {
     each("rests", [&](Water& one, const test::Tank& tank, std::size_t filling) {
@@ -213,25 +214,24 @@ class Tanks {
   std::vector<double> offsetsOfEach() const {
     std::vector<double> result(tanks_.size());
     for (std::size_t at = 0; at < water_.size(); ++at)
-      result[at / kFillings] +=
-          test::wallOffset({tanks_[at / kFillings]}, {water_[at].tank->height()}) / kFillings;
+      result[at / fillings_] +=
+          test::wallOffset({tanks_[at / fillings_]}, {water_[at].tank->height()}) / fillings_;
     return result;
   }
 
   /// How much too far away walls hold the water of each filling, in spacings.
   std::vector<double> offsets() const {
     std::vector<double> result;
-    for (std::size_t filling = 0; filling < kFillings; ++filling) {
+    for (std::size_t filling = 0; filling < fillings_; ++filling) {
       std::vector<double> heights;
       for (std::size_t k = 0; k < tanks_.size(); ++k)
-        heights.push_back(water_[k * kFillings + filling].tank->height());
+        heights.push_back(water_[k * fillings_ + filling].tank->height());
       result.push_back(test::wallOffset(tanks_, heights));
     }
     return result;
   }
 
  private:
-  static constexpr std::size_t kFillings = 3;
   struct Water {
     CpuDevice device{1};
     std::optional<test::RestingTank> tank;
@@ -246,8 +246,8 @@ class Tanks {
       workers.push_back(std::async(std::launch::async, [&] {
         for (std::size_t i = next++; i < water_.size(); i = next++) {
           const std::size_t at = water_.size() - 1 - i;  // the large ones, which take longest, first
-          const test::Tank& tank = tanks_[at / kFillings];
-          act(water_[at], tank, at % kFillings);
+          const test::Tank& tank = tanks_[at / fillings_];
+          act(water_[at], tank, at % fillings_);
           const double seconds =
               std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
           fmt::print(stderr, "{}d: {} of {}, water of {} x {} {}, after {:.0f} s\n", ratio_, ++done,
@@ -258,6 +258,7 @@ class Tanks {
   }
 
   std::vector<test::Tank> tanks_;
+  std::size_t fillings_;
   std::vector<Water> water_;  // [tank][filling]
   double ratio_;
   int threads_;
@@ -272,7 +273,7 @@ void printContact(int threads, double tolerance, const std::vector<double>& rati
       "| support ratio | table | contact, at rest | error | settled | error "
       "|\n|---:|---:|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
-    Tanks tanks({.supportRatio = ratio, .tolerance = tolerance}, threads);
+    Tanks tanks({.supportRatio = ratio, .tolerance = tolerance}, 3, threads);
     const double now = contactRatio(ratio, Calibration::kPacking);
     const auto print = [&](const char* end) {
       const Measured offset = meanOf(tanks.offsets());
@@ -302,7 +303,7 @@ void printFactors(int threads, double tolerance, const std::vector<double>& rati
   fmt::print(
       "| support ratio | a | missing at walls | error | in single tanks |\n|---:|---:|---:|---:|---|\n");
   for (const double ratio : ratios) {
-    Tanks tanks({.supportRatio = ratio, .mesh = true, .tolerance = tolerance}, threads);
+    Tanks tanks({.supportRatio = ratio, .mesh = true, .tolerance = tolerance}, 2, threads);
     std::vector<double> factors, missing;
     std::vector<std::vector<double>> missingOfEach(test::calibrationTanks().size());
     const auto settleWith = [&](double a) {
