@@ -7,6 +7,8 @@
 //   weir_packing_curve contact [THREADS [RATIO…]]   how near to signed-distance walls particles may come
 //   weir_packing_curve factor [THREADS [RATIO…]]    the factor of semi-analytic walls
 //
+// The last two may end with tolerance=T, the mean compression that the solver leaves (0.001).
+//
 // The table comes from tiles of fluid at rest, see nodes/particles/relaxed_tile.h, which have no walls and no
 // surface: s makes their mean density the rest density.
 //
@@ -19,9 +21,10 @@
 // What walls need comes from the heights at which water rests in tanks of several sizes, see
 // tests/support/resting_tanks.h. `contact` prints the table of contactRatio: the fluid at a signed-distance
 // wall does not know where the wall is, only how near it may come, so what is missing at the wall now is what
-// this distance is too large by. `factor` prints the table of wallFactor: the a between two others at which
-// nothing is missing at walls.
+// this distance is too large by. `factor` finds what wallFactor has a table of: the a at which nothing is
+// missing at walls. Each ratio takes about a minute on four cores.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -32,9 +35,10 @@
 #include <future>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include "framework/compute/cpu_threads.h"
@@ -171,29 +175,31 @@ void printColumns(const std::vector<double>& ratios) {
   }
 }
 
-/// A mean over fillings, and its standard error.
 struct Measured {
-  explicit Measured(const std::vector<double>& values) {
-    double squares = 0;
-    for (const double v : values) mean += v / double(values.size());
-    for (const double v : values) squares += (v - mean) * (v - mean);
-    error = std::sqrt(squares / double(values.size() * (values.size() - 1)));
-  }
-  double mean = 0, error = 0;
+  double value = 0, error = 0;  // the standard error
 };
+
+Measured meanOf(const std::vector<double>& values) {
+  const auto count = double(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  return {mean, std::sqrt(squares / (count * (count - 1)))};
+}
 
 /// All calibration tanks, filled a few times, as they rest.
 class Tanks {
  public:
-  Tanks(double supportRatio, bool mesh, int threads)
+  Tanks(const test::TankWater& water, std::size_t fillings, int threads)
       : tanks_(test::calibrationTanks()),
-        water_(kFillings * tanks_.size()),
-        ratio_(supportRatio),
+        fillings_(fillings),
+        water_(fillings * tanks_.size()),
+        ratio_(water.supportRatio),
         threads_(threads) {
-    each("rests", [&](Water& water, const test::Tank& tank, std::size_t filling) {
-      const auto seed = static_cast<std::int64_t>(filling) + 1;
-      water.tank.emplace(water.device, tank,
-                         test::TankWater{.supportRatio = supportRatio, .mesh = mesh, .seed = seed});
+    each("rests", [&](Water& one, const test::Tank& tank, std::size_t filling) {
+      test::TankWater filled = water;
+      filled.seed = static_cast<std::int64_t>(filling) + 1;
+      one.tank.emplace(one.device, tank, filled);
     });
   }
 
@@ -204,20 +210,28 @@ class Tanks {
          [&](Water& water, const test::Tank&, std::size_t) { water.tank->settle(seconds, wallFactor); });
   }
 
+  /// The same in each tank by itself, means over its fillings.
+  std::vector<double> offsetsOfEach() const {
+    std::vector<double> result(tanks_.size());
+    for (std::size_t at = 0; at < water_.size(); ++at)
+      result[at / fillings_] +=
+          test::wallOffset({tanks_[at / fillings_]}, {water_[at].tank->height()}) / fillings_;
+    return result;
+  }
+
   /// How much too far away walls hold the water of each filling, in spacings.
   std::vector<double> offsets() const {
     std::vector<double> result;
-    for (std::size_t filling = 0; filling < kFillings; ++filling) {
+    for (std::size_t filling = 0; filling < fillings_; ++filling) {
       std::vector<double> heights;
       for (std::size_t k = 0; k < tanks_.size(); ++k)
-        heights.push_back(water_[k * kFillings + filling].tank->height());
+        heights.push_back(water_[k * fillings_ + filling].tank->height());
       result.push_back(test::wallOffset(tanks_, heights));
     }
     return result;
   }
 
  private:
-  static constexpr std::size_t kFillings = 3;
   struct Water {
     CpuDevice device{1};
     std::optional<test::RestingTank> tank;
@@ -232,8 +246,8 @@ class Tanks {
       workers.push_back(std::async(std::launch::async, [&] {
         for (std::size_t i = next++; i < water_.size(); i = next++) {
           const std::size_t at = water_.size() - 1 - i;  // the large ones, which take longest, first
-          const test::Tank& tank = tanks_[at / kFillings];
-          act(water_[at], tank, at % kFillings);
+          const test::Tank& tank = tanks_[at / fillings_];
+          act(water_[at], tank, at % fillings_);
           const double seconds =
               std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
           fmt::print(stderr, "{}d: {} of {}, water of {} x {} {}, after {:.0f} s\n", ratio_, ++done,
@@ -244,6 +258,7 @@ class Tanks {
   }
 
   std::vector<test::Tank> tanks_;
+  std::size_t fillings_;
   std::vector<Water> water_;  // [tank][filling]
   double ratio_;
   int threads_;
@@ -253,51 +268,65 @@ class Tanks {
 /// by.
 constexpr double kSettling = 0.3;  // s
 
-void printContact(int threads, const std::vector<double>& ratios) {
+void printContact(int threads, double tolerance, const std::vector<double>& ratios) {
   fmt::print(
-      "| support ratio | contact, at rest | error | settled | error | table "
+      "| support ratio | table | contact, at rest | error | settled | error "
       "|\n|---:|---:|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
-    Tanks tanks(ratio, false, threads);
+    Tanks tanks({.supportRatio = ratio, .tolerance = tolerance}, 3, threads);
     const double now = contactRatio(ratio, Calibration::kPacking);
-    const Measured rest(tanks.offsets());
+    const auto print = [&](const char* end) {
+      const Measured offset = meanOf(tanks.offsets());
+      fmt::print(" {:.3f} | {:.3f} |{}", now - offset.value, offset.error, end);
+      std::fflush(stdout);
+    };
+    fmt::print("| {} | {:.3f} |", ratio, now);
+    print("");
     tanks.settle(kSettling);
-    const Measured settled(tanks.offsets());
-    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n", ratio, now - rest.mean, rest.error,
-               now - settled.mean, settled.error, now);
-    std::fflush(stdout);
+    print("\n");
   }
 }
 
-void printFactors(int threads, const std::vector<double>& ratios) {
-  constexpr double kFirstStep = -0.1;
-  constexpr int kMost = 4;
-  constexpr double kEnough = 1e-3;  // spacings
-  fmt::print("| support ratio | a | missing at walls | error |\n|---:|---:|---:|---:|\n");
+/// Where the straight line of least squares through (x, y) crosses zero.
+double zeroOf(const std::vector<double>& xs, const std::vector<double>& ys) {
+  const double meanX = meanOf(xs).value, meanY = meanOf(ys).value;
+  double xx = 0, xy = 0;
+  for (std::size_t k = 0; k < xs.size(); ++k) {
+    xx += (xs[k] - meanX) * (xs[k] - meanX);
+    xy += (xs[k] - meanX) * (ys[k] - meanY);
+  }
+  return meanX - meanY * xx / xy;
+}
+
+void printFactors(int threads, double tolerance, const std::vector<double>& ratios) {
+  constexpr double kNearby = 0.1, kFar = 0.3;
+  fmt::print(
+      "| support ratio | a | missing at walls | error | in single tanks |\n|---:|---:|---:|---:|---|\n");
   for (const double ratio : ratios) {
-    Tanks tanks(ratio, true, threads);
-    const auto missing = [&](double a) {
+    Tanks tanks({.supportRatio = ratio, .mesh = true, .tolerance = tolerance}, 2, threads);
+    std::vector<double> factors, missing;
+    std::vector<std::vector<double>> missingOfEach(test::calibrationTanks().size());
+    const auto settleWith = [&](double a) {
       tanks.settle(kSettling, a);
-      const Measured offset(tanks.offsets());
-      fmt::print("| {} | {:.3f} | {:+.4f} | {:.4f} |\n", ratio, a, offset.mean, offset.error);
+      const Measured offset = meanOf(tanks.offsets());
+      const std::vector<double> each = tanks.offsetsOfEach();
+      factors.push_back(a);
+      missing.push_back(offset.value);
+      for (std::size_t k = 0; k < each.size(); ++k) missingOfEach[k].push_back(each[k]);
+      fmt::print("| {} | {:.3f} | {:+.4f} | {:.4f} | {:+.4f} |\n", ratio, a, offset.value, offset.error,
+                 fmt::join(each, ", "));
       std::fflush(stdout);
-      return offset;
     };
-    // Secants, from the factor of the table on.
-    double before = wallKernel(ratio, Calibration::kPacking).factor, a = before + kFirstStep;
-    const double table = before;
-    double offsetBefore = missing(before).mean;
-    for (int k = 1;; ++k) {
-      const Measured offset = missing(a);
-      const double slope = (offset.mean - offsetBefore) / (a - before);
-      before = std::exchange(a, a - offset.mean / slope);
-      offsetBefore = offset.mean;
-      if (std::abs(offset.mean) > kEnough && k < kMost) continue;
-      fmt::print("{}d: a = {:.3f} with an error of {:.3f}, in the table {:.3f}\n", ratio, a,
-                 offset.error / std::abs(slope), table);
-      std::fflush(stdout);
-      break;
-    }
+    const double table = wallKernel(ratio, Calibration::kPacking).factor;
+    settleWith(table);
+    settleWith(table - kNearby);
+    settleWith(std::clamp(zeroOf(factors, missing), table - kFar, table + kFar));
+    std::vector<double> zeros;
+    for (const std::vector<double>& one : missingOfEach) zeros.push_back(zeroOf(factors, one));
+    const auto [least, most] = std::minmax_element(zeros.begin(), zeros.end());
+    fmt::print("{}d: a = {:.3f}, in single tanks from {:.3f} to {:.3f}; in the table {:.3f}\n", ratio,
+               zeroOf(factors, missing), *least, *most, table);
+    std::fflush(stdout);
   }
 }
 
@@ -305,7 +334,13 @@ void printFactors(int threads, const std::vector<double>& ratios) {
 }  // namespace weir
 
 int main(int count, char** arguments) {
-  const std::vector<std::string> words(arguments + 1, arguments + count);
+  std::vector<std::string> words(arguments + 1, arguments + count);
+  double tolerance = 1e-3;
+  constexpr std::string_view kTolerance = "tolerance=";
+  if (!words.empty() && words.back().starts_with(kTolerance)) {
+    tolerance = std::atof(words.back().c_str() + kTolerance.size());
+    words.pop_back();
+  }
   const auto number = [&](std::size_t k, int otherwise) {
     return k < words.size() ? std::atoi(words[k].c_str()) : otherwise;
   };
@@ -319,13 +354,13 @@ int main(int count, char** arguments) {
   } else if (!words.empty() && words[0] == "columns") {
     weir::printColumns(ratios(1, {1.2, 1.5, 2.0, 2.4}));
   } else if (!words.empty() && words[0] == "contact") {
-    weir::printContact(number(1, 4), ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
+    weir::printContact(number(1, 4), tolerance, ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
   } else if (!words.empty() && words[0] == "factor") {
-    weir::printFactors(number(1, 4), ratios(2, {1.5, 2.0, 2.4}));
+    weir::printFactors(number(1, 4), tolerance, ratios(2, {1.5, 2.0, 2.4}));
   } else {
     fmt::print(stderr,
                "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | contact [THREADS "
-               "[RATIO...]] | factor [THREADS [RATIO...]]\n");
+               "[RATIO...]] [tolerance=T] | factor [THREADS [RATIO...]] [tolerance=T]\n");
     return 2;
   }
 }

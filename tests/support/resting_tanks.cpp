@@ -1,5 +1,6 @@
 #include "tests/support/resting_tanks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -54,7 +55,7 @@ RestingTank::RestingTank(Device& device, const Tank& tank, const TankWater& wate
   made->assignAll(
       members({{"spacing", kSpacing}, {"support_ratio", water.supportRatio}, {"bulk_modulus", kBulkModulus}}),
       {});
-  const Value solver = members({{"tolerance", 1e-3}, {"iterations", 1000}, {"acceleration", "nesterov"}});
+  const Value solver = members({{"tolerance", water.tolerance}, {"iterations", 1000}, {"acceleration", "nesterov"}});
   made->pipeline()->assign(members({{"solver", members({{"params", solver}})}}), registry_, {});
   fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::move(made), "water"));
   graph_.link(SceneGraph::parseLink("block.particles -> water.initial"));
@@ -77,13 +78,17 @@ double RestingTank::height() const {
 }
 
 void RestingTank::settle(double seconds, std::optional<double> wallFactor) {
-  if (wallFactor) {
-    // No parameter of scenes: it is found here once for all of them.
-    auto& constants = const_cast<FluidConstants&>(*fluid_->fluid->constants);
-    constants.wallFactor = static_cast<float>(*wallFactor) * constants.calibration;
-  }
+  // No parameter of scenes: it is found here once for all of them.
+  auto& constants = const_cast<FluidConstants&>(*fluid_->fluid->constants);
+  const float before = constants.wallFactor;
   constexpr int kFrame = 50;  // the grid follows the fluid at frames
-  for (const std::int64_t end = steps_ + std::llround(seconds / kStep); steps_ < end;) {
+  const std::int64_t begin = steps_, end = steps_ + std::llround(seconds / kStep);
+  while (steps_ < end) {
+    if (wallFactor) {
+      const float share = std::min(1.0f, 2 * float(steps_ + 1 - begin) / float(end - begin));
+      constants.wallFactor =
+          before + share * (static_cast<float>(*wallFactor) * constants.calibration - before);
+    }
     graph_.step({device_, log_, kGravity, kStep * double(steps_), kStep, steps_});
     if (++steps_ % kFrame == 0)
       graph_.frame({device_, log_, kGravity, kStep * double(steps_), kStep, steps_});

@@ -36,7 +36,8 @@ std::vector<Tank> calibrationTanks();
 
 struct TankWater {
   double supportRatio = 1.5;
-  bool mesh = false;  ///< walls of SemiAnalyticalSFI, else of StaticBoundary
+  bool mesh = false;        ///< walls of SemiAnalyticalSFI, else of StaticBoundary
+  double tolerance = 1e-3;  ///< mean compression; it takes 1/γ as much of the volume (settledResponse)
   std::int64_t seed = 1;
 };
 
@@ -49,7 +50,8 @@ class RestingTank {
   double height() const;
 
   /// Lets the water move for so many seconds, with nothing but walls and gravity to hold it. With a factor a,
-  /// walls of a mesh push with that one from now on.
+  /// walls of a mesh push with that one from now on: over the first half of the time it changes evenly, as
+  /// water that is kicked stays looser than it was.
   void settle(double seconds, std::optional<double> wallFactor = {});
 
  private:

@@ -66,6 +66,41 @@ def rotating_tank(lab):
     return Outcome(rows, (Chart("Surface of turning water", "r (m)", "height (m)", tuple(curves)),))
 
 
+class Efflux:
+    """The geometry of the tank with a hole (m), and what was measured of runs of it."""
+
+    def __init__(self):
+        scene = scenes.read(SCENES / "validation" / "efflux.json")
+        (self.hole, _), (outer, _), _ = scenes.parameter(scene, "vessel.profile")
+        self.floor = scenes.parameter(scene, "vessel.thickness")
+        self.inner = outer - self.floor
+
+    @staticmethod
+    def run(lab, spacing, ratio, settings=None, name=""):
+        return lab.run(f"efflux/{spacing}_{ratio}{name}", "validation/efflux",
+                       {"water.spacing": str(spacing), "water.support_ratio": str(ratio), **(settings or {})}, export=True)
+
+    def over_time(self, result, spacing):
+        """Arrays, from 0.3 s on: time, level, speed of the jet, in its core, and of a free fall from the surface, flux."""
+        import numpy
+        table = []
+        for k, frame in enumerate(result.series):
+            if frame["time"] < 0.3:
+                continue
+            particles = exported(result.folder, k)
+            (x, y, z), velocity = particles.positions.T, particles.velocities
+            top = surface(particles.positions[y > self.floor], spacing, self.inner)[1].mean()
+            jet = (y < -1.5 * self.hole) & (y > -2.5 * self.hole)
+            core = jet & (numpy.hypot(x, z) < 0.4 * self.hole)
+            table.append((frame["time"],
+                          self.floor + (y > self.floor).sum() * spacing ** 3 / (math.pi * self.inner ** 2),
+                          numpy.linalg.norm(velocity[jet], axis=1).mean(),
+                          numpy.linalg.norm(velocity[core], axis=1).mean(),
+                          numpy.sqrt(2 * GRAVITY * (top - y[jet])).mean(),
+                          -velocity[jet, 1].sum() * spacing ** 3 / self.hole))
+        return numpy.array(table).T
+
+
 def efflux(lab):
     """A round tank with a sharp-edged hole in its bottom, eight spacings wide. Where the jet has contracted, one diameter
     below the hole, the speed is that of a fall from the surface above, √(2g·depth). The root of the level, which is the
@@ -73,30 +108,14 @@ def efflux(lab):
     discharge, 0.6 to 0.65 for a sharp edge. Particles keep a distance from the edge, which narrows the hole. Holes of fewer
     than eight spacings are there to show what the spacing does."""
     import numpy
-    scene = scenes.read(SCENES / "validation" / "efflux.json")
-    (hole, _), (outer, _), _ = scenes.parameter(scene, "vessel.profile")
-    floor = scenes.parameter(scene, "vessel.thickness")
-    inner = outer - floor
-    runs = {(spacing, ratio): lab.run(f"efflux/{spacing}_{ratio}", "validation/efflux",
-                                      {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
+    tank = Efflux()
+    hole, inner = tank.hole, tank.inner
+    runs = {(spacing, ratio): tank.run(lab, spacing, ratio)
             for spacing, ratio in lab.scale(((0.016, 1.5), (0.0133, 1.5), (0.01, 1.5), (0.01, 2.0), (0.01, 2.4)),
                                             ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4)))}
     rows, speeds, levels = [], [], []
     for (spacing, ratio), result in runs.items():
-        table = []  # time, level, speed of the jet, in its core, and of a free fall, flux
-        for k, frame in enumerate(result.series):
-            if frame["time"] < 0.3:
-                continue
-            particles = exported(result.folder, k)
-            (x, y, z), velocity = particles.positions.T, particles.velocities
-            top = surface(particles.positions[y > floor], spacing, inner)[1].mean()
-            jet = (y < -1.5 * hole) & (y > -2.5 * hole)
-            table.append((frame["time"], floor + (y > floor).sum() * spacing ** 3 / (math.pi * inner ** 2),
-                          numpy.linalg.norm(velocity[jet], axis=1).mean(),
-                          numpy.linalg.norm(velocity[jet & (numpy.hypot(x, z) < 0.4 * hole)], axis=1).mean(),
-                          numpy.sqrt(2 * GRAVITY * (top - y[jet])).mean(),
-                          -velocity[jet, 1].sum() * spacing ** 3 / hole))
-        times, level, speed, core, fall, flux = numpy.array(table).T
+        times, level, speed, core, fall, flux = tank.over_time(result, spacing)
         slope, start = line(times, numpy.sqrt(level))
         label = f"d = {1000 * spacing:g} mm, H = {ratio}d"
         ideal = math.pi * hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
