@@ -20,11 +20,7 @@ Aabb seenBox(const View& view, const Aabb& casters) {
   if (view.ground.visible) {
     const Vec3f up = normalized(view.worldUp);
     const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
-    // As flat as the disc is: the farther it keeps from the eye, the finer are the depths of all that is seen.
-    const auto reach = [&](float axis) {
-      return view.ground.radius * std::sqrt(std::max(0.0f, 1 - axis * axis));
-    };
-    const Vec3f around{reach(up.x), reach(up.y), reach(up.z)};
+    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
     seen.extend(Aabb{middle - around, middle + around});
   }
   return seen;

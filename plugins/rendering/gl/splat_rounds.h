@@ -114,7 +114,7 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
                            .groups = groups,
                            .order = order.data(),
                            .spheres = spheres.size,
-                           .slices = groups.size < 32768 ? 8 : 1,
+                           .slices = groups.size < 4096 ? 8 : 1,
                            .parts = spheres.size < 8192 ? 8 : 1};
   const std::int64_t count = groups.size * slices.slices * slices.parts;
   for (std::int64_t behind = std::max(count / 12, kLeast); slices.first < count; behind *= 3) {
