@@ -17,6 +17,8 @@ namespace weir {
 namespace {
 
 constexpr std::align_val_t kAlignment{256};  // bytes
+// Behind each block, so that kernels may read the last vector of three numbers like one of four.
+constexpr std::size_t kRoomBehind = 16;  // bytes
 
 void* allocateOnHost(std::size_t bytes) {
   // Linux promises memory that it does not have and kills the process when it is used. Asking first turns
@@ -26,7 +28,7 @@ void* allocateOnHost(std::size_t bytes) {
     const std::size_t available = availableHostMemory();
     if (available > 0 && bytes > available) return nullptr;
   }
-  return ::operator new(bytes, kAlignment, std::nothrow);
+  return ::operator new(bytes + kRoomBehind, kAlignment, std::nothrow);
 }
 
 /// One call of forRanges.

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
+#include "framework/compute/parallel_uneven.h"
 #include "nodes/particle_fluid/hidden_neighbors.h"
 #include "nodes/solids/solid_integrals.h"
 
@@ -112,7 +113,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   walls.sides.fillZero();
   // Few of these are near walls, and each has many triangles.
   constexpr TeamPlan kPlan{32, 1 << 17};
-  parallelForTeams(
+  parallelForUneven(
       device, "wall integrals", walls.nearCount(), kPlan,
       FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.wallFactor, walls.stride,
                     std::as_const(walls.near).view(), positions, walls.each.view(),
