@@ -112,6 +112,19 @@ struct FindIntegrals {
   }
 };
 
+#ifdef WEIR_HAS_LANES
+
+struct FindIntegralsByBlocks {
+  FindIntegrals find;
+  const BoxBlocks* blocks;  // of the solids
+
+  void operator()(std::int64_t n) const {
+    find.find(n, {}, [this](std::int64_t k) -> const BoxBlocks& { return blocks[k]; });
+  }
+};
+
+#endif
+
 }  // namespace
 
 template <class Backend>
@@ -147,9 +160,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
 #ifdef WEIR_HAS_LANES
   std::vector<BoxBlocks> blocks;
   for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
-  parallelForUneven(device, kName, walls.nearCount(), [&](std::int64_t n) {
-    find.find(n, {}, [&](std::int64_t k) -> const BoxBlocks& { return blocks[static_cast<std::size_t>(k)]; });
-  });
+  parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
 #else
   constexpr TeamPlan kPlan{32, 1 << 17};
   parallelForTeams(device, kName, walls.nearCount(), kPlan, find);
