@@ -1,10 +1,15 @@
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string>
 
 #include <fmt/format.h>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
@@ -16,7 +21,21 @@
 namespace weir {
 namespace {
 
+/// Gathers touch more pages of large arrays than a processor can look up at a time. Only a wish, so a system
+/// that does not grant it is no error.
+void adviseHugePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;
+  const auto address = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t begin = (address + kHugePage - 1) / kHugePage * kHugePage;
+  const std::uintptr_t end = (address + bytes) / kHugePage * kHugePage;
+  if (memory != nullptr && begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
 constexpr std::align_val_t kAlignment{256};  // bytes
+// Behind each block, so that kernels may read the last vector of three numbers like one of four.
+constexpr std::size_t kRoomBehind = 16;  // bytes
 
 void* allocateOnHost(std::size_t bytes) {
   // Linux promises memory that it does not have and kills the process when it is used. Asking first turns
@@ -26,7 +45,9 @@ void* allocateOnHost(std::size_t bytes) {
     const std::size_t available = availableHostMemory();
     if (available > 0 && bytes > available) return nullptr;
   }
-  return ::operator new(bytes, kAlignment, std::nothrow);
+  void* memory = ::operator new(bytes + kRoomBehind, kAlignment, std::nothrow);
+  adviseHugePages(memory, bytes);
+  return memory;
 }
 
 /// One call of forRanges.

@@ -28,6 +28,15 @@ WEIR_HD T select(bool condition, const T& ifTrue, const T& ifFalse) {
   return condition ? ifTrue : ifFalse;
 }
 
+/// a, or zero where the condition does not hold.
+WEIR_HD inline float keptWhere(bool condition, float a) {
+  return condition ? a : 0;
+}
+/// Whether a condition holds for one of those that it is about.
+WEIR_HD inline bool any(bool condition) {
+  return condition;
+}
+
 /// t where it is above zero, otherwise (also where it is no number) zero.
 WEIR_HD inline float positivePart(float t) {
   return t > 0 ? t : 0;
@@ -62,6 +71,7 @@ struct LaneMask {
   Vector v;  // all bits of a lane are alike
 
   friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return {a.v & b.v}; }
+  friend bool any(const LaneMask& a) { return a.bits() != 0; }
 
   /// Bit l is that of lane l.
   unsigned bits() const {
@@ -78,19 +88,30 @@ struct LaneMask {
 /// Eight indices.
 struct LaneInts {
   using Vector = std::int32_t __attribute__((vector_size(32)));
+  using Anywhere = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
   Vector v;
 
   /// first, first + 1, …, first + 7
   static LaneInts from(int first) { return {first + Vector{0, 1, 2, 3, 4, 5, 6, 7}}; }
+  /// From any address.
+  static LaneInts load(const int* from) {
+    LaneInts lanes;
+    __builtin_memcpy(&lanes.v, from, sizeof(Vector));
+    return lanes;
+  }
+  /// To any address. By a type of its own, because a copy of bytes goes through memory or in halves.
+  void store(int* to) const { *reinterpret_cast<Anywhere*>(to) = v; }
 
   friend LaneMask operator<(const LaneInts& a, int b) { return {a.v < b}; }
   friend LaneMask operator>(const LaneInts& a, int b) { return {a.v > b}; }
+  friend LaneMask operator>(const LaneInts& a, const LaneInts& b) { return {a.v > b.v}; }
   friend LaneMask operator!=(const LaneInts& a, int b) { return {a.v != b}; }
 };
 
 struct Lanes {
   static constexpr int kCount = 8;
   using Vector = float __attribute__((vector_size(32)));
+  using Anywhere = float __attribute__((vector_size(32), aligned(4), may_alias));
   Vector v;
 
   Lanes() : v{} {}
@@ -102,6 +123,8 @@ struct Lanes {
     __builtin_memcpy(&lanes.v, from, sizeof(Vector));
     return lanes;
   }
+  /// To any address.
+  void store(float* to) const { *reinterpret_cast<Anywhere*>(to) = v; }
 
   friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.v + b.v; }
   friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }
@@ -207,19 +230,15 @@ inline float sumOfLanes(const Lanes& a) {
   return (h[0] + h[2]) + (h[1] + h[3]);
 }
 
-/// The same for all four at once, which costs less.
-inline Vec4f sumOfLanes(const Vec4<Lanes>& a) {
-  using detail::HalfLanes;
-  const HalfLanes x = detail::foldLanes(a.x), y = detail::foldLanes(a.y);
-  const HalfLanes z = detail::foldLanes(a.z), w = detail::foldLanes(a.w);
-  const HalfLanes xyLow = __builtin_shufflevector(x, y, 0, 4, 1, 5);
-  const HalfLanes xyHigh = __builtin_shufflevector(x, y, 2, 6, 3, 7);
-  const HalfLanes zwLow = __builtin_shufflevector(z, w, 0, 4, 1, 5);
-  const HalfLanes zwHigh = __builtin_shufflevector(z, w, 2, 6, 3, 7);
-  const HalfLanes xy = xyLow + xyHigh, zw = zwLow + zwHigh;  // both (l0 + l2, …, l1 + l3, …)
-  const HalfLanes sum =
-      __builtin_shufflevector(xy, zw, 0, 1, 4, 5) + __builtin_shufflevector(xy, zw, 2, 3, 6, 7);
-  return {sum[0], sum[1], sum[2], sum[3]};
+/// The largest of the lanes.
+inline int largest(const LaneInts& a) {
+  using Half = std::int32_t __attribute__((vector_size(16)));
+  const Half low = __builtin_shufflevector(a.v, a.v, 0, 1, 2, 3),
+             high = __builtin_shufflevector(a.v, a.v, 4, 5, 6, 7);
+  const Half four = low > high ? low : high;
+  const Half swapped = __builtin_shufflevector(four, four, 2, 3, 0, 1);
+  const Half two = four > swapped ? four : swapped;
+  return two[0] > two[1] ? two[0] : two[1];
 }
 
 namespace detail {
@@ -230,14 +249,10 @@ inline HalfLanes rowOf(const Vec4f& element) {
   return row;
 }
 inline HalfLanes rowOf(const Vec3f& element) {
-#ifdef __AVX2__
-  // Two numbers and one: reading four would leave the array at its end.
-  const __m128 z = _mm_load_ss(&element.z);
-  return HalfLanes(
-      _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(&element.x))), z));
-#else
-  return HalfLanes{element.x, element.y, element.z, 0};
-#endif
+  // Four numbers, where there are only three at the end of an array: devices leave room behind it.
+  HalfLanes row;
+  __builtin_memcpy(&row, &element.x, sizeof row);
+  return row;
 }
 
 /// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.
@@ -260,8 +275,8 @@ template <class Element>
 
 }  // namespace detail
 
-/// Elements index[0] to index[7] of an array, as eight lanes of each component. Inline, because lanes that
-/// are returned go through memory.
+/// Elements index[0] to index[7] of a device's array, as eight lanes of each component. Inline, because lanes
+/// that are returned go through memory.
 [[gnu::always_inline]] inline Vec4<Lanes> gatherLanes(const Vec4f* elements, const int* index) {
   return detail::transposed(elements, index);
 }

@@ -43,9 +43,10 @@ class BulkEnergy {
     }
   }
 
-  /// Ḃ at excess e = λ − 1.
-  WEIR_HD float derivative(float e) const {
-    float sum = 0;
+  /// Ḃ at excess e = λ − 1, or at eight of them.
+  template <class T>
+  WEIR_HD T derivative(const T& e) const {
+    T sum = 0;
     for (int n = terms_ - 1; n >= 0; --n) sum = sum * e + ofExcess_[n];
     return sum * e;
   }

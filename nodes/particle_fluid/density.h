@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 
 #include "nodes/particle_fluid/fluid_constants.h"
 #include "nodes/particles/neighbor_sum.h"
@@ -9,7 +10,7 @@
 namespace weir {
 
 /// `position(j)` gives a Vec3f.
-template <class Position>
+template <std::invocable<std::int64_t> Position>
 WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbors, const SpikyKernel& kernel,
                                      float particleVolume, const Position& position) {
   const Vec3f p = position(i);
@@ -21,10 +22,11 @@ WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbo
   return particleVolume * sum;
 }
 
-/// The same with positions that are the first three numbers of `state`, eight neighbours at a time.
-WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbors, const SpikyKernel& kernel,
-                                     float particleVolume, const ArrayView<const Vec4f>& state) {
-  const Vec4f s = state[i];
+/// The same with positions that are the first three numbers of `state`, of one or eight particles.
+template <class Index>
+WEIR_HD NumberAt<Index> relativeDensity(Index i, const NeighborView& neighbors, const SpikyKernel& kernel,
+                                        float particleVolume, const ArrayView<const Vec4f>& state) {
+  const auto s = read(state, i);
   const auto value = [&]<class T>(const auto&, const Vec4<T>& t) {
     const Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
     return kernel.value(fastSqrt(dot(d, d)));

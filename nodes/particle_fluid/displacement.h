@@ -6,7 +6,8 @@
 
 namespace weir {
 
-WEIR_HD inline Vec3f xyz(const Vec4f& v) {
+template <class T>
+WEIR_HD Vec3<T> xyz(const Vec4<T>& v) {
   return {v.x, v.y, v.z};
 }
 

@@ -1,6 +1,6 @@
 #include "nodes/particle_fluid/hidden_neighbors.h"
 
-#include "framework/compute/parallel.h"
+#include "framework/compute/parallel_uneven.h"
 #include "nodes/geometry/segment_hit.h"
 #include "nodes/particle_fluid/wall_field.h"
 
@@ -49,7 +49,7 @@ template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForTeams(
+  parallelForUneven(
       device, "hidden neighbours", walls.nearCount(), kPlan,
       TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
                     std::as_const(walls.sides).view(), std::as_const(fluid.particles).positions().view(),

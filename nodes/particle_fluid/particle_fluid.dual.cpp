@@ -43,7 +43,7 @@ struct Density {
   WEIR_HD void operator()(std::int64_t i) const {
     float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
                                    [this](std::int64_t j) { return positions[j]; });
-    if (!walls.empty()) lambda += walls.phi(i, {});
+    if (!walls.empty()) lambda += walls.phi(i, Vec3f{});
     density[i] = restDensity * lambda;
   }
 };

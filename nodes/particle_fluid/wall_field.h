@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/compute/eight.h"
 #include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particles/particle_set.h"
@@ -26,13 +27,18 @@ struct WallFieldView {
   ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
 
   WEIR_HD bool empty() const { return integrals.size == 0; }
-  WEIR_HD Vec3f gradient(std::int64_t i) const { return xyz(integrals[i]); }
-  /// Φ of a particle at displacement u from where its integrals were found.
-  WEIR_HD float phi(std::int64_t i, const Vec3f& u) const {
-    const Vec4f at = integrals[i];
-    if (!(at.w > 0)) return 0;
-    const float linear = at.w + dot(xyz(at), base.size > 0 ? u - base[i] : u);
-    return linear > 0 ? linear : 0;
+  template <class Index>
+  WEIR_HD Vec3<NumberAt<Index>> gradient(Index i) const {
+    return xyz(read(integrals, i));
+  }
+  /// Φ of a particle, or of eight, at displacement u from where its integrals were found.
+  template <class Index, class T>
+  WEIR_HD T phi(Index i, const Vec3<T>& u) const {
+    const Vec4<T> at = read(integrals, i);
+    if (!any(at.w > T(0))) return T(0);
+    Vec3<T> way = u;
+    if (base.size > 0) way -= read(base, i);
+    return keptWhere(at.w > T(0), positivePart(at.w + dot(xyz(at), way)));
   }
 };
 

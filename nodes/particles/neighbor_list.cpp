@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "framework/graph/memory_estimate.h"
-#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
@@ -41,7 +40,7 @@ void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(capacity <= kMostScratch);
   radius_ = radius;
   capacity_ = capacity;
-  const int piece = packs_ ? kCodesTogether : kListPiece;
+  const int piece = packs_ ? kCodesTogether : kInterleaved;
   room_ = (capacity + piece - 1) / piece * piece;
   grid_ = chooseCellGrid({}, radius, 0);
 }
@@ -65,7 +64,7 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 void NeighborList::makeRoom(std::int64_t particles) {
   counts_.resizeDiscarding(particles);
   if (!packs_) {
-    entries_.resizeDiscarding(particles * room_);
+    entries_.resizeDiscarding((particles + kInterleaved - 1) / kInterleaved * kInterleaved * room_);
     return;
   }
   const std::int64_t groups = groupsOf(particles);
@@ -96,8 +95,8 @@ double NeighborList::memoryFor(double particles) const {
                        bytesOfArray(std::max(particles, cells / kStartsInOne + 1), sizeof(Vec4f));
   // The columns of coordinates that the CPU reads, with what is behind their ends.
   if (!packs_)
-    return bytes + bytesOfArrays(particles * room_, entries_) +
-           bytesOfArrays(3 * (particles + 2 * kListPiece), columns_);
+    return bytes + bytesOfArrays((particles + kInterleaved) * room_, entries_) +
+           bytesOfArrays(3 * (particles + 2 * kEight), columns_);
   const double groups = std::ceil(particles / kListGroup);
   const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
   return bytes + bytesOfArrays(groups * kListGroup * room_ / kCodesInInt, entries_) +

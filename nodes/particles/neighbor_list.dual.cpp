@@ -1,6 +1,7 @@
 #include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/crowding.h"
+#include "nodes/particles/lane_search.h"
 #include "nodes/particles/list_packer.h"
-#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 
@@ -35,12 +36,6 @@ struct CellKey {
 /// Which of the three cells of a row, -1 to 1, are to be searched; none if last is below first.
 struct RowPart {
   int first = -1, last = 1;
-};
-
-/// All of them. On the CPU eight candidates are tested at a time and branches are what takes long, so fewer
-/// candidates are no gain.
-struct WholeRows {
-  WEIR_HD RowPart operator()(int, int) const { return {}; }
 };
 
 /// Those within a cell's width of a point, by where it stands in its cell.
@@ -108,7 +103,7 @@ struct ListWriter {
   int* truncated;
   ListPacker packer;  // on CUDA
 
-  WEIR_HD int* list(std::int64_t i) const { return entries + i * room; }
+  WEIR_HD int* list(std::int64_t i) const { return entries + listPlace(i, room); }
   WEIR_HD void finish(std::int64_t i, int found, int kept) const {
     if (found > kept) atomicAdd(truncated, 1);
     counts[i] = kept;
@@ -156,13 +151,6 @@ struct GroupThreads {
 #endif
 };
 
-/// What a particle at this distance, squared, adds to the crowding, or eight of them.
-template <class T>
-WEIR_HD T crowdingAt(const T& squared, const CellGrid& grid) {
-  const T t = positivePart(1 - fastSqrt(squared) * grid.inverseCellSize);
-  return t * t * t;
-}
-
 struct FindNeighbors {
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
@@ -174,7 +162,7 @@ struct FindNeighbors {
 
   /// Straight into the list.
   WEIR_HD void operator()(std::int64_t i) const {
-    FoundNeighbors to{Scratch{writer.list(i), 1}};
+    FoundNeighbors to{Scratch{writer.list(i), kInterleaved}};
     const int found = find(i, to);
     writer.finish(i, found, to.kept);
   }
@@ -254,81 +242,6 @@ struct FindNeighborsInTeams {
   }
 };
 
-#ifdef WEIR_HAS_LANES
-
-/// The coordinates of particles in columns, so that eight candidates are tested at a time. Behind each column
-/// there is room for eight more.
-struct Columns {
-  float* x;
-  float* y;
-  float* z;
-
-  Columns(Array<float>& memory, std::int64_t particles) {
-    const std::int64_t height = (particles + 2 * Lanes::kCount - 1) / Lanes::kCount * Lanes::kCount;
-    memory.resizeDiscarding(3 * height);
-    x = memory.data(), y = x + height, z = y + height;
-  }
-};
-
-struct FillColumns {
-  ArrayView<const Vec3f> positions;
-  Columns columns;
-
-  void operator()(std::int64_t i) const {
-    const Vec3f p = positions[i];
-    columns.x[i] = p.x, columns.y[i] = p.y, columns.z[i] = p.z;
-  }
-};
-
-struct FindNeighborsInLanes {
-  Columns columns;
-  ArrayView<const Vec3f> positions;
-  ArrayView<const int> cellStart;
-  CellGrid grid;
-  float radiusSquared;
-  ListWriter writer;
-
-  void operator()(std::int64_t i) const {
-    const Vec3f p{columns.x[i], columns.y[i], columns.z[i]};
-    const int self = static_cast<int>(i);
-    int* list = writer.list(i);
-    int found = 0;
-    forEachRangeNear(p, grid, cellStart, WholeRows{}, [&](int begin, int end, int) {
-      for (int j = begin; j < end; j += Lanes::kCount) {
-        const Vec3<Lanes> d{Lanes::load(columns.x + j) - p.x, Lanes::load(columns.y + j) - p.y,
-                            Lanes::load(columns.z + j) - p.z};
-        const LaneInts index = LaneInts::from(j);
-        const LaneMask near = (dot(d, d) < Lanes(radiusSquared)) & (index < end) & (index != self);
-        found += append(list, found, index, near.bits());
-      }
-    });
-    writer.finish(i, found, found < writer.capacity ? found : writer.capacity);
-    // So that the entries of a whole piece may be followed.
-    for (int k = found; k % kListPiece != 0 && k < writer.room; ++k) list[k] = self;
-    writer.crowding[i] = crowdingOf(i, p);
-  }
-
-  /// The list is still in the cache.
-  float crowdingOf(std::int64_t i, const Vec3f& p) const {
-    const NeighborView list{writer.entries, writer.counts, writer.room, {}};
-    const auto term = [&]<class T>(const auto&, const Vec3<T>& q) {
-      const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
-      return crowdingAt(dot(d, d), grid);
-    };
-    return 1 + sumOverNeighbors<float>(i, list, term, positions);
-  }
-
-  int append(int* list, int found, const LaneInts& index, unsigned bits) const {
-    if (found + Lanes::kCount <= writer.room) return storeChosen(list + found, index, bits);
-    int chosen[Lanes::kCount];
-    const int count = storeChosen(chosen, index, bits);
-    for (int k = 0; k < count && found + k < writer.room; ++k) list[found + k] = chosen[k];
-    return count;
-  }
-};
-
-#endif
-
 // Sorting and listing borrow memory that nobody needs meanwhile.
 
 /// Where each cell starts is asked until the lists are made.
@@ -377,6 +290,25 @@ template <class Backend>
 void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
                           float* crowding) {
   const Count count = particles.count();
+  const ArrayView<const Vec3f> positions = particles.positions().view();
+  const float radiusSquared = radius_ * radius_;
+  constexpr std::string_view kName = "find neighbours";
+#ifdef WEIR_HAS_LANES
+  const detail::Columns columns(columns_, positions.size);
+  parallelForEights(device, "columns", count, detail::FillColumns{positions, columns});
+  forEachRange(device, kName, count,
+               detail::LaneSearch{columns,
+                                  positions,
+                                  cellStart,
+                                  grid_,
+                                  radiusSquared,
+                                  capacity_,
+                                  room_,
+                                  entries_.data(),
+                                  counts_.data(),
+                                  {crowding, positions.size},
+                                  events_.data()});
+#else
   const ListWriter writer{capacity_,
                           room_,
                           entries_.data(),
@@ -384,15 +316,6 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                           crowding,
                           events_.data(),
                           {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
-  const ArrayView<const Vec3f> positions = particles.positions().view();
-  const float radiusSquared = radius_ * radius_;
-  constexpr std::string_view kName = "find neighbours";
-#ifdef WEIR_HAS_LANES
-  const Columns columns(columns_, positions.size);
-  parallelFor(device, "columns", count, FillColumns{positions, columns});
-  parallelFor(device, kName, count,
-              FindNeighborsInLanes{columns, positions, cellStart, grid_, radiusSquared, writer});
-#else
   const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
   // Above this one thread a particle does as well.
   constexpr TeamPlan kPlan{8, 1 << 15};

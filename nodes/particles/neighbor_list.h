@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "framework/compute/cell_sort.h"
+#include "framework/compute/eight.h"
 #include "nodes/particles/cell_grid.h"
 #include "nodes/particles/packed_lists.h"
 #include "nodes/particles/particle_set.h"
@@ -11,9 +12,19 @@
 
 namespace weir {
 
-/// The lists as kernels see them. On the CPU entry k of particle i stands at i * capacity + k. The capacity
-/// is a multiple of sixteen there, and so is the number of entries of each list that are indices of
-/// particles: those behind the neighbours mean nothing, but may be followed. On CUDA lists are packed.
+/// On the CPU, the lists of eight particles that stand side by side are interleaved: their k-th neighbours
+/// stand together, and the next eight of one list are so many entries behind.
+inline constexpr int kInterleaved = kEight;
+
+/// The place of entry 0 of list i; entry k stands k * kInterleaved behind it.
+WEIR_HD inline std::int64_t listPlace(std::int64_t i, int capacity) {
+  const std::int64_t lane = i % kInterleaved;
+  return (i - lane) * capacity + lane;
+}
+
+/// The lists as kernels see them. On the CPU they are interleaved. What stands behind the end of a list means
+/// nothing, but the entries of all eight may be followed up to the end of the longest. On CUDA lists are
+/// packed.
 struct NeighborView {
   const int* entries = nullptr;
   const int* counts = nullptr;
@@ -21,6 +32,7 @@ struct NeighborView {
   PackedLists packed;
 
   WEIR_HD bool isPacked() const { return packed.groups != nullptr; }
+  WEIR_HD const int* list(std::int64_t i) const { return entries + listPlace(i, capacity); }
 };
 
 namespace detail {
@@ -55,8 +67,8 @@ WEIR_HD inline void forEachNeighbor(std::int64_t i, const NeighborView& list, F&
   const int count = list.counts[i];
 #ifndef __CUDA_ARCH__
   if (!list.isPacked()) {
-    const int* entry = list.entries + i * list.capacity;
-    for (int k = 0; k < count; ++k) f(entry[k]);
+    const int* entry = list.list(i);
+    for (int k = 0; k < count; ++k, entry += kInterleaved) f(*entry);
     return;
   }
 #endif
@@ -75,7 +87,7 @@ struct NeighborEditor {
   /// team share the list.
   template <class Keep>
   WEIR_HD void keepIf(std::int64_t i, const Team& team, Keep&& keep) const {
-    if (packed.groups == nullptr) return keepIfOf(Entries32{entries + i * capacity}, i, team, keep);
+    if (packed.groups == nullptr) return keepIfOf(Entries32{entries + listPlace(i, capacity)}, i, team, keep);
     const ListGroup group = packed.groups[i / kListGroup];
     if (group.wide == 0)
       keepIfOf(Codes{packed, group, i}, i, team, keep);
@@ -86,7 +98,7 @@ struct NeighborEditor {
  private:
   struct Entries32 {
     int* list;
-    WEIR_HD int& at(int k) const { return list[k]; }
+    WEIR_HD int& at(int k) const { return list[k * kInterleaved]; }
     WEIR_HD int index(int entry) const { return entry; }
   };
   struct Indices {

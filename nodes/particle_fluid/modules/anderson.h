@@ -35,6 +35,7 @@ struct AndersonHistory {
   WEIR_HD static int before(int latest, int j) { return (latest + kEntries - j) % kEntries; }
   WEIR_HD static int after(int latest) { return (latest + 1) % kEntries; }
   WEIR_HD Vec3f& start(int entry, std::int64_t i) const { return starts[entry * stride + i]; }
+  WEIR_HD ArrayView<Vec3f> startsOf(int entry) const { return {starts.data + entry * stride, stride}; }
   WEIR_HD Vec3f& result(int entry, std::int64_t i) const { return results[entry * stride + i]; }
   WEIR_HD float& share(int entry, std::int64_t i) const { return shares[entry * stride + i]; }
 };

@@ -10,8 +10,9 @@ namespace weir {
 namespace {
 
 /// e = λ − 1, where it counts.
-WEIR_HD inline float excessOf(float lambda, bool tension) {
-  return tension || lambda > 1 ? lambda - 1 : 0.0f;
+template <class T>
+WEIR_HD T excessOf(const T& lambda, bool tension) {
+  return tension ? lambda - 1 : positivePart(lambda - 1);
 }
 
 /// Adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
@@ -27,13 +28,14 @@ struct EnergyDerivative {
   ArrayView<Vec4f> weighted;
   ArrayView<float> excess;  // empty where nobody asks for it
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    float lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
-    if (!walls.empty()) lambda += walls.phi(i, displacement[i]);
-    const float e = excessOf(lambda, tension);
-    const Vec4f s = state[i];
-    weighted[i] = {s.x, s.y, s.z, energy.derivative(e)};
-    if (excess.size > 0) excess[i] = e;
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
+    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
+    const auto e = excessOf(lambda, tension);
+    const auto s = read(state, i);
+    write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
+    if (excess.size > 0) write(excess, i, e);
   }
 };
 
@@ -46,17 +48,20 @@ struct FirstDerivative {
   ArrayView<const float> crowding;
   ArrayView<Vec4f> weighted;
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = predicted[i];
-    weighted[i] = {p.x, p.y, p.z, energy.derivative(excessOf(volumeAtZero * crowding[i], tension))};
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto p = read(predicted, i);
+    const auto e = excessOf(volumeAtZero * read(crowding, i), tension);
+    write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
   }
 };
 
 /// What pushes a particle, and how far it may go: the bracket of the class comment is `push` - displacement.
+template <class T>
 struct Push {
-  Vec3f push;
-  float divisor;
-  float wall;  // the part wall·∇Φ of the push comes from walls
+  Vec3<T> push;
+  T divisor;
+  T wall;  // the part wall·∇Φ of the push comes from walls
 };
 
 struct PushOf {
@@ -71,9 +76,10 @@ struct PushOf {
   ArrayView<const Vec4f> weighted;
 
   // Inline, so that what is the same for all particles is prepared once for all.
-  [[gnu::always_inline]] WEIR_HD Push operator()(std::int64_t i) const {
-    const Vec4f s = weighted[i];
-    const int self = static_cast<int>(i);
+  template <class Index>
+  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i) const {
+    const auto s = read(weighted, i);
+    const auto self = asInt(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
       T r = fastSqrt(dot(d, d));
@@ -84,24 +90,28 @@ struct PushOf {
       const T b = (own * s.w + others * t.w) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
-    const Vec4f sum = sumOverNeighbors<Vec4f>(i, neighbors, pairPush, weighted);
-    Push total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
+    const auto sum = sumOverNeighbors<Vec4f>(i, neighbors, pairPush, weighted);
+    Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
     if (!walls.empty()) addWalls(i, s.w, total);
     return total;
   }
 
   /// The gradient of what walls add to the energy: with λ it depends on the particle's own place alone.
-  WEIR_HD void addWalls(std::int64_t i, float derivative, Push& total) const {
-    const float d = walls.d[i];
-    if (!(d > 0)) return;
-    total.wall = -derivative * wallStiffness;
+  template <class Index, class T>
+  WEIR_HD void addWalls(Index i, const T& derivative, Push<T>& total) const {
+    const T d = positivePart(read(walls.d, i));
+    if (!any(d > T(0))) return;
+    total.wall = keptWhere(d > T(0), -derivative * wallStiffness);
     total.push += total.wall * walls.gradient(i);
     total.divisor += negativePart * wallStiffness * d;
   }
 
   /// Moves the share of the walls in the displacement like the displacement itself.
-  WEIR_HD void followWalls(std::int64_t i, const Push& at, float stepLength = 1) const {
-    if (!walls.empty()) walls.share[i] += stepLength * (at.wall - walls.share[i]) / at.divisor;
+  template <class Index, class T>
+  WEIR_HD void followWalls(Index i, const Push<T>& at, float stepLength = 1) const {
+    if (walls.empty()) return;
+    const T share = read(walls.share, i);
+    write(walls.share, i, share + stepLength * (at.wall - share) / at.divisor);
   }
 };
 
@@ -115,18 +125,20 @@ struct Substitute {
   ArrayView<Vec4f> state;
   bool first = false, last = false;
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Push at = pushOf(i);
-    const Vec3f u = first ? Vec3f{} : displacement[i];
-    const Vec3f moved = u + (at.push - u) / at.divisor;
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto at = pushOf(i);
+    Vec3<NumberAt<Index>> u;
+    if (!first) u = read(displacement, i);
+    const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
-    const Vec3f p = positions[i] + moved;
+    const auto p = read(positions, i) + moved;
     if (last) {
-      positions[i] = p;
-      velocities[i] += inverseDt * moved;
+      write(positions, i, p);
+      write(velocities, i, read(velocities, i) + inverseDt * moved);
     } else {
-      displacement[i] = moved;
-      state[i] = {p.x, p.y, p.z, 0};
+      write(displacement, i, moved);
+      write(state, i, {p.x, p.y, p.z, 0});
     }
   }
 };
@@ -236,11 +248,12 @@ struct Propose {
   ArrayView<const Vec3f> displacement;
   ArrayView<Vec4f> proposal;
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Push at = pushOf(i);
-    const Vec3f descent = at.push - displacement[i];
-    const Vec3f step = descent / at.divisor;
-    proposal[i] = {step.x, step.y, step.z, dot(descent, step)};
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto at = pushOf(i);
+    const auto descent = at.push - read(displacement, i);
+    const auto step = descent / at.divisor;
+    write(proposal, i, {step.x, step.y, step.z, dot(descent, step)});
   }
 };
 
@@ -260,22 +273,35 @@ struct Update {
   ArrayView<Vec4f> state;
   AndersonHistory history;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
     if (control != nullptr && (control->done || control->takesBack)) return;
-    const Vec3f u = displacement[i];
-    if (!history.empty()) history.start(control->entry, i) = u;
-    const Vec3f moved = u + step(i, u);
-    displacement[i] = moved;
-    const Vec3f p = predicted[i] + moved;
-    state[i] = {p.x, p.y, p.z, 0};
+    if (stepLength == StepLength::kFull)
+      move(i, [this](const auto& one, const auto& u) { return fullStep(one, u); });
+    else
+      forEachOf(i, [this](std::int64_t one) {
+        move(one, [this](std::int64_t k, const Vec3f&) { return searchedStep(k); });
+      });
   }
 
-  WEIR_HD Vec3f step(std::int64_t i, const Vec3f& u) const {
-    if (stepLength == StepLength::kFull) {
-      const Push at = pushOf(i);
-      pushOf.followWalls(i, at);
-      return (at.push - u) / at.divisor;
-    }
+  template <class Index, class Step>
+  WEIR_HD void move(Index i, const Step& step) const {
+    const auto u = read(displacement, i);
+    if (!history.empty()) write(history.startsOf(control->entry), i, u);
+    const auto moved = u + step(i, u);
+    write(displacement, i, moved);
+    const auto p = read(predicted, i) + moved;
+    write(state, i, {p.x, p.y, p.z, 0});
+  }
+
+  template <class Index, class T>
+  WEIR_HD Vec3<T> fullStep(Index i, const Vec3<T>& u) const {
+    const auto at = pushOf(i);
+    pushOf.followWalls(i, at);
+    return (at.push - u) / at.divisor;
+  }
+
+  WEIR_HD Vec3f searchedStep(std::int64_t i) const {
     const float alpha = stepLengthOf(stepLength == StepLength::kGlobal ? *sums : measure(i));
     const WallFieldView& walls = pushOf.walls;
     if (!walls.empty() && walls.d[i] > 0) pushOf.followWalls(i, pushOf(i), alpha);
@@ -450,12 +476,12 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
     update.first = k == 0;
     update.last = k + 1 == iterations;
     if (update.first && searched)
-      parallelFor(device, "density", count,
-                  FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
-                                  crowding, weighted(fluid).view()});
+      parallelForEights(device, "density", count,
+                        FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
+                                        crowding, weighted(fluid).view()});
     else
-      parallelFor(device, "density", count, derivative);
-    parallelFor(device, "substitute", count, update);
+      parallelForEights(device, "density", count, derivative);
+    parallelForEights(device, "substitute", count, update);
   }
 }
 
@@ -507,9 +533,10 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
-    parallelFor(device, "density", count, derivative);
+    parallelForEights(device, "density", count, derivative);
     if (searches())
-      parallelFor(device, "propose", count, Propose{pushOf, displacement(fluid).view(), proposal_.view()});
+      parallelForEights(device, "propose", count,
+                        Propose{pushOf, displacement(fluid).view(), proposal_.view()});
     if (controlled() || stepLength == StepLength::kGlobal)
       reduce(device, "measure", count, Sums{}, measure, AddSums{}, sums_.data());
     if (controlled()) {
@@ -517,7 +544,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       parallelFor(device, "judge", 1, judge);
       controlSeen_->request(control_.data());
     }
-    parallelFor(device, "update", count, update);
+    parallelForEights(device, "update", count, update);
     contain(device, fluid);
     record(fluid);
     if (!accelerated()) continue;

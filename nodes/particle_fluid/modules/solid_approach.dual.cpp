@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/solid_approach.h"
 
+#include "framework/compute/parallel_uneven.h"
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
@@ -48,9 +49,9 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
   walls.list(device, "may meet", fluid.particles.count(), MayMeet{solids, gap, dt, positions, velocities},
              walls.met, walls.metCounter);
-  parallelFor(device, "approach", walls.metCount(),
-              StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
-                           walls.kick.view()});
+  parallelForUneven(device, "approach", walls.metCount(),
+                    StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
+                                 walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     sumContact(device, fluid, k);
     parallelFor(device, "add impulse", 1,

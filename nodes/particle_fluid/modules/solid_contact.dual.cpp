@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/compute/parallel_uneven.h"
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
@@ -99,10 +100,10 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
              MayTouch{solids, gap, legal, positions,
                       rubs ? std::as_const(walls.d).view() : ArrayView<const float>{}},
              walls.met, walls.metCounter);
-  parallelFor(device, "contact", walls.metCount(),
-              Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, walls.stride,
-                      std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
-                      fluid.particles.velocities().view(), walls.kick.view()});
+  parallelForUneven(device, "contact", walls.metCount(),
+                    Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, walls.stride,
+                            std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
+                            fluid.particles.velocities().view(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     const ContactImpulse contact = sumContact(device, fluid, k);
     reduce(device, "pressure impulse", walls.nearCount(), SolidImpulse{},

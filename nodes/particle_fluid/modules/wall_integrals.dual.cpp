@@ -1,5 +1,9 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
+#include <vector>
+
+#include "framework/compute/parallel_uneven.h"
+#include "nodes/geometry/box_blocks.h"
 #include "nodes/particle_fluid/hidden_neighbors.h"
 #include "nodes/solids/solid_integrals.h"
 
@@ -12,19 +16,20 @@ struct Found {
   int sides = 0;
 };
 
-/// `reach` is the support of the fluid, at least the radius of the integrals.
-WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius, float reach,
-                     float calibration, const Team& team) {
+/// `reach` is the support of the fluid, at least the radius of the integrals. `triangles` has the solid's
+/// forEachTriangleNear.
+template <class Triangles>
+WEIR_HD Found findOf(const SolidView& solid, const Triangles& triangles, const Vec3f& position, float radius,
+                     float reach, float calibration, const Team& team) {
   const Vec3f p = solid.end.toBody(position);
   if (solid.clearance.at(p) > reach) return {};
   SolidIntegrator<float> sum(p, radius);
   Found found;
   const auto forEachNear = [&](float within, auto&& f) {
     const bool container = solid.kind == SolidKind::kContainer;
-    solid.tree.forEachTriangleNear(
-        p, within,
-        [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { f(a, container ? c : b, container ? b : c); },
-        team);
+    triangles.forEachTriangleNear(solid.tree, p, within, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+      f(a, container ? c : b, container ? b : c);
+    });
   };
   forEachNear(reach, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     found.sides |= sidesSeen(p, a, b, c);
@@ -45,6 +50,16 @@ WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius
   found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
   return found;
 }
+
+/// The threads of a team share a walk down the tree.
+struct WalkInTeam {
+  const Team& team;
+
+  template <class F>
+  WEIR_HD void forEachTriangleNear(const TriangleTreeView& tree, const Vec3f& p, float radius, F&& f) const {
+    tree.forEachTriangleNear(p, radius, f, team);
+  }
+};
 
 struct IsNear {
   ArrayView<const SolidView> solids;
@@ -70,12 +85,18 @@ struct FindIntegrals {
   ArrayView<int> sides;
 
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
+    find(n, team, [&team](std::int64_t) { return WalkInTeam{team}; });
+  }
+
+  /// `trianglesOf(k)` are those of solid k.
+  template <class TrianglesOf>
+  WEIR_HD void find(std::int64_t n, const Team& team, const TrianglesOf& trianglesOf) const {
     const int i = near[n];
     const Vec3f p = positions[i];
     Vec3f gradient{};
     float phi = 0, sumOfD = 0;
     for (std::int64_t k = 0; k < solids.size; ++k) {
-      const Found found = findOf(solids[k], p, radius, reach, calibration, team);
+      const Found found = findOf(solids[k], trianglesOf(k), p, radius, reach, calibration, team);
       const SolidIntegrals<float>& of = found.integrals;
       if (team.lane == 0) {
         sides[k * stride + i] = found.sides;
@@ -90,6 +111,19 @@ struct FindIntegrals {
     d[i] = sumOfD;
   }
 };
+
+#ifdef WEIR_HAS_LANES
+
+struct FindIntegralsByBlocks {
+  FindIntegrals find;
+  const BoxBlocks* blocks;  // of the solids
+
+  void operator()(std::int64_t n) const {
+    find.find(n, {}, [this](std::int64_t k) -> const BoxBlocks& { return blocks[k]; });
+  }
+};
+
+#endif
 
 }  // namespace
 
@@ -111,12 +145,26 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   walls.d.fillZero();
   walls.sides.fillZero();
   // Few of these are near walls, and each has many triangles.
+  constexpr std::string_view kName = "wall integrals";
+  const FindIntegrals find{solids,
+                           fluid.constants.wallRadius,
+                           reach,
+                           fluid.constants.wallFactor,
+                           walls.stride,
+                           std::as_const(walls.near).view(),
+                           positions,
+                           walls.each.view(),
+                           several ? walls.total.view() : ArrayView<Vec4f>{},
+                           walls.d.view(),
+                           walls.sides.view()};
+#ifdef WEIR_HAS_LANES
+  std::vector<BoxBlocks> blocks;
+  for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
+  parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
+#else
   constexpr TeamPlan kPlan{32, 1 << 17};
-  parallelForTeams(
-      device, "wall integrals", walls.nearCount(), kPlan,
-      FindIntegrals{solids, fluid.constants.wallRadius, reach, fluid.constants.wallFactor, walls.stride,
-                    std::as_const(walls.near).view(), positions, walls.each.view(),
-                    several ? walls.total.view() : ArrayView<Vec4f>{}, walls.d.view(), walls.sides.view()});
+  parallelForTeams(device, kName, walls.nearCount(), kPlan, find);
+#endif
   takeOutHiddenNeighbors(device, fluid);
 }
 

@@ -9,11 +9,12 @@ namespace weir {
 namespace {
 
 /// Σ_j W(r_ij)·(v_j − v), and Σ_j W(r_ij).
-WEIR_HD inline Vec4f weightedDifferences(std::int64_t i, const NeighborView& neighbors,
-                                         const SpikyKernel& kernel, const Vec3f& v,
-                                         const ArrayView<const Vec3f>& positions,
-                                         const ArrayView<const Vec3f>& velocities) {
-  const Vec3f p = positions[i];
+template <class Index, class Velocity>
+WEIR_HD Vec4<NumberAt<Index>> weightedDifferences(Index i, const NeighborView& neighbors,
+                                                  const SpikyKernel& kernel, const Velocity& v,
+                                                  const ArrayView<const Vec3f>& positions,
+                                                  const ArrayView<const Vec3f>& velocities) {
+  const auto p = read(positions, i);
   const auto difference = [&]<class T>(const auto&, const Vec3<T>& q, const Vec3<T>& u) {
     const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
     const T w = kernel.value(fastSqrt(dot(d, d)));
@@ -29,9 +30,11 @@ struct SmoothVelocity {
   ArrayView<const Vec3f> positions, velocities;
   ArrayView<Vec3f> smoothed;
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f v = velocities[i];
-    smoothed[i] = v + weight * xyz(weightedDifferences(i, neighbors, kernel, v, positions, velocities));
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto v = read(velocities, i);
+    const auto sum = weightedDifferences(i, neighbors, kernel, v, positions, velocities);
+    write(smoothed, i, v + weight * xyz(sum));
   }
 };
 
@@ -43,10 +46,12 @@ struct ApproachMean {
   ArrayView<const Vec3f> positions, initial, present;
   ArrayView<Vec3f> next;
 
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f v = initial[i];
-    const Vec4f sum = weightedDifferences(i, neighbors, kernel, v, positions, present);
-    next[i] = sum.w > 0 ? v + (share / sum.w) * xyz(sum) : v;
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto v = read(initial, i);
+    const auto sum = weightedDifferences(i, neighbors, kernel, v, positions, present);
+    const auto weight = keptWhere(sum.w > 0, share / sum.w);
+    write(next, i, v + weight * xyz(sum));
   }
 };
 
@@ -56,10 +61,10 @@ template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
-  parallelFor(device, "smooth", fluid.particles.count(),
-              SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
-                             fluid.particles.positions().view(), fluid.particles.velocities().view(),
-                             smoothed.view()});
+  parallelForEights(device, "smooth", fluid.particles.count(),
+                    SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
+                                   fluid.particles.positions().view(), fluid.particles.velocities().view(),
+                                   smoothed.view()});
   // Equal sizes; only the memory changes hands.
   smoothed.swap(fluid.particles.velocities());
 }
@@ -76,9 +81,10 @@ void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   Array<Vec3f>& velocities = fluid.particles.velocities();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const Array<Vec3f>& present = sweep == 0 ? velocities : smoothed;
-    parallelFor(device, "approach mean", fluid.particles.count(),
-                ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
-                             velocities.view(), present.view(), next_.view()});
+    parallelForEights(
+        device, "approach mean", fluid.particles.count(),
+        ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
+                     velocities.view(), present.view(), next_.view()});
     next_.swap(smoothed);
   }
   smoothed.swap(velocities);

@@ -66,6 +66,19 @@ TEST_P(NeighborListTest, FindsAllPairsOnAnyGrid) {
   }
 }
 
+TEST_P(NeighborListTest, FindsAllPairsInCrowdedCells) {
+  // Around each cell are more than the thousand candidates that the CPU looks at together.
+  const float radius = 0.1f;
+  const std::vector<Vec3f> points = randomPoints(3000, {0, 0, 0}, {0.4f, 0.4f, 0.4f}, 11);
+  ParticleSet particles = makeParticles(points);
+  NeighborList list(*device);
+  list.configure(radius, 384);
+  list.fitGrid({{0, 0, 0}, {0.4f, 0.4f, 0.4f}}, 3000);
+  list.build(particles, kEverywhere);
+  EXPECT_EQ(listedPairs(particles, list), allPairs(points, radius));
+  EXPECT_EQ(list.eventsOnHost().truncated, 0);
+}
+
 TEST_P(NeighborListTest, FindsPairsFarFromTheOriginAndFarApart) {
   const float radius = 1.0f;
   std::vector<Vec3f> points = randomPoints(200, {9000, -5000, 100}, {9004, -4996, 104}, 3);

@@ -41,7 +41,7 @@ struct Lists {
     const Array<int> c(device, counts);
     Array<Vec4f> out(device, kParticles);
     const bool packs = device.kind() == DeviceKind::kCuda;
-    const Array<int> e(device, packs ? codes() : entries);
+    const Array<int> e(device, packs ? codes() : interleaved());
     Array<ListGroup> groups(device, packs ? 2 : 0);
     groups.fillZero();  // codes are indices
     NeighborView list{e.data(), c.data(), kRoom, {}};
@@ -60,6 +60,16 @@ struct Lists {
       for (int k = 0; k < kRoom; ++k)
         *to.code(i, k) = static_cast<std::uint16_t>(entries[static_cast<std::size_t>(i * kRoom + k)]);
     return packed;
+  }
+
+  /// As the CPU keeps them.
+  std::vector<int> interleaved() const {
+    std::vector<int> places((kParticles + kInterleaved) * kRoom);
+    for (int i = 0; i < kParticles; ++i)
+      for (int k = 0; k < kRoom; ++k)
+        places[static_cast<std::size_t>(listPlace(i, kRoom) + k * kInterleaved)] =
+            entries[static_cast<std::size_t>(i * kRoom + k)];
+    return places;
   }
 
   std::array<double, 4> expected(int i) const {
