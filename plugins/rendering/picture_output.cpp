@@ -127,6 +127,7 @@ class Pictures final : public Observer {
       ledger_.emplace(paths_.at(kImages));
       made_.emplace().add(version());
       made_->add(writeJson(sceneToValue(simulation.scene())));
+      addFiles();
     }
   }
 
@@ -200,6 +201,17 @@ class Pictures final : public Observer {
   const CameraSettings& cameraOf(const RenderSettings& settings) const {
     if (camera_) return settings.cameras[*camera_];
     return *settings.camera;
+  }
+
+  /// What files hold that the scene names.
+  void addFiles() {
+    constexpr int kColors = 256;
+    for (int i = 0; i < kColors && !settings_->color->file->empty(); ++i) {
+      const Vec3f color = view_->colorMap().at(static_cast<float>(i) / (kColors - 1));
+      made_->addAll(std::span(&color, 1));
+    }
+    if (const EnvironmentImage* image = view_->surroundings())
+      made_->addAll(std::span<const Vec3f>(image->light));
   }
 
   void addStill(const SceneSnapshot& scene) {

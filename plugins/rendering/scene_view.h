@@ -34,6 +34,8 @@ class SceneView {
   /// Of the view that was made last.
   const ColorKey& colorKey() const { return key_; }
   const ColorMap& colorMap() const { return map_; }
+  /// Null if they are no picture.
+  const EnvironmentImage* surroundings() const { return image_.get(); }
 
  private:
   void takeStill(StillScene& still);

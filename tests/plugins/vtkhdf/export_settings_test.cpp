@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <random>
 
+#include "plugins/vtkhdf/hdf5.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
