@@ -43,7 +43,8 @@ class Watcher final : public LiveRenderer {
   }
 
   void startVideo(const std::filesystem::path& file, int width, int height) override {
-    video_.emplace(file, width, height, frameRate_);
+    video_.emplace(file, VideoSize{width, height, frameRate_},
+                   settings_.video->format(settings_.transparent));
     videoSize_ = {width, height};
     plots_.emplace(settings_.plots, duration_);
   }
@@ -76,7 +77,7 @@ class Watcher final : public LiveRenderer {
                    .up = options.camera.up,
                    .fovDegrees = options.camera.fovDegrees};
     Picture picture = renderer_->draw(view);
-    overlay_.draw(overlayText(settings_, title_, scene, view_->colorKey(), plots), picture);
+    overlay_.draw(overlayText(settings_, title_, scene, *view_, plots), picture);
     return picture;
   }
 
@@ -98,7 +99,7 @@ class Watcher final : public LiveRenderer {
 }  // namespace
 
 std::vector<std::string> LiveView::videoExtensions() const {
-  return VideoWriter::extensions();
+  return rendering::videoExtensions();
 }
 
 std::unique_ptr<LiveRenderer> LiveView::open(Simulation& simulation) const {

@@ -9,8 +9,8 @@
 
 namespace weir::rendering {
 
-/// A GPU that computes draws most pictures alone, because OpenGL may have few of its processors. Where OpenGL
-/// is software, a sibling of the device, with as many threads, helps it. Throws an io Error without OpenGL.
+/// A device draws alone what its kernels can draw, unless OpenGL runs on a GPU and the device is a CPU.
+/// Throws an io Error without OpenGL.
 std::unique_ptr<gl::Renderer> makeRenderer(const Device& device);
 
 /// share/weir/fonts of the build or installation that this library is in: <prefix>/lib/weir/plugins.

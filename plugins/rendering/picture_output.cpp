@@ -52,8 +52,9 @@ class Pictures final : public Observer {
     const VideoState& state = video_->state();
     const StateWriter video = to.in(kVideo);
     video.put("frames", state.frames);
-    video.put("width", state.width);
-    video.put("height", state.height);
+    video.put("width", state.size.width);
+    video.put("height", state.size.height);
+    video.put("rate", state.size.frameRate);
     video.put("encoder", std::span<const char>(state.encoder));
   }
 
@@ -65,8 +66,9 @@ class Pictures final : public Observer {
     if (video.has("frames")) {
       earlier.emplace();
       video.get("frames", earlier->frames);
-      video.get("width", earlier->width);
-      video.get("height", earlier->height);
+      video.get("width", earlier->size.width);
+      video.get("height", earlier->size.height);
+      video.get("rate", earlier->size.frameRate);
       const std::vector<char> encoder = video.getAll<char>("encoder");
       earlier->encoder.assign(encoder.begin(), encoder.end());
     }
@@ -89,8 +91,7 @@ class Pictures final : public Observer {
     view_ = std::make_unique<SceneView>(settings, cameraOf(settings), *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
-      video_.emplace(path->second, settings.width, settings.height, simulation.scene().world.frameRate,
-                     earlier);
+      startVideo(path->second, simulation.scene(), earlier);
     if (const auto path = paths_.find(kImages); path != paths_.end())
       images_.emplace(path->second, firstFrame);
     if (!images_) return;
@@ -100,6 +101,7 @@ class Pictures final : public Observer {
       ledger_.emplace(paths_.at(kImages));
       made_.emplace().add(version());
       made_->add(writeJson(sceneToValue(simulation.scene())));
+      addFiles();
     }
   }
 
@@ -134,6 +136,28 @@ class Pictures final : public Observer {
   }
 
  private:
+  void startVideo(const std::filesystem::path& file, const Scene& scene,
+                  const std::optional<VideoState>& earlier) {
+    const VideoSettings& video = *settings_->video;
+    const VideoFormat format = video.format(settings_->transparent);
+    frameRate_ = scene.world.frameRate;
+    try {
+      checkFormat(file, format);
+    } catch (Error& error) {
+      if (error.kind() != ErrorKind::kScene) throw;
+      throw error.at({.file = scene.file, .pointer = "/render/video/codec"});
+    }
+    video_.emplace(file, VideoSize{settings_->width, settings_->height, video.videoRate(frameRate_)}, format,
+                   earlier);
+  }
+
+  /// As often as the video's rate asks for.
+  void addToVideo(Picture picture) {
+    const std::int64_t times = settings_->video->timesShown(frames_, frameRate_);
+    for (std::int64_t i = 1; i < times; ++i) video_->write(picture);
+    if (times > 0) video_->write(std::move(picture));
+  }
+
   void draw(const SceneSnapshot& scene, const View& view) {
     Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
     measured(labelling_, [&] { overlay_->draw(textOf(scene), picture); });
@@ -145,12 +169,23 @@ class Pictures final : public Observer {
     if (images_ && images_->frameCount() != frames_) skipImages();
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
-    if (video_) video_->write(std::move(picture));
+    if (video_) addToVideo(std::move(picture));
   }
 
   const CameraSettings& cameraOf(const RenderSettings& settings) const {
     if (camera_) return settings.cameras[*camera_];
     return *settings.camera;
+  }
+
+  /// What files hold that the scene names.
+  void addFiles() {
+    constexpr int kColors = 256;
+    for (int i = 0; i < kColors && !settings_->color->file->empty(); ++i) {
+      const Vec3f color = view_->colorMap().at(static_cast<float>(i) / (kColors - 1));
+      made_->addAll(std::span(&color, 1));
+    }
+    if (const EnvironmentImage* image = view_->surroundings())
+      made_->addAll(std::span<const Vec3f>(image->light));
   }
 
   void addStill(const SceneSnapshot& scene) {
@@ -175,7 +210,7 @@ class Pictures final : public Observer {
     if (video_) {
       std::optional<Picture> picture = pictureThere();
       if (!picture) return false;
-      video_->write(std::move(*picture));
+      addToVideo(std::move(*picture));
     }
     ++there_;
     return true;
@@ -196,7 +231,7 @@ class Pictures final : public Observer {
   }
 
   OverlayText textOf(const SceneSnapshot& scene) const {
-    return overlayText(*settings_, title_, scene, view_->colorKey(), history_->plots());
+    return overlayText(*settings_, title_, scene, *view_, history_->plots());
   }
 
   OutputPaths paths_;
@@ -206,6 +241,7 @@ class Pictures final : public Observer {
   std::optional<SceneCapture> capture_;
   // From here on what write() uses.
   double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
+  double frameRate_ = 0;                                                // of the run, where there is a video
   std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<SceneView> view_;
@@ -319,8 +355,7 @@ class SeveralCameras final : public Observer {
 }  // namespace
 
 std::vector<OutputOption> PictureOutput::options() const {
-  return {{kVideo, "FILE.mp4", VideoWriter::extensions(),
-           "Write a video; .mp4, .mkv, .webm, .mov (ProRes) or .gif"},
+  return {{kVideo, "FILE.mp4", videoExtensions(), "Write a video; .mp4, .mkv, .webm, .mov (ProRes) or .gif"},
           {kImages, "DIR", {}, "Write each frame as a PNG file into a folder"}};
 }
 

@@ -6,6 +6,7 @@
 
 #include "framework/base/error.h"
 #include "framework/base/text.h"
+#include "plugins/rendering/color_file.h"
 
 namespace weir::rendering {
 
@@ -46,11 +47,15 @@ void ColorSettings::validate() const {
   const auto& ends = range.get();
   if (ends && !(ends->x < ends->y))
     throw sceneError("the range is empty", "[low, high] with low below high").inParameter(range.name());
+  if (!table->empty() && !file->empty())
+    throw sceneError("the colours are given by a table and by a file", "one of them")
+        .inParameter(file.name());
   if (table->size() == 1)
     throw sceneError("the table has one colour", "two or more").inParameter(table.name());
 }
 
 ColorMap ColorSettings::colorMap() const {
+  if (!file->empty()) return ColorMap(readColorFile(file->resolved));
   if (table->empty()) return ColorMap(map);
   std::vector<Vec3f> colors;
   for (const Color& c : table.get()) colors.push_back({c.r, c.g, c.b});
@@ -75,6 +80,12 @@ std::string PlotSettings::caption() const {
 
 void EnvironmentSettings::validate() const {
   if (length(sun.get()) == 0) throw sceneError("sun is [0, 0, 0]", "a direction").inParameter(sun.name());
+  if (look == EnvironmentLook::kImage && image->empty())
+    throw sceneError("the look is \"image\", but there is none", "\"image\": a .hdr file")
+        .inParameter(look.name());
+  if (look != EnvironmentLook::kImage && !image->empty())
+    throw sceneError("there is an image, but the look is not \"image\"", "\"look\": \"image\"")
+        .inParameter(image.name());
 }
 
 Color SurfaceSettings::shownColor() const {

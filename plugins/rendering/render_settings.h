@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/graph/configurable.h"
+#include "plugins/rendering/video_settings.h"
 #include "plugins/rendering/view.h"
 #include "plugins/rendering/water_settings.h"
 
@@ -31,9 +32,10 @@ struct EnumNames<rendering::SurfaceLook> {
 
 template <>
 struct EnumNames<rendering::EnvironmentLook> {
-  static constexpr std::array<EnumName, 2> kNames{
+  static constexpr std::array<EnumName, 3> kNames{
       EnumName{"studio", "A plain background; mirrors show a pale room with lamps."},
-      EnumName{"sky", "A blue sky with clouds, and the ground to the horizon."}};
+      EnumName{"sky", "A blue sky with clouds, and the ground to the horizon."},
+      EnumName{"image", "The picture of the parameter image."}};
 };
 
 template <>
@@ -144,9 +146,14 @@ class ColorSettings final : public Configurable {
                                   {.doc = "Colours of one's own in place of map: [red, green, blue] from 0 "
                                           "to 1 or \"#rrggbb\", evenly spread from "
                                           "low to high values."}};
+  Param<FilePath> file{*this,
+                       "file",
+                       {},
+                       {.doc = "A file of colours in place of map: .csv with red, green and blue in each "
+                               "line, or a value before them, or a .json preset of ParaView."}};
   Param<Color> fixed{
       *this, "fixed", {0.16f, 0.45f, 0.85f, 1}, {.doc = "The one colour for \"by\": \"none\"."}};
-  /// That of the table, or else the one that is named.
+  /// That of the table or the file, or else the one that is named. Throws an io Error if the file is wrong.
   ColorMap colorMap() const;
   Param<bool> bar{*this, "bar", true, {.doc = "Show the colours with their values."}};
 
@@ -240,8 +247,35 @@ class PlotSettings final : public Configurable {
 class EnvironmentSettings final : public Configurable {
  public:
   Param<EnvironmentLook> look{*this, "look", EnvironmentLook::kStudio, {.doc = "What surrounds the scene."}};
-  Param<Vec3f> sun{
-      *this, "sun", LightingView{}.towardsSun, {.doc = "The direction towards the sun, of any length."}};
+  Param<FilePath> image{
+      *this,
+      "image",
+      {},
+      {.doc = "Of the look \"image\": a Radiance file (.hdr) of all directions, twice as wide "
+              "as high. It is mirrored, and gives the light that comes from all sides."}};
+  Param<float> turn{*this,
+                    "turn",
+                    0,
+                    {.unit = "degrees",
+                     .min = -360,
+                     .max = 360,
+                     .doc = "Turns the image to its left; without that its middle is in the direction -z."}};
+  Param<float> brightness{*this,
+                          "brightness",
+                          1,
+                          {.min = 0,
+                           .max = 1000,
+                           .aboveMin = true,
+                           .doc = "Multiplies the light of the image; white paper in the sun is about 1."}};
+  Param<bool> background{
+      *this, "background", true, {.doc = "Whether the image is the background; or else that is plain."}};
+  Param<Vec3f> sun{*this,
+                   "sun",
+                   LightingView{}.towardsSun,
+                   {.doc = "The direction towards the sun, of any length. Without it the sun of an image is "
+                           "where that is brightest."}};
+  Param<float> sunStrength{
+      *this, "sun_strength", 1, {.min = 0, .max = 100, .doc = "Multiplies the light of the sun alone."}};
   Param<float> exposure{
       *this, "exposure", 1, {.min = 0, .max = 100, .aboveMin = true, .doc = "Multiplies all light."}};
   Param<ToneCurve> tone{*this, "tone", ToneCurve::kPlain, {.doc = "How light becomes colours."}};
@@ -280,6 +314,13 @@ class RenderSettings final : public Configurable {
   Param<ParticleDisplay> particles{
       *this, "particles", ParticleDisplay::kAuto, {.doc = "Which particles are shown."}};
   Param<bool> ground{*this, "ground", true, {.doc = "Show a floor under the scene."}};
+  Param<bool> transparent{
+      *this,
+      "transparent",
+      false,
+      {.doc = "Pictures have nothing behind the scene, to be laid over others. Of the floor, its shadows "
+              "alone are there; \"ground\": false leaves them out."}};
+  Group<VideoSettings> video{*this, "video", "How --video encodes."};
   Param<bool> outlines{*this, "outlines", true, {.doc = "Show the edges of boxes that hold the fluid."}};
   GroupList<PlotSettings> plots{*this, "plots", "Numbers that are plotted in a corner of the pictures."};
   Param<bool> overlay{*this, "overlay", true, {.doc = "Show title, time and number of particles."}};

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "plugins/rendering/camera_path.h"
+#include "plugins/rendering/environment_file.h"
 #include "plugins/rendering/velocity_arrows.h"
 
 namespace weir::rendering {
@@ -48,6 +49,13 @@ float roundUp(float x) {
 
 }  // namespace
 
+SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer)
+    : settings_(settings), camera_(camera), renderer_(renderer), map_(settings.color->colorMap()) {
+  const EnvironmentSettings& environment = *settings.environment;
+  if (environment.look == EnvironmentLook::kImage)
+    image_ = readEnvironment(environment.image->resolved, environment.turn, environment.brightness);
+}
+
 View SceneView::of(SceneSnapshot& snapshot) {
   if (snapshot.still) takeStill(*std::exchange(snapshot.still, nullptr));
   View view;
@@ -72,14 +80,23 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
+  addEnvironment(view);
+  view.transparent = settings_.transparent;
+  return view;
+}
+
+void SceneView::addEnvironment(View& view) const {
   const EnvironmentSettings& environment = *settings_.environment;
   view.ground.color = environment.groundColor;
   view.ground.tiles = environment.groundTiles;
   view.lighting.towardsSun = environment.sun;
   view.lighting.exposure = environment.exposure;
   view.lighting.tone = environment.tone;
+  view.lighting.sunStrength = environment.sunStrength;
   view.environment = environment.look;
-  return view;
+  view.environmentImage = image_;
+  view.environmentBehind = environment.background;
+  if (image_ && !environment.sun.isSet()) view.lighting.towardsSun = image_->towardsSun;
 }
 
 void SceneView::takeStill(StillScene& still) {
@@ -119,7 +136,7 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     setColors(fluid, water ? foam_[i] : values_[i]);
     view.particles.push_back({.positions = positions,
                               .radius = 0.5f * settings_.particleSize * fluid.spacing,
-                              .map = settings_.color->colorMap(),
+                              .map = map_,
                               .fixed = settings_.color->fixed});
     if (water) addWater(fluid, view);
     if (boundsAreStatic_) continue;

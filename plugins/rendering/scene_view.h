@@ -1,6 +1,7 @@
 // Makes a view of a snapshot of a scene: what there is to see, from where, in which colours.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,14 +25,17 @@ struct ColorKey {
 class SceneView {
  public:
   /// Gives its surfaces to the renderer, which must outlive it.
-  SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer)
-      : settings_(settings), camera_(camera), renderer_(renderer) {}
+  /// Throws an io Error if a file that the settings name is wrong.
+  SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer);
 
   /// The view of a frame; it points to what this object and the snapshot hold until the next call. Waits
   /// until the particles have arrived, and takes the still scene from the first snapshot.
   View of(SceneSnapshot& snapshot);
   /// Of the view that was made last.
   const ColorKey& colorKey() const { return key_; }
+  const ColorMap& colorMap() const { return map_; }
+  /// Null if they are no picture.
+  const EnvironmentImage* surroundings() const { return image_.get(); }
 
  private:
   void takeStill(StillScene& still);
@@ -43,10 +47,13 @@ class SceneView {
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(SceneSnapshot& snapshot) const;
   CameraPose restingCamera() const;
+  void addEnvironment(View& view) const;
 
   const RenderSettings& settings_;
   const CameraSettings& camera_;
   gl::Renderer& renderer_;
+  ColorMap map_;
+  std::shared_ptr<const EnvironmentImage> image_;  // of the surroundings, or null
   ColorKey key_;
   std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour
   std::vector<std::vector<float>> foam_;    // of each fluid that is a liquid; empty for none

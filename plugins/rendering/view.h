@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "framework/base/vec.h"
 #include "framework/graph/param_types.h"
 #include "plugins/rendering/color_map.h"
+#include "plugins/rendering/environment_image.h"
 #include "plugins/rendering/output/picture.h"
 
 namespace weir::rendering {
@@ -89,7 +91,8 @@ struct GroundView {
 /// What surrounds the scene.
 enum class EnvironmentLook {
   kStudio,  ///< the background of View; mirrors show a room with lamps
-  kSky      ///< a blue sky with clouds
+  kSky,     ///< a blue sky with clouds
+  kImage    ///< EnvironmentView's picture
 };
 
 /// How light becomes colours.
@@ -105,8 +108,9 @@ struct LightingView {
   float occlusionRadius =
       0;  ///< m; 0: six of the largest particle's radii, or a part of the scene's size without particles
   ToneCurve tone = ToneCurve::kPlain;
-  float exposure = 1;  ///< factor of all light
-  bool unlit = false;  ///< every surface has its plain colour, so that colours can be read exactly
+  float exposure = 1;     ///< factor of all light
+  float sunStrength = 1;  ///< factor of the sun's light
+  bool unlit = false;     ///< every surface has its plain colour, so that colours can be read exactly
 };
 
 struct View {
@@ -121,6 +125,10 @@ struct View {
   GroundView ground;
   LightingView lighting;
   EnvironmentLook environment = EnvironmentLook::kStudio;
+  std::shared_ptr<const EnvironmentImage> environmentImage;  ///< for kImage
+  bool environmentBehind = true;                             ///< of kImage: whether it is the background
+  /// Nothing is behind the scene, and the ground shows its shadows alone: the picture has opacities.
+  bool transparent = false;
   Color backgroundTop{0.78f, 0.84f, 0.9f, 1};
   Color backgroundBottom{0.95f, 0.96f, 0.97f, 1};
 };

@@ -1,5 +1,7 @@
 #include "plugins/vtkhdf/particle_export.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -140,6 +142,10 @@ void ParticleExport::begin(Simulation& simulation) {
   if (section != simulation.scene().sections.end())
     settings_ = dynamic_cast<const ExportSettings*>(section->second.get());
   sceneText_ = simulation.scene().text;
+  if (const float grid = settings().grid(); grid > 0)
+    simulation.log().info(fmt::format(
+        "export: coordinates are rounded to multiples of {:.3g} m and are off by {:.3g} m at most", grid,
+        0.5f * grid));
 }
 
 void ParticleExport::save(const StateWriter& to) {
@@ -280,6 +286,8 @@ void ParticleExport::makeFile() {
   writer_->setText("version", version());
   writer_->setText("scene", sceneText_);
   writer_->setText("fluids", names);
+  if (const float grid = settings().grid(); grid > 0)
+    writer_->setText("position_error", fmt::format("{:.9g}", 0.5f * grid));
 }
 
 void ParticleExport::end(Simulation& simulation, RunEnd how) {

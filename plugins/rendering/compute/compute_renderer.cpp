@@ -107,7 +107,8 @@ bool ComputeRenderer::canDraw(const View& view) {
   for (const LineView& lines : view.lines) points += lines.points.size();
   const LightingView& lighting = view.lighting;
   const bool plain = lighting.tone == ToneCurve::kPlain && lighting.exposure == 1 && view.ground.tiles == 0 &&
-                     view.environment == EnvironmentLook::kStudio;
+                     lighting.sunStrength == 1 && view.environment == EnvironmentLook::kStudio &&
+                     !view.transparent;
   return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * kMostLines;
 }
 

@@ -1,7 +1,10 @@
 #include "plugins/rendering/gl/environment.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <vector>
 
+#include "framework/base/error.h"
 #include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
@@ -76,26 +79,47 @@ void main() {
 }
 )";
 
-/// From the world to a space in which y is up.
+}  // namespace
+
 Eigen::Matrix3f upright(const View& view) {
   return Eigen::Quaternionf::FromTwoVectors(toEigen(normalized(view.worldUp)), Eigen::Vector3f::UnitY())
       .toRotationMatrix();
 }
 
-}  // namespace
-
 Environment::Environment(const Functions& gl)
     : gl_(gl), array_(makeVertexArray(gl)), surroundings_(makeTexture(gl, 1, 1, kColor8, GL_NEAREST)) {}
 
 void Environment::load(const View& view) {
-  if (view.waters.empty() && !isOutside(view)) return;
-  if (loaded_ && *loaded_ == view.environment && loadedSun_ == view.lighting.towardsSun) return;
+  if (view.waters.empty() && !hasSurroundings(view)) return;
+  if (loaded_ && *loaded_ == view.environment && loadedSun_ == view.lighting.towardsSun &&
+      loadedImage_ == view.environmentImage)
+    return;
   loaded_ = view.environment;
   loadedSun_ = view.lighting.towardsSun;
-  surroundings_ = makeTexture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
-  paint(view);
+  loadedImage_ = view.environmentImage;
+  if (view.environment == EnvironmentLook::kImage) {
+    upload(*view.environmentImage);
+  } else {
+    surroundings_ = makeTexture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
+    paint(view);
+  }
   gl_.bindTexture(GL_TEXTURE_2D, surroundings_.name());
   gl_.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+}
+
+void Environment::upload(const EnvironmentImage& image) {
+  constexpr TextureFormat kLight{GL_RGB16F, GL_RGB, GL_FLOAT};
+  constexpr float kBrightest = 60000;  // of half precision
+  GLint largest = 0;
+  gl_.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (image.width > largest)
+    throw ioError("surroundings of " + std::to_string(image.width) +
+                      " pixels are wider than the OpenGL driver can take",
+                  "at most " + std::to_string(largest));
+  std::vector<Vec3f> light = image.light;
+  for (Vec3f& texel : light)
+    for (int c = 0; c < 3; ++c) texel[c] = std::min(texel[c], kBrightest);
+  surroundings_ = makeTexture(gl_, image.width, image.height, kLight, GL_LINEAR, light.data());
 }
 
 void Environment::paint(const View& view) {
@@ -118,6 +142,8 @@ Eigen::Matrix3f Environment::fromCamera(const Frame& frame) {
 
 void Environment::setUniforms(const Program& program, const Frame& frame, int unit) const {
   program.setMatrix3("uToSurroundings", fromCamera(frame).eval().data());
+  program.set("uAllAround",
+              int(frame.view.environment == EnvironmentLook::kImage && !frame.view.ground.visible));
   program.setTexture("uSurroundings", unit, surroundings_);
 }
 

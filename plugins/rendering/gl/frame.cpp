@@ -1,7 +1,10 @@
 #include "plugins/rendering/gl/frame.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "plugins/rendering/gl/environment.h"
 
 namespace weir::rendering::gl {
 
@@ -47,20 +50,42 @@ void setBehindUniforms(const Program& program, const Frame& frame, const Texture
   program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
 }
 
+bool hasSurroundings(const View& view) {
+  return view.environment != EnvironmentLook::kStudio;
+}
+
 bool isOutside(const View& view) {
-  return view.environment == EnvironmentLook::kSky;
+  const bool shown = view.environment != EnvironmentLook::kImage || view.environmentBehind;
+  return hasSurroundings(view) && shown && !view.transparent;
+}
+
+/// The light of an image of the surroundings, as quadratic forms in camera space.
+static void setImageLight(const Program& program, const Frame& frame) {
+  using Form = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
+  Eigen::Matrix4f turn = Eigen::Matrix4f::Identity();
+  turn.topLeftCorner<3, 3>() = upright(frame.view) * frame.camera.rotation().transpose();
+  const char* const names[] = {"uSkyRed", "uSkyGreen", "uSkyBlue"};
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::Map<const Form> form(
+        frame.view.environmentImage->ambient[static_cast<std::size_t>(c)].data());
+    program.setMatrix4(names[c], (turn.transpose() * form * turn).eval().data());
+  }
 }
 
 void setLightUniforms(const Program& program, const Frame& frame) {
   const View& view = frame.view;
   program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));
   program.set("uUp", frame.camera.direction(normalized(view.worldUp)));
-  const bool outside = isOutside(view);
+  const bool outside = hasSurroundings(view), image = view.environment == EnvironmentLook::kImage;
+  program.set("uImageLight", int(image));
+  if (image) setImageLight(program, frame);
   // The sky lights in a paler colour than it has, or everything would look blue.
   constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
-  program.set("uSkyColor", outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop)));
+  const Vec3f sky = outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop));
+  program.set("uSkyColor", image ? view.environmentImage->mean : sky);
   program.set("uSkyStrength", outside ? 0.36f : 0.56f);
-  program.set("uSunColor", outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f});
+  const Vec3f sun = outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f};
+  program.set("uSunColor", view.lighting.sunStrength * sun);
   program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
 }
 

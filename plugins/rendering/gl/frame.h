@@ -10,7 +10,9 @@ namespace weir::rendering::gl {
 /// sRGB components, as colours are given, in linear light.
 Vec3f linear(const Color& color);
 
-/// Whether the surroundings are the background.
+/// Whether mirrors show surroundings that are more than a studio.
+bool hasSurroundings(const View& view);
+/// Whether those are the background.
 bool isOutside(const View& view);
 
 struct Frame {

@@ -32,8 +32,10 @@ void main() {
                                : reflectedLight(reflect(-towardsEye, normal), 2.6);
   vec3 mirrored = surroundings + 0.35 * uSunColor * highlight(normal, towardsEye, 300.0);
   float seen = gl_FrontFacing ? 1.0 : 0.45;  // inner sides mirror less: their light crosses the wall twice
-  oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0);
-  oThrough = vec4(through * (1.0 - mirror * seen), 1.0);
+  through *= 1.0 - mirror * seen;
+  float clear = dot(through, vec3(1.0 / 3.0));
+  oAdded = vec4(uUnlit ? vec3(0.0) : seen * mirror * mirrored, 1.0 - clear);
+  oThrough = vec4(through, clear);
 }
 )";
 
@@ -69,7 +71,7 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
   setBehindUniforms(program_, frame, before, 0);
   environment.setUniforms(program_, frame, 1);
-  program_.set("uOutside", int(isOutside(frame.view)));
+  program_.set("uOutside", int(hasSurroundings(frame.view)));
   program_.set("uUnlit", int(frame.view.lighting.unlit));
   for (const SurfaceView* surface : glass) {
     setPlacement(program_, frame.camera, *surface);

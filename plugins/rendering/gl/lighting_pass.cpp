@@ -16,7 +16,7 @@ uniform vec3 uGroundMiddle;   // in camera space
 uniform float uGroundRadius;
 uniform float uTiles;         // side of the ground's tiles, m
 uniform mat3 uToWorld;        // from camera space to one in which y is up
-uniform bool uUnlit;
+uniform bool uUnlit, uTransparent;
 out vec4 oLight;
 
 // Joints between tiles, as wide as a pixel at least, and paler where they would be wider.
@@ -63,7 +63,7 @@ void main() {
                          0.25 * rim * open * uSkyColor * surface.rgb;
 #ifdef METAL
   if (isMaterial(surface.a, kMetal)) {
-#ifdef OUTSIDE
+#ifdef MIRRORS
     vec3 mirrored = environment(reflect(-towardsEye, normal));
 #else
     vec3 mirrored = reflectedLight(reflect(-towardsEye, normal), 1.0);
@@ -75,8 +75,15 @@ void main() {
 #endif
   if (uUnlit) color = surface.rgb;
   float away = length(position - uGroundMiddle) / uGroundRadius;
-  if (ground) color = mix(color, background, smoothstep(0.12, 0.9, away));
+  float faded = smoothstep(0.12, 0.9, away);
+  if (ground) color = mix(color, background, faded);
   oLight = vec4(depth >= 1.0 ? background : color, 1.0);
+  if (!uTransparent) return;
+  // Of the ground, what it lacks of the light that it would have without the scene.
+  vec3 lit = skyLight(normal) + uSunColor * max(facing, 0.0);
+  float dark = clamp(1.0 - dot(diffuse, vec3(1.0)) / max(dot(lit, vec3(1.0)), 1e-6), 0.0, 1.0);
+  if (depth >= 1.0) oLight = vec4(0.0);
+  else if (ground) oLight = vec4(vec3(0.0), uUnlit ? 0.0 : dark * (1.0 - faded));
 }
 )";
 
@@ -85,7 +92,7 @@ uniform sampler2D uLight;
 uniform int uSamples, uHeight;
 uniform bool uUnlit, uFilmic;
 uniform float uExposure;
-out vec4 oColor;
+out vec4 oColor;  // not multiplied with its opacity
 
 // Leaves light below the knee alone, and bends what is above it towards 1.
 vec3 shoulder(vec3 light) {
@@ -111,10 +118,16 @@ vec3 encoded(vec3 light) {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.x, uHeight - 1 - int(gl_FragCoord.y));
-  vec3 sum = vec3(0.0);
+  vec4 sum = vec4(0.0);
   for (int y = 0; y < uSamples; ++y)
-    for (int x = 0; x < uSamples; ++x) sum += toned(texelFetch(uLight, pixel * uSamples + ivec2(x, y), 0).rgb);
-  oColor = vec4(encoded(sum / float(uSamples * uSamples)), 1.0);
+    for (int x = 0; x < uSamples; ++x) {
+      vec4 light = texelFetch(uLight, pixel * uSamples + ivec2(x, y), 0);
+      vec3 color = toned(light.rgb);
+      // Light that clear things add must be seen on any background.
+      sum += vec4(color, max(light.a, max(color.r, max(color.g, color.b))));
+    }
+  sum.a = min(sum.a, float(uSamples * uSamples));
+  oColor = vec4(encoded(sum.rgb / max(sum.a, 1e-6)), sum.a / float(uSamples * uSamples));
 }
 )";
 
@@ -132,6 +145,7 @@ const Program& LightingPass::programFor(const Frame& frame) {
                   [](const SurfaceView& surface) { return surface.look == SurfaceLook::kMetal; }))
     defines += "#define METAL\n";
   if (isOutside(frame.view)) defines += "#define OUTSIDE\n";
+  if (hasSurroundings(frame.view)) defines += "#define MIRRORS\n";
   if (frame.view.ground.visible && frame.view.ground.tiles > 0) defines += "#define TILES\n";
   const auto known = lighting_.find(defines);
   if (known != lighting_.end()) return known->second;
@@ -166,6 +180,7 @@ void LightingPass::draw(const Frame& frame, const Targets& targets, const Shadow
   lighting.set("uTiles", ground.tiles);
   lighting.setMatrix3("uToWorld", environment.fromCamera(frame).eval().data());
   lighting.set("uUnlit", int(view.lighting.unlit));
+  lighting.set("uTransparent", int(view.transparent));
   gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -19,7 +19,7 @@ uniform vec4 uColor;
 out vec4 oLight;
 void main() {
   leaveUnlessBehind();
-  oLight = uColor;
+  oLight = vec4(uColor.rgb * uColor.a, uColor.a);
 }
 )";
 
@@ -85,7 +85,7 @@ void LinePass::draw(const Frame& frame, const Targets& targets, const Texture& b
   gl_.enable(GL_DEPTH_TEST);
   gl_.depthMask(GL_FALSE);
   gl_.enable(GL_BLEND);
-  gl_.blendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.blendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   program_.use();
   setBehindUniforms(program_, frame, before, 0);
   gl_.bindVertexArray(array_.name());

@@ -78,7 +78,7 @@ class Renderer::Passes {
   Aabb load(const View& view, Aabb& casters);
   void drawGeometry(const Frame& frame);
   void drawClear(const Frame& frame);
-  Picture read() const;
+  Picture read(bool transparent) const;
 
   std::unique_ptr<ParticleDrawer> particles_;
   SurfacePass surfaces_;
@@ -145,12 +145,15 @@ void Renderer::Passes::drawClear(const Frame& frame) {
   drawBehind(nothingBefore_);
 }
 
-Picture Renderer::Passes::read() const {
+Picture Renderer::Passes::read(bool transparent) const {
   Picture picture{targets_->pictureWidth, targets_->pictureHeight, {}};
   picture.rgb.resize(3 * std::size_t(picture.width) * std::size_t(picture.height));
   gl.pixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->pictureTarget.name());
   gl.readPixels(0, 0, picture.width, picture.height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+  if (!transparent) return picture;
+  picture.alpha.resize(picture.rgb.size() / 3);
+  gl.readPixels(0, 0, picture.width, picture.height, GL_ALPHA, GL_UNSIGNED_BYTE, picture.alpha.data());
   return picture;
 }
 
@@ -188,7 +191,7 @@ Picture Renderer::Passes::draw(const View& view) {
   lighting_.draw(frame, *targets_, shadows_, liquids_ ? &liquids_->shadows : nullptr, environment_);
   drawClear(frame);
   lighting_.resolve(frame, *targets_);
-  Picture picture = read();
+  Picture picture = read(view.transparent);
   if (const GLenum error = gl.getError(); error != GL_NO_ERROR)
     throw ioError(error == GL_OUT_OF_MEMORY ? "the OpenGL driver has too little memory for this picture"
                                             : "OpenGL error " + std::to_string(error) + " in a picture");

@@ -76,7 +76,14 @@ uniform vec3 uGroundColor;
 uniform vec3 uSunColor;
 uniform float uSkyStrength;
 
+uniform bool uImageLight;  // light from all sides is that of a picture, as forms of the normal
+uniform mat4 uSkyRed, uSkyGreen, uSkyBlue;
+
 vec3 skyLight(vec3 normal) {
+  if (uImageLight) {
+    vec4 n = vec4(normal, 1.0);
+    return max(vec3(dot(n, uSkyRed * n), dot(n, uSkyGreen * n), dot(n, uSkyBlue * n)), 0.0);
+  }
   float above = 0.5 + 0.5 * dot(normal, uUp);
   return uSkyStrength * mix(0.62 * uGroundColor, uSkyColor, above * (2.0 - above));
 }

@@ -30,10 +30,10 @@ out vec4 oLight;
 
 void main() {
   ivec2 first = ivec2(gl_FragCoord.xy) * uSamples;
-  vec3 sum = vec3(0.0);
+  vec4 sum = vec4(0.0);
   for (int y = 0; y < uSamples; ++y)
-    for (int x = 0; x < uSamples; ++x) sum += texelFetch(uLight, first + ivec2(x, y), 0).rgb;
-  oLight = vec4(sum / float(uSamples * uSamples), 1.0);
+    for (int x = 0; x < uSamples; ++x) sum += texelFetch(uLight, first + ivec2(x, y), 0);
+  oLight = sum / float(uSamples * uSamples);
 }
 )";
 
@@ -95,7 +95,8 @@ void main() {
   vec3 bent = refract(-towardsEye, normal, 1.0 / uRefractiveIndex);
   vec2 seen = windowOf(position + bent * way);
   if (opaqueDistance(seen) < -position.z || seen != clamp(seen, 0.0, 1.0)) seen = window;
-  vec3 behind = texture(uScene, seen).rgb;
+  vec4 scene = texture(uScene, seen);
+  vec3 behind = scene.rgb;
 
   vec3 extinction = uAbsorption + uScattering;
   vec3 through = exp(-extinction * way);
@@ -110,7 +111,9 @@ void main() {
   float foam = 1.0 - exp(-uFoamOpacity * thickness.y);
   vec3 white = 0.93 * (skyLight(normal) + uSunColor * sun * max(dot(normal, uSun), 0.0));
   if (uUnlit) color = behind * through, white = vec3(1.0);
-  oLight = vec4(mix(color, white, foam), 1.0);
+  float clear = dot(through, vec3(1.0 / 3.0)) * (1.0 - mirror);
+  float covered = 1.0 - (1.0 - scene.a) * clear;
+  oLight = vec4(mix(color, white, foam), mix(covered, 1.0, foam));
 }
 )";
 

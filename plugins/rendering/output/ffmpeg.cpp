@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -34,13 +35,29 @@ Error failureOf(const PipedProgram& ffmpeg, const fs::path& file) {
   return cannotWrite(file, "ffmpeg " + ffmpeg.ending() + ": " + lastLines(ffmpeg.messages()));
 }
 
-std::unique_ptr<PipedProgram> startFfmpeg(const fs::path& file, const std::vector<std::string>& arguments) {
+std::vector<std::string> listEncoders(const fs::path& file) {
+  const auto ffmpeg = startFfmpeg(file, {"-hide_banner", "-encoders"}, ProgramOutput::kKept);
+  std::vector<std::string> names;
+  if (!ffmpeg->finish()) return names;
+  // " V....D libx264   libx264 H.264 …": six letters of what it can do, V first for video.
+  constexpr std::size_t kLetters = 6;
+  std::istringstream lines(ffmpeg->messages());
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string letters, name;
+    if (words >> letters >> name && letters.size() == kLetters && letters[0] == 'V') names.push_back(name);
+  }
+  return names;
+}
+
+std::unique_ptr<PipedProgram> startFfmpeg(const fs::path& file, const std::vector<std::string>& arguments,
+                                          ProgramOutput output) {
   const std::string hint =
       "install ffmpeg (Debian and Ubuntu: apt install ffmpeg; Fedora: dnf install ffmpeg-free; Arch: pacman "
       "-S "
       "ffmpeg), or write single pictures with --images, which works without it";
   try {
-    return std::make_unique<PipedProgram>("ffmpeg", arguments);
+    return std::make_unique<PipedProgram>("ffmpeg", arguments, output);
   } catch (const std::system_error& error) {
     const bool missing = error.code() == std::errc::no_such_file_or_directory;
     throw cannotWrite(

@@ -13,7 +13,11 @@ namespace weir::rendering {
 
 /// Throws an io Error that names the file that it was to make if there is no ffmpeg, or it cannot be started.
 std::unique_ptr<PipedProgram> startFfmpeg(const std::filesystem::path& file,
-                                          const std::vector<std::string>& arguments);
+                                          const std::vector<std::string>& arguments,
+                                          ProgramOutput output = ProgramOutput::kDropped);
+
+/// The names of the encoders that ffmpeg has; none if it does not tell. Throws as startFfmpeg() does.
+std::vector<std::string> listEncoders(const std::filesystem::path& file);
 
 /// What to throw when it has ended: "the file cannot be written: ffmpeg ended with exit code 1: <its words>".
 Error failureOf(const PipedProgram& ffmpeg, const std::filesystem::path& file);

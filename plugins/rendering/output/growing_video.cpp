@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "plugins/rendering/output/video_copy.h"
-#include "plugins/rendering/output/video_writer.h"
 
 namespace weir::rendering {
 
@@ -29,9 +28,9 @@ void removeLeftovers(const fs::path& piece) {
 
 }  // namespace
 
-GrowingVideo::GrowingVideo(fs::path file, int width, int height, double frameRate,
+GrowingVideo::GrowingVideo(fs::path file, const VideoSize& size, const VideoFormat& format,
                            const std::optional<VideoState>& earlier)
-    : file_(std::move(file)), frameRate_(frameRate), state_{.width = width, .height = height, .encoder = {}} {
+    : file_(std::move(file)), format_(format), state_{.size = size, .encoder = {}} {
   if (earlier && earlier->frames > 0) takeUp(*earlier);
   startPiece();
 }
@@ -39,10 +38,16 @@ GrowingVideo::GrowingVideo(fs::path file, int width, int height, double frameRat
 GrowingVideo::~GrowingVideo() = default;
 
 void GrowingVideo::takeUp(const VideoState& earlier) {
-  if (earlier.width != state_.width || earlier.height != state_.height)
-    throw ioError(fmt::format("a video of {} x {} cannot be gone on with in pictures of {} x {}",
-                              earlier.width, earlier.height, state_.width, state_.height),
+  const VideoSize &old = earlier.size, &now = state_.size;
+  if (old.width != now.width || old.height != now.height)
+    throw ioError(fmt::format("a video of {} x {} cannot be gone on with in pictures of {} x {}", old.width,
+                              old.height, now.width, now.height),
                   "the size that the checkpoint's run had, or a new video")
+        .at({.file = file_.string()});
+  if (old.frameRate != now.frameRate)
+    throw ioError(fmt::format("a video of {} frames a second cannot be gone on with at {}", old.frameRate,
+                              now.frameRate),
+                  "the rate that the checkpoint's run had, or a new video")
         .at({.file = file_.string()});
   const std::int64_t found = countFrames(file_);
   if (found < earlier.frames)
@@ -57,7 +62,7 @@ void GrowingVideo::takeUp(const VideoState& earlier) {
 void GrowingVideo::startPiece() {
   const fs::path target = state_.frames == 0 ? file_ : pieceOf(file_, state_.frames);
   if (state_.frames > 0) removeLeftovers(target);
-  piece_ = std::make_unique<VideoWriter>(target, state_.width, state_.height, frameRate_, state_.encoder);
+  piece_ = std::make_unique<VideoWriter>(target, state_.size, format_, state_.encoder);
   state_.encoder = piece_->encoder();
 }
 
@@ -76,8 +81,8 @@ void GrowingVideo::endPiece() {
     piece_.reset();
     if (frames > 0 && state_.frames > 0) {
       const fs::path piece = pieceOf(file_, state_.frames);
-      joinVideos({{file_, static_cast<double>(state_.frames) / frameRate_},
-                  {piece, static_cast<double>(frames) / frameRate_}},
+      joinVideos({{file_, static_cast<double>(state_.frames) / state_.size.frameRate},
+                  {piece, static_cast<double>(frames) / state_.size.frameRate}},
                  file_);
       removeLeftovers(piece);
     }

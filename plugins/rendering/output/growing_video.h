@@ -13,15 +13,14 @@
 
 #include "framework/base/error.h"
 #include "plugins/rendering/output/picture.h"
+#include "plugins/rendering/output/video_writer.h"
 
 namespace weir::rendering {
-
-class VideoWriter;
 
 /// What pieces must have in common, and how many frames there are.
 struct VideoState {
   std::int64_t frames = 0;
-  int width = 0, height = 0;
+  VideoSize size;
   std::string encoder;  ///< ffmpeg's name of it
 };
 
@@ -29,8 +28,8 @@ class GrowingVideo {
  public:
   /// A new video; see VideoWriter's constructor for all but `earlier`. With `earlier` the first frames of the
   /// video at `file` stay, and all behind them are cut off. Throws an io Error if they are not there, or were
-  /// of another size.
-  GrowingVideo(std::filesystem::path file, int width, int height, double frameRate,
+  /// of another size, rate or codec.
+  GrowingVideo(std::filesystem::path file, const VideoSize& size, const VideoFormat& format = {},
                const std::optional<VideoState>& earlier = std::nullopt);
   /// Frames since the last save() are lost without finish().
   ~GrowingVideo();
@@ -52,7 +51,7 @@ class GrowingVideo {
   void endPiece();
 
   std::filesystem::path file_;
-  double frameRate_;
+  VideoFormat format_;
   VideoState state_;
   std::unique_ptr<VideoWriter> piece_;  // null after a save() until the next frame
   std::optional<Error> failure_;

@@ -8,7 +8,8 @@
 namespace weir::rendering {
 
 /// Writes beside the path first, then renames: a reader finds the old file or the whole new one. 8 bits per
-/// channel, sRGB, no loss. Throws an io Error that names the file; what stood at the path is then as before.
+/// channel, sRGB, no loss; with opacity if the picture has it. Throws an io Error that names the file; what
+/// stood at the path is then as before.
 void writePng(const std::filesystem::path& path, const Picture& picture);
 
 /// Throws an io Error that names the file if it is not there or no whole PNG.

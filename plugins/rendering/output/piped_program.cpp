@@ -19,7 +19,7 @@ namespace weir::rendering {
 
 namespace {
 
-constexpr std::size_t kMostMessages = 8192;
+constexpr std::size_t kMostMessages = 8192, kMostOutput = 1 << 20;
 
 void check(int error, const std::string& what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
@@ -61,9 +61,13 @@ class SpawnPlan {
   SpawnPlan(const SpawnPlan&) = delete;
   SpawnPlan& operator=(const SpawnPlan&) = delete;
 
-  pid_t spawn(const std::string& program, const std::vector<std::string>& arguments, int in, int err) {
+  pid_t spawn(const std::string& program, const std::vector<std::string>& arguments, int in, int err,
+              ProgramOutput output) {
     check(posix_spawn_file_actions_adddup2(&files_, in, STDIN_FILENO), "stdin");
-    check(posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0), "stdout");
+    check(output == ProgramOutput::kKept
+              ? posix_spawn_file_actions_adddup2(&files_, err, STDOUT_FILENO)
+              : posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0),
+          "stdout");
     check(posix_spawn_file_actions_adddup2(&files_, err, STDERR_FILENO), "stderr");
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -114,7 +118,9 @@ void closeAndForget(int& descriptor) {
 
 }  // namespace
 
-PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments) {
+PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
+                           ProgramOutput output)
+    : mostMessages_(output == ProgramOutput::kKept ? kMostOutput : kMostMessages) {
   const Pair input = makeInput();
   const Descriptor theirInput(input.theirs);
   input_ = input.ours;
@@ -122,7 +128,7 @@ PipedProgram::PipedProgram(const std::string& program, const std::vector<std::st
     const Pair messages = makeMessagePipe();
     const Descriptor theirMessages(messages.theirs);
     messagePipe_ = messages.ours;
-    pid_ = SpawnPlan().spawn(program, arguments, input.theirs, messages.theirs);
+    pid_ = SpawnPlan().spawn(program, arguments, input.theirs, messages.theirs, output);
   } catch (...) {
     closeAndForget(input_);
     closeAndForget(messagePipe_);
@@ -199,7 +205,7 @@ void PipedProgram::readMessages() {
     if (got < 0 && errno == EAGAIN) return;
     if (got <= 0) return closeAndForget(messagePipe_);
     messages_.append(buffer.data(), static_cast<std::size_t>(got));
-    if (messages_.size() > kMostMessages) messages_.erase(0, messages_.size() - kMostMessages);
+    if (messages_.size() > mostMessages_) messages_.erase(0, messages_.size() - mostMessages_);
   }
 }
 

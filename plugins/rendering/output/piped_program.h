@@ -12,14 +12,18 @@
 
 namespace weir::rendering {
 
+/// What becomes of a program's output.
+enum class ProgramOutput { kDropped, kKept };
+
 /// The program runs in a process group of its own, so that a Ctrl-C in the terminal does not end it: it ends
-/// when its input does. Its output is thrown away; what it writes to stderr is read while write() and
-/// finish() run, so that neither waits for the other forever. A broken pipe raises no SIGPIPE here. Use from
-/// one thread at a time, except for cancel().
+/// when its input does. Its output is thrown away, or kept with its messages; what it writes to stderr is
+/// read while write() and finish() run, so that neither waits for the other forever. A broken pipe raises no
+/// SIGPIPE here. Use from one thread at a time, except for cancel().
 class PipedProgram {
  public:
   /// Looks for the program on the PATH. Throws std::system_error: no_such_file_or_directory if there is none.
-  PipedProgram(const std::string& program, const std::vector<std::string>& arguments);
+  PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
+               ProgramOutput output = ProgramOutput::kDropped);
   /// Kills the program, and what it has started in its group, if it has not ended.
   ~PipedProgram();
   PipedProgram(const PipedProgram&) = delete;
@@ -35,7 +39,8 @@ class PipedProgram {
 
   /// After finish(): "ended with exit code 1" or "was ended by signal 9".
   const std::string& ending() const { return ending_; }
-  /// The last few kilobytes that it has written to stderr.
+  /// The last few kilobytes that it has written to stderr; the last megabyte, and what it has written to
+  /// stdout too, if its output is kept.
   const std::string& messages() const { return messages_; }
 
  private:
@@ -47,6 +52,7 @@ class PipedProgram {
   pid_t pid_ = -1;  // of a program that has not been reaped, else -1
   int input_ = -1;  // our end of a socket pair
   int messagePipe_ = -1;
+  std::size_t mostMessages_;  // bytes
   std::atomic<bool> cancelled_ = false;
   std::string messages_, ending_;
 };

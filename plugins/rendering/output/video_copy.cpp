@@ -13,7 +13,7 @@
 #include "framework/base/error.h"
 #include "plugins/rendering/output/ffmpeg.h"
 #include "plugins/rendering/output/part_file.h"
-#include "plugins/rendering/output/video_writer.h"
+#include "plugins/rendering/output/video_format.h"
 
 namespace weir::rendering {
 
@@ -54,7 +54,7 @@ void copyInto(const PartFile& part, const std::vector<std::string>& input, std::
   add(arguments, input);
   add(arguments, {"-map", "0:v:0", "-c", "copy"});
   add(arguments, output);
-  add(arguments, VideoWriter::containerOptions(part.target()));
+  add(arguments, containerOptions(part.target()));
   add(arguments, {urlOf(part.path())});
   const auto ffmpeg = startFfmpeg(part.target(), arguments);
   const bool taken = ffmpeg->write({reinterpret_cast<const std::uint8_t*>(fed.data()), fed.size()});

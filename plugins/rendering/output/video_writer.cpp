@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "framework/base/check.h"
+#include "framework/base/text.h"
 #include "plugins/rendering/output/ffmpeg.h"
 #include "plugins/rendering/output/piped_program.h"
 
@@ -21,58 +22,25 @@ namespace {
 
 constexpr std::size_t kLongestQueue = 4;
 
-/// What the file's extension stands for.
-struct Container {
-  std::string extension;
-  std::vector<std::string> options;
-  std::vector<VideoEncoder> encoders;  ///< the best one first
-};
-
-const std::vector<Container>& containers() {
-  // Nearly without visible loss, and fast enough not to slow the simulation down. Some distributions build
-  // ffmpeg without x264; its own MPEG-4 encoder is always there.
-  // No frames that depend on later ones (-bf 0): so videos can be cut and joined at any frame (video_copy.h).
-  static const std::vector<VideoEncoder> kMpeg{{"libx264", {"-preset", "veryfast", "-crf", "18", "-bf", "0"}},
-                                               {"mpeg4", {"-q:v", "2"}}};
-  static const std::vector<VideoEncoder> kVp9{
-      {"libvpx-vp9", {"-crf", "24", "-b:v", "0", "-deadline", "good", "-cpu-used", "5", "-row-mt", "1"}}};
-  static const std::vector<VideoEncoder> kProRes{{"prores_ks", {"-profile:v", "hq"}, "yuv422p10le"}};
-  static const std::vector<VideoEncoder> kGif{{"gif", {}, ""}};
-  static const std::vector<Container> kAll{
-      // The index at the front, so that browsers play the file while they load it.
-      {".mp4", {"-f", "mp4", "-movflags", "+faststart"}, kMpeg},
-      {".mkv", {"-f", "matroska"}, kMpeg},
-      {".webm", {"-f", "webm"}, kVp9},
-      {".mov", {"-f", "mov"}, kProRes},
-      {".gif", {"-f", "gif"}, kGif}};
-  return kAll;
-}
-
-const Container& containerOf(const fs::path& file) {
-  for (const Container& container : containers())
-    if (file.extension() == container.extension) return container;
-  throw ioError("a video cannot be written to a file of this name",
-                fmt::format("names that end in {}", fmt::join(VideoWriter::extensions(), ", ")))
-      .at({.file = file.string()});
-}
-
 int roundedToEven(int size) {
   return size + size % 2;
 }
 
-/// The picture's bytes with the last column and row repeated where the size is odd.
-std::vector<std::uint8_t> evenSized(const Picture& picture) {
-  constexpr std::size_t kPixel = 3;
-  const std::size_t row = kPixel * static_cast<std::size_t>(picture.width);
+std::size_t channelsOf(const VideoFormat& format) {
+  return format.alpha ? 4 : 3;
+}
+
+/// The bytes of a picture with the last column and row repeated where the size is odd.
+std::vector<std::uint8_t> evenSized(std::span<const std::uint8_t> pixels, int width, int height) {
+  const std::size_t row = pixels.size() / static_cast<std::size_t>(height);
+  const std::size_t pixel = row / static_cast<std::size_t>(width);
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(kPixel * static_cast<std::size_t>(roundedToEven(picture.width)) *
-                static_cast<std::size_t>(roundedToEven(picture.height)));
-  for (int y = 0; y < roundedToEven(picture.height); ++y) {
-    const auto begin =
-        picture.rgb.begin() + static_cast<std::ptrdiff_t>(row) * std::min(y, picture.height - 1);
+  bytes.reserve((row + pixel) * static_cast<std::size_t>(roundedToEven(height)));
+  for (int y = 0; y < roundedToEven(height); ++y) {
+    const auto begin = pixels.begin() + static_cast<std::ptrdiff_t>(row) * std::min(y, height - 1);
     const auto end = begin + static_cast<std::ptrdiff_t>(row);
     bytes.insert(bytes.end(), begin, end);
-    if (picture.width % 2 != 0) bytes.insert(bytes.end(), end - kPixel, end);
+    if (width % 2 != 0) bytes.insert(bytes.end(), end - static_cast<std::ptrdiff_t>(pixel), end);
   }
   return bytes;
 }
@@ -83,6 +51,7 @@ std::vector<std::string> colorOptions(const VideoEncoder& encoder) {
     return {
         "-vf",
         "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4"};
+  if (encoder.rgb) return {"-vf", "format=" + encoder.pixels};
   // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
   // Some encoders take that from the options, others from the frames.
   const std::string filter =
@@ -92,8 +61,8 @@ std::vector<std::string> colorOptions(const VideoEncoder& encoder) {
           "bt709", "-color_trc", "bt709",       "-color_range", "tv"};
 }
 
-std::vector<std::string> argumentsFor(const fs::path& file, const Container& container,
-                                      const VideoEncoder& encoder, int width, int height, double frameRate) {
+std::vector<std::string> argumentsFor(const fs::path& file, const fs::path& target, const VideoFormat& format,
+                                      const VideoEncoder& encoder, const VideoSize& size) {
   // -xerror: without it ffmpeg ends with exit code 0 when the disk is full as it completes the file.
   std::vector<std::string> arguments{"-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-xerror"};
   const auto add = [&](const std::vector<std::string>& more) {
@@ -101,66 +70,76 @@ std::vector<std::string> argumentsFor(const fs::path& file, const Container& con
   };
   // +discardcorrupt: where this program is killed within a frame, that frame is no reason to give up the
   // others.
-  add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", "rgb24"});
-  add({"-video_size", fmt::format("{}x{}", roundedToEven(width), roundedToEven(height))});
-  add({"-framerate", fmt::format("{}", frameRate), "-i", "pipe:0"});
+  add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", format.alpha ? "rgba" : "rgb24"});
+  add({"-video_size", fmt::format("{}x{}", roundedToEven(size.width), roundedToEven(size.height))});
+  add({"-framerate", fmt::format("{}", size.frameRate), "-i", "pipe:0"});
   add(colorOptions(encoder));
   add({"-c:v", encoder.name});
   add(encoder.options);
-  add(container.options);
+  add(containerOptions(target));
   add({"file:" + file.string()});  // without file:, a colon in the name would mean a protocol
   return arguments;
 }
 
-/// The one of this name; without options if it is none of ours, which ffmpeg may know still.
-VideoEncoder encoderNamed(const Container& container, const std::string& name) {
-  for (const VideoEncoder& encoder : container.encoders)
-    if (encoder.name == name) return encoder;
-  return {name, {}};
+/// Why none of the encoders works, of which the best one failed for this reason.
+Error noEncoder(const fs::path& file, const VideoFormat& format, const std::vector<VideoEncoder>& wanted,
+                const Error& reason) {
+  const std::vector<std::string> there = listEncoders(file);
+  std::vector<std::string> missing;
+  for (const VideoEncoder& encoder : wanted)
+    if (std::find(there.begin(), there.end(), encoder.name) == there.end()) missing.push_back(encoder.name);
+  if (there.empty() || missing.size() < wanted.size()) return reason;
+  const std::string codec = format.codec == VideoCodec::kAuto ? file.extension().string() + " files"
+                                                              : std::string(codecName(format.codec));
+  return ioError(fmt::format("the program ffmpeg that was found has no encoder for {} ({})", codec,
+                             fmt::join(missing, " or ")),
+                 codecsOf(there) + ", for which it has encoders")
+      .at({.file = file.string()});
 }
 
-/// The first encoder that gets one black frame into the file. Throws why the best one does not.
-VideoEncoder workingEncoder(const PartFile& part, const Container& container, int width, int height,
-                            double frameRate) {
-  const std::vector<std::uint8_t> black(std::size_t{3} * static_cast<std::size_t>(roundedToEven(width)) *
-                                        static_cast<std::size_t>(roundedToEven(height)));
+/// The first encoder that gets one black frame into the file. Throws why there is none.
+VideoEncoder workingEncoder(const PartFile& part, const VideoFormat& format, const VideoSize& size) {
+  const std::vector<std::uint8_t> black(channelsOf(format) *
+                                        static_cast<std::size_t>(roundedToEven(size.width)) *
+                                        static_cast<std::size_t>(roundedToEven(size.height)));
+  const std::vector<VideoEncoder> encoders = encodersFor(part.target(), format);
   std::optional<Error> first;
-  for (const VideoEncoder& encoder : container.encoders) {
+  for (const VideoEncoder& encoder : encoders) {
     const auto ffmpeg =
-        startFfmpeg(part.target(), argumentsFor(part.path(), container, encoder, width, height, frameRate));
+        startFfmpeg(part.target(), argumentsFor(part.path(), part.target(), format, encoder, size));
     const bool taken = ffmpeg->write(black);
     if (ffmpeg->finish() && taken) return encoder;
     if (!first) first = failureOf(*ffmpeg, part.target());
   }
-  throw *first;
+  throw noEncoder(part.target(), format, encoders, *first);
+}
+
+/// The one of this name. Throws an io Error if the format has none.
+VideoEncoder encoderNamed(const fs::path& file, const VideoFormat& format, const std::string& name) {
+  for (const VideoEncoder& encoder : encodersFor(file, format))
+    if (encoder.name == name) return encoder;
+  throw ioError("the video was begun with the encoder " + inQuotes(name) + ", which does not make " +
+                    std::string(codecName(format.codec)),
+                "the codec that the video was begun with")
+      .at({.file = file.string()});
 }
 
 }  // namespace
 
-std::vector<std::string> VideoWriter::extensions() {
-  std::vector<std::string> all;
-  for (const Container& container : containers()) all.push_back(container.extension);
-  return all;
-}
-
-std::vector<std::string> VideoWriter::containerOptions(const fs::path& file) {
-  return containerOf(file).options;
-}
-
-VideoWriter::VideoWriter(fs::path file, int width, int height, double frameRate, const std::string& encoder)
+VideoWriter::VideoWriter(fs::path file, const VideoSize& size, const VideoFormat& format,
+                         const std::string& encoder)
     : file_(std::move(file)),
-      width_(width),
-      height_(height),
+      size_(size),
+      format_(format),
       queue_(1, kLongestQueue, [this](std::int64_t, const Picture& picture) { feed(picture); }) {
-  WEIR_CHECK(width > 0);
-  WEIR_CHECK(height > 0);
-  WEIR_CHECK(frameRate > 0);
-  WEIR_CHECK(std::isfinite(frameRate));
-  const Container& container = containerOf(file_);
+  WEIR_CHECK(size.width > 0);
+  WEIR_CHECK(size.height > 0);
+  WEIR_CHECK(size.frameRate > 0);
+  WEIR_CHECK(std::isfinite(size.frameRate));
+  checkFormat(file_, format);
   part_.emplace(file_);
-  encoder_ = encoder.empty() ? workingEncoder(*part_, container, width, height, frameRate)
-                             : encoderNamed(container, encoder);
-  ffmpeg_ = startFfmpeg(file_, argumentsFor(part_->path(), container, encoder_, width, height, frameRate));
+  encoder_ = encoder.empty() ? workingEncoder(*part_, format, size) : encoderNamed(file_, format, encoder);
+  ffmpeg_ = startFfmpeg(file_, argumentsFor(part_->path(), file_, format, encoder_, size));
 }
 
 VideoWriter::~VideoWriter() {
@@ -171,8 +150,8 @@ VideoWriter::~VideoWriter() {
 void VideoWriter::write(Picture picture) {
   WEIR_CHECK(!finished_);
   WEIR_CHECK(picture.isWhole());
-  WEIR_CHECK(picture.width == width_);
-  WEIR_CHECK(picture.height == height_);
+  WEIR_CHECK(picture.width == size_.width);
+  WEIR_CHECK(picture.height == size_.height);
   queue_.push(std::move(picture));
   ++frameCount_;
 }
@@ -182,8 +161,11 @@ void VideoWriter::feed(const Picture& picture) {
   std::error_code error;
   if (!fs::exists(part_->path(), error))
     throw cannotWrite(file_, part_->path().string() + " was removed while it was being written");
+  const std::vector<std::uint8_t> rgba = format_.alpha ? picture.rgba() : std::vector<std::uint8_t>();
+  const std::vector<std::uint8_t>& pixels = format_.alpha ? rgba : picture.rgb;
   const bool even = picture.width % 2 == 0 && picture.height % 2 == 0;
-  if (even ? ffmpeg_->write(picture.rgb) : ffmpeg_->write(evenSized(picture))) return;
+  if (even ? ffmpeg_->write(pixels) : ffmpeg_->write(evenSized(pixels, picture.width, picture.height)))
+    return;
   // It has ended, or is about to: time to say why, but not forever.
   ffmpeg_->finish(std::chrono::seconds(10));
   throw failureOf(*ffmpeg_, file_);

@@ -12,42 +12,37 @@
 #include "plugins/rendering/output/part_file.h"
 #include "plugins/rendering/output/picture.h"
 #include "plugins/rendering/output/picture_queue.h"
+#include "plugins/rendering/output/video_format.h"
 
 namespace weir::rendering {
 
 class PipedProgram;
 
-/// How a kind of video file is made: ffmpeg's name of the encoder, and its options.
-struct VideoEncoder {
-  std::string name;
-  std::vector<std::string> options;
-  std::string pixels = "yuv420p";  ///< the format of its pixels; "" if it takes its colours from a palette
+/// Of the frames: pixels, and frames a second.
+struct VideoSize {
+  int width = 0, height = 0;
+  double frameRate = 0;
 };
 
 /// The video has another name, "run.part.mp4" for "run.mp4", until finish(). If the whole program is killed,
 /// ffmpeg completes that file with the frames it has got.
 class VideoWriter {
  public:
-  /// What a video's name may end in, the usual one first: ".mp4", ".mkv", ".webm", ".mov" (ProRes, to
-  /// be edited), ".gif".
-  static std::vector<std::string> extensions();
-  /// ffmpeg's options for a file of this name. Throws an io Error if its extension is none of extensions().
-  static std::vector<std::string> containerOptions(const std::filesystem::path& file);
-
-  /// Frames are width times height pixels and follow each other by 1 / frameRate seconds; all positive
-  /// (WEIR_CHECK). Of a size that is odd, the last column or row is shown twice, as the formats hold even
-  /// sizes only. One black frame is encoded as a trial, so that what cannot work fails here. Throws an io
-  /// Error if the extension is none of extensions(), if there is no ffmpeg on the PATH, if it cannot make
-  /// such a video (with the reason that it gives), or if the file cannot be written. `encoder` is ffmpeg's
-  /// name of one that is taken without a trial; "": the best one that works.
-  VideoWriter(std::filesystem::path file, int width, int height, double frameRate,
+  /// All of `size` is positive (WEIR_CHECK). Of a size that is odd, the last column or row is shown twice, as
+  /// the formats hold even sizes only. One black frame is encoded as a trial, so that what cannot work fails
+  /// here. Throws what checkFormat() does, and an io Error if there is no ffmpeg on the PATH, if it cannot
+  /// make such a video (with the reason that it gives, or with the codecs that it has), or if the file cannot
+  /// be written. `encoder` is ffmpeg's name of one of the format's, which is taken without a trial; "": the
+  /// best one that works.
+  VideoWriter(std::filesystem::path file, const VideoSize& size, const VideoFormat& format = {},
               const std::string& encoder = {});
   /// Without finish(): stops ffmpeg and leaves nothing behind.
   ~VideoWriter();
 
   /// Hands the next frame to the thread that feeds ffmpeg; waits only while several frames are waiting
-  /// already. The picture must be whole and of the video's size (WEIR_CHECK). Throws the io Error of an
-  /// earlier frame that could not be written, with ffmpeg's reason; no frame is written from then on.
+  /// already. The picture must be whole and of the video's size (WEIR_CHECK). Its opacity is dropped unless
+  /// the format has alpha. Throws the io Error of an earlier frame that could not be written, with ffmpeg's
+  /// reason; no frame is written from then on.
   void write(Picture picture);
   /// Completes the video and puts it in its place; a file that is there is replaced. Without a frame there is
   /// no video, and what is in its place stays. Throws as write() does, and may be called again.
@@ -62,7 +57,8 @@ class VideoWriter {
   void complete();
 
   std::filesystem::path file_;
-  int width_, height_;
+  VideoSize size_;
+  VideoFormat format_;
   std::int64_t frameCount_ = 0;
   bool finished_ = false;
   std::optional<Error> failure_;  // of complete()

@@ -53,10 +53,18 @@ int Pen::haloReach() const {
 
 void Pen::blend(int x, int y, const Vec3f& color, float opacity) {
   if (x < 0 || y < 0 || x >= picture_.width || y >= picture_.height || opacity <= 0) return;
-  std::uint8_t* pixel = &picture_.rgb[3 * (std::size_t(y) * std::size_t(picture_.width) + std::size_t(x))];
+  const std::size_t place = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);
+  std::uint8_t* pixel = &picture_.rgb[3 * place];
+  float share = std::min(opacity, 1.0f);  // of the new colour
+  if (!picture_.alpha.empty()) {
+    // T. Porter and T. Duff's "over" (1984), for colours that are not multiplied with their opacity.
+    const float covered = share + float(picture_.alpha[place]) / 255 * (1 - share);
+    picture_.alpha[place] = std::uint8_t(std::lround(255 * covered));
+    share /= covered;
+  }
   for (int c = 0; c < 3; ++c) {
     const float old = pixel[c];
-    pixel[c] = std::uint8_t(std::lround(old + (255 * color[c] - old) * std::min(opacity, 1.0f)));
+    pixel[c] = std::uint8_t(std::lround(old + (255 * color[c] - old) * share));
   }
 }
 

@@ -93,6 +93,14 @@ TEST_F(RenderCommand, DrawsPicturesOfOtherSettingsAgain) {
   const ChildResult again = render({"--images", images});
   EXPECT_FALSE(contains(again.err, "have not been drawn again")) << again.err;
   expectImagesOfTheRun();
+  // The same settings, but another map in the file.
+  const std::string map = folder.write("map.csv", "1,0,0\n0,0,1\n"), colored = folder / "colored";
+  const std::vector<std::string> mapped{"--images", colored, "--set", "render.color.file=" + map};
+  ASSERT_EQ(render(mapped).code, 0);
+  const std::string before = readFile(colored + nameOf(2));
+  folder.write("map.csv", "0,1,0\n0,0,1\n");
+  EXPECT_FALSE(contains(render(mapped).err, "have not been drawn again"));
+  EXPECT_FALSE(readFile(colored + nameOf(2)) == before);
   // What a run writes is not noted.
   fs::copy(images, folder / "run");
   ASSERT_EQ(runWeir({"run", *files_ / "scene.json", "--device", "cpu", "--images", folder / "run", "--frames",

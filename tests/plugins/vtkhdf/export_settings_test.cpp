@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <random>
 
+#include "plugins/vtkhdf/hdf5.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
@@ -75,6 +76,11 @@ TEST_F(ExportOfRun, HoldsWhatWasChosen) {
                                                  "export.every=3", "--set", "export.position_error=1e-4"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_FALSE(contains(result.err, "leaves out")) << result.err;
+  // 2^-13 m is the largest power of two that is not above twice the error that was allowed.
+  EXPECT_CONTAINS(result.err + result.out, "multiples of 0.000122 m and are off by 6.1e-05 m at most");
+  const hdf5::Session session;
+  hdf5::File file = hdf5::File::open(folder / "some.vtkhdf");
+  EXPECT_EQ(file.root().group("simulation").readText("position_error"), "6.10351562e-05");
   const VtkHdfReader all(folder / "all.vtkhdf"), some(folder / "some.vtkhdf");
   ASSERT_EQ(all.times().size(), 11u);
   ASSERT_EQ(some.times().size(), 4u);

@@ -16,7 +16,6 @@ namespace {
 
 using rendering::GrowingVideo;
 using rendering::VideoState;
-using rendering::VideoWriter;
 
 constexpr double kRate = 24;
 constexpr int kLevels = 6;  // of grey between two frames
@@ -69,7 +68,7 @@ class GrowingVideoTest : public testing::TestWithParam<std::string> {
 TEST_P(GrowingVideoTest, IsGoneOnWithAtTheCheckpoint) {
   VideoState saved;
   {
-    GrowingVideo video(file, 64, 48, kRate);
+    GrowingVideo video(file, {64, 48, kRate});
     show(video, 0, 5);
     video.save();
     saved = video.state();
@@ -77,7 +76,7 @@ TEST_P(GrowingVideoTest, IsGoneOnWithAtTheCheckpoint) {
     video.save();
     show(video, 9, 12);
   }
-  GrowingVideo resumed(file, 64, 48, kRate, saved);
+  GrowingVideo resumed(file, {64, 48, kRate}, {}, saved);
   expectFrames(5);
   show(resumed, 5, 11);
   resumed.finish();
@@ -85,13 +84,13 @@ TEST_P(GrowingVideoTest, IsGoneOnWithAtTheCheckpoint) {
   EXPECT_EQ(filesInFolder(), 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Containers, GrowingVideoTest, testing::ValuesIn(VideoWriter::extensions()),
+INSTANTIATE_TEST_SUITE_P(Containers, GrowingVideoTest, testing::ValuesIn(rendering::videoExtensions()),
                          [](const auto& tested) { return tested.param.substr(1); });
 
 class GrowingVideoMp4 : public GrowingVideoTest {};
 
 TEST_P(GrowingVideoMp4, IsWholeAfterEverySave) {
-  GrowingVideo video(file, 64, 48, kRate);
+  GrowingVideo video(file, {64, 48, kRate});
   show(video, 0, 7);
   video.save();
   expectFrames(7);
@@ -107,26 +106,26 @@ TEST_P(GrowingVideoMp4, IsWholeAfterEverySave) {
 }
 
 TEST_P(GrowingVideoMp4, WithoutMoreFramesEndsAtTheCheckpoint) {
-  GrowingVideo video(file, 64, 48, kRate);
+  GrowingVideo video(file, {64, 48, kRate});
   show(video, 0, 3);
   video.save();
   const VideoState saved = video.state();
   show(video, 3, 6);
   video.finish();
-  GrowingVideo(file, 64, 48, kRate, saved).finish();
+  GrowingVideo(file, {64, 48, kRate}, {}, saved).finish();
   expectFrames(3);
 }
 
 TEST_P(GrowingVideoMp4, SayWhyItCannotBeGoneOnWith) {
-  const VideoState saved{.frames = 4, .width = 64, .height = 48, .encoder = "libx264"};
-  const auto resume = [&](int width) { GrowingVideo video(file, width, 48, kRate, saved); };
+  const VideoState saved{.frames = 4, .size = {64, 48, kRate}, .encoder = "libx264"};
+  const auto resume = [&](int width) { GrowingVideo video(file, {width, 48, kRate}, {}, saved); };
   EXPECT_CONTAINS(errorOf([&] { resume(64); }).what(), "there is no such video");
   EXPECT_CONTAINS(errorOf([&] { resume(32); }).what(),
                   "64 x 48 cannot be gone on with in pictures of 32 x 48");
   folder.write(std::filesystem::path(file).filename(), "no video");
   EXPECT_CONTAINS(errorOf([&] { resume(64); }).what(), "no video that ffmpeg can read");
   std::filesystem::remove(file);
-  GrowingVideo video(file, 64, 48, kRate);
+  GrowingVideo video(file, {64, 48, kRate});
   show(video, 0, 3);
   video.finish();
   const Error error = errorOf([&] { resume(64); });

@@ -24,7 +24,7 @@ using rendering::VideoWriter;
 
 /// Makes a video of 32 by 32 pixels, or throws.
 void makeVideo(const std::string& file, int frames) {
-  VideoWriter video(file, 32, 32, 30);
+  VideoWriter video(file, {32, 32, 30});
   for (int i = 0; i < frames; ++i) video.write(noisePicture(32, 32, static_cast<std::uint32_t>(i)));
   video.finish();
 }
@@ -32,7 +32,7 @@ void makeVideo(const std::string& file, int frames) {
 TEST(VideoFailure, SaysThatFfmpegIsMissingAndWhatToDo) {
   const TemporaryFolder folder;
   const PathVariable path(folder.path());
-  const Error error = errorOf([&] { VideoWriter video(folder / "a.mp4", 32, 32, 30); });
+  const Error error = errorOf([&] { VideoWriter video(folder / "a.mp4", {32, 32, 30}); });
   EXPECT_EQ(error.kind(), ErrorKind::kIo);
   EXPECT_EQ(error.location().file, folder / "a.mp4");
   EXPECT_CONTAINS(error.what(), "the program ffmpeg, which makes videos, is not on the PATH");
@@ -66,7 +66,7 @@ TEST(VideoFailure, QuotesFfmpegWhenItDiesInTheMiddle) {
 TEST(VideoFailure, StaysFailed) {
   const TemporaryFolder folder;
   const FakeFfmpeg fake("cat > /dev/null; exit 7");
-  VideoWriter video(folder / "a.mp4", 32, 32, 30);
+  VideoWriter video(folder / "a.mp4", {32, 32, 30});
   video.write(plainPicture(32, 32, {}));
   EXPECT_CONTAINS(errorOf([&] { video.finish(); }).what(),
                   "ffmpeg ended with exit code 7: it gave no reason");
@@ -101,7 +101,7 @@ TEST(VideoFailure, StopsAnFfmpegThatHangs) {
   const FakeFfmpeg fake("echo $$ > \"$FOLDER/pid\"; sleep 1000; exit 0");
   std::string pid;
   {
-    VideoWriter video(folder / "a.mp4", 320, 240, 30);
+    VideoWriter video(folder / "a.mp4", {320, 240, 30});
     for (std::uint32_t i = 0; i < 4; ++i) video.write(noisePicture(320, 240, i));
     while ((pid = readFile(fake / "pid")).empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -121,7 +121,7 @@ TEST(VideoFailure, KeepsFfmpegOutOfTheTerminalsGroup) {
 
 /// In a child process: hands frames over and is killed while ffmpeg still takes them.
 [[noreturn]] void writeAndDie(const std::string& file, int frames) {
-  VideoWriter video(file, 1280, 720, 30);
+  VideoWriter video(file, {1280, 720, 30});
   for (int i = 0; i < frames; ++i) video.write(noisePicture(1280, 720, 1));
   ::kill(::getpid(), SIGKILL);
   std::abort();
@@ -162,7 +162,9 @@ TEST_F(FullDiskTest, IsReportedWithFfmpegsReason) {
 TEST_F(FullDiskTest, IsReportedBeforeTheFirstFrame) {
   const SmallDisk disk("4k");
   std::ofstream(disk / "filler") << std::string(4096, 'x');
-  EXPECT_CONTAINS(errorOf([&] { VideoWriter video(disk / "a.mp4", 32, 32, 30); }).what(),
+  EXPECT_CONTAINS(errorOf([&] {
+                    VideoWriter video(disk / "a.mp4", {32, 32, 30});
+                  }).what(),
                   "No space left on device");
 }
 
@@ -170,7 +172,7 @@ TEST_F(FullDiskTest, IsReportedBeforeTheFirstFrame) {
 TEST_F(FullDiskTest, NeverGivesAVideoWithFramesMissing) {
   constexpr int kFrames = 20;
   const TemporaryFolder folder;
-  for (const std::string& extension : VideoWriter::extensions()) {
+  for (const std::string& extension : rendering::videoExtensions()) {
     makeVideo(folder / "a" + extension, kFrames);
     const std::size_t size = std::filesystem::file_size(folder / "a" + extension);
     int failed = 0, complete = 0;

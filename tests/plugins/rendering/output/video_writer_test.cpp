@@ -48,10 +48,10 @@ Picture withRight(Picture picture, Rgb color) {
 TEST_F(VideoWriterTest, GivesBackFramesInOrderWithTheirColors) {
   const std::vector<Rgb> colors{{255, 0, 0},     {0, 255, 0}, {0, 0, 255},
                                 {255, 255, 255}, {0, 0, 0},   {200, 120, 40}};
-  for (const std::string& extension : VideoWriter::extensions()) {
+  for (const std::string& extension : rendering::videoExtensions()) {
     SCOPED_TRACE(extension);
     const std::string file = folder / "run" + extension;
-    VideoWriter video(file, 64, 48, 24);
+    VideoWriter video(file, {64, 48, 24});
     for (const Rgb& color : colors) video.write(withRight(plainPicture(64, 48, color), {128, 128, 128}));
     video.finish();
     EXPECT_EQ(video.frameCount(), 6);
@@ -85,7 +85,7 @@ TEST_F(VideoWriterTest, HasTheTopRowFirst) {
   Picture picture = plainPicture(32, 32, {255, 255, 255});
   std::fill(picture.rgb.begin(), picture.rgb.begin() + static_cast<std::ptrdiff_t>(picture.rgb.size() / 2),
             std::uint8_t{0});
-  VideoWriter video(folder / "a.mp4", 32, 32, 30);
+  VideoWriter video(folder / "a.mp4", {32, 32, 30});
   video.write(picture);
   video.finish();
   const std::vector<Picture> frames = readVideo(folder / "a.mp4");
@@ -97,7 +97,7 @@ TEST_F(VideoWriterTest, HasTheTopRowFirst) {
 TEST_F(VideoWriterTest, RepeatsTheLastColumnAndRowOfOddSizes) {
   for (const auto& [width, height] : {std::pair{33, 21}, {33, 20}, {32, 21}}) {
     Picture picture = withRight(plainPicture(width, height, {0, 0, 0}), {255, 255, 255});
-    VideoWriter video(folder / "a.mp4", width, height, 30);
+    VideoWriter video(folder / "a.mp4", {width, height, 30});
     video.write(picture);
     video.write(picture);
     video.finish();
@@ -112,7 +112,7 @@ TEST_F(VideoWriterTest, RepeatsTheLastColumnAndRowOfOddSizes) {
 
 TEST_F(VideoWriterTest, TakesFrameRatesThatAreNotWhole) {
   for (const auto& [rate, shown] : {std::pair{29.97, "2997/100"}, {0.5, "1/2"}, {1000.0, "1000/1"}}) {
-    VideoWriter video(folder / "a.mp4", 32, 32, rate);
+    VideoWriter video(folder / "a.mp4", {32, 32, rate});
     for (int i = 0; i < 5; ++i) video.write(noisePicture(32, 32, static_cast<std::uint32_t>(i)));
     video.finish();
     const VideoInfo info = probeVideo(folder / "a.mp4");
@@ -122,7 +122,7 @@ TEST_F(VideoWriterTest, TakesFrameRatesThatAreNotWhole) {
 }
 
 TEST_F(VideoWriterTest, KeepsManyFramesThatComeFasterThanTheyAreEncoded) {
-  VideoWriter video(folder / "a.mp4", 320, 240, 60);
+  VideoWriter video(folder / "a.mp4", {320, 240, 60});
   for (std::uint32_t i = 0; i < 60; ++i) video.write(noisePicture(320, 240, i % 7));
   video.finish();
   EXPECT_EQ(probeVideo(folder / "a.mp4").frames, 60);
@@ -130,11 +130,11 @@ TEST_F(VideoWriterTest, KeepsManyFramesThatComeFasterThanTheyAreEncoded) {
 
 TEST_F(VideoWriterTest, HasAPlaceOfItsOwnUntilItIsComplete) {
   folder.write("a.mp4", "old");
-  VideoWriter video(folder / "a.mp4", 32, 32, 30);
+  VideoWriter video(folder / "a.mp4", {32, 32, 30});
   video.write(plainPicture(32, 32, {1, 2, 3}));
   EXPECT_EQ(readFile(folder / "a.mp4"), "old");
   EXPECT_TRUE(std::filesystem::exists(folder / "a.part.mp4"));
-  VideoWriter other(folder / "a.mp4", 32, 32, 30);
+  VideoWriter other(folder / "a.mp4", {32, 32, 30});
   EXPECT_TRUE(std::filesystem::exists(folder / "a.part2.mp4"));
   video.finish();
   video.finish();
@@ -145,7 +145,7 @@ TEST_F(VideoWriterTest, HasAPlaceOfItsOwnUntilItIsComplete) {
 
 TEST_F(VideoWriterTest, LeavesNothingBehindWithoutFinish) {
   {
-    VideoWriter video(folder / "a.mp4", 320, 240, 30);
+    VideoWriter video(folder / "a.mp4", {320, 240, 30});
     for (std::uint32_t i = 0; i < 9; ++i) video.write(noisePicture(320, 240, i));
   }
   EXPECT_TRUE(folderIsEmpty());
@@ -153,7 +153,7 @@ TEST_F(VideoWriterTest, LeavesNothingBehindWithoutFinish) {
 
 TEST_F(VideoWriterTest, IsNoVideoWithoutAFrame) {
   const std::string old = folder.write("a.mp4", "old");
-  VideoWriter video(old, 32, 32, 30);
+  VideoWriter video(old, {32, 32, 30});
   video.finish();
   EXPECT_EQ(readFile(old), "old");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.part.mp4"));
@@ -162,7 +162,7 @@ TEST_F(VideoWriterTest, IsNoVideoWithoutAFrame) {
 TEST_F(VideoWriterTest, TakesFileNamesThatOtherProgramsMayMisread) {
   for (const std::string name : {"-y.mp4", "http:a b.mp4", "frame%03d.mp4", "dämme'$(x)\\.mp4"}) {
     SCOPED_TRACE(name);
-    VideoWriter video(folder / name, 32, 32, 30);
+    VideoWriter video(folder / name, {32, 32, 30});
     video.write(plainPicture(32, 32, {}));
     video.finish();
     EXPECT_TRUE(std::filesystem::file_size(folder / name) > 0);
@@ -171,7 +171,7 @@ TEST_F(VideoWriterTest, TakesFileNamesThatOtherProgramsMayMisread) {
 
 TEST_F(VideoWriterTest, SaysWhatIsWrongWithThePath) {
   const auto errorAt = [](const std::string& file) {
-    const Error error = errorOf([&] { VideoWriter video(file, 32, 32, 30); });
+    const Error error = errorOf([&] { VideoWriter video(file, {32, 32, 30}); });
     EXPECT_EQ(error.kind(), ErrorKind::kIo);
     EXPECT_EQ(error.location().file, file);
     return std::string(error.what());
@@ -180,11 +180,11 @@ TEST_F(VideoWriterTest, SaysWhatIsWrongWithThePath) {
   EXPECT_CONTAINS(errorAt(folder / "no/a.mp4"), "there is no folder");
   std::filesystem::create_directory(folder / "b.mp4");
   EXPECT_CONTAINS(errorAt(folder / "b.mp4"), "it is a folder");
-  EXPECT_EQ(errorOf([] { VideoWriter video("/proc/a.mp4", 32, 32, 30); }).kind(), ErrorKind::kIo);
+  EXPECT_EQ(errorOf([] { VideoWriter video("/proc/a.mp4", {32, 32, 30}); }).kind(), ErrorKind::kIo);
 }
 
 TEST_F(VideoWriterTest, RejectsPicturesOfAnotherSize) {
-  VideoWriter video(folder / "a.mp4", 32, 32, 30);
+  VideoWriter video(folder / "a.mp4", {32, 32, 30});
   EXPECT_THROW(video.write(plainPicture(32, 30, {})), InternalError);
   Picture picture = plainPicture(32, 32, {});
   picture.rgb.pop_back();
@@ -193,7 +193,7 @@ TEST_F(VideoWriterTest, RejectsPicturesOfAnotherSize) {
 
 TEST_F(VideoWriterTest, FallsBackToTheEncoderThatIsThere) {
   const FfmpegWithout fake("libx264");
-  VideoWriter video(folder / "a.mp4", 64, 64, 30);
+  VideoWriter video(folder / "a.mp4", {64, 64, 30});
   EXPECT_EQ(video.encoder(), "mpeg4");
   for (int i = 0; i < 3; ++i) video.write(plainPicture(64, 64, {0, 200, 0}));
   video.finish();
@@ -204,7 +204,7 @@ TEST_F(VideoWriterTest, FallsBackToTheEncoderThatIsThere) {
 
 TEST_F(VideoWriterTest, SaysSoWhereNoEncoderWorks) {
   const FfmpegWithout fake("libvpx-vp9");
-  const Error error = errorOf([&] { VideoWriter video(folder / "a.webm", 64, 64, 30); });
+  const Error error = errorOf([&] { VideoWriter video(folder / "a.webm", {64, 64, 30}); });
   EXPECT_EQ(error.kind(), ErrorKind::kIo);
   EXPECT_CONTAINS(error.what(), "ffmpeg ended with exit code 1: Unknown libvpx-vp9");
   EXPECT_TRUE(folderIsEmpty());
