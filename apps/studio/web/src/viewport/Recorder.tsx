@@ -8,9 +8,9 @@ import type { View } from "./view";
 const kSizes: [number, number][] = [[1280, 720], [1920, 1080], [3840, 2160], [720, 720]];
 const kCameraMs = 80;
 
-/** "videos/a_jet_fills_goblet.mp4" */
+/** "a_jet_fills_goblet.mp4" */
 const nameOf = (title: string | undefined, ending: string): string =>
-  `videos/${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
+  `${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
 
 function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
   const title = useStudio((s) => s.scene.title);
