@@ -58,9 +58,9 @@ export function Recorder({ view }: { view: View | null }) {
   return (
     <>
       {recording ? (
-        <button className="recording" disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
+        <button className="recording" aria-label={`Finish the video, ${video.frames} frames`} disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
       ) : (
-        <button disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
+        <button aria-label="Record" disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
       )}
       {video.state === "finishing" && <span role="status" className="told">finishing {video.path}…</span>}
       {video.state === "done" && <a className="told" href={addressOfFile(video.path)} target="_blank" rel="noreferrer">{video.path} ({video.frames} frames)</a>}
