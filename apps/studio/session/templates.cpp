@@ -69,7 +69,8 @@ Value templatesIn(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return list;
   const ServedFolder scenes(folder);
-  for (const Value& entry : listed(scenes).asArray())
+  const Value entries = listed(scenes);
+  for (const Value& entry : entries.asArray())
     if (auto found = templateOf(scenes, entry)) list.push(std::move(*found));
   return list;
 }

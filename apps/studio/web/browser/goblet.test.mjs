@@ -179,4 +179,34 @@ step("what was saved is opened again, and runs as weir run does", async () => {
     for (const [name, value] of Object.entries(attributes)) assert.deepEqual(found.get(id)?.[name], value, `${name} of particle ${id}`);
 });
 
+step("the server draws pictures, and records a video from the view's camera", async () => {
+  // The plugin that renders is needed.
+  if (!types.sections.render) return;
+  await page.getByRole("button", { name: "Rendered" }).click();
+  await page.waitForFunction(() => document.querySelector("img.rendered")?.naturalWidth > 100);
+  await page.getByRole("button", { name: "Rendered" }).click();
+  await page.getByRole("button", { name: "Record", exact: true }).click();
+  await page.getByLabel("Video size").focus();
+  await page.keyboard.type("720");
+  await hands.type(page.getByRole("textbox", { name: "Video file" }), "seen.mp4");
+  await page.locator(".recording").waitFor();
+  await hands.pressInGraph(".", ".");
+  await page.waitForFunction(() => parseInt(document.querySelector(".recording").textContent.slice(1)) >= 3);
+  await page.locator(".recording").click();
+  await page.getByRole("link", { name: /seen\.mp4/ }).waitFor();
+  const video = await readFile(join(server.folder, "seen.mp4"));
+  assert.equal(video.toString("latin1", 4, 8), "ftyp");
+});
+
+step("a mesh that is dropped becomes a node", async () => {
+  const files = await page.evaluateHandle(() => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File(["v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"], "corner.obj"));
+    return dropped;
+  });
+  await page.dispatchEvent(".graph", "drop", { dataTransfer: files });
+  await page.getByLabel("Name", { exact: true }).and(page.locator('[value="corner"]')).waitFor();
+  assert.match(await readFile(join(server.folder, "meshes/corner.obj"), "latin1"), /^v 0 0 0/);
+});
+
 step("the page had nothing to complain of", () => assert.deepEqual(mistakes, []));

@@ -9,7 +9,8 @@ import { chromium } from "playwright-core";
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
 const kRestMs = 300;
-const kPatience = 20_000;
+// Far more than an idle machine needs.
+const kPatience = 60_000;
 // As where there is no graphics card: the page is drawn by the processor, WebGL too.
 const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
 

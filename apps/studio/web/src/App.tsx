@@ -6,7 +6,7 @@ import { Dialog } from "./files/Dialog";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
 import { client, edit, problemOf, request, say, useStudio } from "./model/store";
-import { addNode, setParam } from "./model/scene";
+import { addNode, setParam, type Scene } from "./model/scene";
 import { Modules, PropertyPanel } from "./properties/PropertyPanel";
 import { upload } from "./protocol/client";
 import { Transport } from "./transport/Transport";
@@ -51,7 +51,8 @@ function Message() {
 /** What is wrong with the scene or the run, in one line; a click leads to the node. */
 function Problem() {
   const p = useStudio(problemOf);
-  if (!p) return null;
+  const empty = useStudio((s) => Object.keys(s.scene.nodes).length === 0);
+  if (!p || empty) return null;
   return (
     <button className="problem-line" role="alert" onClick={() => p.node && useStudio.setState({ selected: [p.node] })}>
       {p.node && <b>{p.node}{p.parameter ? `.${p.parameter}` : ""}: </b>}{p.message}{p.allowed && ` — allowed: ${p.allowed}`}{p.hint && `. ${p.hint}`}
@@ -73,6 +74,15 @@ function Inside() {
   );
 }
 
+const kBelow = 160;
+
+/** Where nothing stands yet. */
+function placeBelow(scene: Scene): { x: number; y: number } {
+  const all = Object.values(scene.layout?.nodes ?? {});
+  if (all.length === 0) return { x: 0, y: 0 };
+  return { x: Math.min(...all.map((p) => p.x)), y: Math.max(...all.map((p) => p.y)) + kBelow };
+}
+
 /** Meshes that are dropped on the page are copied to the served folder, and become nodes. */
 async function takeFiles(files: FileList): Promise<void> {
   for (const file of files)
@@ -80,7 +90,7 @@ async function takeFiles(files: FileList): Promise<void> {
       const path = `meshes/${file.name}`;
       await upload(path, file);
       edit((s) => {
-        const [next, name] = addNode(s, "MeshFile", { x: 0, y: 0 }, file.name.replace(/\.[^.]*$/, ""));
+        const [next, name] = addNode(s, "MeshFile", placeBelow(s), file.name.replace(/\.[^.]*$/, ""));
         useStudio.setState({ selected: [name] });
         return setParam(next, { node: name }, ["file"], path);
       });

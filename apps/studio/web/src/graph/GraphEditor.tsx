@@ -10,7 +10,7 @@ import {
 import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
 import type { Problem, Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
-import { arrange } from "./arrange";
+import { arrange, placeAll } from "./arrange";
 import { Dots } from "./Dots";
 import { changeNote, NoteNode } from "./NoteNode";
 import { portColor } from "./ports";
@@ -21,11 +21,6 @@ const kPasteOffset = 40;
 const kLegible = 0.35;
 const kOverview = { width: 150, height: 100 };
 
-export const rowsOf = (scene: Scene, types: Types | null) => (name: string) => {
-  const t = types?.nodes[scene.nodes[name]?.type ?? ""];
-  return Math.max(t?.inputs.length ?? 1, t?.outputs.length ?? 1, 1);
-};
-
 /** What the graph shows of a scene. */
 function useFlow(): { nodes: Node[]; edges: Edge[] } {
   const scene = useStudio((s) => s.scene);
@@ -34,7 +29,7 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
   const selected = useStudio((s) => s.selected);
   const selectedLinks = useStudio((s) => s.selectedLinks);
   return useMemo(() => {
-    const placed = Object.keys(scene.nodes).every((n) => scene.layout?.nodes?.[n]) ? scene : arrange(scene, rowsOf(scene, types));
+    const placed = placeAll(scene, types);
     const at = placed.layout?.nodes ?? {};
     const text = problem && [problem.message, problem.allowed && `Allowed: ${problem.allowed}.`].filter(Boolean).join(". ");
     const wrong = (name: string) => problem && (problem.node === name || problem.pointer?.startsWith(`/nodes/${name}`));
@@ -169,6 +164,7 @@ export function GraphEditor() {
         <MiniMap pannable zoomable ariaLabel="Overview" style={kOverview} nodeColor={(n) => (n.selected ? "#0b6fa8" : "#8a94a0")} />
         <Controls showInteractive={false} />
       </ReactFlow>
+      {nodes.length === 0 && types && <p className="empty-hint">Tab or a double click adds a node. Templates, above, are scenes to start from.</p>}
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onNote={addNote} onClose={() => setMenu(null)} />}
     </div>
   );
@@ -258,7 +254,7 @@ function useKeys(
     else if (key === "tab" || key === "a") openMenu(at.x, at.y);
     else if (key === "delete" || key === "backspace") edit((s) => removeNodes(removeLinks(s, selectedLinks), selected));
     else if (key === "m") edit((s) => selected.reduce((t, n) => mute(t, n, n in t.nodes), s));
-    else if (key === "l") edit((s) => arrange(s, rowsOf(s, types), selected.length > 1 ? selected : undefined));
+    else if (key === "l") edit((s) => arrange(s, types, selected.length > 1 ? selected : undefined));
     else if (key === "f") void flow.fitView({ padding: 0.15, maxZoom: 1, duration: 200 });
     else if (key === "enter" && selected.length === 1) useStudio.setState({ inside: selected[0]! });
     else if (key === "arrowleft") nudge(-step, 0);

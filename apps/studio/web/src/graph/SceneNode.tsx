@@ -4,10 +4,9 @@ import { memo } from "react";
 import { Icon } from "../Icon";
 import { collapse } from "../model/scene";
 import { edit, useStudio } from "../model/store";
+import { msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
 import { portColor } from "./ports";
-
-const kLeastMs = 0.01;
 
 export interface SceneNodeData extends Record<string, unknown> {
   name: string;
@@ -44,7 +43,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {collapsed ? "▸" : "▾"}
         </button>
         <strong>{name}</strong>
-        {time !== null && <span className="badge">{time < kLeastMs ? `< ${kLeastMs}` : time.toPrecision(2)} ms</span>}
+        {time !== null && <span className="badge">{msText(time)}</span>}
         <small>{typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
       <div className="ports">

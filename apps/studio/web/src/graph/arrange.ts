@@ -1,17 +1,27 @@
 // Places nodes in columns along the links.
 import dagre from "@dagrejs/dagre";
 import { linksOf, moveNodes, type Scene } from "../model/scene";
+import type { Types } from "../model/types";
 
 const kWidth = 220;
 const kHeaderHeight = 44;
 const kRowHeight = 26;
 
-export function arrange(scene: Scene, rowsOf: (node: string) => number, only?: string[]): Scene {
+function rowsOf(scene: Scene, types: Types | null, name: string): number {
+  const t = types?.nodes[scene.nodes[name]?.type ?? ""];
+  return Math.max(t?.inputs.length ?? 1, t?.outputs.length ?? 1, 1);
+}
+
+/** The scene itself where every node has its place. */
+export const placeAll = (scene: Scene, types: Types | null): Scene =>
+  Object.keys(scene.nodes).every((n) => scene.layout?.nodes?.[n]) ? scene : arrange(scene, types);
+
+export function arrange(scene: Scene, types: Types | null, only?: string[]): Scene {
   const names = only ?? Object.keys(scene.nodes);
   const g = new dagre.graphlib.Graph();
   g.setGraph({ rankdir: "LR", nodesep: 28, ranksep: 90 });
   g.setDefaultEdgeLabel(() => ({}));
-  for (const n of names) g.setNode(n, { width: kWidth, height: kHeaderHeight + kRowHeight * rowsOf(n) });
+  for (const n of names) g.setNode(n, { width: kWidth, height: kHeaderHeight + kRowHeight * rowsOf(scene, types, n) });
   for (const l of linksOf(scene)) if (g.hasNode(l.from) && g.hasNode(l.to)) g.setEdge(l.from, l.to);
   dagre.layout(g);
   const places: { [name: string]: { x: number; y: number } } = {};

@@ -1,6 +1,7 @@
 // What the run is like: where its time goes, plots, memory, and the log.
 import { useMemo, useState } from "react";
 import { useStudio } from "../model/store";
+import { msText } from "../model/time";
 import type { JsonObject } from "../model/types";
 import { Plot } from "./Plot";
 
@@ -18,7 +19,7 @@ function Times() {
           <tr key={path}>
             <th>{path}</th>
             <td><i style={{ width: `${(100 * t.per_step) / most}%` }} /></td>
-            <td>{t.per_step.toPrecision(3)} ms</td>
+            <td>{msText(t.per_step)}</td>
           </tr>
         ))}
       </tbody>
@@ -58,11 +59,13 @@ function LogView() {
   const warnings = useStudio((s) => s.sceneState.warnings);
   const events = useStudio((s) => s.numbers?.["rare_events"]) as { node: string; what: string; count: number }[] | undefined;
   const [level, setLevel] = useState("info");
+  const [filter, setFilter] = useState("");
   const levels = ["debug", "info", "warning", "error"];
-  const shown = log.filter((l) => levels.indexOf(l.level) >= levels.indexOf(level));
+  const shown = log.filter((l) => levels.indexOf(l.level) >= levels.indexOf(level) && l.text.toLowerCase().includes(filter.toLowerCase()));
   return (
     <>
-      <select aria-label="Least level" value={level} onChange={(e) => setLevel(e.target.value)}>{levels.map((l) => <option key={l}>{l}</option>)}</select>
+      <select aria-label="Least level" value={level} onChange={(e) => setLevel(e.target.value)}>{levels.map((l) => <option key={l}>{l}</option>)}</select>{" "}
+      <input aria-label="Filter the log" placeholder="Filter" value={filter} onChange={(e) => setFilter(e.target.value)} />
       <ul className="log" role="log">
         {warnings.map((w) => <li key={w} className="warning">{w}</li>)}
         {events?.map((e) => <li key={e.node + e.what} className="warning">{e.node}: {e.count} {e.what}</li>)}

@@ -3,6 +3,7 @@ import { temporal } from "zundo";
 import { create, useStore } from "zustand";
 import { Client, fetchTypes, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
+import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Scene } from "./scene";
 import type { JsonObject, Problem, Types } from "./types";
 
@@ -175,9 +176,10 @@ async function greet(): Promise<void> {
     if (!get().types) set({ types: await fetchTypes() });
     const hello = await client.ask<Hello>("hello");
     const { scene, ...sceneState } = hello.scene;
-    set({ ...hello, scene: recovered(scene, sceneState.path), sceneState });
+    const found = recovered(scene, sceneState.path);
+    set({ ...hello, scene: placeAll(found, get().types), sceneState });
     useStudio.temporal.getState().clear();
-    if (get().role === "writer" && get().scene !== scene) send();
+    if (get().role === "writer" && found !== scene) send();
   } catch (e) {
     say(e);
   }
@@ -305,7 +307,7 @@ export async function openScene(where: { path: string } | { template: string }):
   if (!state) return;
   const { scene, ...sceneState } = state;
   applying = true;
-  set({ scene, sceneState, selected: [], inside: null });
+  set({ scene: placeAll(scene, get().types), sceneState, selected: [], inside: null });
   applying = false;
   dropDraft();
   useStudio.temporal.getState().clear();

@@ -51,7 +51,7 @@ export function WordsField({ parameter, value, onChange, label }: FieldProps) {
     if (text !== shown) onChange(items);
   };
   return (
-    <span>
+    <span className="words">
       <input
         aria-label={label} aria-invalid={problem !== null} value={text} placeholder={value === null ? "not set" : "parted by commas"}
         onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()}

@@ -71,7 +71,7 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
   return (
     <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
       <span className="name" title={parameter.doc}>
-        {parameter.name}
+        {parameter.name.split("_").flatMap((part, i) => (i === 0 ? [part] : ["_", <wbr key={i} />, part]))}
         {parameter.unit && <small>{unitText(parameter.unit)}</small>}
         {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}
       </span>

@@ -38,9 +38,9 @@ function rangesOf(points: Point[], overTime: boolean): [Range, Range] {
   const x = rangeOf(points.map((p) => p[0]), 0, overTime ? 1 : 0.1);
   if (overTime) {
     x.high *= 1.15;
-    const y = rangeOf(ys, Math.min(0, ...ys), 1e-6);
-    const spare = 0.15 * (y.high - y.low);
-    return [x, { low: y.low < 0 ? y.low - spare : 0, high: y.high + spare }];
+    const [low, high] = [Math.min(0, ...ys), Math.max(0, ...ys)];
+    const spare = 0.15 * (high - low) || 1;
+    return [x, { low: low < 0 ? low - spare : 0, high: high + spare }];
   }
   const y = rangeOf(ys, 0, 0.1);
   const scale = Math.max((x.high - x.low) / kInner.width, (y.high - y.low) / kInner.height);

@@ -4,6 +4,7 @@ import {
   enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
 } from "../model/scene";
 import { edit, useStudio } from "../model/store";
+import { msText } from "../model/time";
 import { Parameters } from "./Parameters";
 
 function NameField({ name }: { name: string }) {
@@ -48,7 +49,7 @@ export function Modules({ node }: { node: string }) {
               <select aria-label={`Type of ${m.name}`} value={m.type} onChange={(e) => edit((s) => replaceModule(s, node, m.name, e.target.value))}>
                 {family.map(([t, d]) => <option key={t} title={d.doc}>{t}</option>)}
               </select>
-              {times?.[`${node}/${m.name}`]?.per_step !== undefined && <span className="badge">{times[`${node}/${m.name}`]!.per_step!.toPrecision(2)} ms</span>}
+              {times?.[`${node}/${m.name}`]?.per_step !== undefined && <span className="badge">{msText(times[`${node}/${m.name}`]!.per_step!)}</span>}
               <button aria-label={`Move ${m.name} up`} disabled={i === 0} onClick={() => edit((s) => moveModule(s, node, type, m.name, -1))}>↑</button>
               <button aria-label={`Move ${m.name} down`} disabled={i === list.length - 1} onClick={() => edit((s) => moveModule(s, node, type, m.name, 1))}>↓</button>
               {!m.own && <button aria-label={`Remove ${m.name}`} onClick={() => edit((s) => removeModule(s, node, m.name))}>×</button>}

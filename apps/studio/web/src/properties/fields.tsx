@@ -134,6 +134,7 @@ function ColorField({ value, onChange, label }: FieldProps) {
     <span className={value === null ? "color none" : "color"}>
       <input type="color" aria-label={label} title={value === null ? "not set" : hexOf(value)} value={hexOf(value)} onChange={(e) => put(e.target.value, opacity)} />
       <input type="range" aria-label={`${label}, opacity`} title={`Opacity ${Math.round(100 * opacity)} %`} min={0} max={100} value={Math.round(100 * opacity)} onChange={(e) => put(hexOf(value), Number(e.target.value) / 100)} />
+      <small>{Math.round(100 * opacity)} %</small>
     </span>
   );
 }

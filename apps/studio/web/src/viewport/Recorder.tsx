@@ -8,9 +8,9 @@ import type { View } from "./view";
 const kSizes: [number, number][] = [[1280, 720], [1920, 1080], [3840, 2160], [720, 720]];
 const kCameraMs = 80;
 
-/** "videos/a_jet_fills_goblet.mp4" */
+/** "a_jet_fills_goblet.mp4" */
 const nameOf = (title: string | undefined, ending: string): string =>
-  `videos/${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
+  `${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
 
 function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
   const title = useStudio((s) => s.scene.title);
@@ -58,9 +58,9 @@ export function Recorder({ view }: { view: View | null }) {
   return (
     <>
       {recording ? (
-        <button className="recording" disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
+        <button className="recording" aria-label={`Finish the video, ${video.frames} frames`} disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
       ) : (
-        <button disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
+        <button aria-label="Record" disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
       )}
       {video.state === "finishing" && <span role="status" className="told">finishing {video.path}…</span>}
       {video.state === "done" && <a className="told" href={addressOfFile(video.path)} target="_blank" rel="noreferrer">{video.path} ({video.frames} frames)</a>}

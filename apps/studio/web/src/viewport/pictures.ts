@@ -15,6 +15,7 @@ export interface PictureSource {
 }
 
 const kStillMs = 250;
+const kRetryMs = 500;
 const kLeastPixels = 16;
 
 export class PictureLoop {
@@ -22,6 +23,8 @@ export class PictureLoop {
   /** What is being asked for: the present frame, or the next one, which may take long to come. */
   private waiting: "now" | "newer" | null = null;
   private dirty = false;
+  private asked = 0;
+  private retry: ReturnType<typeof setTimeout> | undefined;
   private moving = false;
   private still: ReturnType<typeof setTimeout> | undefined;
 
@@ -47,9 +50,17 @@ export class PictureLoop {
   stop(): void {
     this.running = false;
     clearTimeout(this.still);
+    clearTimeout(this.retry);
+  }
+
+  /** There is nothing to draw yet, as while a scene is reset. */
+  private later(): void {
+    this.waiting = null;
+    this.retry = setTimeout(() => this.again(), kRetryMs);
   }
 
   private async request(newer: boolean): Promise<void> {
+    const own = ++this.asked;
     this.waiting = newer ? "newer" : "now";
     this.dirty = false;
     const scale = this.moving ? 0.5 : 1;
@@ -59,8 +70,8 @@ export class PictureLoop {
       const drawn = await this.source.ask({
         ...this.source.camera(), width: pixels(width), height: pixels(height), samples: this.moving ? 1 : 2, newer,
       });
-      // Another request has taken the place of one that was not drawn.
-      if (!drawn || !this.running) return;
+      if (!this.running || own !== this.asked) return;
+      if (!drawn) return this.later();
     } catch (e) {
       this.running = false;
       return this.source.failed(e);
