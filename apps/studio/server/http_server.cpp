@@ -155,6 +155,7 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
 
   void accept(const Request& request) {
     stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+    stream_.auto_fragment(false);  // else a frame leaves in pieces of 4 kB, each a write of its own
     stream_.read_message_max(static_cast<std::size_t>(server_.options_.largestMessage));
     stream_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return;

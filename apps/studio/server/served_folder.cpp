@@ -18,6 +18,15 @@ bool isBelow(const fs::path& path, const fs::path& root) {
   return rest == root.end();
 }
 
+/// Whether there is a link to nothing in a path below the root, all of whose other links are resolved. What
+/// is written there might come to lie elsewhere.
+bool hasDanglingLink(fs::path path, const fs::path& root) {
+  std::error_code error;
+  for (; path != root && path.has_relative_path(); path = path.parent_path())
+    if (fs::is_symlink(fs::symlink_status(path, error))) return true;
+  return false;
+}
+
 bool isPlain(std::string_view text) {
   return isUtf8(text) && std::none_of(text.begin(), text.end(), [](char c) {
            constexpr unsigned char kSpace = 0x20, kDelete = 0x7f;
@@ -41,7 +50,7 @@ fs::path ServedFolder::resolve(std::string_view path) const {
     throw usageError("the path " + inQuotes(path) + " cannot be used", "a path below the served folder");
   std::error_code error;
   const fs::path whole = fs::weakly_canonical(root_ / relative, error);
-  if (error || !isBelow(whole, root_))
+  if (error || !isBelow(whole, root_) || hasDanglingLink(whole, root_))
     throw usageError("the path " + inQuotes(path) + " leads out of the served folder",
                      "a path below " + inQuotes(root_.string()));
   return whole;

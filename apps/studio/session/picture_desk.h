@@ -24,9 +24,9 @@ namespace weir::studio {
 
 /// What became of a request for a picture.
 struct PictureAnswer {
-  std::string jpeg;        ///< empty: it was not drawn, as a newer request of the client came
-  std::int64_t frame = 0;  ///< that it shows, or the last one before
-  double time = 0;         ///< s
+  std::string jpeg;              ///< empty: it was not drawn, as a newer request of the client came
+  std::int64_t frame = 0;        ///< that it shows, or the last one before
+  double time = 0;               ///< s
   std::optional<Error> problem;  ///< why there is none
 };
 using PictureDone = std::function<void(PictureAnswer)>;
@@ -107,7 +107,8 @@ class PictureDesk {
   std::optional<Error> outside(Lock& lock, std::string_view hook, const std::function<void()>& f) const;
   bool capture(Simulation& simulation, Lock& lock);
   void addToVideo();
-  /// Answers all requests with the problem, ends the video, and waits until nothing of the simulation is used.
+  /// Answers all requests with the problem, ends the video, and waits until nothing of the simulation is
+  /// used.
   void fail(const Error& problem, Lock& lock);
   void finishVideo();
   void tell(bool always);

@@ -78,6 +78,7 @@ Value problemOf(const Error& error) {
   putText(v, "pointer", at.pointer);
   putText(v, "node", at.node);
   putText(v, "parameter", at.parameter);
+  putText(v, "part", at.part);
   return v;
 }
 

@@ -12,8 +12,8 @@
 
 namespace weir::studio {
 
-/// An error as the page shows it: {message, allowed, hint, file, line, column, pointer, node, parameter};
-/// empty parts are left out.
+/// An error as the page shows it: {message, allowed, hint, file, line, column, pointer, node, parameter,
+/// part}; empty parts are left out.
 Value problemOf(const Error& error);
 
 struct CheckedScene {

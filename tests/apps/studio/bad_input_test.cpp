@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "framework/base/text.h"
 #include "framework/graph/plugin.h"
 #include "tests/apps/studio/web_client.h"
 #include "tests/support/byte_mutator.h"
@@ -97,17 +98,31 @@ TEST_F(BadInputTest, DamagedMessages) {
       R"({"id": 7, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})",
       R"({"id": 7, "do": "video.camera", "eye": [1, 1, 1], "target": [0, 0, 0]})",
       R"({"id": 7, "do": "video.stop"})",
+      R"({"id": 7, "do": "scene.set", "scene": {"weir": 1, "title": "ü€𝄞", "nodes": {}, "links": []}})",
       R"({"id": 7, "do": "role.claim"})",
       R"({"do": "frame.seen"})"};
-  const Socket socket = studio->socket();
+  const auto connect = [this] {
+    return std::make_unique<Socket>(studio->port(), studio->head("GET /api/live", studio->bearer()));
+  };
+  auto socket = connect();
   const std::int64_t count = messageCount();
   constexpr std::int64_t kRound = 50;
+  bool allText = true;  // since the last round
   for (std::int64_t i = 0; i < count; ++i) {
-    const auto seed = static_cast<std::uint64_t>(i);
-    ASSERT_TRUE(socket.sendText(test::damaged(good[static_cast<std::size_t>(i) % good.size()], seed))) << i;
+    const std::string text =
+        test::damaged(good[static_cast<std::size_t>(i) % good.size()], static_cast<std::uint64_t>(i));
+    allText = allText && isUtf8(text);
+    const bool sent = socket->sendText(text);
+    ASSERT_TRUE(sent || !allText) << i;
     if (i % kRound != 0) continue;
-    const Value hello = socket.ask(R"({"id": 123456, "do": "hello"})");
-    ASSERT_NE(hello.find("result"), nullptr) << i;
+    // Messages that are no UTF-8 end their connection, as RFC 6455 wants it; all others are answered.
+    const bool answered = sent && socket->ask(R"({"id": 123456, "do": "hello"})").find("result") != nullptr;
+    ASSERT_TRUE(answered || !allText) << i;
+    if (!answered) {
+      socket = connect();
+      ASSERT_NE(socket->ask(R"({"id": 123456, "do": "hello"})").find("result"), nullptr) << i;
+    }
+    allText = true;
   }
   // Damaged frames end their connection, and no other.
   for (std::int64_t i = 0; i < count / 20; ++i) {
@@ -116,8 +131,9 @@ TEST_F(BadInputTest, DamagedMessages) {
     const auto seed = static_cast<std::uint64_t>(i);
     other.sendRaw(test::damaged(Socket::frameOf(good[seed % good.size()]), seed));
   }
-  socket.ask(R"({"id": 8, "do": "role.claim"})");
-  EXPECT_TRUE(runsOn(socket));
+  socket = connect();
+  socket->ask(R"({"id": 8, "do": "role.claim"})");
+  EXPECT_TRUE(runsOn(*socket));
 }
 
 TEST_F(BadInputTest, DeepAndLargeMessages) {
@@ -142,7 +158,7 @@ TEST_F(BadInputTest, StrangersGetNothing) {
   const std::string cookie = "Cookie: a=b; " + std::string(AccessRules::kCookie) + "=";
   EXPECT_EQ(types(cookie + token + "\r\n"), 200);
   for (const std::string& wrong : {std::string(), token.substr(1), token + "0", token.substr(0, 31) + "g",
-                                   std::string(32, '\x7f'), std::string("*"), token + " " + token})
+                                   std::string(32, '~'), std::string("*"), token + " " + token})
     for (const char* kind : {"Authorization: Bearer ", "Authorization: Basic ",
                              "Authorization: ", "Cookie: weir_studio=", "Cookie: token="})
       EXPECT_EQ(types(kind + wrong + "\r\n"), 401) << kind << wrong;

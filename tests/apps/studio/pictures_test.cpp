@@ -205,7 +205,10 @@ TEST_F(PicturesTest, AVideoThatIsStoppedIsComplete) {
   socket.ask(
       R"({"id": 2, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0], "width": 64, "height": 48})");
   socket.ask(R"({"id": 3, "do": "run.step", "frames": 1})");
-  socket.state("paused");
+  socket.event("status", [](const Value& data) {
+    const Value* frame = data.find("frame");
+    return frame != nullptr && *frame == Value(1) && data.find("state")->asString() == "paused";
+  });
   socket.ask(R"({"id": 4, "do": "video.stop"})");
   const Value done = socket.event("video", hasEnded);
   EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
