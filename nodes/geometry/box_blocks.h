@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "framework/compute/eight.h"
+#include "framework/graph/memory_estimate.h"
 #include "nodes/geometry/triangle_tree.h"
 
 #ifdef WEIR_HAS_LANES
@@ -32,6 +33,13 @@ class BoxBlocks {
     for (int level = 0; level < levels_; ++level)
       parallelFor(device, "boxes", first_[level + 1] - first_[level],
                   [&](std::int64_t b) { level == 0 ? boxTriangles(tree, b) : boxBlocks(level, b); });
+  }
+
+  /// Bytes on the device for a tree of so many triangles, at most.
+  static double mostMemory(std::size_t triangles) {
+    // Each level has an eighth of the blocks of the one below, rounded up.
+    const double blocks = static_cast<double>(triangles) / (kEight - 1) + kMostLevels;
+    return triangles > std::size_t{kMostTriangles} ? 0 : bytesOfArray(blocks, sizeof(Block));
   }
 
   /// As TriangleTreeView::forEachTriangleNear, with the same triangles in the same order.

@@ -1,6 +1,7 @@
 #include "nodes/solids/solid.h"
 
 #include "framework/graph/state.h"
+#include "nodes/geometry/box_blocks.h"
 
 namespace weir {
 
@@ -17,7 +18,11 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
 }
 
 double Solid::mostMemory(const TriangleMesh& mesh) {
-  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
+  double bytes = TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
+#ifdef WEIR_HAS_LANES
+  bytes += BoxBlocks::mostMemory(mesh.triangles.size());  // while integrals are found, on the CPU
+#endif
+  return bytes;
 }
 
 void Solid::save(const StateWriter& to) const {
