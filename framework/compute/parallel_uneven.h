@@ -8,11 +8,8 @@ namespace weir {
 
 /// parallelFor, or with a plan parallelForTeams, for few and costly elements. Where parallelFor would keep
 /// them on one thread of the CPU or give thousands to each, all threads take a few at a time.
-template <class Backend, class F>
-void parallelForUneven(Backend& device, std::string_view name, Count count, const F& f) {
-#ifdef __CUDACC__
-  parallelFor(device, name, count, f);
-#else
+template <class F>
+void parallelForUneven(CpuBackend& device, std::string_view name, Count count, const F& f) {
   constexpr std::int64_t kTurns = 32;  // of a thread
   constexpr std::int64_t kFewest = 4, kMost = 64;
   const KernelScope scope(device.profiler(), name);
@@ -21,16 +18,18 @@ void parallelForUneven(Backend& device, std::string_view name, Count count, cons
   detail::forRanges(device, n, grain, [&f](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) f(i);
   });
-#endif
 }
-template <class Backend, class F>
-void parallelForUneven(Backend& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
-#ifdef __CUDACC__
-  parallelForTeams(device, name, count, plan, f);
-#else
-  static_cast<void>(plan);
+template <class F>
+void parallelForUneven(CpuBackend& device, std::string_view name, Count count, TeamPlan, const F& f) {
   parallelForUneven(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
-#endif
+}
+template <class F>
+void parallelForUneven(CudaDevice& device, std::string_view name, Count count, const F& f) {
+  parallelFor(device, name, count, f);
+}
+template <class F>
+void parallelForUneven(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
+  parallelForTeams(device, name, count, plan, f);
 }
 
 }  // namespace weir
