@@ -141,7 +141,7 @@ void first(const std::string& weir) {
   }
 }
 
-constexpr double kWatched = 5e4, kDuration = 0.1;
+constexpr double kWatched = 5e4, kDuration = 0.3;
 
 double runAlone(const std::string& scene, int threads) {
   Registry registry;
@@ -176,7 +176,7 @@ double runWatched(const std::string& folder, int threads) {
 }
 
 void slowdown(int threads) {
-  constexpr int kRounds = 5;
+  constexpr int kRounds = 3;
   const test::TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", sceneOf(kWatched, kDuration));
   std::vector<double> alone, watched;

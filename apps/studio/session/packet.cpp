@@ -31,8 +31,10 @@ struct Range {
     if (low > high) low = high = 0;
   }
   std::uint16_t place(float value) const {
-    if (!std::isfinite(value) || high <= low) return 0;
-    return static_cast<std::uint16_t>(std::lround((value - low) / (high - low) * kSteps));
+    const float size = high - low;  // infinite where a simulation has diverged
+    if (!std::isfinite(value) || !(size > 0) || !std::isfinite(size)) return 0;
+    // Not lround, which is a call for each number: this runs while the simulation waits.
+    return static_cast<std::uint16_t>((value - low) / size * kSteps + 0.5f);
   }
 };
 

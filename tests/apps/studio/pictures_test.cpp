@@ -27,6 +27,27 @@ Value with(const std::string& text, const std::string& name, Value value) {
   return request;
 }
 
+/// Sets a variable, and sets it back at the end. Only while no other thread runs.
+class Environment {
+ public:
+  Environment(std::string name, const std::string& value) : name_(std::move(name)) {
+    if (const char* before = std::getenv(name_.c_str())) before_ = before;
+    ::setenv(name_.c_str(), value.c_str(), 1);
+  }
+  ~Environment() {
+    if (before_)
+      ::setenv(name_.c_str(), before_->c_str(), 1);
+    else
+      ::unsetenv(name_.c_str());
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  std::string name_;
+  std::optional<std::string> before_;
+};
+
 class PicturesTest : public testing::Test {
  protected:
   void start(bool withPlugin) {
@@ -145,16 +166,16 @@ TEST_F(PicturesTest, NewerOnesWaitForAFrame) {
 }
 
 TEST_F(PicturesTest, WithoutOpenGLThatIsSaidAndTheRunGoesOn) {
-  ::setenv("WEIR_GL", "nonsense", 1);
+  const Environment withoutGl("WEIR_GL", "nonsense");
   start(true);
   const Socket socket = studio->socket();
   socket.ask(R"({"id": 5, "do": "run.reset"})");
   const Value answer = socket.ask(kAsk);
-  ::unsetenv("WEIR_GL");
   ASSERT_NE(answer.find("error"), nullptr);
   EXPECT_NE(answer.find("error")->find("message")->asString().find("WEIR_GL"), std::string::npos);
   socket.sendText(R"({"id": 6, "do": "run.play"})");
   EXPECT_FALSE(socket.state("finished").isNull());
+  studio.reset();  // before the environment changes, which its threads read
 }
 
 TEST_F(PicturesTest, AWrongRenderSectionIsTheRequestsError) {
@@ -216,19 +237,18 @@ TEST_F(PicturesTest, AVideoThatIsStoppedIsComplete) {
 }
 
 TEST_F(PicturesTest, WithoutFfmpegTheVideoFailsAndTheRunGoesOn) {
+  const Environment withoutPrograms("PATH", folder.path());
   start(true);
-  const std::string path = std::getenv("PATH");
-  ::setenv("PATH", folder.path().c_str(), 1);
   const Socket socket = studio->socket();
   socket.ask(R"({"id": 1, "do": "run.reset"})");
   socket.ask(R"({"id": 2, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})");
   const Value failed = socket.event("video", hasEnded);
-  ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(failed.find("state")->asString(), "failed");
   EXPECT_NE(failed.find("problem")->find("message")->asString().find("ffmpeg"), std::string::npos);
   EXPECT_TRUE(socket.ask(kAsk).find("result")->find("drawn")->asBool());
   socket.sendText(R"({"id": 6, "do": "run.play"})");
   EXPECT_FALSE(socket.state("finished").isNull());
+  studio.reset();
 }
 
 #endif
