@@ -189,9 +189,10 @@ step("the server draws pictures, and records a video from the view's camera", as
   await page.getByLabel("Video size").focus();
   await page.keyboard.type("720");
   await hands.type(page.getByRole("textbox", { name: "Video file" }), "seen.mp4");
+  await page.getByRole("dialog").waitFor({ state: "hidden" });
   await page.locator(".recording").waitFor();
-  await hands.pressInGraph(".", ".");
-  await page.waitForFunction(() => parseInt(document.querySelector(".recording").textContent.slice(1)) >= 3);
+  await hands.pressInGraph("Space");
+  await page.waitForFunction(() => parseInt(document.querySelector(".recording").textContent.slice(1)) >= 2);
   await page.locator(".recording").click();
   await page.getByRole("link", { name: /seen\.mp4/ }).waitFor();
   const video = await readFile(join(server.folder, "seen.mp4"));

@@ -24,7 +24,9 @@ function useGlobalKeys(): void {
         e.preventDefault();
         return save();
       }
-      if ((e.target as Element).closest("input, textarea, select, button, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
+      const at = e.target as Element;
+      if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
+      if (e.key === " " && at.closest("button, summary, a")) return;
       if (e.key === " ") void request(status.state === "playing" ? "run.pause" : "run.play");
       else if (e.key === ".") void request("run.step");
       else if (e.key.toLowerCase() === "r") void request("run.reset", { device });
