@@ -83,7 +83,7 @@ class Packed {
     forEachNeighbor(static_cast<std::int64_t>(i), view(), [&](int j) { read.push_back(j); });
     return read;
   }
-  NeighborEditor editor() { return {nullptr, counts_.data(), packer_.lists.capacity, packer_.lists}; }
+  NeighborEditor editor() { return {plain_.data(), counts_.data(), packer_.lists.capacity, packer_.lists}; }
   int wide(std::size_t group) const { return groups_[group].wide; }
   int wanted() const { return wanted_; }
 
@@ -92,6 +92,7 @@ class Packed {
   std::vector<ListGroup> groups_;
   std::vector<FourCodes> codes_;
   std::vector<int> blocks_, counts_;
+  std::vector<int> plain_ = {0};  // lists that are not packed, which nobody reads
   int wanted_ = 0;
   ListPacker packer_;
 };
