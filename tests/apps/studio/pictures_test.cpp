@@ -243,6 +243,7 @@ TEST_F(PicturesTest, WithoutFfmpegTheVideoFailsAndTheRunGoesOn) {
   socket.ask(R"({"id": 1, "do": "run.reset"})");
   socket.ask(R"({"id": 2, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})");
   const Value failed = socket.event("video", hasEnded);
+  ASSERT_FALSE(failed.isNull());
   EXPECT_EQ(failed.find("state")->asString(), "failed");
   EXPECT_NE(failed.find("problem")->find("message")->asString().find("ffmpeg"), std::string::npos);
   EXPECT_TRUE(socket.ask(kAsk).find("result")->find("drawn")->asBool());

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -61,6 +62,7 @@ class Connection {
     while (bytes.size() < count) {
       std::array<char, 65536> block;
       const ssize_t got = ::recv(socket_, block.data(), std::min(block.size(), count - bytes.size()), 0);
+      if (got < 0 && errno == EINTR) continue;
       if (got <= 0) break;
       bytes.append(block.data(), static_cast<std::size_t>(got));
     }
