@@ -1,6 +1,7 @@
 // The parts of the page that know no browser.
 import { describe, expect, test } from "vitest";
 import { evaluate } from "../src/model/expression";
+import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
 import {
   addLink, addNode, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, mute, nameProblem, pasteNodes,
   pipelineOf, removeNodes, renameNode, setParam, type Scene,
@@ -82,6 +83,22 @@ describe("a scene", () => {
     const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
     expect(names(inserted)).toEqual(["predict", "solver", "xsph"]);
     expect(names(moveModule(inserted, "particle_fluid", fluid, "xsph", -1))).toEqual(["predict", "xsph", "solver"]);
+  });
+});
+
+describe("keyframes", () => {
+  const frames: Keyframe[] = [[0, [0, 1, 2]], [2, [4, 1, 0]]];
+  test("are linear between them and held at the ends", () => {
+    expect(valueAt(frames, 0.5)).toEqual([1, 1, 1.5]);
+    expect([valueAt(frames, -1), valueAt(frames, 9)]).toEqual([frames[0]![1], frames[1]![1]]);
+  });
+  test("take a point that is moved, added or taken away in one of their numbers", () => {
+    expect(withPoints(frames, 0, [[0, 0], [3, 5]])).toEqual([[0, [0, 1, 2]], [3, [5, 1, 0]]]);
+    expect(withPoints(frames, 1, [[0, 1], [1, 7], [2, 1]])).toEqual([frames[0], [1, [2, 7, 1]], frames[1]]);
+    expect(withPoints(frames, 2, [[2, 0]])).toEqual([frames[1]]);
+  });
+  test("stay in order when a time changes", () => {
+    expect(withTime(frames, 0, 3).map((f) => f[0])).toEqual([2, 3]);
   });
 });
 

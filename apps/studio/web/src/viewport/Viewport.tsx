@@ -8,7 +8,7 @@ import { hexOf } from "../properties/fields";
 import { handleOf, outlinesOf } from "./outlines";
 import { Recorder } from "./Recorder";
 import { Rendered } from "./Rendered";
-import { kPresets, View, type Preset } from "./view";
+import { kPresets, View, type Preset, type ViewEvents } from "./view";
 
 const kMostChoices = [50_000, 200_000, 1_000_000];
 
@@ -34,6 +34,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [key, setKey] = useState<Key | null>(null);
   const [picked, setPicked] = useState<Picked | null>(null);
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
+  const [noView, setNoView] = useState(false);
   const [rendered, setRendered] = useState(false);
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => setRendered(false), []);
@@ -55,7 +56,8 @@ export function Viewport({ dark }: { dark: boolean }) {
   );
 
   useEffect(() => {
-    const made = new View(element.current!, {
+    let made: View;
+    const events: ViewEvents = {
       moved: (node, position, rotation) =>
         edit((s) => {
           const placed = setParam(s, { node }, ["position"], position);
@@ -64,7 +66,13 @@ export function Viewport({ dark }: { dark: boolean }) {
         }),
       picked: (node, id) => void request<Picked>("particle", { node, particle: id }).then((p) => p && (setPicked(p), made.choose(id))),
       range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
-    });
+    };
+    try {
+      made = new View(element.current!, events);
+    } catch {
+      // The rest of the page works without it.
+      return setNoView(true);
+    }
     setView(made);
     viewers.frame = (p) => made.frame(p);
     viewers.geometry = (p) => made.geometry(p);
@@ -131,6 +139,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
+      {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
       {rendered && view && <Rendered view={view} onFailed={stopRendered} />}
       {key && !rendered && (
         <div className="color-key">
