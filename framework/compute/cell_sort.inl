@@ -27,6 +27,21 @@ WEIR_HD inline void heapSort(int* a, int n) {
   }
 }
 
+/// Adds 1 to counts[c] and returns what it held before, or less than that but for no other thread.
+WEIR_HD inline int countOne(int* counts, int c) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 700
+  // Most particles stand beside others of their cell, as they were sorted before they moved: one addition for
+  // all of them in a warp.
+  const unsigned same = __match_any_sync(__activemask(), c);
+  const int first = __ffs(static_cast<int>(same)) - 1, lane = static_cast<int>(threadIdx.x) % 32;
+  int before = 0;
+  if (lane == first) before = ::atomicAdd(&counts[c], __popc(same));
+  return __shfl_sync(same, before, first) + __popc(same & ((1u << lane) - 1));
+#else
+  return atomicAdd(&counts[c], 1);
+#endif
+}
+
 /// Counts the particles of every cell; who counts first gets the lower provisional rank. The dropped are
 /// counted in a cell of their own behind the others.
 template <class Key>
@@ -40,7 +55,7 @@ struct CountInCells {
     // A key outside the cells must not corrupt memory, so it drops the particle like -1.
     const int c = k >= 0 && k < cells ? k : cells;
     cell[i] = c;
-    rank[i] = atomicAdd(&counts[c], 1);
+    rank[i] = countOne(counts.data, c);
   }
 };
 
@@ -82,7 +97,20 @@ struct OrderInCells {
   }
 };
 
+/// Other back ends need no other way for few particles.
+template <class Key>
+bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const ScatterToCells&, const OrderInCells&, int*) {
+  return false;
+}
+
 }  // namespace detail
+}  // namespace weir
+
+#ifdef __CUDACC__
+#include "framework/compute/cell_sort_cuda.inl"
+#endif
+
+namespace weir {
 
 template <class Backend, class Key>
 void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
@@ -94,12 +122,17 @@ void sortByCell(Backend& device, Count count, int cells, const Key& key, int* ke
   // Nobody asks for a rank once the order is made.
   const ArrayView<int> rank = order;
 
+  const detail::CountInCells<Key> counting{key, cells, cell, rank, start};
+  const detail::ScatterToCells scatter{cell, rank, start, provisional};
+  const detail::OrderInCells ordering{cells, cell, start, provisional, order};
+  if (detail::sortFew(device, count, counting, scatter, ordering, kept)) return;
+
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
   device.fillBytes(start.data, 0, static_cast<std::size_t>(start.size) * sizeof(int));
-  parallelFor(device, "countInCells", count, detail::CountInCells<Key>{key, cells, cell, rank, start});
+  parallelFor(device, "countInCells", count, counting);
   exclusiveScan(device, start, start, start.size);
-  parallelFor(device, "scatterToCells", count, detail::ScatterToCells{cell, rank, start, provisional});
-  parallelFor(device, "orderInCells", count, detail::OrderInCells{cells, cell, start, provisional, order});
+  parallelFor(device, "scatterToCells", count, scatter);
+  parallelFor(device, "orderInCells", count, ordering);
   // Last, because `kept` may be where `count` stands.
   device.copy(kept, start.data + cells, sizeof(int));
 }

@@ -12,6 +12,7 @@
 
 #include "framework/compute/lanes.h"
 #include "framework/compute/parallel.h"
+#include "framework/compute/wide_access.h"
 
 // Where eight lanes are too wide for the processor's registers they are slower than one by one.
 #if defined(WEIR_HAS_LANES) && defined(__AVX2__)
@@ -31,11 +32,11 @@ struct Eight {
 
 template <class T>
 WEIR_HD std::remove_const_t<T> read(const ArrayView<T>& from, std::int64_t i) {
-  return from[i];
+  return loadWhole<std::remove_const_t<T>>(from[i]);
 }
 template <class T>
 WEIR_HD void write(const ArrayView<T>& to, std::int64_t i, const std::type_identity_t<T>& value) {
-  to[i] = value;
+  storeWhole<T>(to[i], value);
 }
 /// The index itself, to be compared with those of other particles.
 WEIR_HD inline int asInt(std::int64_t i) {

@@ -43,21 +43,24 @@ WEIR_HD inline float positivePart(float t) {
 }
 
 /// √x for kernels over pairs of particles, which spend much of their time on it: on CUDA it may be wrong in
-/// its last bit.
+/// its last bit, and 0 where x is below 10⁻³⁸.
 WEIR_HD inline float fastSqrt(float x) {
 #ifdef __CUDA_ARCH__
   float root;
-  asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
+  asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(root) : "f"(x));
   return root;
 #else
   return sqrtf(x);
 #endif
 }
 
-/// a/b likewise, wrong in its last two bits at most, where b is not above 2^126.
+/// a/b likewise, wrong in its last two bits at most, where b is not above 2^126 and numbers are not below
+/// 10⁻³⁸.
 WEIR_HD inline float fastDivide(float a, float b) {
 #ifdef __CUDA_ARCH__
-  return __fdividef(a, b);
+  float ratio;
+  asm("div.approx.ftz.f32 %0, %1, %2;" : "=f"(ratio) : "f"(a), "f"(b));
+  return ratio;
 #else
   return a / b;
 #endif

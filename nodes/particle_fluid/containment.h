@@ -27,8 +27,12 @@ struct Contain {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  /// Where it is not 0, nothing is to be changed any more; may be null. How many passes a solver makes beyond
+  /// its last depends on when the host hears of it.
+  const int* done = nullptr;
 
   WEIR_HD void operator()(std::int64_t i) const {
+    if (done != nullptr && *done != 0) return;
     const Vec3f p = xyz(state[i]);
     const Vec3f q = movedOut(boundary, radius, p);
     if (p == q) return;

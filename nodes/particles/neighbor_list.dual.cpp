@@ -1,5 +1,8 @@
 #include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/cell_rows.h"
+#include "nodes/particles/code_search.h"
 #include "nodes/particles/crowding.h"
+#include "nodes/particles/group_threads.h"
 #include "nodes/particles/lane_search.h"
 #include "nodes/particles/list_packer.h"
 
@@ -30,39 +33,6 @@ struct CellKey {
     }
     if (removedBySinks(sinks, p)) return -1;
     return grid.index(grid.cellOf(p));
-  }
-};
-
-/// Which of the three cells of a row, -1 to 1, are to be searched; none if last is below first.
-struct RowPart {
-  int first = -1, last = 1;
-};
-
-/// Those within a cell's width of a point, by where it stands in its cell.
-struct RowsWithinReach {
-  Vec3f fraction;  // of the point in its cell, in cells
-  float margin;    // cells, by which the fraction may be wrong
-
-  WEIR_HD RowsWithinReach(const Vec3f& p, const CellGrid& grid) {
-    constexpr float kLeast = 1e-4f, kRounding = 3e-7f;
-    const Vec3f g = grid.inverseCellSize * p;
-    fraction = {g.x - floorf(g.x), g.y - floorf(g.y), g.z - floorf(g.z)};
-    margin = kLeast + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
-  }
-
-  /// Of the row at dy, dz in {-1, 0, 1}.
-  WEIR_HD RowPart operator()(int dy, int dz) const {
-    const float y = distance(fraction.y, dy), z = distance(fraction.z, dz);
-    const float rest = 1 - y * y - z * z;
-    if (!(rest > 0)) return {0, -1};
-    const float along = fastSqrt(rest) + margin;
-    return {fraction.x < along ? -1 : 0, fraction.x + along >= 1 ? 1 : 0};
-  }
-
- private:
-  WEIR_HD float distance(float at, int step) const {
-    const float d = step < 0 ? at : (step > 0 ? 1 - at : 0.0f);
-    return positivePart(d - margin);
   }
 };
 
@@ -108,47 +78,6 @@ struct ListWriter {
     if (found > kept) atomicAdd(truncated, 1);
     counts[i] = kept;
   }
-};
-
-/// The threads of a group of lists, a warp; the last group of a fluid may have fewer.
-struct GroupThreads {
-  unsigned mask;
-
-  WEIR_HD GroupThreads(std::int64_t i, std::int64_t particles) {
-    const std::int64_t left = particles - i / kListGroup * kListGroup;
-    mask = left >= kListGroup ? ~0u : (1u << left) - 1;
-  }
-
-#ifdef __CUDA_ARCH__
-  __device__ int least(int value) const {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_min_sync(mask, value);
-#else
-    const int lane = static_cast<int>(threadIdx.x) % kListGroup;
-    for (int step = kListGroup / 2; step > 0; step /= 2) {
-      const int other = __shfl_xor_sync(mask, value, step);
-      if ((mask >> (lane ^ step) & 1) != 0 && other < value) value = other;
-    }
-    return __shfl_sync(mask, value, 0);  // where threads are missing, it alone has heard of all
-#endif
-  }
-  __device__ bool all(bool value) const {
-    return __all_sync(mask, value) != 0;
-  }
-  __device__ int ofFirst(int value) const {
-    return __shfl_sync(mask, value, 0);
-  }
-#else
-  int least(int value) const {
-    return value;
-  }
-  bool all(bool value) const {
-    return value;
-  }
-  int ofFirst(int value) const {
-    return value;
-  }
-#endif
 };
 
 struct FindNeighbors {
@@ -206,8 +135,8 @@ struct FindNeighbors {
   }
 };
 
-/// A team searches for a particle, in fluids that do not fill the device otherwise; all indices are codes
-/// there.
+/// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
+/// device otherwise; all indices are codes there.
 struct FindNeighborsInTeams {
   FindNeighbors find;
 
@@ -215,30 +144,52 @@ struct FindNeighborsInTeams {
     const int self = static_cast<int>(i);
     const Vec3f p = find.positions[i];
     const PackedLists& lists = find.writer.packer.lists;
+    const RowsWithinReach rows(p, find.grid);
+    const Vec3i own = find.grid.cellOf(p);
+    constexpr int kCells = 27;
     int found = 0;
     float crowd = 0;
-    const RowsWithinReach rows(p, find.grid);
-    forEachRangeNear(p, find.grid, find.cellStart, rows, [&](int begin, int end, int) {
-      for (int first = begin; first < end; first += team.size) {
-        const int j = first + team.lane;
-        bool near = false;
-        if (j < end) {
-          const Vec3f d = find.positions[j] - p;
+    for (int start = 0; start < kCells; start += team.size) {
+      const int c = start + team.lane;
+      int begin = 0, end = 0;
+      if (c < kCells) range(own, c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1, rows, begin, end);
+      for (; team.ask(begin < end) != 0; begin += kTogether) {
+        Vec3f at[kTogether];
+        for (int l = 0; l < kTogether; ++l)
+          if (begin + l < end) at[l] = find.positions[begin + l];
+        for (int l = 0; l < kTogether; ++l) {
+          const int j = begin + l;
+          const Vec3f d = at[l] - p;
           const float squared = dot(d, d);
-          crowd += crowdingAt(squared, find.grid);
-          near = squared < find.radiusSquared && j != self;
+          if (j < end) crowd += crowdingAt(squared, find.grid);
+          const bool near = j < end && squared < find.radiusSquared && j != self;
+          const unsigned all = team.ask(near);
+          const int place = found + countBits(all & ((1u << team.lane) - 1));
+          if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
+          found += countBits(all);
         }
-        const unsigned all = team.ask(near);
-        const int place = found + countBits(all & ((1u << team.lane) - 1));
-        if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
-        found += countBits(all);
       }
-    });
+    }
     crowd = team.sum(crowd);
     if (team.lane != 0) return;
     if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
     find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
     find.writer.crowding[i] = crowd;
+  }
+
+ private:
+  static constexpr int kTogether = 4;  // candidates of a cell
+
+  WEIR_HD void range(const Vec3i& own, int dx, int dy, int dz, const RowsWithinReach& rows, int& begin,
+                     int& end) const {
+    const CellGrid& grid = find.grid;
+    const RowPart part = rows(dy, dz);
+    if (dx < part.first || dx > part.last) return;
+    const int c =
+        grid.index({CellGrid::step(own.x, dx, grid.cells.x), CellGrid::step(own.y, dy, grid.cells.y),
+                    CellGrid::step(own.z, dz, grid.cells.z)});
+    begin = find.cellStart[c];
+    end = find.cellStart[c + 1];
   }
 };
 
@@ -318,12 +269,12 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                           {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
   const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
   // Above this one thread a particle does as well.
-  constexpr TeamPlan kPlan{8, 1 << 15};
+  constexpr TeamPlan kPlan{32, 1 << 15};
   static_assert(kPlan.few <= kAllInWindows);
   if (packs_ && count.bound <= kPlan.few)
     parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
   else if (packs_)
-    parallelForWithScratch(device, kName, count, capacity_, find);
+    searchCodes(device, kName, count, capacity_, find);
   else
     parallelFor(device, kName, count, find);
 #endif

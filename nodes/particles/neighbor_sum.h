@@ -3,17 +3,11 @@
 
 #include "framework/compute/eight.h"
 #include "nodes/particles/neighbor_list.h"
+#include "nodes/particles/packed_sum.h"
 
 namespace weir {
 
 namespace detail {
-
-WEIR_HD inline void addTo(float& sum, float term) {
-  sum += term;
-}
-WEIR_HD inline void addTo(Vec4f& sum, const Vec4f& term) {
-  sum = {sum.x + term.x, sum.y + term.y, sum.z + term.z, sum.w + term.w};
-}
 
 #ifdef WEIR_HAS_EIGHT
 
@@ -59,14 +53,21 @@ struct SumOfEight<Vec4f> {
 template <class T, class F, class... Element>
 [[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(std::int64_t i, const NeighborView& list, const F& f,
                                                          const ArrayView<const Element>&... elements) {
-  T sum{};
-  const auto add = [&](int j) { detail::addTo(sum, f(j, elements[j]...)); };
 #ifdef __CUDACC__
-  detail::forEachPacked(i, list.counts[i], list.packed, add);
+  return detail::sumPacked<T>(i, list.counts[i], list.packed, f, elements.data...);
 #else
-  forEachNeighbor(i, list, add);
-#endif
+  T sum{};
+  forEachNeighbor(i, list, [&](int j) { detail::addTo(sum, f(j, elements[j]...)); });
   return sum;
+#endif
+}
+
+/// The same by a team, all of which have the sum then. On CUDA only.
+template <class T, class F, class... Element>
+[[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(const TeamIndex& at, const NeighborView& list,
+                                                         const F& f,
+                                                         const ArrayView<const Element>&... elements) {
+  return detail::sumPackedInTeam<T>(at, list.counts[at.i], list.packed, f, elements.data...);
 }
 
 #ifdef WEIR_HAS_EIGHT

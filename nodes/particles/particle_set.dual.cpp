@@ -1,4 +1,6 @@
 #include "nodes/particles/particle_set.h"
+
+#include "framework/compute/wide_access.h"
 #include "nodes/particles/attribute_storage.h"
 
 namespace weir {
@@ -17,8 +19,11 @@ struct Permute {
     const std::int64_t i = order[k];
     for (int c = 0; c < used; ++c) {
       const detail::PermutedColumn& column = columns[c];
-      for (int w = 0; w < column.words; ++w)
-        column.to[column.words * k + w] = column.from[column.words * i + w];
+      if (column.words == 1)
+        column.to[k] = column.from[i];
+      else
+        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k],
+                   loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]));
     }
   }
 };

@@ -480,8 +480,8 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
                         FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
                                         crowding, weighted(fluid).view()});
     else
-      parallelForEights(device, "density", count, derivative);
-    parallelForEights(device, "substitute", count, update);
+      parallelForSums(device, "density", count, derivative);
+    parallelForSums(device, "substitute", count, update);
   }
 }
 
@@ -545,7 +545,9 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       controlSeen_->request(control_.data());
     }
     parallelForEights(device, "update", count, update);
-    contain(device, fluid);
+    // The host may hear of the end of a pass some iterations later.
+    const int* done = controlled() ? &control_.data()->done : nullptr;
+    contain(device, fluid, done);
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
@@ -556,18 +558,18 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                   Extrapolate{control_.data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
                               displacement(fluid).view(), fluid.walls.view().share, state_.view()});
-    contain(device, fluid);
+    contain(device, fluid, done);
   }
   endPass(pass);
 }
 
 template <class Backend>
-void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid) {
+void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* done) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
     parallelFor(device, "contain", fluid.particles.count(),
                 Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                        displacement(fluid).view(), state_.view()});
+                        displacement(fluid).view(), state_.view(), done});
 }
 
 template <class Backend>

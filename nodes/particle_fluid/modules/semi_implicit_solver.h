@@ -162,9 +162,10 @@ class SemiImplicitSolver final : public FluidModule {
   /// With what tolerance, acceleration and step-length search add.
   template <class Backend>
   void iterate(Backend& device, FluidStep& fluid, int pass);
-  /// Moves particles out of solids; only where iterations are controlled.
+  /// Moves particles out of solids; only where iterations are controlled, and not where *done, on the device,
+  /// is not 0.
   template <class Backend>
-  void contain(Backend& device, FluidStep& fluid);
+  void contain(Backend& device, FluidStep& fluid, const int* done = nullptr);
   /// Finds neighbours where the particles are now.
   template <class Backend>
   void searchAgain(Backend& device, FluidStep& fluid);

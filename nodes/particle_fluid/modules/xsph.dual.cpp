@@ -61,10 +61,10 @@ template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
-  parallelForEights(device, "smooth", fluid.particles.count(),
-                    SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
-                                   fluid.particles.positions().view(), fluid.particles.velocities().view(),
-                                   smoothed.view()});
+  parallelForSums(device, "smooth", fluid.particles.count(),
+                  SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
+                                 fluid.particles.positions().view(), fluid.particles.velocities().view(),
+                                 smoothed.view()});
   // Equal sizes; only the memory changes hands.
   smoothed.swap(fluid.particles.velocities());
 }
@@ -81,10 +81,9 @@ void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   Array<Vec3f>& velocities = fluid.particles.velocities();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const Array<Vec3f>& present = sweep == 0 ? velocities : smoothed;
-    parallelForEights(
-        device, "approach mean", fluid.particles.count(),
-        ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
-                     velocities.view(), present.view(), next_.view()});
+    parallelForSums(device, "approach mean", fluid.particles.count(),
+                    ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
+                                 velocities.view(), present.view(), next_.view()});
     next_.swap(smoothed);
   }
   smoothed.swap(velocities);
