@@ -27,21 +27,6 @@ WEIR_HD inline void heapSort(int* a, int n) {
   }
 }
 
-/// Adds 1 to counts[c] and returns what it held before, or less than that but for no other thread.
-WEIR_HD inline int countOne(int* counts, int c) {
-#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 700
-  // Most particles stand beside others of their cell, as they were sorted before they moved: one addition for
-  // all of them in a warp.
-  const unsigned same = __match_any_sync(__activemask(), c);
-  const int first = __ffs(static_cast<int>(same)) - 1, lane = static_cast<int>(threadIdx.x) % 32;
-  int before = 0;
-  if (lane == first) before = ::atomicAdd(&counts[c], __popc(same));
-  return __shfl_sync(same, before, first) + __popc(same & ((1u << lane) - 1));
-#else
-  return atomicAdd(&counts[c], 1);
-#endif
-}
-
 /// Counts the particles of every cell; who counts first gets the lower provisional rank. The dropped are
 /// counted in a cell of their own behind the others.
 template <class Key>
@@ -55,7 +40,7 @@ struct CountInCells {
     // A key outside the cells must not corrupt memory, so it drops the particle like -1.
     const int c = k >= 0 && k < cells ? k : cells;
     cell[i] = c;
-    rank[i] = countOne(counts.data, c);
+    rank[i] = atomicAdd(&counts[c], 1);
   }
 };
 

@@ -65,10 +65,11 @@ struct CodeSearch {
     if (i % kListGroup == 0) lists().groups[i / kListGroup] = group;
 
     Found found{own.at, own.at + 2 * static_cast<unsigned>(find.writer.capacity), 0};
-    for (int k = 0; k < (around.wraps() ? kRanges : kRows); ++k) {
-      const int layer = k % kRows / 3;
+    for (int k = 0; k < (around.wraps() ? 2 * kWindows : kWindows); ++k) {
+      const int layer = k % kWindows;
       const int shift = layer == 0 ? group.shift[0] : (layer == 1 ? group.shift[1] : group.shift[2]);
-      searchRange(p, static_cast<int>(i), own.load32(rangesAt() + 4 * k), shift, found);
+      for (int row = 0; row < 3; ++row)
+        searchRange(p, static_cast<int>(i), own.load32(rangesAt() + 4 * (3 * k + row)), shift, found);
     }
     find.writer.crowding[i] = found.crowd;
     const int count = static_cast<int>(found.next - own.at) / 2;
