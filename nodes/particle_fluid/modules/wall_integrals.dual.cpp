@@ -158,13 +158,16 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
                            walls.d.view(),
                            walls.sides.view()};
 #ifdef WEIR_HAS_LANES
-  std::vector<BoxBlocks> blocks;
-  for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
-  parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
-#else
+  if constexpr (!std::is_same_v<Backend, CudaDevice>) {
+    std::vector<BoxBlocks> blocks;
+    for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
+    parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
+    takeOutHiddenNeighbors(device, fluid);
+    return;
+  }
+#endif
   constexpr TeamPlan kPlan{32, 1 << 17};
   parallelForTeams(device, kName, walls.nearCount(), kPlan, find);
-#endif
   takeOutHiddenNeighbors(device, fluid);
 }
 
