@@ -82,7 +82,10 @@ struct OrderInCells {
   }
 };
 
-/// Other back ends need no other way for few particles.
+/// Sorts few particles in another way and returns true, where a back end has one.
+template <class Key>
+bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
+             const ScatterToCells& scatter, const OrderInCells& ordering, int* kept);
 template <class Key>
 bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const ScatterToCells&, const OrderInCells&, int*) {
   return false;

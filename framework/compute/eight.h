@@ -162,16 +162,18 @@ void forEachRange(CpuBackend& device, std::string_view name, Count count, const 
 template <class Backend, class F>
 void parallelForEights(Backend& device, std::string_view name, Count count, const F& f) {
 #ifdef WEIR_HAS_EIGHT
-  forEachRange(device, name, count, [&](std::int64_t begin, std::int64_t end) {
-    // A copy whose address nobody has, see parallelFor.
-    const F kernel = f;
-    std::int64_t i = begin;
-    for (; i + kEight <= end; i += kEight) kernel(Eight{i});
-    for (; i < end; ++i) kernel(i);
-  });
-#else
-  parallelFor(device, name, count, f);
+  if constexpr (!std::is_same_v<Backend, CudaDevice>) {
+    forEachRange(device, name, count, [&](std::int64_t begin, std::int64_t end) {
+      // A copy whose address nobody has, see parallelFor.
+      const F kernel = f;
+      std::int64_t i = begin;
+      for (; i + kEight <= end; i += kEight) kernel(Eight{i});
+      for (; i < end; ++i) kernel(i);
+    });
+    return;
+  }
 #endif
+  parallelFor(device, name, count, f);
 }
 
 }  // namespace weir

@@ -2,34 +2,35 @@
 // near a particle, the way of a particle along a wall.
 #pragma once
 
+#include <type_traits>
+
 #include "framework/compute/parallel.h"
 
 namespace weir {
 
 /// parallelFor, or with a plan parallelForTeams, for few and costly elements. Where parallelFor would keep
 /// them on one thread of the CPU or give thousands to each, all threads take a few at a time.
-template <class F>
-void parallelForUneven(CpuBackend& device, std::string_view name, Count count, const F& f) {
-  constexpr std::int64_t kTurns = 32;  // of a thread
-  constexpr std::int64_t kFewest = 4, kMost = 64;
-  const KernelScope scope(device.profiler(), name);
-  const std::int64_t n = count.get();
-  const std::int64_t grain = std::clamp(n / (kTurns * device.threads()), kFewest, kMost);
-  detail::forRanges(device, n, grain, [&f](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) f(i);
-  });
+template <class Backend, class F>
+void parallelForUneven(Backend& device, std::string_view name, Count count, const F& f) {
+  if constexpr (std::is_same_v<Backend, CudaDevice>) {
+    parallelFor(device, name, count, f);
+  } else {
+    constexpr std::int64_t kTurns = 32;  // of a thread
+    constexpr std::int64_t kFewest = 4, kMost = 64;
+    const KernelScope scope(device.profiler(), name);
+    const std::int64_t n = count.get();
+    const std::int64_t grain = std::clamp(n / (kTurns * device.threads()), kFewest, kMost);
+    detail::forRanges(device, n, grain, [&f](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t i = begin; i < end; ++i) f(i);
+    });
+  }
 }
-template <class F>
-void parallelForUneven(CpuBackend& device, std::string_view name, Count count, TeamPlan, const F& f) {
-  parallelForUneven(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
-}
-template <class F>
-void parallelForUneven(CudaDevice& device, std::string_view name, Count count, const F& f) {
-  parallelFor(device, name, count, f);
-}
-template <class F>
-void parallelForUneven(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
-  parallelForTeams(device, name, count, plan, f);
+template <class Backend, class F>
+void parallelForUneven(Backend& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
+  if constexpr (std::is_same_v<Backend, CudaDevice>)
+    parallelForTeams(device, name, count, plan, f);
+  else
+    parallelForUneven(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
 }
 
 }  // namespace weir

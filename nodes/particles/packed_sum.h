@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tuple>
+#include <type_traits>
 
 #include "framework/compute/eight.h"
 #include "nodes/particles/packed_lists.h"
@@ -107,15 +108,11 @@ WEIR_HD inline T sumPackedInTeam(const TeamIndex& at, int count, const PackedLis
   return sumOf(at.team, sum);
 }
 
-#ifdef __CUDACC__
-
 template <class F>
 struct CallWithTeamIndex {
   F f;
-  __device__ void operator()(std::int64_t i, const Team& team) const { f(TeamIndex{i, team}); }
+  WEIR_HD void operator()(std::int64_t i, const Team& team) const { f(TeamIndex{i, team}); }
 };
-
-#endif
 
 }  // namespace detail
 
@@ -123,11 +120,11 @@ struct CallWithTeamIndex {
 /// idle and a thread would wait for each of its neighbours in turn, f(TeamIndex) by teams.
 template <class Backend, class F>
 void parallelForSums(Backend& device, std::string_view name, Count count, const F& f) {
-#ifdef __CUDACC__
-  constexpr TeamPlan kPlan{8, 1 << 15};
-  if (count.bound <= kPlan.few)
-    return parallelForTeams(device, name, count, kPlan, detail::CallWithTeamIndex<F>{f});
-#endif
+  if constexpr (std::is_same_v<Backend, CudaDevice>) {
+    constexpr TeamPlan kPlan{8, 1 << 15};
+    if (count.bound <= kPlan.few)
+      return parallelForTeams(device, name, count, kPlan, detail::CallWithTeamIndex<F>{f});
+  }
   parallelForEights(device, name, count, f);
 }
 

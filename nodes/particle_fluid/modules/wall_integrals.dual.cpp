@@ -1,7 +1,5 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
-#include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "framework/compute/parallel_uneven.h"
@@ -127,19 +125,6 @@ struct FindIntegralsByBlocks {
 
 #endif
 
-template <class Backend>
-void integrate(Backend& device, std::string_view name, Count count, const FindIntegrals& find) {
-#ifdef WEIR_HAS_LANES
-  if constexpr (std::is_base_of_v<CpuBackend, Backend>) {
-    std::vector<BoxBlocks> blocks;
-    for (std::int64_t k = 0; k < find.solids.size; ++k) blocks.emplace_back(device, find.solids[k].tree);
-    return parallelForUneven(device, name, count, FindIntegralsByBlocks{find, blocks.data()});
-  }
-#endif
-  constexpr TeamPlan kPlan{32, 1 << 17};
-  parallelForTeams(device, name, count, kPlan, find);
-}
-
 }  // namespace
 
 template <class Backend>
@@ -172,7 +157,17 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
                            several ? walls.total.view() : ArrayView<Vec4f>{},
                            walls.d.view(),
                            walls.sides.view()};
-  integrate(device, kName, walls.nearCount(), find);
+#ifdef WEIR_HAS_LANES
+  if constexpr (!std::is_same_v<Backend, CudaDevice>) {
+    std::vector<BoxBlocks> blocks;
+    for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
+    parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
+    takeOutHiddenNeighbors(device, fluid);
+    return;
+  }
+#endif
+  constexpr TeamPlan kPlan{32, 1 << 17};
+  parallelForTeams(device, kName, walls.nearCount(), kPlan, find);
   takeOutHiddenNeighbors(device, fluid);
 }
 
