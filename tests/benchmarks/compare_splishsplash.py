@@ -143,7 +143,7 @@ def as_incompressible_as(tolerance):
     """Settings of a fluid that can have, and is iterated to, at most this mean compression."""
     return [f"water.bulk_modulus={max(1e6, PRESSURE / tolerance):.3g}",
             f"water.solver.tolerance={max(1e-6, tolerance):.3g}", f"water.solver.iterations={MOST_ITERATIONS}",
-            "water.solver.acceleration=nesterov", "water.solver.neighbor_searches=1"]
+            "water.solver.acceleration=anderson", "water.solver.neighbor_searches=1"]
 
 
 def table(results):
