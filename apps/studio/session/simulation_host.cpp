@@ -58,8 +58,10 @@ void SimulationHost::post(Task task) {
 
 void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
   // A std::function must be copyable.
-  post([this, scene = std::make_shared<std::unique_ptr<Scene>>(std::move(scene)),
-        device = std::move(device)] { takeScene(std::move(*scene), device); });
+  post([this, scene = std::make_shared<std::unique_ptr<Scene>>(std::move(scene)), device = std::move(device),
+        number = ++loads_] {
+    if (number == loads_) takeScene(std::move(*scene), device);
+  });
 }
 void SimulationHost::play() {
   post([this] { go(std::nullopt); });

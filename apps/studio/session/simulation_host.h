@@ -53,7 +53,8 @@ class SimulationHost {
 
   // From any thread; each returns at once.
 
-  /// Takes another scene and resets it on a device, "auto", "cpu", "cuda:0". What was before is gone.
+  /// Takes another scene and resets it on a device, "auto", "cpu", "cuda:0". What was before is gone, and a
+  /// scene that was still waiting for its turn is passed over.
   void load(std::unique_ptr<Scene> scene, std::string device);
   void play();
   void pause();
@@ -89,7 +90,8 @@ class SimulationHost {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Task> tasks_;
-  std::atomic<bool> stop_ = false;  // a task waits, or it is to end
+  std::atomic<bool> stop_ = false;       // a task waits, or it is to end
+  std::atomic<std::int64_t> loads_ = 0;  // so far
 
   // The rest belongs to the thread.
   std::unique_ptr<Device> device_;
