@@ -53,9 +53,6 @@ inline Mask either(const Mask& a, const Mask& b) {
 inline Mask notSo(const Mask& a) {
   return {~a.v};
 }
-inline bool any(const Mask& mask) {
-  return mask.bits() != 0;
-}
 inline unsigned bitsOfMask(const Mask& mask) {
   return mask.bits();
 }
@@ -231,9 +228,6 @@ WEIR_HD inline Mask either(Mask a, Mask b) {
 }
 WEIR_HD inline Mask notSo(Mask a) {
   return !a;
-}
-WEIR_HD inline bool any(Mask mask) {
-  return mask;
 }
 WEIR_HD inline unsigned bitsOfMask(Mask mask) {
   return mask ? 1 : 0;
