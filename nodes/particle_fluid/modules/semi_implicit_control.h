@@ -44,6 +44,7 @@ struct SolverControl {
   int begun = 0;            // passes of this step
   int advance = 0;          // whether the next pass is another stage
   int over = 0;             // whether there is no next pass
+  int surplus = 0;          // whether the present pass began when all was over
   int mostStages = 1;       // of all steps
   std::int64_t staged = 0;  // stages of all steps
 };

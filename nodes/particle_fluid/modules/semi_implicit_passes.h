@@ -62,6 +62,7 @@ struct BeginPass {
     // Where there are stages, the lists of the first pass, made at the predicted positions, are of no use.
     const bool idle = control->stages > 1 && control->begun == 0;
     control->done = idle || control->over ? 1 : 0;
+    control->surplus = control->over;
     ++control->begun;
     control->sinceRestart = 0;
     control->takesBack = 0;

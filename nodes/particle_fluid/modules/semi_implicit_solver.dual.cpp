@@ -545,8 +545,9 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
       controlSeen_->request(control_.data());
     }
     parallelForEights(device, "update", count, update);
-    // The host may hear of the end of a pass some iterations later.
-    const int* done = controlled() ? &control_.data()->done : nullptr;
+    // The host may hear of the end of a pass, and of all passes, some iterations later.
+    const Control* control = control_.data();
+    const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
     contain(device, fluid, done);
     record(fluid);
     if (!accelerated()) continue;
