@@ -18,6 +18,10 @@
 #include "framework/compute/host_memory.h"
 #include "framework/compute/memory_pool.h"
 
+// Of the address sanitizer's runtime, where a plugin that is built with it has brought it along.
+extern "C" __attribute__((weak)) void __asan_poison_memory_region(void const volatile* address,
+                                                                  std::size_t size);
+
 namespace weir {
 namespace {
 
@@ -47,6 +51,11 @@ void* allocateOnHost(std::size_t bytes) {
   }
   void* memory = ::operator new(bytes + kRoomBehind, kAlignment, std::nothrow);
   adviseHugePages(memory, bytes);
+#ifndef __SANITIZE_ADDRESS__
+  // The room is for our own kernels, which are not watched then; a plugin that writes there is.
+  if (memory != nullptr && __asan_poison_memory_region != nullptr)
+    __asan_poison_memory_region(static_cast<char*>(memory) + bytes, kRoomBehind);
+#endif
   return memory;
 }
 

@@ -107,7 +107,7 @@ cat >"$folder/bounds/scene.json" <<'TEXT'
   "links": [ "drop.particles -> water.initial" ] }
 TEXT
 build_and_test "$folder/bounds" -DWEIR_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=address
-fails_with 1 "heap-buffer-overflow" env LD_PRELOAD="$("${CXX:-g++}" -print-file-name=libasan.so)" \
+fails_with 1 "ERROR: AddressSanitizer" env LD_PRELOAD="$("${CXX:-g++}" -print-file-name=libasan.so)" \
   ASAN_OPTIONS=detect_leaks=0 "$weir/bin/weir" run "$folder/bounds/scene.json" --device cpu --frames 1 --quiet \
   --plugin "$folder/bounds/build/plugins/weir_out_of_bounds.so"
 grep -q "out_of_bounds.cpp" "$folder/err" || fail "the sanitizer does not name the place"

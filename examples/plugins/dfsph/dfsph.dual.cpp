@@ -62,7 +62,7 @@ struct FindDiagonal {
     float d = sum.w + dot(fluid, fluid);
     if (!walls.empty()) {
       const Vec3f wall = walls.gradient(i);
-      lambda += walls.phi(i, {});
+      lambda += walls.phi(i, Vec3f{});
       const float both = dot(fluid + wall, fluid + 2 * wall);
       d = sum.w + (both > 0 ? both : 0.0f);
     }
