@@ -72,11 +72,15 @@ def on_files(files, config):
     return files
 
 
+PICTURES = {".jpg", ".png", ".gif"}
+
+
 def add_file_page(path):
-    """A page with the text of a file of the repository, or with the list of a folder, whose files get pages, too."""
+    """A page with the text of a file of the repository, or with the list of a folder, whose texts get pages, too."""
     source = ROOT / path
     if source.is_dir():
-        inner = sorted(p.relative_to(ROOT).as_posix() for p in source.rglob("*") if p.is_file() and "build" not in p.parts)
+        inner = sorted(p.relative_to(ROOT).as_posix() for p in source.rglob("*")
+                       if p.is_file() and "build" not in p.parts and p.suffix not in PICTURES)
         links = [f"- [{p}]({posixpath.relpath(page_of(p), posixpath.dirname(page_of(path)))})" for p in inner]
         made[page_of(path)] = f"# {path}\n\n" + "\n".join(links) + "\n"
         for p in inner:
