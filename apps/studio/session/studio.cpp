@@ -8,6 +8,7 @@
 #include "apps/studio/session/templates.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
+#include "framework/compute/device.h"
 
 namespace weir::studio {
 
@@ -338,8 +339,12 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
 
 void Studio::reset(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
-  if (const Value* device = message.find("device"); device != nullptr && device->isString())
-    device_ = device->asString();
+  if (message.find("device") != nullptr) {
+    const std::string device = textMember(message, "device");
+    // Kept only if it can be used: who names none gets the last one.
+    if (device != device_) (void)openDevice(device, options_.threads);
+    device_ = device;
+  }
   const std::string folder = (folder_.root() / fs::path(path_).parent_path()).string();
   CheckedScene checked = checkScene(scene_, path_, folder, registry_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());

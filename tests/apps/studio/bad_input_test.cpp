@@ -60,11 +60,18 @@ class BadInputTest : public testing::Test {
     EXPECT_EQ(answer.find("result")->find("problem"), nullptr) << writeJsonLine(answer);
   }
   /// Whether the good scene can be run.
-  static bool runsOn(const Socket& socket) {
+  static testing::AssertionResult runsOn(const Socket& socket) {
     edit(socket, [](Value& scene) { scene["world"]["duration"] = 0.02; });
-    socket.ask(R"({"id": 41, "do": "run.reset"})");
+    const Value reset = socket.ask(R"({"id": 41, "do": "run.reset"})");
+    if (reset.find("result") == nullptr) return testing::AssertionFailure() << writeJsonLine(reset);
     socket.sendText(R"({"id": 42, "do": "run.play"})");
-    return !socket.state("finished").isNull();
+    std::string last = "nothing";
+    const Value finished = socket.event("status", [&](const Value& status) {
+      last = writeJsonLine(status);
+      return status.find("state")->asString() == "finished";
+    });
+    if (finished.isNull()) return testing::AssertionFailure() << "the last that was told: " << last;
+    return testing::AssertionSuccess();
   }
 
   test::TemporaryFolder folder, outside;

@@ -105,6 +105,19 @@ TEST_F(StudioTest, OneWindowHasThePen) {
   EXPECT_EQ(set.find("result")->find("problem")->find("pointer")->asString(), "/nodes/x/type");
 }
 
+TEST_F(StudioTest, ADeviceThatCannotBeUsedIsRefusedAndTheLastOneStays) {
+  const Socket socket = studio->socket();
+  for (const char* device : {R"("cpw")", R"("")", R"("cuda:99999")", "7", "null"}) {
+    const Value answer = socket.ask(std::string(R"({"id": 1, "do": "run.reset", "device": )") + device + "}");
+    ASSERT_NE(answer.find("error"), nullptr) << device;
+    EXPECT_FALSE(answer.find("error")->find("allowed")->asString().empty()) << device;
+  }
+  EXPECT_EQ(socket.ask(R"({"id": 2, "do": "hello"})").find("result")->find("device")->asString(), "cpu");
+  EXPECT_EQ(socket.ask(R"({"id": 3, "do": "run.reset"})").find("result")->find("device")->asString(), "cpu");
+  socket.sendText(R"({"id": 4, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
+}
+
 TEST_F(StudioTest, OutlivesMessagesWithoutSense) {
   const Socket socket(port, head("GET /api/live", bearer()));
   const std::string good = R"({"id": 7, "do": "scene.set", "scene": {"weir": 1, "nodes": {}, "links": []}})";
