@@ -8,17 +8,10 @@
 namespace weir::studio {
 namespace {
 
-constexpr const char* kScene = R"({
-  "weir": 1, "world": { "duration": 0.04, "frame_rate": 100 },
-  "nodes": { "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
-             "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } } },
-  "links": ["block.particles -> water.initial"]
-})";
-
 class StudioTest : public testing::Test {
  protected:
   StudioTest() {
-    folder.write("scene.json", kScene);
+    folder.write("scene.json", kBriefScene);
     StudioOptions options;
     options.folder = folder.path();
     options.page = folder / "page";
@@ -87,6 +80,16 @@ TEST_F(StudioTest, RunsASceneAndStreamsItsFrames) {
   }
   EXPECT_GE(frames, 2);
   EXPECT_LE(frames, 5);
+}
+
+TEST_F(StudioTest, EachStepIsAFrameHoweverQuicklyTheyCome) {
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  for (int i = 0; i < 3; ++i) socket.sendText(R"({"id": 2, "do": "run.step"})");
+  const Value status = socket.event("status", [](const Value& data) {
+    return data.find("state")->asString() == "paused" && *data.find("frame") != Value(0);
+  });
+  EXPECT_EQ(status.find("frame")->asInt(), 3);
 }
 
 TEST_F(StudioTest, OneWindowHasThePen) {
