@@ -130,7 +130,7 @@ def judged(options, device, out, drawn, say):
     done = []
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
-                options.jobs) as lab:  # left first: the checks of a run that failed wait for no others
+                options.jobs, drawn) as lab:  # left first: the checks of a run that failed wait for no others
         begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
         outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
         for check in options.checks:

@@ -136,7 +136,9 @@ class Checks(unittest.TestCase):
             self.assertTrue(lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True).stats)
             self.assertFalse(left.exists())
             self.assertEqual(lab.machine, "none")
-
+            self.assertIn("--images", lab.run("drop/1", "validation/drop", pictures=True).stats["seen"])
+            undrawn = Lab(stand_in, Path(folder) / "out", "cpu", 2, False, lambda text: None, pictures=False)
+            self.assertNotIn("--images", undrawn.run("drop/1", "validation/drop", pictures=True).stats["seen"])
 
     def test_runs_are_made_at_once_and_waited_for_where_they_are_looked_at(self):
         with tempfile.TemporaryDirectory() as folder:
