@@ -9,11 +9,11 @@
 // is the smallest, were f linear. tr is the trace of the Gram matrix of the differences of residuals, and
 // ε = 1e-10 keeps differences that are nearly parallel from getting huge weights. Sums are of doubles.
 //
-// The residuals of the softest modes are a thousandth of how far these are from the end and less, so in
-// floats noise drowns them long before: from there on the best mixtures are means of noise, and lead on no
-// faster than plain iterations (to 1e-4 m in 4,000 of them, where in double 350 would do). So when a mixture
-// lowers the objective by no more than its rounding, the rest of the pass goes on with Nesterov's momentum,
-// which looks at no residuals: a mixture, too, with γ_1 = −k/(k + 3) alone.
+// The residual of a soft mode is a thousandth of how far it is from its end, or less. In floats noise of the
+// positions drowns it long before that end: from there on the best mixtures are means of noise, and lead on
+// no faster than plain iterations. So when a mixture lowers the objective by no more than its rounding, the
+// rest of the pass goes on with Nesterov's momentum, which looks at no residuals: it is a mixture, too, with
+// γ_1 = −k/(k + 3) alone.
 //
 // What the displacement is made of, as the share of walls in it, is combined in the same way. Restarts and
 // the judgement whether an iterate is to be taken back are the solver's, see SolverControl.
