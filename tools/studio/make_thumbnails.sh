@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 # thumbnail NAME PICTURE
 thumbnail() {
   for quality in 4 6 8 11 15 20; do
-    ffmpeg -v error -y -i "$2" -vf "scale=240:135:force_original_aspect_ratio=increase:flags=area,crop=240:135" \
+    ffmpeg -v error -y -i "$2" -vf "scale=240:135:force_original_aspect_ratio=increase:flags=area,crop=240:135:exact=1" \
       -frames:v 1 -q:v $quality "$to/$1.jpg"
     [ "$(wc -c < "$to/$1.jpg")" -gt 10000 ] || return 0
   done

@@ -15,6 +15,7 @@ try {
   const { browser, page } = await openPage(server.address, { width: 1920, height: 1080, colorScheme: "light" });
   const hands = new Hands(page);
   const shoot = async (name, node) => {
+    await page.getByRole("button", { name: "Fit", exact: true }).click();
     await hands.arrange();
     await hands.select(node);
     await page.screenshot({ path: join(folder, `${name}.jpg`), type: "jpeg", quality: kQuality });
