@@ -22,8 +22,8 @@ struct CellKey {
 
   WEIR_HD int operator()(std::int64_t i) const {
     if (i == 0) *blocksWanted = 0;
-    const Vec3f p = positions[i];
-    if (!isFinite(p) || !isFinite(velocities[i])) {
+    const Vec3f p = positions[i], v = velocities[i];
+    if (!isFinite(p) || !isFinite(v)) {
       atomicAdd(nonFinite, 1);
       return -1;
     }
