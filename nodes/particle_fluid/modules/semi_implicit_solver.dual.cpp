@@ -28,9 +28,11 @@ struct EnergyDerivative {
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
   ArrayView<float> excess;  // empty where nobody asks for it
+  const int* done = nullptr;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
+    if (done != nullptr && *done) return;
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
     const auto e = excessOf(lambda, tension);
@@ -416,16 +418,16 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   const FluidConstants& c = fluid.constants;
   const ArrayView<const Vec3f> predicted = fluid.particles.positions().view();
   const PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_);
-  const EnergyDerivative derivative{fluid.neighbors.view(),
-                                    c.kernel,
-                                    c.particleVolume,
-                                    bulkEnergy_,
-                                    tension,
-                                    fluid.walls.view(),
-                                    displacement(fluid).view(),
-                                    state_.view(),
-                                    weighted(fluid).view(),
-                                    excess_.view()};
+  EnergyDerivative derivative{fluid.neighbors.view(),
+                              c.kernel,
+                              c.particleVolume,
+                              bulkEnergy_,
+                              tension,
+                              fluid.walls.view(),
+                              displacement(fluid).view(),
+                              state_.view(),
+                              weighted(fluid).view(),
+                              excess_.view()};
   const Measure measure{bulkEnergy_,
                         stiffnessOf(fluid),
                         displacement(fluid).view(),
@@ -459,6 +461,9 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
+    // Walls may have moved particles since the pass was done, and what was found before that counts; how many
+    // iterations come until the host hears of the end must not.
+    if (controlled() && k > 0) derivative.done = &control_.data()->done;
     parallelForEights(device, "density", count, derivative);
     if (searches())
       parallelForEights(device, "propose", count,
