@@ -35,10 +35,15 @@ std::vector<std::string> pluginArguments(int argc, char** argv) {
   return files;
 }
 
-/// As it was typed, but for the folder of the program.
+/// As it was typed, but for the folder of the program and where results go (--json).
 std::string commandLine(int argc, char** argv) {
+  constexpr std::string_view kOutput = "--json";
   std::string text = "weir";
-  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == kOutput) ++i;
+    if (!word.starts_with(kOutput)) text.append(" ").append(word);
+  }
   return text;
 }
 

@@ -92,6 +92,10 @@ std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevic
   unreachable();
 }
 
+std::unique_ptr<detail::Moment> detail::makeCudaMoment(CudaDevice&) {
+  unreachable();
+}
+
 }  // namespace weir
 
 #endif

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "framework/compute/frame_copy.h"
 #include "framework/compute/host_copy.h"
 #include "framework/compute/readback.h"
 
@@ -18,5 +19,6 @@ CudaProbe probeCuda();
 
 std::unique_ptr<ReadbackSlot> makeCudaReadbackSlot(CudaDevice& device, std::size_t bytes);
 std::unique_ptr<HostCopyMemory> makeCudaHostCopyMemory(CudaDevice& device);
+std::unique_ptr<Moment> makeCudaMoment(CudaDevice& device);
 
 }  // namespace weir::detail

@@ -84,6 +84,13 @@ class CpuHostCopyMemory final : public detail::HostCopyMemory {
   std::unique_ptr<std::byte[]> bytes_;
 };
 
+/// What the CPU was asked for is done when the call returns.
+class CpuMoment final : public detail::Moment {
+ public:
+  void set() override {}
+  void letWait(Device&) override {}
+};
+
 }  // namespace
 
 Device::Device(DeviceKind kind, std::string name) : kind_(kind), name_(std::move(name)) {}
@@ -130,6 +137,17 @@ std::unique_ptr<detail::ReadbackSlot> detail::makeReadbackSlot(Device& device, s
 std::unique_ptr<detail::HostCopyMemory> detail::makeHostCopyMemory(Device& device) {
   if (device.kind() == DeviceKind::kCpu) return std::make_unique<CpuHostCopyMemory>();
   return makeCudaHostCopyMemory(static_cast<CudaDevice&>(device));
+}
+
+std::unique_ptr<detail::Moment> detail::makeMoment(Device& device) {
+  if (device.kind() == DeviceKind::kCpu) return std::make_unique<CpuMoment>();
+  return makeCudaMoment(static_cast<CudaDevice&>(device));
+}
+
+bool detail::hasRoomBeside(const Device& device, std::size_t bytes) {
+  if (device.kind() == DeviceKind::kCpu) return true;
+  const std::size_t available = device.availableMemory();
+  return bytes <= available && available - bytes >= device.memoryUse().inUse;
 }
 
 }  // namespace weir

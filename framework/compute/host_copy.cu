@@ -90,10 +90,45 @@ class CudaHostCopyMemory final : public detail::HostCopyMemory {
   void *bytes_ = nullptr, *staging_ = nullptr;
 };
 
+class CudaMoment final : public detail::Moment {
+ public:
+  explicit CudaMoment(CudaDevice& device) : device_(device), index_(device.index()) {
+    makeCurrent(device_);
+    device_.check(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "frame copy");
+  }
+  ~CudaMoment() override {
+    static_cast<void>(cudaSetDevice(index_));
+    static_cast<void>(cudaEventDestroy(event_));
+  }
+
+  void set() override {
+    makeCurrent(device_);
+    device_.check(cudaEventRecord(event_, device_.stream()), "frame copy");
+  }
+
+  // The device is at work for another thread: errors are the reader's.
+  void letWait(Device& reader) override {
+    const auto& cuda = static_cast<CudaDevice&>(reader);
+    makeCurrent(cuda);
+    cuda.check(cudaStreamWaitEvent(cuda.stream(), event_, 0), "frame copy");
+  }
+
+ private:
+  void makeCurrent(const CudaDevice& device) const { device.check(cudaSetDevice(index_), "frame copy"); }
+
+  CudaDevice& device_;
+  int index_;
+  cudaEvent_t event_ = nullptr;
+};
+
 }  // namespace
 
 std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevice& device) {
   return std::make_unique<CudaHostCopyMemory>(device);
+}
+
+std::unique_ptr<detail::Moment> detail::makeCudaMoment(CudaDevice& device) {
+  return std::make_unique<CudaMoment>(device);
 }
 
 }  // namespace weir

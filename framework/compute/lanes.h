@@ -285,10 +285,14 @@ inline HalfLanes rowOf(const Vec4f& element) {
   return row;
 }
 inline HalfLanes rowOf(const Vec3f& element) {
+#ifdef __SANITIZE_ADDRESS__
+  return HalfLanes{element.x, element.y, element.z, 0};
+#else
   // Four numbers, where there are only three at the end of an array: devices leave room behind it.
   HalfLanes row;
   __builtin_memcpy(&row, &element.x, sizeof row);
   return row;
+#endif
 }
 
 /// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.

@@ -31,4 +31,10 @@ std::string hookText(std::string_view what, std::string_view hook, std::string_v
   return text.append(hook).append(text.empty() ? "(" : " (").append(source).append(")");
 }
 
+void GuardedPart::call(std::string_view hook, const std::function<void()>& f) const {
+  constexpr bool kFilesSayEnough = true;
+  callGuarded(
+      source, [&] { return hookText(what, hook, source); }, f, kFilesSayEnough);
+}
+
 }  // namespace weir

@@ -21,4 +21,12 @@ void callGuarded(std::string_view source, const std::function<std::string()>& pa
 /// "step (plugin lift)", or "module 'lift', step (plugin lift)": a hook of `what`, which may be "".
 std::string hookText(std::string_view what, std::string_view hook, std::string_view source);
 
+/// What stands behind an interface to files, such as "checkpoints 'hdf5'", and which library it comes from.
+struct GuardedPart {
+  std::string what, source;
+
+  /// Calls f, which is `hook` of this part, by callGuarded; errors that name a file pass as they are.
+  void call(std::string_view hook, const std::function<void()>& f) const;
+};
+
 }  // namespace weir

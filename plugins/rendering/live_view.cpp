@@ -66,7 +66,7 @@ class Watcher final : public LiveRenderer {
     }
     {
       const std::lock_guard lock(mutex_);
-      if (still_) scene.still = std::move(still_);
+      scene.still = std::exchange(still_, nullptr);
     }
     View view = view_->of(scene);
     view.width = options.width;
@@ -87,8 +87,8 @@ class Watcher final : public LiveRenderer {
   const Device& device_;         // of which only the kind is looked at
   SceneCapture capture_;
   std::mutex mutex_;
-  std::unique_ptr<StillScene> still_;       // on its way to the view
-  std::unique_ptr<gl::Renderer> renderer_;  // made where it draws, as that takes a moment
+  std::shared_ptr<const StillScene> still_;  // on its way to the view
+  std::unique_ptr<gl::Renderer> renderer_;   // made where it draws, as that takes a moment
   std::optional<SceneView> view_;
   Overlay overlay_;
   std::optional<VideoWriter> video_;

@@ -28,8 +28,8 @@ std::filesystem::path fontFolder() {
 std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
   std::unique_ptr<gl::Context> context = gl::makeContext();
   const bool draws = device.kind() == DeviceKind::kCuda || context->isSoftware();
-  return std::make_unique<gl::Renderer>(std::move(context), draws ? sibling(device) : nullptr,
-                                        gl::ComputeShare::kWhatCanBe);
+  return std::make_unique<gl::Renderer>(std::move(context), sibling(device),
+                                        draws ? gl::ComputeShare::kWhatCanBe : gl::ComputeShare::kNothing);
 }
 
 }  // namespace weir::rendering

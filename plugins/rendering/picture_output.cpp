@@ -31,19 +31,16 @@ decltype(auto) measured(double& seconds, F&& work) {
   return work();
 }
 
-class Pictures final : public Observer {
+/// What one camera sees. All but write() and writeParts() are called as an Observer's.
+class Pictures {
  public:
   /// By the first camera, or by one of the others.
   explicit Pictures(OutputPaths paths, std::optional<std::size_t> camera = std::nullopt)
       : paths_(std::move(paths)), camera_(camera) {}
 
-  std::string name() const override { return "pictures"; }
+  void begin(Simulation& simulation) { begin(simulation, 0, std::nullopt); }
 
-  void begin(Simulation& simulation) override { begin(simulation, 0, std::nullopt); }
-
-  std::string_view stateName() const override { return "pictures"; }
-
-  void save(const StateWriter& to) override {
+  void save(const StateWriter& to) {
     if (images_) images_->wait();
     to.put("frames", frames_);
     history_->save(to.in("plots"));
@@ -58,7 +55,7 @@ class Pictures final : public Observer {
     video.put("encoder", std::span<const char>(state.encoder));
   }
 
-  void resume(Simulation& simulation, const StateReader& from) override {
+  void resume(Simulation& simulation, const StateReader& from) {
     std::int64_t frames = 0;
     from.get("frames", frames);
     const StateReader video = from.in(kVideo);
@@ -84,7 +81,6 @@ class Pictures final : public Observer {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
     settings_ = &settings;
     title_ = simulation.scene().title;
-    capture_.emplace(settings);
     history_.emplace(settings.plots, simulation.scene().world.duration);
     // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
     renderer_ = makeRenderer(simulation.device());
@@ -105,25 +101,21 @@ class Pictures final : public Observer {
     }
   }
 
-  std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
-    return capture_->at(simulation,
-                        std::unique_ptr<SceneSnapshot>(static_cast<SceneSnapshot*>(used.release())));
-  }
-
-  void write(Snapshot& snapshot) override {
-    auto& scene = static_cast<SceneSnapshot&>(snapshot);
+  void write(SceneSnapshot& scene) {
     if (made_) addStill(scene);
-    const View view = measured(viewing_, [&] { return view_->of(scene); });
+    // What the pictures are made of is looked at on the host.
+    const ParticlePlace place = made_ ? ParticlePlace::kHost : ParticlePlace::kWhereTheyAreDrawn;
+    const View view = measured(viewing_, [&] { return view_->of(scene, place); });
     history_->add(scene.time, scene.plotted);
     if (!made_ || !isThere(scene, view)) draw(scene, view);
     ++frames_;
   }
 
-  std::vector<OutputPart> writeParts() const override {
+  std::vector<OutputPart> writeParts() const {
     return {{"view", viewing_}, {"draw", drawing_}, {"label", labelling_}, {"hand_over", handingOver_}};
   }
 
-  void end(Simulation& simulation, RunEnd) override {
+  void end(Simulation& simulation) {
     if (images_) {
       if (there_ > 0 && images_->frameCount() != frames_) skipImages();
       images_->finish();
@@ -238,7 +230,6 @@ class Pictures final : public Observer {
   std::optional<std::size_t> camera_;
   const RenderSettings* settings_ = nullptr;
   std::string title_;
-  std::optional<SceneCapture> capture_;
   // From here on what write() uses.
   double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
   double frameRate_ = 0;                                                // of the run, where there is a video
@@ -255,7 +246,7 @@ class Pictures final : public Observer {
   std::int64_t there_ = 0;      // that have not been drawn again
 };
 
-/// What all cameras of a scene see: each has pictures of its own.
+/// What all cameras of a scene see: each has pictures of its own, of one copy of the frame.
 class SeveralCameras final : public Observer {
  public:
   explicit SeveralCameras(const OutputPaths& paths) : paths_(paths) {}
@@ -278,16 +269,11 @@ class SeveralCameras final : public Observer {
   }
 
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
-    std::unique_ptr<Snapshot> held = used ? std::move(used) : std::make_unique<AllSnapshots>();
-    auto& all = static_cast<AllSnapshots&>(*held).of;
-    all.resize(cameras_.size());
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-      all[i] = cameras_[i].pictures->capture(simulation, std::move(all[i]));
-    return held;
+    return capture_->at(simulation,
+                        std::unique_ptr<SceneSnapshot>(static_cast<SceneSnapshot*>(used.release())));
   }
   void write(Snapshot& snapshot) override {
-    auto& all = static_cast<AllSnapshots&>(snapshot).of;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].pictures->write(*all[i]);
+    for (const Camera& camera : cameras_) camera.pictures->write(static_cast<SceneSnapshot&>(snapshot));
   }
   std::vector<OutputPart> writeParts() const override {
     std::vector<OutputPart> sums;
@@ -300,11 +286,11 @@ class SeveralCameras final : public Observer {
     return sums;
   }
 
-  void end(Simulation& simulation, RunEnd how) override {
+  void end(Simulation& simulation, RunEnd) override {
     FirstError errors;
     for (const Camera& camera : cameras_) {
       try {
-        camera.pictures->end(simulation, how);
+        camera.pictures->end(simulation);
       } catch (...) {
         errors.keepCurrent();  // the others must be completed, too
       }
@@ -316,9 +302,6 @@ class SeveralCameras final : public Observer {
   struct Camera {
     std::string name;  ///< "" for the first one
     std::unique_ptr<Pictures> pictures;
-  };
-  struct AllSnapshots final : Snapshot {
-    std::vector<std::unique_ptr<Snapshot>> of;  ///< each camera
   };
 
   /// run.mp4 becomes run.NAME.mp4, and a folder the one of that name in it.
@@ -339,6 +322,7 @@ class SeveralCameras final : public Observer {
   template <class F>
   void start(const Simulation& simulation, const F& begin) {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
+    capture_.emplace(settings);
     cameras_.clear();
     cameras_.push_back({"", std::make_unique<Pictures>(paths_)});
     for (std::size_t i = 0; i < settings.cameras.size(); ++i) {
@@ -349,6 +333,7 @@ class SeveralCameras final : public Observer {
   }
 
   OutputPaths paths_;
+  std::optional<SceneCapture> capture_;
   std::vector<Camera> cameras_;
 };
 

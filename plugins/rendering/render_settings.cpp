@@ -62,12 +62,6 @@ ColorMap ColorSettings::colorMap() const {
   return ColorMap(colors);
 }
 
-bool ClipSettings::shows(const Vec3f& place) const {
-  const float above = dot(place - point, normalized(normal.get()));
-  const auto& thick = thickness.get();
-  return thick ? std::abs(above) <= 0.5f * *thick : above <= 0;
-}
-
 void ClipSettings::validate() const {
   if (length(normal.get()) == 0)
     throw sceneError("normal is [0, 0, 0]", "a direction").inParameter(normal.name());

@@ -176,8 +176,6 @@ class ClipSettings final : public Configurable {
        .min = 1e-9,
        .doc = "With it, only the slice of this thickness is shown that has the plane as its middle."}};
 
-  /// Whether a particle there is shown.
-  bool shows(const Vec3f& place) const;
   void validate() const override;
 };
 

@@ -23,19 +23,13 @@ Error unknownQuantity(const ParticleSet& particles, const std::string& name, con
   return e.at({.pointer = pointer});
 }
 
-template <class T>
-void start(HostCopy<T>& copy, const Array<T>& from, std::int64_t count) {
-  copy.resize(count);
-  copy.start(0, from.data(), count);
-}
-
 /// Asks for the numbers that colour the particles; returns their unit. `pointer`: where the scene file says
 /// which.
 std::string startColors(const ParticleSet& particles, const std::string& name, const std::string& pointer,
                         std::int64_t count, FluidSnapshot& to) {
   if (name == "speed") {
     to.colorType = AttributeType::kVec3;
-    start(to.vectors, particles.velocities(), count);
+    to.vectors.start(particles.velocities(), count);
     return "m/s";
   }
   const AttributeInfo* info = particles.find(name);
@@ -43,13 +37,13 @@ std::string startColors(const ParticleSet& particles, const std::string& name, c
   to.colorType = info->type;
   switch (info->type) {
     case AttributeType::kFloat:
-      start(to.floats, particles.get<float>(name), count);
+      to.floats.start(particles.get<float>(name), count);
       break;
     case AttributeType::kVec3:
-      start(to.vectors, particles.get<Vec3f>(name), count);
+      to.vectors.start(particles.get<Vec3f>(name), count);
       break;
     case AttributeType::kInt:
-      start(to.ints, particles.get<int>(name), count);
+      to.ints.start(particles.get<int>(name), count);
       break;
   }
   return info->unit;
@@ -70,10 +64,10 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   return snapshot;
 }
 
-std::unique_ptr<StillScene> SceneCapture::collectStill(const Simulation& simulation) {
+std::shared_ptr<const StillScene> SceneCapture::collectStill(const Simulation& simulation) {
   collected_ = true;
   checkNames(simulation);
-  auto still = std::make_unique<StillScene>();
+  auto still = std::make_shared<StillScene>();
   for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
     addSurface(**output, node, motionOf(*output), *still);
   for (const auto& node : simulation.scene().graph.nodes()) {
@@ -178,8 +172,8 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;
     to.spacing = fluid.constants->spacing;
-    start(to.positions, fluid.particles->positions(), count);
-    if (settings_.arrows->spacing.get()) start(to.velocities, fluid.particles->velocities(), count);
+    to.positions.start(fluid.particles->positions(), count);
+    if (settings_.arrows->spacing.get()) to.velocities.start(fluid.particles->velocities(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.colorType = std::nullopt;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/compute/host_copy.h"
+#include "framework/compute/frame_copy.h"
 #include "framework/run/observer.h"
 #include "nodes/geometry/dynamic_mesh_copy.h"
 #include "nodes/particles/particle_set.h"
@@ -35,7 +35,7 @@ struct StillScene {
   std::optional<float> floor;  ///< height of the plane that is the ground, m
 };
 
-/// The particles of one fluid, on their way to the host. Of the three kinds of numbers that may colour them,
+/// The particles of one fluid, for the device that draws. Of the three kinds of numbers that may colour them,
 /// or whiten them, one is used at most.
 struct FluidSnapshot {
   explicit FluidSnapshot(Device& device)
@@ -46,11 +46,11 @@ struct FluidSnapshot {
   const FluidSettings* look = nullptr;  ///< null: spheres
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
-  HostCopy<Vec3f> positions;
-  HostCopy<Vec3f> velocities;  ///< if there are arrows
-  HostCopy<float> floats;
-  HostCopy<Vec3f> vectors;
-  HostCopy<int> ints;
+  FrameCopy<Vec3f> positions;
+  FrameCopy<Vec3f> velocities;  ///< if there are arrows
+  FrameCopy<float> floats;
+  FrameCopy<Vec3f> vectors;
+  FrameCopy<int> ints;
 };
 
 /// The surface of a fluid, on its way to the host.
@@ -74,19 +74,19 @@ class SceneSnapshot final : public Snapshot {
   std::vector<FluidSurfaceSnapshot> fluidSurfaces;
   std::vector<Pose> poses;  ///< of each surface of the still scene
   /// In the first snapshot of a run alone.
-  std::unique_ptr<StillScene> still;
+  std::shared_ptr<const StillScene> still;
 };
 
 class SceneCapture {
  public:
   explicit SceneCapture(const RenderSettings& settings) : settings_(settings) {}
 
-  /// The present frame; the particles are still on their way when it returns. `used` may be an earlier
+  /// The present frame; the device still copies it when this returns. `used` may be an earlier
   /// snapshot of this scene. Throws a scene Error if the settings name what the scene does not have.
   std::unique_ptr<SceneSnapshot> at(Simulation& simulation, std::unique_ptr<SceneSnapshot> used);
 
  private:
-  std::unique_ptr<StillScene> collectStill(const Simulation& simulation);
+  std::shared_ptr<const StillScene> collectStill(const Simulation& simulation);
   void addShape(const Shape& shape, const std::string& node, StillScene& still);
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "framework/base/check.h"
 #include "plugins/rendering/camera_path.h"
 #include "plugins/rendering/environment_file.h"
 #include "plugins/rendering/velocity_arrows.h"
@@ -13,31 +14,6 @@
 namespace weir::rendering {
 
 namespace {
-
-/// The numbers that colour the particles; none if they have one colour. The vector keeps its memory from
-/// frame to frame.
-void setColors(FluidSnapshot& fluid, std::vector<float>& to) {
-  to.clear();
-  if (!fluid.colorType) return;
-  switch (*fluid.colorType) {
-    case AttributeType::kFloat: {
-      const std::span<const float> numbers = fluid.floats.wait();
-      to.assign(numbers.begin(), numbers.end());
-      break;
-    }
-    case AttributeType::kVec3: {
-      const std::span<const Vec3f> vectors = fluid.vectors.wait();
-      to.resize(vectors.size());
-      std::transform(vectors.begin(), vectors.end(), to.begin(), [](const Vec3f& v) { return length(v); });
-      break;
-    }
-    case AttributeType::kInt: {
-      const std::span<const int> numbers = fluid.ints.wait();
-      to.assign(numbers.begin(), numbers.end());
-      break;
-    }
-  }
-}
 
 /// The next of 1, 2, 5, 10, … times a power of ten that is not below x > 0.
 float roundUp(float x) {
@@ -47,17 +23,31 @@ float roundUp(float x) {
   return 10 * power;
 }
 
+Device& deviceOf(const gl::Renderer& renderer) {
+  WEIR_CHECK(renderer.device() != nullptr);
+  return *renderer.device();
+}
+
 }  // namespace
 
 SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer)
-    : settings_(settings), camera_(camera), renderer_(renderer), map_(settings.color->colorMap()) {
+    : settings_(settings),
+      camera_(camera),
+      renderer_(renderer),
+      device_(deviceOf(renderer)),
+      map_(settings.color->colorMap()),
+      cuts_(cutsOf(settings.clips)),
+      placeRoom_(device_),
+      velocityRoom_(device_),
+      placesOnHost_(device_),
+      velocitiesOnHost_(device_) {
   const EnvironmentSettings& environment = *settings.environment;
   if (environment.look == EnvironmentLook::kImage)
     image_ = readEnvironment(environment.image->resolved, environment.turn, environment.brightness);
 }
 
-View SceneView::of(SceneSnapshot& snapshot) {
-  if (snapshot.still) takeStill(*std::exchange(snapshot.still, nullptr));
+View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
+  if (snapshot.still) takeStill(*snapshot.still);
   View view;
   view.width = settings_.width;
   view.height = settings_.height;
@@ -82,6 +72,10 @@ View SceneView::of(SceneSnapshot& snapshot) {
   view.ground.radius = kGroundShare * length(box.size());
   addEnvironment(view);
   view.transparent = settings_.transparent;
+  // Ranges, bounds and what cameras follow are those of all particles.
+  for (std::size_t i = 0; i < view.particles.size() && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
+  const bool onDevice = place != ParticlePlace::kHost && renderer_.readsDevice(view);
+  for (std::size_t i = 0; i < view.particles.size(); ++i) shown_[i]->give(view.particles[i], onDevice);
   return view;
 }
 
@@ -99,7 +93,7 @@ void SceneView::addEnvironment(View& view) const {
   if (image_ && !environment.sun.isSet()) view.lighting.towardsSun = image_->towardsSun;
 }
 
-void SceneView::takeStill(StillScene& still) {
+void SceneView::takeStill(const StillScene& still) {
   for (const StillScene::Surface& surface : still.surfaces) {
     surfaces_.push_back({.mesh = renderer_.addMesh(surface.mesh),
                          .look = surface.look,
@@ -114,7 +108,7 @@ void SceneView::takeStill(StillScene& still) {
     for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);
     followedMiddle_ = box.center();
   }
-  lines_ = std::move(still.lines);
+  lines_ = still.lines;
   bounds_ = still.bounds;
   floor_ = still.floor;
   boundsAreStatic_ = !bounds_.empty() && length(bounds_.size()) > 0;
@@ -126,44 +120,34 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   key_.shown = false;
   key_.quantity = by;
   key_.unit = snapshot.colorUnit;
-  values_.resize(snapshot.fluids.size());
-  foam_.resize(snapshot.fluids.size());
+  while (shown_.size() < snapshot.fluids.size()) shown_.push_back(std::make_unique<ShownParticles>(device_));
   for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
     FluidSnapshot& fluid = snapshot.fluids[i];
-    const std::span<const Vec3f> positions = fluid.positions.wait();
     const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
     if (!water) key_.shown = settings_.color->bar && colored;
-    setColors(fluid, water ? foam_[i] : values_[i]);
-    view.particles.push_back({.positions = positions,
-                              .radius = 0.5f * settings_.particleSize * fluid.spacing,
+    shown_[i]->load(fluid, water ? fluid.look->foam->range.get() : std::optional<Vec2f>());
+    view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = map_,
                               .fixed = settings_.color->fixed});
     if (water) addWater(fluid, view);
-    if (boundsAreStatic_) continue;
-    for (const Vec3f& p : positions) bounds_.extend(p);
+    if (!boundsAreStatic_) bounds_.extend(shown_[i]->box());
   }
-  if (colored) chooseRange();
-  shown_.resize(view.particles.size());
+  if (colored) chooseRange(view);
   for (std::size_t i = 0; i < view.particles.size(); ++i) {
-    view.particles[i].values = values_[i];
-    if (!settings_.clips.empty()) shown_[i].choose(settings_.clips, view.particles[i]);
     view.particles[i].lowest = key_.low;
     view.particles[i].highest = key_.high;
   }
 }
 
 /// Makes a liquid of the particles that were added last.
-void SceneView::addWater(FluidSnapshot& fluid, View& view) {
+void SceneView::addWater(const FluidSnapshot& fluid, View& view) {
   const FluidSettings& look = *fluid.look;
-  std::vector<float>& foam = foam_[view.particles.size() - 1];
   ParticleView& particles = view.particles.back();
   // Larger than the spheres, so that the gaps between neighbours close.
   constexpr float kLarger = 1.5f;
   particles.radius *= kLarger;
   particles.volume = fluid.spacing * fluid.spacing * fluid.spacing;
   particles.water = view.waters.size();
-  for (float& value : foam) value = look.foam->whitenessOf(value);
-  particles.foam = foam;
   view.waters.push_back(waterView(*look.water, look.smoothing * fluid.spacing, look.foam->opacity));
 }
 
@@ -171,7 +155,8 @@ void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   const ArrowSettings& settings = *settings_.arrows;
   arrows_.clear();
   for (FluidSnapshot& fluid : snapshot.fluids)
-    addVelocityArrows(fluid.positions.wait(), fluid.velocities.wait(), settings_.clips,
+    addVelocityArrows(placesOnHost_.of(fluid.positions.on(device_, placeRoom_)),
+                      velocitiesOnHost_.of(fluid.velocities.on(device_, velocityRoom_)), cuts_,
                       *settings.spacing.get(), settings.seconds, view.camera.eye, arrows_);
   // With light rims, so that they can be seen on dark fluids.
   constexpr Color kRim{1, 1, 1, 0.75f};
@@ -196,7 +181,7 @@ void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
   }
 }
 
-void SceneView::chooseRange() {
+void SceneView::chooseRange(const View& view) {
   if (const auto& fixed = settings_.color->range.get()) {
     key_.low = fixed->x, key_.high = fixed->y;
     return;
@@ -204,12 +189,12 @@ void SceneView::chooseRange() {
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
   constexpr float kNone = std::numeric_limits<float>::infinity();
   float low = rangeFound_ ? key_.low : kNone, high = rangeFound_ ? key_.high : -kNone;
-  for (const std::vector<float>& values : values_)
-    for (const float v : values) {
-      if (!std::isfinite(v)) continue;
-      low = v < low ? v : low;
-      high = v > high ? v : high;
-    }
+  for (std::size_t i = 0; i < view.particles.size(); ++i) {
+    if (view.particles[i].water) continue;
+    const Vec2f range = shown_[i]->range();
+    low = std::min(low, range.x);
+    high = std::max(high, range.y);
+  }
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
   if (!(low <= high) || !grew) return;
   rangeFound_ = high > low;
@@ -232,23 +217,13 @@ CameraPose SceneView::restingCamera() const {
   return camera;
 }
 
-std::optional<Vec3f> SceneView::followedPlace(SceneSnapshot& snapshot) const {
+std::optional<Vec3f> SceneView::followedPlace(const SceneSnapshot& snapshot) {
   const std::string& name = camera_.follow;
   if (name.empty()) return std::nullopt;
   if (followedSurface_) return snapshot.poses[*followedSurface_].toWorld(followedMiddle_);
-  Vec3d sum;
-  std::int64_t count = 0;
-  for (FluidSnapshot& fluid : snapshot.fluids) {
-    if (fluid.node != name) continue;
-    for (const Vec3f& p : fluid.positions.wait()) {
-      if (!isFinite(p)) continue;
-      sum += Vec3d{p.x, p.y, p.z};
-      ++count;
-    }
-  }
-  if (count == 0) return std::nullopt;
-  const Vec3d middle = sum / static_cast<double>(count);
-  return Vec3f{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+  for (std::size_t i = 0; i < snapshot.fluids.size(); ++i)
+    if (snapshot.fluids[i].node == name) return shown_[i]->middle();
+  return std::nullopt;
 }
 
 }  // namespace weir::rendering

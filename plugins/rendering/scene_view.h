@@ -21,16 +21,22 @@ struct ColorKey {
   float low = 0, high = 1;  ///< values at the ends of the colour map
 };
 
+/// Where the particles of a view shall be.
+enum class ParticlePlace {
+  kWhereTheyAreDrawn,  ///< on the device if that draws the view, else on the host
+  kHost,
+};
+
 /// Views depend on the frames before, because ranges and bounds grow: snapshots must come in their order.
 class SceneView {
  public:
-  /// Gives its surfaces to the renderer, which must outlive it.
+  /// Gives its surfaces to the renderer, which must outlive it and have a device of the hardware that the
+  /// snapshots come from.
   /// Throws an io Error if a file that the settings name is wrong.
   SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer);
 
-  /// The view of a frame; it points to what this object and the snapshot hold until the next call. Waits
-  /// until the particles have arrived, and takes the still scene from the first snapshot.
-  View of(SceneSnapshot& snapshot);
+  /// The view of a frame; it points to what this object and the snapshot hold until the next call.
+  View of(SceneSnapshot& snapshot, ParticlePlace place = ParticlePlace::kWhereTheyAreDrawn);
   /// Of the view that was made last.
   const ColorKey& colorKey() const { return key_; }
   const ColorMap& colorMap() const { return map_; }
@@ -38,28 +44,31 @@ class SceneView {
   const EnvironmentImage* surroundings() const { return image_.get(); }
 
  private:
-  void takeStill(StillScene& still);
+  void takeStill(const StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
-  void addWater(FluidSnapshot& fluid, View& view);
+  void addWater(const FluidSnapshot& fluid, View& view);
   void addArrows(SceneSnapshot& snapshot, View& view);
   void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
-  void chooseRange();  // of values_
+  void chooseRange(const View& view);
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
-  std::optional<Vec3f> followedPlace(SceneSnapshot& snapshot) const;
+  std::optional<Vec3f> followedPlace(const SceneSnapshot& snapshot);
   CameraPose restingCamera() const;
   void addEnvironment(View& view) const;
 
   const RenderSettings& settings_;
   const CameraSettings& camera_;
   gl::Renderer& renderer_;
+  Device& device_;  // the renderer's
   ColorMap map_;
   std::shared_ptr<const EnvironmentImage> image_;  // of the surroundings, or null
   ColorKey key_;
-  std::vector<std::vector<float>> values_;  // of each fluid of spheres; empty for one colour
-  std::vector<std::vector<float>> foam_;    // of each fluid that is a liquid; empty for none
-  std::vector<ShownParticles> shown_;       // of each fluid, where clips hide some
-  std::vector<Vec3f> arrows_;               // two points a line
-  std::vector<SurfaceView> surfaces_;       // that are still
+  std::vector<Cut> cuts_;
+  std::vector<std::unique_ptr<ShownParticles>> shown_;  // of each fluid
+  // For arrows: what the device had no room for, and what it has as the host sees it.
+  Array<Vec3f> placeRoom_, velocityRoom_;
+  DeviceOutput<Vec3f> placesOnHost_, velocitiesOnHost_;
+  std::vector<Vec3f> arrows_;          // two points a line
+  std::vector<SurfaceView> surfaces_;  // that are still
   std::vector<MeshId> fluidSurfaces_;
   std::vector<WaterView> surfaceWaters_;  // of those surfaces that are one's; they come first in a view
   std::optional<std::size_t> followedSurface_;

@@ -1,26 +1,133 @@
 #include "plugins/rendering/shown_particles.h"
 
+#include <utility>
+
+#include "plugins/rendering/compute/sphere_kernels.h"
+
 namespace weir::rendering {
 
-bool isShown(const GroupList<ClipSettings>& clips, const Vec3f& place) {
-  for (std::size_t i = 0; i < clips.size(); ++i)
-    if (!clips[i].shows(place)) return false;
+namespace {
+
+template <class T>
+std::span<const T> spanOf(ArrayView<const T> view) {
+  return {view.data, static_cast<std::size_t>(view.size)};
+}
+
+}  // namespace
+
+std::vector<Cut> cutsOf(const GroupList<ClipSettings>& clips) {
+  std::vector<Cut> cuts;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    const auto& thickness = clips[i].thickness.get();
+    cuts.push_back({clips[i].point, normalized(clips[i].normal.get()), thickness ? 0.5f * *thickness : -1});
+  }
+  return cuts;
+}
+
+bool isShown(std::span<const Cut> cuts, const Vec3f& place) {
+  for (const Cut& cut : cuts)
+    if (!cut.shows(place)) return false;
   return true;
 }
 
-void ShownParticles::choose(const GroupList<ClipSettings>& clips, ParticleView& view) {
-  positions_.clear();
-  values_.clear();
-  foam_.clear();
-  for (std::size_t i = 0; i < view.positions.size(); ++i) {
-    if (!isShown(clips, view.positions[i])) continue;
-    positions_.push_back(view.positions[i]);
-    if (!view.values.empty()) values_.push_back(view.values[i]);
-    if (!view.foam.empty()) foam_.push_back(view.foam[i]);
-  }
-  view.positions = positions_;
-  view.values = values_;
-  view.foam = foam_;
+ShownParticles::ShownParticles(Device& device)
+    : device_(device),
+      positionRoom_(device),
+      vectorRoom_(device),
+      floatRoom_(device),
+      intRoom_(device),
+      made_(device),
+      cuts_(device),
+      chosen_(device),
+      kept_(device, 1),
+      keptPositions_(device),
+      keptValues_(device),
+      box_(device, 1),
+      range_(device, 1),
+      sum_(device, 1),
+      positionsOnHost_(device),
+      valuesOnHost_(device) {}
+
+ArrayView<float> ShownParticles::roomForValues(std::int64_t count) {
+  made_.resizeDiscarding(count);
+  return made_.view();
+}
+
+void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foamEnds) {
+  positions_ = fluid.positions.on(device_, positionRoom_);
+  values_ = {};
+  if (!fluid.colorType) return;
+  dispatch(device_, [&](auto& device) {
+    switch (*fluid.colorType) {
+      case AttributeType::kFloat:
+        values_ = fluid.floats.on(device, floatRoom_);
+        break;
+      case AttributeType::kVec3: {
+        const ArrayView<const Vec3f> vectors = fluid.vectors.on(device, vectorRoom_);
+        findLengths(device, vectors, roomForValues(vectors.size));
+        values_ = made_.view();
+        break;
+      }
+      case AttributeType::kInt: {
+        const ArrayView<const int> numbers = fluid.ints.on(device, intRoom_);
+        convert(device, numbers, roomForValues(numbers.size));
+        values_ = made_.view();
+        break;
+      }
+    }
+    if (!foamEnds) return;
+    findParts(device, values_, *foamEnds, roomForValues(values_.size));
+    values_ = made_.view();
+  });
+}
+
+void ShownParticles::cut(std::span<const Cut> cuts) {
+  cuts_.assign(cuts);
+  chosen_.resizeDiscarding(positions_.size);
+  dispatch(device_, [&](auto& device) {
+    chooseShown(device, positions_, std::as_const(cuts_).view(), chosen_.view(), kept_.data());
+  });
+  const std::int64_t count = found(kept_);
+  keptPositions_.resizeDiscarding(count);
+  const ArrayView<const int> chosen{chosen_.data(), count};
+  dispatch(device_, [&](auto& device) {
+    take(device, chosen, positions_, keptPositions_.view());
+    positions_ = keptPositions_.view();
+    if (values_.size == 0) return;
+    keptValues_.resizeDiscarding(count);
+    take(device, chosen, values_, keptValues_.view());
+    values_ = keptValues_.view();
+  });
+}
+
+template <class T>
+T ShownParticles::found(const Array<T>& result) const {
+  return result.toHost().front();
+}
+
+Aabb ShownParticles::box() {
+  dispatch(device_, [&](auto& device) { boxOf(device, positions_, box_.data()); });
+  return found(box_);
+}
+
+Vec2f ShownParticles::range() {
+  dispatch(device_, [&](auto& device) { rangeOf(device, values_, range_.data()); });
+  return found(range_);
+}
+
+std::optional<Vec3f> ShownParticles::middle() {
+  dispatch(device_, [&](auto& device) { sumOf(device, positions_, sum_.data()); });
+  const PlacesSum all = found(sum_);
+  if (all.count == 0) return std::nullopt;
+  const Vec3d middle = all.sum / all.count;
+  return Vec3f{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+}
+
+void ShownParticles::give(ParticleView& view, bool onDevice) {
+  view.onDevice = onDevice;
+  view.positions = onDevice ? spanOf(positions_) : positionsOnHost_.of(positions_);
+  const std::span<const float> values = onDevice ? spanOf(values_) : valuesOnHost_.of(values_);
+  (view.water ? view.foam : view.values) = values;
 }
 
 }  // namespace weir::rendering

@@ -1,25 +1,69 @@
-// The particles that clip planes leave.
+// What a picture shows of the particles of one fluid, in memory of the device that draws.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "framework/compute/array.h"
+#include "plugins/rendering/compute/device_output.h"
+#include "plugins/rendering/compute/frame_kernels.h"
 #include "plugins/rendering/render_settings.h"
+#include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
 
-/// Whether no plane hides a place.
-bool isShown(const GroupList<ClipSettings>& clips, const Vec3f& place);
+std::vector<Cut> cutsOf(const GroupList<ClipSettings>& clips);
+/// Whether no cut hides a place.
+bool isShown(std::span<const Cut> cuts, const Vec3f& place);
 
-/// Holds copies of the particles of a view that are shown.
+/// What it gives is good until the next load(), as long as the snapshot holds the same frame.
 class ShownParticles {
  public:
-  /// Lets the view have those alone; they are valid until the next call.
-  void choose(const GroupList<ClipSettings>& clips, ParticleView& view);
+  /// No other thread may use the device. It must be of the hardware that the frame comes from.
+  explicit ShownParticles(Device& device);
+
+  /// Takes the particles of a frame. With `foamEnds`, the numbers that colour them become parts of foam: 0 at
+  /// the first end, 1 at the second.
+  void load(FluidSnapshot& fluid, const std::optional<Vec2f>& foamEnds);
+  /// Leaves those alone that all cuts show.
+  void cut(std::span<const Cut> cuts);
+
+  // These wait for the device.
+
+  /// The box around all finite places.
+  Aabb box();
+  /// The least and the largest number that is finite; {inf, -inf} without any.
+  Vec2f range();
+  /// The mean of all finite places, if there are any.
+  std::optional<Vec3f> middle();
+
+  /// Lets a view have places and numbers: those in the device's memory, or on the host.
+  void give(ParticleView& view, bool onDevice);
 
  private:
-  std::vector<Vec3f> positions_;
-  std::vector<float> values_, foam_;
+  template <class T>
+  T found(const Array<T>& result) const;
+  ArrayView<float> roomForValues(std::int64_t count);
+
+  Device& device_;
+  ArrayView<const Vec3f> positions_;
+  ArrayView<const float> values_;
+  // For a frame that the device had no room for.
+  Array<Vec3f> positionRoom_, vectorRoom_;
+  Array<float> floatRoom_;
+  Array<int> intRoom_;
+  Array<float> made_;  // numbers that no attribute holds as they are
+  Array<Cut> cuts_;
+  Array<int> chosen_, kept_;
+  Array<Vec3f> keptPositions_;
+  Array<float> keptValues_;
+  Array<Aabb> box_;
+  Array<Vec2f> range_;
+  Array<PlacesSum> sum_;
+  DeviceOutput<Vec3f> positionsOnHost_;
+  DeviceOutput<float> valuesOnHost_;
 };
 
 }  // namespace weir::rendering

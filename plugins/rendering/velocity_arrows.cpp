@@ -37,13 +37,13 @@ void addArrow(const Vec3f& from, const Vec3f& way, const Vec3f& eye, std::vector
 }  // namespace
 
 void addVelocityArrows(std::span<const Vec3f> positions, std::span<const Vec3f> velocities,
-                       const GroupList<ClipSettings>& clips, float spacing, float seconds, const Vec3f& eye,
+                       std::span<const Cut> cuts, float spacing, float seconds, const Vec3f& eye,
                        std::vector<Vec3f>& lines) {
   WEIR_CHECK(positions.size() == velocities.size());
   std::map<std::array<std::int64_t, 3>, Sums> cubes;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3f &p = positions[i], &v = velocities[i];
-    if (!isFinite(p) || !isFinite(v) || !isShown(clips, p)) continue;
+    if (!isFinite(p) || !isFinite(v) || !isShown(cuts, p)) continue;
     const auto cell = [&](float x) { return static_cast<std::int64_t>(std::floor(double{x} / spacing)); };
     Sums& sums = cubes[{cell(p.x), cell(p.y), cell(p.z)}];
     sums.place += inDouble(p);

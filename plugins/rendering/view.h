@@ -1,4 +1,4 @@
-// What one picture shows: plain data on the host that a renderer draws.
+// What one picture shows: plain data that a renderer draws, on the host but for particles.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +47,9 @@ struct WaterView {
 struct ParticleView {
   std::span<const Vec3f> positions;
   std::span<const float> values;  ///< one per particle; empty: all have the fixed colour
-  float radius = 0.01f;           ///< m
+  /// Whether these, and foam, are in memory of the device that draws (see Renderer::readsDevice).
+  bool onDevice = false;
+  float radius = 0.01f;  ///< m
   ColorMap map;
   float lowest = 0, highest = 1;  ///< values at the ends of the colour map
   Color fixed{0.16f, 0.45f, 0.85f, 1};

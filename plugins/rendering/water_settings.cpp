@@ -7,12 +7,6 @@
 
 namespace weir::rendering {
 
-float FoamSettings::whitenessOf(float value) const {
-  const Vec2f ends = range;
-  const float part = (value - ends.x) / (ends.y - ends.x);
-  return std::isnan(part) ? 0.0f : std::clamp(part, 0.0f, 1.0f);
-}
-
 void FoamSettings::validate() const {
   if (range.get().x == range.get().y)
     throw sceneError("the range is empty", "[clear, white] with two different values")

@@ -50,8 +50,6 @@ class FoamSettings final : public Configurable {
                                "exp(-opacity) shines through."}};
 
   bool shown() const { return *by != "none"; }
-  /// The part of foam of a particle with this value, in [0, 1].
-  float whitenessOf(float value) const;
   void validate() const override;
 };
 

@@ -1,6 +1,8 @@
 #include "plugins/vtkhdf/isolated.h"
 
+#include <algorithm>
 #include <optional>
+#include <system_error>
 
 #include "framework/base/error.h"
 #include "framework/base/forked_work.h"
@@ -59,6 +61,13 @@ std::string runIsolated(const std::function<std::string()>& work, int cpuSeconds
     default:
       throw ioError("the file cannot be read: " + outcome.substr(1));
   }
+}
+
+int cpuSecondsFor(const std::filesystem::path& file) {
+  constexpr double kLeast = 20, kMost = 1e6, kBytesPerSecond = 1e6;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return static_cast<int>(error ? kLeast : std::min(kLeast + double(size) / kBytesPerSecond, kMost));
 }
 
 }  // namespace weir::hdf5

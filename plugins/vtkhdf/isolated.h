@@ -4,6 +4,7 @@
 // did not write is therefore done in a child process, and a crash there is an error here.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -13,5 +14,8 @@ namespace weir::hdf5 {
 /// that it returns. Throws the Error that `work` throws; an io Error without a place if the copy cannot be
 /// made, crashes, throws anything else, or has used up `cpuSeconds` of processor time.
 std::string runIsolated(const std::function<std::string()>& work, int cpuSeconds);
+
+/// Of processor time: far more than the slowest machine needs to read a file of this size.
+int cpuSecondsFor(const std::filesystem::path& file);
 
 }  // namespace weir::hdf5

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "framework/base/error.h"
@@ -28,7 +27,11 @@ VtkHdfStep stepAt(const VtkHdfReader& reader, const std::optional<double>& time)
 }
 
 ParticleData readStep(const std::filesystem::path& file, const std::optional<double>& time) {
-  VtkHdfStep step = stepAt(VtkHdfReader(file), time);
+  const VtkHdfReader reader(file);
+  VtkHdfStep step = stepAt(reader, time);
+  if (const std::int64_t polygons = reader.polygonCount(reader.nearestStep(step.time)); polygons > 0)
+    throw ioError(fmt::format("the file holds a surface of {} polygons, no particles", polygons),
+                  "what --export wrote", "MeshFile reads it, and MeshSampler fills it with particles");
   if (step.positions.empty())
     throw ioError(time ? fmt::format("the step at {:g} s holds no particles", step.time)
                        : std::string("the last step holds no particles"),
@@ -66,17 +69,10 @@ ParticleData unpacked(std::string_view bytes) {
   return data;
 }
 
-/// Far more than the slowest machine needs for a file of this size.
-int cpuSecondsFor(const std::filesystem::path& file) {
-  constexpr double kLeast = 20, kMost = 1e6, kBytesPerSecond = 1e6;
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  return static_cast<int>(error ? kLeast : std::min(kLeast + double(size) / kBytesPerSecond, kMost));
-}
-
 ParticleData readIsolated(const std::filesystem::path& file, const std::optional<double>& time) {
   try {
-    return unpacked(hdf5::runIsolated([&] { return packed(readStep(file, time)); }, cpuSecondsFor(file)));
+    return unpacked(
+        hdf5::runIsolated([&] { return packed(readStep(file, time)); }, hdf5::cpuSecondsFor(file)));
   } catch (Error& error) {
     throw error.at({.file = file.string()});
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "framework/base/check.h"
@@ -57,6 +58,23 @@ std::int64_t ofStep(const Group& steps, const std::string& name, std::size_t ste
   return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1).at(0);
 }
 
+/// The same of the polygons, which are third of the four kinds of cells.
+std::int64_t ofPolygons(const Group& steps, const std::string& name, std::size_t step) {
+  constexpr std::int64_t kKinds = 4;
+  constexpr std::size_t kPolygons = 2;
+  const Dataset set = steps.dataset(name);
+  if (!set.isInteger() || set.columns() != kKinds) throw set.error("holds no rows of 4 integers");
+  return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1)[kPolygons];
+}
+
+void checkTriangles(const Group& polygons, std::int64_t cells, std::int64_t ids,
+                    const std::vector<std::int64_t>& offsets) {
+  bool good = ids == 3 * cells;
+  for (std::size_t i = 0; good && i < offsets.size(); ++i)
+    good = offsets[i] == 3 * static_cast<std::int64_t>(i);
+  if (!good) throw polygons.error("holds polygons that are no triangles", "triangles");
+}
+
 VtkHdfArray readArray(const Dataset& set, const std::string& name, std::int64_t first, std::int64_t count) {
   VtkHdfArray array{.name = name, .components = static_cast<int>(set.columns()), .values = {}};
   if (set.isInteger())
@@ -99,7 +117,8 @@ struct VtkHdfReader::Open {
   }
 
   VtkHdfStep read(std::size_t step) const;
-  std::int64_t pointCount(std::size_t step) const;
+  std::int64_t polygonCount(std::size_t step) const;
+  std::vector<Vec3i> triangles(std::size_t step) const;
 
   double fileSize = 0;
   std::optional<hdf5::File> file;
@@ -107,6 +126,12 @@ struct VtkHdfReader::Open {
   std::vector<double> times;
 
  private:
+  struct Parts {
+    std::int64_t first = 0;
+    std::vector<std::int64_t> points;  ///< of each
+    std::int64_t allPoints = 0;
+  };
+  Parts partsOf(std::size_t step) const;
   void readTimes();
 };
 
@@ -145,7 +170,7 @@ void VtkHdfReader::Open::readTimes() {
     if (!std::isfinite(times[i])) throw values.error("has no finite time for step " + std::to_string(i));
 }
 
-std::int64_t VtkHdfReader::Open::pointCount(std::size_t step) const {
+VtkHdfReader::Open::Parts VtkHdfReader::Open::partsOf(std::size_t step) const {
   const std::vector<std::int64_t> counts = readIntegers(root->dataset("NumberOfPoints"));
   const auto parts = static_cast<std::int64_t>(counts.size());
   std::int64_t first = 0, here = parts;
@@ -156,19 +181,67 @@ std::int64_t VtkHdfReader::Open::pointCount(std::size_t step) const {
   if (first < 0 || here < 0 || first > parts || here > parts - first)
     throw root->error("lists " + std::to_string(parts) + " parts, but step " + std::to_string(step) +
                       " asks for " + std::to_string(here) + " from part " + std::to_string(first) + " on");
-  std::int64_t points = 0;
+  Parts found{.first = first, .points = {}};
   for (std::int64_t i = first; i < first + here; ++i) {
     const std::int64_t count = counts[static_cast<std::size_t>(i)];
-    if (count < 0 || count > kMostPoints - points)
+    if (count < 0 || count > kMostPoints - found.allPoints)
       throw root->error("claims " + std::to_string(count) + " points in part " + std::to_string(i),
                         "0 to " + std::to_string(kMostPoints) + " in a step");
-    points += count;
+    found.points.push_back(count);
+    found.allPoints += count;
   }
-  return points;
+  return found;
+}
+
+std::int64_t VtkHdfReader::Open::polygonCount(std::size_t step) const {
+  if (!root->isGroup("Polygons")) return 0;
+  const Parts parts = partsOf(step);
+  const std::vector<std::int64_t> cells =
+      root->group("Polygons")
+          .dataset("NumberOfCells")
+          .read<std::int64_t>(parts.first, static_cast<std::int64_t>(parts.points.size()));
+  return std::accumulate(cells.begin(), cells.end(), std::int64_t{0});
+}
+
+std::vector<Vec3i> VtkHdfReader::Open::triangles(std::size_t step) const {
+  if (polygonCount(step) <= 0) return {};
+  const Parts parts = partsOf(step);
+  const Group polygons = root->group("Polygons");
+  const auto count = static_cast<std::int64_t>(parts.points.size());
+  const auto ofParts = [&](const char* name) {
+    const Dataset set = polygons.dataset(name);
+    if (!set.isInteger()) throw set.error("holds no integers");
+    return set.read<std::int64_t>(parts.first, count);
+  };
+  const std::vector<std::int64_t> cells = ofParts("NumberOfCells"), ids = ofParts("NumberOfConnectivityIds");
+  const Dataset corners = polygons.dataset("Connectivity"), offsets = polygons.dataset("Offsets");
+  if (!corners.isInteger()) throw corners.error("holds no integers");
+  std::int64_t cell = steps ? ofPolygons(*steps, "CellOffsets", step) : 0;
+  std::int64_t id = steps ? ofPolygons(*steps, "ConnectivityIdOffsets", step) : 0;
+  std::vector<Vec3i> result;
+  std::int64_t firstPoint = 0;
+  for (std::size_t k = 0; k < parts.points.size(); ++k) {
+    // Each part has one row of offsets more than cells.
+    const std::int64_t row = cell + parts.first + static_cast<std::int64_t>(k);
+    checkTriangles(polygons, cells[k], ids[k], offsets.read<std::int64_t>(row, cells[k] + 1));
+    const std::vector<std::int64_t> part = corners.read<std::int64_t>(id, ids[k]);
+    for (std::size_t i = 0; i < part.size(); i += 3) {
+      for (std::size_t j = i; j < i + 3; ++j)
+        if (part[j] < 0 || part[j] >= parts.points[k])
+          throw corners.error("names point " + std::to_string(part[j]) + " of a part of " +
+                              std::to_string(parts.points[k]));
+      const auto at = [&](std::size_t j) { return static_cast<int>(firstPoint + part[j]); };
+      result.push_back({at(i), at(i + 1), at(i + 2)});
+    }
+    cell += cells[k];
+    id += ids[k];
+    firstPoint += parts.points[k];
+  }
+  return result;
 }
 
 VtkHdfStep VtkHdfReader::Open::read(std::size_t step) const {
-  const std::int64_t count = pointCount(step);
+  const std::int64_t count = partsOf(step).allPoints;
   const Dataset points = root->dataset("Points");
   if (points.columns() != 3) throw points.error("has " + std::to_string(points.columns()) + " columns", "3");
   if (points.isInteger()) throw points.error("holds integers", "floating-point numbers");
@@ -219,6 +292,18 @@ VtkHdfStep VtkHdfReader::read(std::size_t step) const {
   WEIR_CHECK(step < open_->times.size());
   const hdf5::Session session;
   return open_->read(step);
+}
+
+std::int64_t VtkHdfReader::polygonCount(std::size_t step) const {
+  WEIR_CHECK(step < open_->times.size());
+  const hdf5::Session session;
+  return open_->polygonCount(step);
+}
+
+std::vector<Vec3i> VtkHdfReader::triangles(std::size_t step) const {
+  WEIR_CHECK(step < open_->times.size());
+  const hdf5::Session session;
+  return open_->triangles(step);
 }
 
 VtkHdfStep VtkHdfReader::readLast() const {

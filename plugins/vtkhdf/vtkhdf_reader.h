@@ -1,5 +1,5 @@
 // Reads particles from VTKHDF files: Weir's own exports, and other programs' PolyData or UnstructuredGrid,
-// with or without time steps, in one or several parts. Cells are not looked at.
+// with or without time steps, in one or several parts. Of cells, only polygons are looked at, as triangles.
 #pragma once
 
 #include <cstdint>
@@ -43,6 +43,11 @@ class VtkHdfReader {
   VtkHdfStep read(std::size_t step) const;
   /// Throws an io Error if the file has no steps.
   VtkHdfStep readLast() const;
+  /// Of a step; 0 if the file has none.
+  std::int64_t polygonCount(std::size_t step) const;
+  /// The polygons of a step as indices of its points; none if the file has no polygons. Throws an io Error if
+  /// they are no triangles, or name points that are not there.
+  std::vector<Vec3i> triangles(std::size_t step) const;
   /// A text of the file's group /simulation.
   std::string text(const std::string& name) const;
   bool hasText(const std::string& name) const;

@@ -2,11 +2,12 @@
 """Runs many frames of a small scene with pictures, video, export and checkpoints, and prints how much memory the
 program holds over the frames.
 
-usage: memory_over_frames.py WEIR [--frames 1000] [--threads 2]
+usage: memory_over_frames.py WEIR [--frames 1000] [--threads 2] [--set NAME=VALUE]…
 
-What is printed is the resident set (VmRSS) at every tenth of the frames, and how much the second half of them
-added: the difference of the means of the third and the last quarter of the samples. The number of particles is
-the same in all frames. Needs nothing but Python; the frame is taken from the progress that the program shows.
+What is printed is the resident set (VmRSS, sampled each twentieth of a second) at every tenth of the run, the means of
+its quarters, and how much the last of them holds more than the third. --set goes to the program, for other looks. The
+number of particles is the same in all frames. Needs nothing but Python; the frame is taken from the progress that the
+program shows.
 """
 
 import argparse
@@ -77,6 +78,8 @@ def run(options, folder):
     command += ["--duration", str(options.frames / RATE)]
     command += ["--video", f"{folder}/run.mp4", "--images", f"{folder}/images", "--export", f"{folder}/run.vtkhdf"]
     command += ["--checkpoint", f"{folder}/run.h5", "--checkpoint-every", "100"]
+    for setting in options.set:
+        command += ["--set", setting]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         samples = Samples(process)
         samples.read_progress(process.stderr)
@@ -94,6 +97,7 @@ def main():
     parser.add_argument("weir")
     parser.add_argument("--frames", type=int, default=1000)
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         samples = run(options, folder)
@@ -103,9 +107,9 @@ def main():
     for tenth in range(1, 11):
         frame, kib = samples[len(samples) * tenth // 10 - 1]
         print(f"{tenth * 10:5} %  {kib / 1024:8.1f}   (shown: frame {frame})")
-    quarter = len(samples) // 4
-    growth = mean(samples[3 * quarter :]) - mean(samples[2 * quarter : 3 * quarter])
-    print(f"the last quarter holds {growth / 1024:+.2f} MiB against the third one")
+    means = [mean(samples[len(samples) * k // 4 : len(samples) * (k + 1) // 4]) / 1024 for k in range(4)]
+    print(f"{len(samples)} samples; means of the quarters: {', '.join(f'{each:.1f}' for each in means)} MiB")
+    print(f"the last quarter holds {means[3] - means[2]:+.2f} MiB against the third one")
 
 
 if __name__ == "__main__":

@@ -7,8 +7,10 @@
 // pictures.
 //
 // "OpenGL": OpenGL draws the particles, too. "OpenGL, device": the device finds which particles are seen.
-// "device": it draws the whole picture. A GPU's OpenGL is not measured with the CPU as the device. What
-// OpenGL is, WEIR_GL may say.
+// "device": it draws the whole picture. These are given finished colours in the host's memory. "frame": what
+// a run does, from the positions and velocities in the memory of a simulation's device to the pixels on the
+// host: a copy aside, speeds and their range, and the picture as by "device". A GPU's OpenGL is not measured
+// with the CPU as the device. What OpenGL is, WEIR_GL may say.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,6 +25,7 @@
 #include "framework/base/error.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/scene_view.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -70,22 +73,17 @@ struct Times {
   double wall, processor;  ///< ms; of the whole process
 };
 
-Times medianTimes(gl::Renderer& renderer, int particles, int pictures) {
+/// Of draw(), after prepare() each time.
+template <class Prepare, class Draw>
+Times medianTimes(int pictures, const Prepare& prepare, const Draw& draw) {
   using Clock = std::chrono::steady_clock;
-  Wave wave(particles);
-  const std::vector<Vec3f> edges = tankEdges();
-  View view;
-  view.lines = {{.points = edges}};
-  view.camera = poseSeeing({{0, 0, 0}, {2, 1, 1}}, {0.55f, 0.42f, 0.72f}, {0, 1, 0}, 40, 16.0f / 9.0f);
-  view.ground.center = {1, 0, 0.5f};
-  view.particles = {{.positions = wave.positions, .values = wave.values, .radius = 0.5f * wave.spacing}};
   constexpr int kWarm = 5;
   std::vector<double> walls, processors;
   for (int i = 0; i < kWarm + pictures; ++i) {
-    wave.move(i % 2 == 0 ? 1e-3f : -1e-3f);
+    prepare(i);
     const Clock::time_point start = Clock::now();
     const std::clock_t worked = std::clock();
-    renderer.draw(view);
+    draw();
     const std::chrono::duration<double, std::milli> taken = Clock::now() - start;
     if (i < kWarm) continue;
     walls.push_back(taken.count());
@@ -97,6 +95,52 @@ Times medianTimes(gl::Renderer& renderer, int particles, int pictures) {
     return *middle;
   };
   return {median(walls), median(processors)};
+}
+
+const Aabb kTank{{0, 0, 0}, {2, 1, 1}};
+
+Times timesFromHost(gl::Renderer& renderer, int particles, int pictures) {
+  Wave wave(particles);
+  const std::vector<Vec3f> edges = tankEdges();
+  View view;
+  view.lines = {{.points = edges}};
+  view.camera = poseSeeing(kTank, {0.55f, 0.42f, 0.72f}, {0, 1, 0}, 40, 16.0f / 9.0f);
+  view.ground.center = {1, 0, 0.5f};
+  view.particles = {{.positions = wave.positions, .values = wave.values, .radius = 0.5f * wave.spacing}};
+  return medianTimes(
+      pictures, [&](int i) { wave.move(i % 2 == 0 ? 1e-3f : -1e-3f); }, [&] { renderer.draw(view); });
+}
+
+Times timesFromDevice(gl::Renderer& renderer, Device& simulation, int particles, int pictures) {
+  Wave wave(particles);
+  std::vector<Vec3f> speeds;
+  for (const float value : wave.values) speeds.push_back({value, 0, 0});
+  const auto count = static_cast<std::int64_t>(speeds.size());
+  Array<Vec3f> positions(simulation, count);
+  const Array<Vec3f> velocities(simulation, std::span<const Vec3f>(speeds));
+  const RenderSettings settings;
+  SceneView view(settings, *settings.camera, renderer);
+  SceneSnapshot snapshot;
+  const auto still = std::make_shared<StillScene>();
+  still->bounds = kTank;
+  still->lines = tankEdges();
+  snapshot.still = still;
+  FluidSnapshot& fluid = snapshot.fluids.emplace_back(simulation);
+  fluid.spacing = wave.spacing;
+  fluid.colorType = AttributeType::kVec3;
+  return medianTimes(
+      pictures,
+      [&](int i) {
+        wave.move(i % 2 == 0 ? 1e-3f : -1e-3f);
+        positions.assign(wave.positions);
+        simulation.synchronize();
+      },
+      [&] {
+        fluid.positions.start(positions, count);
+        fluid.vectors.start(velocities, count);
+        renderer.draw(view.of(snapshot));
+        snapshot.still = nullptr;
+      });
 }
 
 struct Options {
@@ -155,6 +199,12 @@ struct Way {
   std::string name;
   Device* device;  ///< null: OpenGL alone
   std::unique_ptr<gl::Renderer> renderer;
+  std::unique_ptr<Device> simulation = nullptr;  ///< whose memory particles come from; null: the host's
+
+  Times times(int particles, int pictures) const {
+    return simulation ? timesFromDevice(*renderer, *simulation, particles, pictures)
+                      : timesFromHost(*renderer, particles, pictures);
+  }
 };
 
 std::vector<Way> waysOf(const Options& options) {
@@ -172,6 +222,8 @@ std::vector<Way> waysOf(const Options& options) {
     add("OpenGL, device", open(), gl::ComputeShare::kParticles);
   }
   add("device", open(), gl::ComputeShare::kWhatCanBe);
+  add("frame", open(), gl::ComputeShare::kWhatCanBe);
+  if (!ways.empty() && ways.back().name == "frame") ways.back().simulation = open();
   if (ways.empty()) throw usageError("no pictures are drawn by these ways");
   return ways;
 }
@@ -194,7 +246,7 @@ int run(const Options& options) {
   for (const Way& way : ways) {
     fmt::print("| {} |", way.name);
     for (const int size : options.sizes) {
-      const Times times = medianTimes(*way.renderer, size, options.pictures);
+      const Times times = way.times(size, options.pictures);
       fmt::print(" {:.1f} ({:.0f}) |", times.wall, times.processor);
       std::fflush(stdout);
     }

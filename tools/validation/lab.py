@@ -94,8 +94,9 @@ class Lab:
     """Runs of all checks, so many `jobs` at a time, first come, first served. With `reuse`, results of the very same
     command are taken where they are there already: they may be another build's."""
 
-    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1):
+    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True):
         self.reuse = reuse
+        self._pictures = pictures  # whether those that a check asks for are made
         self._pool = ThreadPoolExecutor(jobs)
         self._lock = threading.Lock()  # of what runs leave here
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
@@ -119,7 +120,7 @@ class Lab:
         return Pending(self._pool.submit(self._run, name, scene, settings, options))
 
     def _run(self, name, scene, settings, options):
-        options.setdefault("pictures", False)
+        options["pictures"] = self._pictures and options.get("pictures", False)
         if not self.reuse:
             shutil.rmtree(self.out / name, ignore_errors=True)
         result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,

@@ -18,38 +18,61 @@ def demand(row):
     return ", ".join(parts) or "–"
 
 
-def verdict(row):
-    return {True: "pass", False: "**FAIL**", None: "–"}[row.passed]
+def verdict(passed):
+    return {True: "pass", False: "**FAIL**", None: "–"}[passed]
 
 
-def table(rows):
-    lines = ["| what | expected | measured | unit | off by | demanded | |", "|---|---:|---:|---|---:|---|---|"]
+def off(row):
+    """How far a row of the JSON is from what it expects."""
+    if row.get("measured") is None or not row.get("expected"):
+        return "–"
+    return f"{100 * (row['measured'] / row['expected'] - 1):+.2f} %"
+
+
+def table(rows, beside=()):
+    """`rows` are those of the JSON; `beside`: the same check's rows by what they say, of each other device."""
+    if not beside:
+        lines = ["| what | expected | measured | unit | off by | demanded | |", "|---|---:|---:|---|---:|---|---|"]
+        return lines + [f"| {row['what']} | {number(row['expected'])} | {number(row['measured'])} | {row['unit']} | "
+                        f"{off(row)} | {row['demanded']} | {verdict(row['passed'])} |" for row in rows]
+    devices = range(1 + len(beside))
+    lines = ["| what | unit | demanded |" + "".join(f" expected | ({k + 1}) | off by | |" for k in devices),
+             "|---|---|---|" + "---:|---:|---:|---|" * len(devices)]
     for row in rows:
-        off = "–" if row.deviation is None else f"{100 * row.deviation:+.2f} %"
-        lines.append(f"| {row.what} | {number(row.expected)} | {number(row.measured)} | {row.unit} | {off} | "
-                     f"{demand(row)} | {verdict(row)} |")
+        cells = [row] + [others.get(row["what"], {}) for others in beside]
+        lines.append(f"| {row['what']} | {row['unit']} | {row['demanded']} |" + "".join(
+            f" {number(cell.get('expected'))} | {number(cell.get('measured'))} | {off(cell)} | {verdict(cell.get('passed'))} |"
+            for cell in cells))
     return lines
 
 
-def markdown(done, command, machine, seconds):
-    """`done`: (check, outcome, names of pictures) each."""
-    rows = [row for _, outcome, _ in done for row in outcome.rows]
-    failed = sum(row.passed is False for row in rows)
-    lines = [f"Made by `{command}` on {machine} in {seconds / 60:.1f} minutes of simulation: "
-             f"{sum(row.passed is True for row in rows)} demands met, {failed} not.", ""]
-    for check, outcome, pictures in done:
-        lines += [f"## {check.title}", "", check.about, "", *table(outcome.rows), ""]
+def summary(results):
+    verdicts = [row["passed"] for check in results["checks"] for row in check["rows"]]
+    return (f"Made by `{results['command']}` on {results['device']} in {results['seconds'] / 60:.1f} minutes of "
+            f"simulation: {verdicts.count(True)} demands met, {verdicts.count(False)} not.")
+
+
+def markdown(done, results):
+    """`done`: (check, outcome, names of pictures) each; `results`: what as_json says of each device, that of `done` first."""
+    lines = [summary(results[0]), ""]
+    if len(results) > 1:
+        lines = [f"{k}. {summary(one)}" for k, one in enumerate(results, 1)] + [""]
+    by_key = [{check["key"]: check["rows"] for check in one["checks"]} for one in results]
+    for check, _, pictures in done:
+        beside = [{row["what"]: row for row in one.get(check.key, [])} for one in by_key[1:]]
+        lines += [f"## {check.title}", "", check.about, "", *table(by_key[0][check.key], beside), ""]
         lines += [f"![{check.title}]({name})\n" for name in pictures]
     return "\n".join(lines) + "\n"
 
 
-def as_json(done, command, machine):
+def as_json(done, command, machine, seconds):
     checks = [{"key": check.key, "title": check.title,
                "passed": all(row.passed is not False for row in outcome.rows),
                "rows": [{"what": row.what, "measured": row.measured, "unit": row.unit, "expected": row.expected,
                          "demanded": demand(row), "passed": row.passed} for row in outcome.rows]}
               for check, outcome, _ in done]
-    return json.dumps({"command": command, "device": machine, "checks": checks}, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps({"command": command, "device": machine, "seconds": seconds, "checks": checks}, indent=2,
+                      ensure_ascii=False) + "\n"
 
 
 def draw(charts, file):

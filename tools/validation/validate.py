@@ -1,6 +1,7 @@
 """Runs scenes whose answers are known and compares: see ./dev validate --help."""
 
 import argparse
+import json
 import math
 import shlex
 import shutil
@@ -55,7 +56,10 @@ def arguments(argv):
         epilog=f"The checks: {keys}.")
     parser.add_argument("--scale", choices=("quick", "full"), default="quick",
                         help="quick: minutes on a CPU, the default; full: finer, for a GPU")
-    parser.add_argument("--device", default="auto", metavar="D", help="auto, cpu, cuda or cuda:N")
+    parser.add_argument("--device", default="auto", metavar="D", help="auto, cpu, cuda or cuda:N; of several, as cpu,cuda, "
+                        "the numbers stand side by side, and the pictures are of the first")
+    parser.add_argument("--beside", type=Path, action="append", default=[], metavar="FILE",
+                        help="a results.json that this command left on another machine: its numbers stand beside, too")
     parser.add_argument("--only", default="", metavar="CHECKS", help="some checks, such as efflux,drop")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "validation", metavar="DIR",
                         help="where all is written")
@@ -64,6 +68,8 @@ def arguments(argv):
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
     parser.add_argument("--jobs", type=int, default=1, metavar="N",
                         help="run so many simulations at a time, with --threads of a part of the cores each")
+    parser.add_argument("--no-plots", action="store_true",
+                        help="numbers only, on a machine without Python's matplotlib")
     parser.add_argument("--docs", action="store_true",
                         help="write the table and the pictures into docs/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
@@ -74,6 +80,11 @@ def arguments(argv):
         parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
     if wanted and parsed.docs:
         parser.error("--docs: the page shows all checks, so --only cannot be given with it")
+    if parsed.no_plots and parsed.docs:
+        parser.error("--docs: the page shows pictures, so --no-plots cannot be given with it")
+    parsed.devices = [device.strip() for device in parsed.device.split(",")]
+    if not all(parsed.devices) or len(set(parsed.devices)) < len(parsed.devices):
+        parser.error(f"--device: {parsed.device!r} is not allowed; devices, each once, with commas between them")
     if parsed.jobs < 1:
         parser.error(f"--jobs: {parsed.jobs} is not allowed; at least 1")
     parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
@@ -113,34 +124,57 @@ def write_docs(results, done, out):
             shutil.copy(out / name, images / name)
 
 
+def judged(options, device, out, drawn, say):
+    """All checks on a device: [(check, outcome, names of pictures)], and the lab."""
+    out.mkdir(parents=True, exist_ok=True)
+    done = []
+    with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
+            Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
+                options.jobs, drawn) as lab:  # left first: the checks of a run that failed wait for no others
+        begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
+        outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
+        for check in options.checks:
+            say(f"{check.title}, {device}")
+            outcome = outcomes[check.key].result()
+            for row in outcome.rows:
+                say(f"  {report.verdict(row.passed):6} {row.what}: {report.number(row.measured)} {row.unit}")
+            done.append((check, outcome, pictures_of(check, outcome, out) if drawn else []))
+    return done, lab
+
+
+def results_of(path):
+    """What this command wrote elsewhere."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        report.summary(found)
+        return found
+    except (OSError, ValueError, KeyError, TypeError) as e:
+        raise program.RunFailed(f"--beside {path}: these are no results of ./dev validate ({type(e).__name__}: {e})") from e
+
+
 def main(argv):
     options = arguments(argv)
-    out = options.out.resolve() / options.scale
-    out.mkdir(parents=True, exist_ok=True)
+    beside = [results_of(path) for path in options.beside]
+    command = shlex.join(["./dev", "validate", *argv[2:]])
+    base = options.out.resolve() / options.scale
 
     def say(text):
         print(text, file=sys.stderr, flush=True)
 
-    done = []
-    with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
-            Lab(options.weir, out, options.device, options.threads, options.scale == "full", say, options.reuse,
-                options.jobs) as lab:  # left first: the checks of a run that failed wait for no others
-        begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
-        outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
-        for check in options.checks:
-            say(check.title)
-            outcome = outcomes[check.key].result()
-            for row in outcome.rows:
-                say(f"  {report.verdict(row):6} {row.what}: {report.number(row.measured)} {row.unit}")
-            done.append((check, outcome, pictures_of(check, outcome, out)))
-    command = shlex.join(["./dev", "validate", *argv[2:]])
-    results = report.markdown(done, command, lab.machine, lab.seconds)
-    (out / "README.md").write_text("# Validation\n\n" + results, encoding="utf-8")
+    pages = []
+    for k, device in enumerate(options.devices):
+        out = base / device if k else base
+        done, lab = judged(options, device, out, not (k or options.no_plots), say)
+        results = report.as_json(done, command, lab.machine, lab.seconds)
+        (out / "results.json").write_text(results, encoding="utf-8")
+        pages.append((done, json.loads(results)))
+    done, first = pages[0]
+    page = report.markdown(done, [first] + [results for _, results in pages[1:]] + beside)
+    (base / "README.md").write_text("# Validation\n\n" + page, encoding="utf-8")
     if options.docs:
-        write_docs(results, done, out)
-    (out / "results.json").write_text(report.as_json(done, command, lab.machine), encoding="utf-8")
-    print(out / "README.md")
-    return 1 if any(row.passed is False for _, outcome, _ in done for row in outcome.rows) else 0
+        write_docs(page, done, base)
+    print(base / "README.md")
+    return 1 if any(not check["passed"] for _, results in pages for check in results["checks"]) else 0
 
 
 if __name__ == "__main__":

@@ -25,9 +25,12 @@ namespace {
 
 constexpr auto kHeaderTime = std::chrono::seconds(10);
 constexpr auto kBodyTime = std::chrono::seconds(120);
+constexpr unsigned kServerError = 500;
 constexpr std::uint32_t kLargestHeader = 16 << 10;
+constexpr std::uint64_t kLargestBody = 16 << 10;  // of what is no upload, and is not read
 
-using Request = http::request<http::string_body>;
+using RequestParser = http::request_parser<http::string_body>;
+using UploadParser = http::request_parser<http::file_body>;
 using Reply = http::response<http::string_body>;
 
 std::string_view view(beast::string_view text) {
@@ -60,7 +63,7 @@ std::string decoded(std::string_view text) {
   return result;
 }
 
-HttpRequest plainRequest(const Request& request) {
+HttpRequest plainRequest(const http::request_header<>& request) {
   HttpRequest plain;
   plain.method = request.method_string().to_string();
   const std::string_view target = view(request.target());
@@ -75,7 +78,6 @@ HttpRequest plainRequest(const Request& request) {
         equals < pair.size() ? decoded(pair.substr(equals + 1)) : std::string();
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  plain.body = request.body();
   return plain;
 }
 
@@ -93,7 +95,7 @@ HttpReply refusal(Access access) {
 }
 
 unsigned statusOf(const Error& error) {
-  constexpr unsigned kBadRequest = 400, kServerError = 500;
+  constexpr unsigned kBadRequest = 400;
   return error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kScene ? kBadRequest : kServerError;
 }
 
@@ -153,7 +155,7 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
   }
   ~Socket() { --server_.connections_; }
 
-  void accept(const Request& request) {
+  void accept(const http::request<http::string_body>& request) {
     stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
     stream_.auto_fragment(false);  // else a frame leaves in pieces of 4 kB, each a write of its own
     stream_.read_message_max(static_cast<std::size_t>(server_.options_.largestMessage));
@@ -232,52 +234,80 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
   void readHeader() {
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
-    parser_->body_limit(static_cast<std::uint64_t>(server_.options_.largestBody));
+    // What a PUT may hold is told when its header has been read.
+    parser_->body_limit(static_cast<std::uint64_t>(server_.options_.largestUpload));
     stream_.expires_after(kHeaderTime);
-    http::async_read_header(stream_, buffer_, *parser_,
-                            [self = shared_from_this()](error_code error, std::size_t) {
-                              if (error == http::error::body_limit) return self->refuseBody();
-                              if (!error) self->header();
-                            });
+    http::async_read_header(
+        stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+          if (error == http::error::body_limit)
+            return self->refuseBody(static_cast<std::uint64_t>(self->server_.options_.largestUpload));
+          if (!error) self->header();
+        });
   }
 
  private:
   void header() {
-    const Request& request = parser_->get();
-    const HttpRequest plain = plainRequest(request);
-    const auto token = plain.query.find("token");
-    const Access access =
-        server_.access_->check({.host = view(request[http::field::host]),
-                                .origin = view(request[http::field::origin]),
-                                .cookie = view(request[http::field::cookie]),
-                                .authorization = view(request[http::field::authorization]),
-                                .token = token != plain.query.end() ? std::string_view(token->second) : ""});
+    const http::request_header<>& request = parser_->get();
+    request_ = plainRequest(request);
+    const auto token = request_.query.find("token");
+    const Access access = server_.access_->check(
+        {.host = view(request[http::field::host]),
+         .origin = view(request[http::field::origin]),
+         .cookie = view(request[http::field::cookie]),
+         .authorization = view(request[http::field::authorization]),
+         .token = token != request_.query.end() ? std::string_view(token->second) : ""});
     keep_ = false;  // what is refused has a body that nobody reads
     if (access != Access::kGranted) return reply(refusal(access));
-    if (websocket::is_upgrade(request)) return upgrade();
+    if (websocket::is_upgrade(parser_->get())) return upgrade();
     stream_.expires_after(kBodyTime);
+    if (request_.method == "PUT") return upload();
+    if (parser_->content_length().value_or(0) > kLargestBody) return refuseBody(kLargestBody);
+    parser_->body_limit(kLargestBody);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error == http::error::body_limit) return self->refuseBody();
-      if (!error) self->answer();
+      if (error == http::error::body_limit) return self->refuseBody(kLargestBody);
+      if (!error) self->answer(self->parser_->get().keep_alive());
     });
   }
 
-  void refuseBody() {
-    constexpr unsigned kTooLarge = 413;
-    keep_ = false;
-    reply({.status = kTooLarge,
-           .body = "a request may hold at most " + std::to_string(server_.options_.largestBody) + " bytes"});
+  void upload() {
+    try {
+      part_.file = server_.events_.uploadPlace(request_);
+    } catch (const Error& e) {
+      return reply({.status = statusOf(e), .body = e.what()});
+    }
+    upload_.emplace(std::move(*parser_));
+    error_code closed;
+    upload_->get().body().open(part_.file.c_str(), beast::file_mode::write, closed);
+    if (closed)
+      return reply({.status = kServerError, .body = "the file cannot be written: " + closed.message()});
+    http::async_read(stream_, buffer_, *upload_, [self = shared_from_this()](error_code error, std::size_t) {
+      self->upload_->get().body().close();
+      if (error == http::error::body_limit)
+        return self->refuseBody(static_cast<std::uint64_t>(self->server_.options_.largestUpload));
+      if (error && error.category() == boost::system::system_category())
+        return self->reply(
+            {.status = kServerError, .body = "the file cannot be written: " + error.message()});
+      if (error) return;
+      self->request_.upload = self->part_.file;
+      self->answer(self->upload_->get().keep_alive());
+      self->part_.remove();
+    });
   }
 
-  void answer() {
+  void refuseBody(std::uint64_t most) {
+    constexpr unsigned kTooLarge = 413;
+    keep_ = false;
+    reply({.status = kTooLarge, .body = "a request may hold at most " + std::to_string(most) + " bytes"});
+  }
+
+  void answer(bool keep) {
     constexpr unsigned kSeeOther = 303;
-    keep_ = parser_->get().keep_alive();
-    const HttpRequest request = plainRequest(parser_->get());
+    keep_ = keep;
     // The browser keeps the token as a cookie, so that it does not stay in the address.
-    if (request.path == "/" && request.query.contains("token"))
+    if (request_.path == "/" && request_.query.contains("token"))
       return reply({.status = kSeeOther, .body = ""});
     try {
-      reply(server_.events_.request(request));
+      reply(server_.events_.request(request_));
     } catch (const Error& e) {
       reply({.status = statusOf(e), .body = e.what()});
     }
@@ -318,7 +348,21 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
   State& server_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
-  std::optional<http::request_parser<http::string_body>> parser_;
+  /// A file that is removed if nobody has moved it away.
+  struct Part {
+    std::filesystem::path file;
+    ~Part() { remove(); }
+    void remove() {
+      std::error_code ignored;
+      if (!file.empty()) std::filesystem::remove(file, ignored);
+      file.clear();
+    }
+  };
+
+  std::optional<RequestParser> parser_;
+  std::optional<UploadParser> upload_;
+  HttpRequest request_;
+  Part part_;
   std::optional<Reply> reply_;
   bool keep_ = false;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,7 +18,7 @@ struct HttpRequest {
   std::string method;                        ///< "GET"
   std::string path;                          ///< decoded, begins with '/'
   std::map<std::string, std::string> query;  ///< decoded
-  std::string body;
+  std::filesystem::path upload;              ///< of a PUT: the file that holds its body, see uploadPlace()
 };
 
 struct HttpReply {
@@ -35,6 +36,9 @@ class ServerEvents {
  public:
   virtual ~ServerEvents() = default;
   virtual HttpReply request(const HttpRequest& request) = 0;
+  /// Where the body of a PUT is written as it comes, so that it takes no memory. request() follows when it is
+  /// whole, and must move the file away: what still lies there is removed. Throws an Error to refuse it.
+  virtual std::filesystem::path uploadPlace(const HttpRequest& request) = 0;
   virtual void opened(ClientId client) = 0;
   virtual void message(ClientId client, std::string_view text) = 0;
   virtual void closed(ClientId client) = 0;
@@ -44,7 +48,7 @@ struct ServerOptions {
   std::string host = "127.0.0.1";  ///< the address to listen at
   int port = 0;                    ///< 0: any free one
   std::string token;
-  std::int64_t largestBody = 0;         ///< of a request, bytes
+  std::int64_t largestUpload = 0;       ///< the body of a PUT, bytes
   std::int64_t largestMessage = 0;      ///< of a WebSocket, bytes
   std::int64_t mostWaiting = 64 << 20;  ///< bytes that a client may be behind before it is closed
   int mostConnections = 64;

@@ -1,6 +1,9 @@
 #include "apps/studio/server/served_folder.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 
 #include "framework/base/error.h"
 #include "framework/base/file_output.h"
@@ -82,12 +85,30 @@ std::string ServedFolder::read(std::string_view path) const {
   return readTextFile(resolve(path), kLargestUpload);
 }
 
-void ServedFolder::write(std::string_view path, std::string_view content) const {
-  const fs::path file = resolve(path);
+fs::path ServedFolder::placeFor(std::string_view path) const {
+  fs::path file = resolve(path);
   if (file == root_) throw usageError("a file needs a name", "a path below the served folder");
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
-  writeFileAtomically(file, content);
+  return file;
+}
+
+void ServedFolder::write(std::string_view path, std::string_view content) const {
+  writeFileAtomically(placeFor(path), content);
+}
+
+fs::path ServedFolder::partOf(std::string_view path) const {
+  const fs::path file = placeFor(path);
+  checkWritable(file);
+  static std::atomic<std::int64_t> parts = 0;
+  return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(getpid()) + "-" +
+                               std::to_string(++parts) + ".part");
+}
+
+void ServedFolder::take(const fs::path& part, std::string_view path) const {
+  std::error_code error;
+  fs::rename(part, resolve(path), error);
+  if (error) throw ioError("the file " + inQuotes(path) + " cannot be written: " + error.message());
 }
 
 }  // namespace weir::studio

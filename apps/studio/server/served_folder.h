@@ -32,8 +32,15 @@ class ServedFolder {
   /// Both throw an io Error if the file cannot be read or written.
   std::string read(std::string_view path) const;
   void write(std::string_view path, std::string_view content) const;
+  /// A hidden file beside the one at the path, of a name that nobody has, for what take() makes it of.
+  std::filesystem::path partOf(std::string_view path) const;
+  /// Puts such a file at the path. Throws an io Error if that cannot be.
+  void take(const std::filesystem::path& part, std::string_view path) const;
 
  private:
+  /// Where a file may be written, in a folder that is made.
+  std::filesystem::path placeFor(std::string_view path) const;
+
   std::filesystem::path root_;  // canonical
 };
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "framework/compute/host_copy.h"
+#include "apps/studio/session/on_host.h"
 #include "framework/graph/outputs_of.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "nodes/particle_fluid/particle_fluid.h"
@@ -13,24 +13,6 @@
 namespace weir::studio {
 
 namespace {
-
-/// The first elements of an array, on the host.
-template <class T>
-std::vector<T> onHost(const Array<T>& array, std::int64_t count) {
-  HostCopy<T> copy(array.device());
-  copy.resize(count);
-  copy.start(0, array.data(), count);
-  const std::span<const T> elements = copy.wait();
-  return {elements.begin(), elements.end()};
-}
-
-template <class T>
-T elementOnHost(const Array<T>& array, std::int64_t at) {
-  HostCopy<T> copy(array.device());
-  copy.resize(1);
-  copy.start(0, array.data() + at, 1);
-  return copy.wait()[0];
-}
 
 /// An attribute as numbers, vectors by their length; nothing if there is none of that name.
 std::optional<std::vector<float>> numbersOf(const ParticleSet& particles, const std::string& name,
@@ -152,32 +134,6 @@ Packet geometryPacket(const Simulation& simulation) {
   }
   header["meshes"] = std::move(meshes);
   return writer.finish(header);
-}
-
-Value particleValue(const Simulation& simulation, const std::string& node, std::int64_t id) {
-  for (const auto& [name, output] : outputsOf<Fluid>(simulation.scene().graph)) {
-    if (name != node) continue;
-    ParticleSet& particles = *(*output)->particles;
-    const std::int64_t count = particles.refreshCount();
-    const std::vector<int> ids = onHost(particles.ids(), count);
-    const auto found = std::find(ids.begin(), ids.end(), id);
-    if (found == ids.end()) return {};
-    const std::int64_t at = found - ids.begin();
-    Value attributes = Value::object();
-    for (const AttributeInfo& info : particles.attributes()) {
-      Value& v = attributes[info.name];
-      if (info.type == AttributeType::kFloat) v = elementOnHost(particles.get<float>(info.name), at);
-      if (info.type == AttributeType::kVec3)
-        v = vectorValue(elementOnHost(particles.get<Vec3f>(info.name), at));
-      if (info.type == AttributeType::kInt) v = elementOnHost(particles.get<int>(info.name), at);
-    }
-    Value result = Value::object();
-    result["node"] = node;
-    result["id"] = id;
-    result["attributes"] = std::move(attributes);
-    return result;
-  }
-  return {};
 }
 
 }  // namespace weir::studio

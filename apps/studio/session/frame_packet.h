@@ -21,8 +21,4 @@ Packet framePacket(const Simulation& simulation, const FrameView& view);
 /// The meshes that nodes put out, each in its own frame, and which of them move; kind "geometry".
 Packet geometryPacket(const Simulation& simulation);
 
-/// Everything about the particle of this id: {"node", "id", "attributes": {name: number or [x, y, z]}}, or
-/// null if there is none. Waits for the device.
-Value particleValue(const Simulation& simulation, const std::string& node, std::int64_t id);
-
 }  // namespace weir::studio

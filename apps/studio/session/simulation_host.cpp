@@ -76,7 +76,10 @@ void SimulationHost::reset() {
 }
 void SimulationHost::advance(std::int64_t frames) {
   post([this, frames] {
-    if (simulation_) go(simulation_->frame() + frames);
+    if (!simulation_) return;
+    // Frames that were asked for before and are still to come count: one press, one frame.
+    const bool advancing = state_ == HostState::kPlaying && pauseAt_;
+    go((advancing ? *pauseAt_ : simulation_->frame()) + frames);
   });
 }
 void SimulationHost::change(std::vector<LiveChange> changes) {

@@ -59,7 +59,7 @@ class SimulationHost {
   void play();
   void pause();
   void reset();
-  void advance(std::int64_t frames);  ///< and then pauses
+  void advance(std::int64_t frames);  ///< so many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
   void show(FrameView view);
   /// Calls f with the simulation between two steps, or with null if there is none.

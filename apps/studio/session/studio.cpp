@@ -4,10 +4,13 @@
 #include <limits>
 #include <utility>
 
+#include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
+#include "apps/studio/session/particle_values.h"
 #include "apps/studio/session/templates.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
+#include "framework/compute/device.h"
 
 namespace weir::studio {
 
@@ -17,6 +20,7 @@ namespace {
 
 constexpr unsigned kNotFound = 404, kMethodNotAllowed = 405;
 constexpr const char* kJson = "application/json";
+constexpr std::string_view kFile = "/api/file/";
 /// Frames that may be under way to a viewer; more would be shown late.
 constexpr int kMostUnseen = 2;
 
@@ -59,7 +63,7 @@ ServerOptions serverOptions(const StudioOptions& options) {
   return {.host = options.host,
           .port = options.port,
           .token = randomToken(),
-          .largestBody = options.largestUpload,
+          .largestUpload = options.largestUpload,
           .largestMessage = kLargestSceneFile,
           .mostWaiting = options.mostWaiting};
 }
@@ -81,12 +85,14 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       host_(registry, log, *this, options_.threads) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
+  findDraft();
 }
 
 Studio::~Studio() = default;
 
 void Studio::open(const std::string& path) {
   takeScene(parseJson(folder_.read(path), path), path, 0);
+  findDraft();
 }
 
 void Studio::showLog(LogLevel level, std::string_view message) {
@@ -140,8 +146,15 @@ HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
   return {.type = kJson, .body = writeJsonLine(list)};
 }
 
+fs::path Studio::uploadPlace(const HttpRequest& request) {
+  if (!request.path.starts_with(kFile))
+    throw usageError("nothing can be written at " + inQuotes(request.path),
+                     "an address that begins with " + std::string(kFile));
+  return folder_.partOf(std::string_view(request.path).substr(kFile.size()));
+}
+
 HttpReply Studio::files(const HttpRequest& request) {
-  constexpr std::string_view kFile = "/api/file/", kList = "/api/files";
+  constexpr std::string_view kList = "/api/files";
   if (request.path == kList) {
     const auto folder = request.query.find("folder");
     return listing(folder_.list(folder != request.query.end() ? folder->second : ""));
@@ -149,7 +162,7 @@ HttpReply Studio::files(const HttpRequest& request) {
   if (!request.path.starts_with(kFile)) return {.status = kNotFound, .body = "not found"};
   const std::string path = request.path.substr(kFile.size());
   if (request.method == "PUT") {
-    folder_.write(path, request.body);
+    folder_.take(request.upload, path);
     return {.body = "written"};
   }
   if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET and PUT"};
@@ -175,6 +188,8 @@ void Studio::closed(ClientId client) {
 const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
   static const std::map<std::string, Command, std::less<>> kCommands{{"hello", &Studio::hello},
                                                                      {"scene.set", &Studio::setScene},
+                                                                     {"scene.new", &Studio::newScene},
+                                                                     {"draft.drop", &Studio::dropDraft},
                                                                      {"scene.open", &Studio::openScene},
                                                                      {"scene.save", &Studio::saveScene},
                                                                      {"run.play", &Studio::play},
@@ -186,6 +201,7 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
                                                                      {"frame.seen", &Studio::confirm},
                                                                      {"role.claim", &Studio::claim},
                                                                      {"particle", &Studio::askParticle},
+                                                                     {"particles", &Studio::askParticles},
                                                                      {"stream.set", &Studio::setStream},
                                                                      {"picture", &Studio::askPicture},
                                                                      {"video.start", &Studio::startVideo},
@@ -284,6 +300,7 @@ Value Studio::sceneState() const {
 Value Studio::sceneValue() const {
   Value v = sceneState();
   v["scene"] = scene_;
+  if (draft_) v["draft"] = *draft_;
   return v;
 }
 
@@ -311,7 +328,38 @@ void Studio::setScene(ClientId client, const Value& message, Value& result) {
   const Value& scene = member(message, "scene");
   if (!scene.isObject()) throw usageError("'scene' is " + scene.brief(), "an object");
   takeScene(scene, path_, client);
+  draft_.reset();
+  keepDraft();
   result = sceneState();
+}
+
+void Studio::newScene(ClientId client, const Value&, Value& result) {
+  requireWriter(client);
+  path_.clear();
+  draft_.reset();
+  result = sceneState();
+}
+
+void Studio::findDraft() {
+  draft_ = readDraft(folder_, path_);
+  if (draft_ && *draft_ == scene_) draft_.reset();
+}
+
+void Studio::keepDraft() {
+  try {
+    writeDraft(folder_, path_, scene_);
+    draftFailed_ = false;
+  } catch (const Error& e) {
+    if (!draftFailed_)
+      log_.warn(std::string("changes are lost if the studio ends before they are saved: ") + e.what());
+    draftFailed_ = true;
+  }
+}
+
+void Studio::dropDraft(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  draft_.reset();
+  removeDraft(folder_, path_);
 }
 
 void Studio::openScene(ClientId client, const Value& message, Value& result) {
@@ -321,6 +369,8 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   const std::string text = isTemplate ? ServedFolder(options_.templates).read(path) : folder_.read(path);
   running_.reset();
   takeScene(parseJson(text, path), isTemplate ? "" : path, client);
+  draft_.reset();
+  if (!isTemplate) findDraft();
   result = sceneValue();
 }
 
@@ -330,6 +380,9 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   if (fs::path(path).extension() != ".json")
     throw usageError("a scene cannot be saved as " + inQuotes(path), "a name that ends in .json");
   folder_.write(path, writeJson(scene_));
+  draft_.reset();
+  removeDraft(folder_, path_);
+  removeDraft(folder_, path);
   path_ = path;
   result["path"] = path;
 }
@@ -338,8 +391,12 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
 
 void Studio::reset(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
-  if (const Value* device = message.find("device"); device != nullptr && device->isString())
-    device_ = device->asString();
+  if (message.find("device") != nullptr) {
+    const std::string device = textMember(message, "device");
+    // Kept only if it can be used: who names none gets the last one.
+    if (device != device_) (void)openDevice(device, options_.threads);
+    device_ = device;
+  }
   const std::string folder = (folder_.root() / fs::path(path_).parent_path()).string();
   CheckedScene checked = checkScene(scene_, path_, folder, registry_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
@@ -394,17 +451,42 @@ void Studio::confirm(ClientId client, const Value&, Value& result) {
   result = {};
 }
 
-void Studio::askParticle(ClientId client, const Value& message, Value& result) {
-  const std::string node = textMember(message, "node");
-  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
+void Studio::answerLater(ClientId client, const Value& message, Value& result,
+                         std::function<Value(const Simulation&)> f) {
   const Value* id = message.find("id");
-  host_.ask([this, client, node, particle, id = id != nullptr ? *id : Value()](Simulation* simulation) {
+  host_.ask([this, client, f = std::move(f), id = id != nullptr ? *id : Value()](Simulation* simulation) {
     Value reply = Value::object();
     reply["id"] = id;
-    reply["result"] = simulation != nullptr ? particleValue(*simulation, node, particle) : Value();
+    try {
+      reply["result"] = simulation != nullptr ? f(*simulation) : Value();
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::kUsage) throw;  // the simulation failed
+      reply["error"] = problemOf(e);
+    }
     server_.sendText(client, writeJsonLine(reply));
   });
   result = {};
+}
+
+void Studio::askParticle(ClientId client, const Value& message, Value& result) {
+  const std::string node = textMember(message, "node");
+  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
+  answerLater(client, message, result, [node, particle](const Simulation& simulation) {
+    return particleValue(simulation, node, particle);
+  });
+}
+
+void Studio::askParticles(ClientId client, const Value& message, Value& result) {
+  constexpr std::int64_t kMostRows = 1000;
+  ParticlePage page;
+  page.node = textMember(message, "node");
+  if (message.find("sort") != nullptr) page.sort = textMember(message, "sort");
+  if (message.find("descending") != nullptr) page.descending = switchMember(message, "descending");
+  if (message.find("from") != nullptr)
+    page.from = wholeMember(message, "from", 0, std::numeric_limits<std::int32_t>::max());
+  if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMostRows);
+  answerLater(client, message, result,
+              [page](const Simulation& simulation) { return particlePageValue(simulation, page); });
 }
 
 // What the simulation tells

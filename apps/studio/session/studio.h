@@ -55,6 +55,7 @@ class Studio final : private ServerEvents, private HostListener {
 
   // ServerEvents
   HttpReply request(const HttpRequest& request) override;
+  std::filesystem::path uploadPlace(const HttpRequest& request) override;
   void opened(ClientId client) override;
   void message(ClientId client, std::string_view text) override;
   void closed(ClientId client) override;
@@ -83,7 +84,10 @@ class Studio final : private ServerEvents, private HostListener {
   void setView(ClientId client, const Value& message, Value& result);
   void confirm(ClientId client, const Value& message, Value& result);
   void claim(ClientId client, const Value& message, Value& result);
+  void newScene(ClientId client, const Value& message, Value& result);
+  void dropDraft(ClientId client, const Value& message, Value& result);
   void askParticle(ClientId client, const Value& message, Value& result);
+  void askParticles(ClientId client, const Value& message, Value& result);
   void setStream(ClientId client, const Value& message, Value& result);
   void askPicture(ClientId client, const Value& message, Value& result);
   void startVideo(ClientId client, const Value& message, Value& result);
@@ -92,7 +96,13 @@ class Studio final : private ServerEvents, private HostListener {
   static const std::map<std::string, Command, std::less<>>& commands();
 
   void takeScene(Value scene, std::string path, ClientId from);
+  /// Offers what an earlier run was left with, if it is something else.
+  void findDraft();
+  void keepDraft();
   void requireWriter(ClientId client) const;
+  /// Answers with what f makes of the simulation, between two of its steps.
+  void answerLater(ClientId client, const Value& message, Value& result,
+                   std::function<Value(const Simulation&)> f);
   void sendPicture(ClientId client, const Value& id, const LivePictureOptions& options, PictureAnswer answer);
   Value videoValue(const VideoStatus& video) const;
   Value sceneState() const;  ///< all but the scene itself
@@ -110,6 +120,8 @@ class Studio final : private ServerEvents, private HostListener {
   std::optional<ClientId> writer_;
   Value scene_;                   // as it is edited, right or wrong
   std::string path_;              // below the served folder; "" if it has no file yet
+  std::optional<Value> draft_;    // what an earlier run made of it and nobody saved
+  bool draftFailed_ = false;      // that was told
   std::int64_t revision_ = 0;     // of scene_
   std::optional<Value> problem_;  // of scene_
   std::vector<std::string> warnings_;

@@ -11,8 +11,8 @@ constexpr int kEarlier = AndersonHistory::kEarlier;
 /// How many earlier iterates the next one is combined of; 0 if it is to be plain.
 WEIR_HD int earlierOf(const SolverControl& control) {
   if (control.done || control.takesBack || control.momentum == 0) return 0;
-  const int made = control.sinceRestart - 1;
-  return made < kEarlier ? made : kEarlier;
+  const int made = control.sinceRestart - 1, most = control.exhausted ? 1 : kEarlier;
+  return made < most ? made : most;
 }
 
 struct MeasureResiduals {
@@ -23,7 +23,7 @@ struct MeasureResiduals {
   WEIR_HD AndersonGram operator()(std::int64_t i) const {
     AndersonGram gram;
     const int earlier = earlierOf(*control);
-    if (earlier == 0) return gram;
+    if (earlier == 0 || control->exhausted) return gram;
     const Vec3f now = displacement[i] - history.start(control->entry, i);
     Vec3f difference[kEarlier] = {};
     for (int j = 0; j < kEarlier; ++j) {
@@ -63,6 +63,10 @@ struct SolveWeights {
 
   WEIR_HD void operator()(std::int64_t) const {
     *weights = {};
+    if (control->exhausted) {
+      weights->of[0] = -control->momentum;
+      return;
+    }
     const int n = earlierOf(*control);
     double lower[kEarlier][kEarlier] = {}, x[kEarlier] = {};
     if (n == 0 || !decompose(n, lower)) return;

@@ -9,6 +9,12 @@
 // is the smallest, were f linear. tr is the trace of the Gram matrix of the differences of residuals, and
 // ε = 1e-10 keeps differences that are nearly parallel from getting huge weights. Sums are of doubles.
 //
+// The residual of a soft mode is a thousandth of how far it is from its end, or less. In floats noise of the
+// positions drowns it long before that end: from there on the best mixtures are means of noise, and lead on
+// no faster than plain iterations. So when a mixture lowers the objective by no more than its rounding, the
+// rest of the pass goes on with Nesterov's momentum, which looks at no residuals: it is a mixture, too, with
+// γ_1 = −k/(k + 3) alone.
+//
 // What the displacement is made of, as the share of walls in it, is combined in the same way. Restarts and
 // the judgement whether an iterate is to be taken back are the solver's, see SolverControl.
 #pragma once

@@ -30,6 +30,7 @@ struct SolverControl {
   int takesBack = 0;     // whether this iteration takes back what acceleration made of the last
   float momentum = 0;    // share of the last change that the next one goes on with; 0: the next is plain
   int entry = 0;         // of AndersonHistory, the latest
+  int exhausted = 0;     // whether mixtures gain nothing any more in this pass, and momentum goes on
   double objective = 0;  // the least so far
   // Of all steps.
   std::int64_t steps = 0, passes = 0, total = 0;

@@ -2,6 +2,7 @@
 
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/modules/semi_implicit_judge.h"
 #include "nodes/particle_fluid/modules/semi_implicit_passes.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
@@ -163,82 +164,6 @@ struct Measure {
     const Vec3f way = searched.size > 0 ? u - searched[i] : u;
     return {e > 0 ? double(e) : 0.0, 0.5 * double(dot(u, u)) + double(stiffness) * double(energy.value(e)),
             proposal.size > 0 ? double(proposal[i].w) : 0.0, double(dot(way, way))};
-  }
-};
-
-/// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
-struct Judge {
-  Control* control;
-  const Sums* sums;
-  Count count;
-  double tolerance;  // below 0: never done
-  int meetings;      // of the tolerance, one after another, that end a pass
-  bool accelerated;
-  double farthest;  // m², squared; from here on, lists no longer hold
-  int mostRepeats;  // of a stage
-  int passes;       // of the last stage
-  bool last;        // of the pass: its outcome is not judged, so it is plain
-
-  WEIR_HD void operator()(std::int64_t) const {
-    if (control->done) return;
-    judge();
-    if (control->done || last) plan();
-  }
-
-  /// What the next pass is.
-  WEIR_HD void plan() const {
-    const bool far = mostRepeats > 0 && sums->farthest > farthest;
-    if (far && control->repeats < mostRepeats) {
-      ++control->repeats;
-      control->advance = 0;
-      return;
-    }
-    control->advance = control->stage < control->stages ? 1 : 0;
-    if (control->advance) {
-      ++control->stage;
-      control->repeats = 0;
-      return;
-    }
-    control->over = ++control->finals >= passes ? 1 : 0;
-    // What lists that do not hold say of compression is not true.
-    if (far) control->met = 0;
-  }
-
-  WEIR_HD void judge() const {
-    // The terms of the sum are floats; it may rise by rounding.
-    constexpr double kRounding = 1e-6;
-    // Compression that no step touches because it is below the tolerance would gather over the steps.
-    constexpr int kFewest = 3;
-    // With acceleration, an objective that no longer falls is at its least, and the compression is what
-    // inertia and stiffness ask for.
-    constexpr double kStall = 1e-5;
-    constexpr int kOnTheWay = 3;
-    const std::int64_t particles = count.get();
-    const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
-    // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
-    // does not mean that it is done.
-    const bool rose = sums->objective > (1 + kRounding) * control->objective;
-    control->takesBack = control->momentum > 0 && rose ? 1 : 0;
-    control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
-    control->metInARow = control->met ? control->metInARow + 1 : 0;
-    const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
-                        control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kFewest && (control->metInARow >= meetings || stalls)) {
-      control->done = 1;
-      return;
-    }
-    ++control->iterations;
-    ++control->total;
-    if (control->iterations > control->most) control->most = control->iterations;
-    if (control->takesBack) {
-      control->sinceRestart = 0;
-      control->momentum = 0;
-      return;
-    }
-    const int k = control->sinceRestart++;
-    control->entry = AndersonHistory::after(control->entry);
-    control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
-    control->objective = sums->objective;
   }
 };
 
@@ -526,16 +451,17 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
   constexpr int kMeetingsOfMixtures = 3;
   const double reach = kReach * fluid.constants.spacing;
-  Judge judge{control_.data(),
-              sums_.data(),
-              count,
-              double(tolerance.get().value_or(-1.0f)),
-              mixes() ? kMeetingsOfMixtures : 1,
-              accelerated(),
-              reach * reach,
-              mostRepeats(),
-              passes(),
-              false};
+  detail::Judge judge{control_.data(),
+                      sums_.data(),
+                      count,
+                      double(tolerance.get().value_or(-1.0f)),
+                      mixes() ? kMeetingsOfMixtures : 1,
+                      accelerated(),
+                      mixes(),
+                      reach * reach,
+                      mostRepeats(),
+                      passes(),
+                      false};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {

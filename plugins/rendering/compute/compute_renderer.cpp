@@ -188,13 +188,7 @@ Picture ComputeRenderer::draw(const View& view) {
                     distances_.view());
     shade(device, shaded, rgb_.view());
   });
-  return download(view);
-}
-
-Picture ComputeRenderer::download(const View& view) {
-  picture_.resize(rgb_.size());
-  picture_.start(0, rgb_.data(), rgb_.size());
-  const std::span<const std::uint8_t> rgb = picture_.wait();
+  const std::span<const std::uint8_t> rgb = picture_.of(rgb_);
   return {view.width, view.height, {rgb.begin(), rgb.end()}};
 }
 

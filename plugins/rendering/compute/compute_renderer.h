@@ -2,7 +2,7 @@
 // may have few. It draws particles, ground and lines; surfaces are OpenGL's.
 #pragma once
 
-#include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/device_output.h"
 #include "plugins/rendering/compute/occlusion_kernels.h"
 #include "plugins/rendering/compute/shade_kernels.h"
 #include "plugins/rendering/compute/sphere_set.h"
@@ -24,7 +24,6 @@ class ComputeRenderer {
  private:
   void setLines(const gl::Frame& frame);
   ShadedPicture shadedPicture(const gl::Frame& frame);
-  Picture download(const View& view);
 
   Device& device_;
   SphereSet spheres_;
@@ -34,7 +33,7 @@ class ComputeRenderer {
   Array<float> tiles_[4];  // nearest and farthest depths of ShadowTiles, and scratch for them
   Array<std::uint8_t> rgb_;
   Array<ShadedLine> lines_;
-  HostCopy<std::uint8_t> picture_;
+  DeviceOutput<std::uint8_t> picture_;
 };
 
 }  // namespace weir::rendering

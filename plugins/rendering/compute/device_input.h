@@ -1,4 +1,4 @@
-// DeviceInput<T>: numbers of the host as the kernels of a device see them.
+// DeviceInput<T>: numbers of a view as the kernels of a device see them.
 #pragma once
 
 #include <span>
@@ -7,14 +7,15 @@
 
 namespace weir::rendering {
 
-/// On the CPU kernels read them where they are, so they must stay there; to other devices they are copied.
+/// What is on the device is read where it is, so it must stay there, and so is all on the CPU; to other
+/// devices numbers of the host are copied.
 template <class T>
 class DeviceInput {
  public:
   explicit DeviceInput(Device& device) : copy_(device) {}
 
-  ArrayView<const T> of(std::span<const T> values) {
-    if (copy_.device().kind() == DeviceKind::kCpu)
+  ArrayView<const T> of(std::span<const T> values, bool onDevice) {
+    if (onDevice || copy_.device().kind() == DeviceKind::kCpu)
       return {values.data(), static_cast<std::int64_t>(values.size())};
     copy_.assign(values);
     return static_cast<const Array<T>&>(copy_).view();

@@ -33,8 +33,8 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
     if (!view.values.empty()) WEIR_CHECK(view.values.size() == view.positions.size());
     Input& input = *inputs_[i];
     input.texels.assign(packedTexels(view));
-    const ArrayView<const Vec3f> positions = input.positions.of(view.positions);
-    const ArrayView<const float> values = input.values.of(view.values);
+    const ArrayView<const Vec3f> positions = input.positions.of(view.positions, view.onDevice);
+    const ArrayView<const float> values = input.values.of(view.values, view.onDevice);
     const ArrayView<SplatSphere> spheres{spheres_.data() + first, positions.size};
     const SphereColors colors{.texels = static_cast<const Array<std::uint32_t>&>(input.texels).view(),
                               .lowest = view.lowest,

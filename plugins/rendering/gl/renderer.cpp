@@ -205,7 +205,8 @@ Renderer::Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> dev
   const CurrentContext current(*context_);
   // What the device does not draw alone is left to OpenGL if that is a GPU's: textures would have to go
   // there.
-  const bool splats = device_ != nullptr && (!drawsAlone || context_->isSoftware());
+  const bool splats =
+      device_ != nullptr && share != ComputeShare::kNothing && (!drawsAlone || context_->isSoftware());
   passes_ = std::make_unique<Passes>(context_->functions(), splats ? device_.get() : nullptr);
 }
 
@@ -234,8 +235,13 @@ void Renderer::removeMesh(MeshId id) {
   passes_->meshes.remove(id);
 }
 
+bool Renderer::readsDevice(const View& view) const {
+  return compute_ && ComputeRenderer::canDraw(view);
+}
+
 Picture Renderer::draw(const View& view) {
-  if (compute_ && ComputeRenderer::canDraw(view)) return compute_->draw(view);
+  if (readsDevice(view)) return compute_->draw(view);
+  for (const ParticleView& particles : view.particles) WEIR_CHECK(!particles.onDevice);
   const CurrentContext current(*context_);
   return passes_->draw(view);
 }

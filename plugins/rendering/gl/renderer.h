@@ -19,6 +19,7 @@ class Context;
 
 /// What a compute device does of a picture.
 enum class ComputeShare {
+  kNothing,    ///< it is there for those who make views
   kParticles,  ///< it finds the particles that are seen
   kWhatCanBe,  ///< it draws all pictures that ComputeRenderer can
 };
@@ -28,9 +29,10 @@ enum class ComputeShare {
 /// top; the samples of each pixel are averaged. It may be used from any thread, but from one at a time.
 class Renderer {
  public:
-  /// Which particles are seen is found by OpenGL, or, if there is a device and OpenGL is software, on that,
-  /// which is much faster; the pictures are the same. With `device` and kWhatCanBe, the device alone draws
-  /// views without surfaces. Throws an io Error if the driver cannot do it.
+  /// Which particles are seen is found by OpenGL, or on a device, which is much faster where OpenGL is
+  /// software; the pictures are the same. With `device` and kWhatCanBe, the device alone draws views without
+  /// surfaces, and finds particles only where OpenGL is software. Throws an io Error if the driver cannot do
+  /// it.
   explicit Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> device = nullptr,
                     ComputeShare share = ComputeShare::kParticles);
   ~Renderer();
@@ -46,6 +48,11 @@ class Renderer {
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that
   /// looks nowhere. Where `samplesPerAxis` would need textures larger than the driver allows, it is lowered.
   Picture draw(const View& view);
+
+  /// Which prepares views and draws what it shares in; null without one.
+  Device* device() const { return device_.get(); }
+  /// Whether the particles of this view may be in the device's memory (ParticleView::onDevice).
+  bool readsDevice(const View& view) const;
 
   /// The renderer and version of the driver.
   const std::string& description() const;

@@ -35,14 +35,6 @@ Aabb SplatPass::load(std::span<const ParticleView> views) {
   return spheres_.load(balls);
 }
 
-template <class T>
-const T* SplatPass::onHost(const Array<T>& array, HostCopy<T>& copy) const {
-  if (device_.kind() == DeviceKind::kCpu) return array.data();
-  copy.resize(array.size());
-  copy.start(0, array.data(), array.size());
-  return copy.wait().data();
-}
-
 void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
   const std::int64_t samples = std::int64_t{frame.width} * frame.height;
   nearest_.resizeDiscarding(samples);
@@ -53,16 +45,16 @@ void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
     splatGeometry(device, spheres_.view(), splatCameraOf(frame), nearest_.view(),
                   {albedo_.view(), normal_.view(), depth_.view()});
   });
-  replace(gl_, targets.albedo, frame.width, frame.height, kSrgb8, onHost(albedo_, albedoCopy_));
-  replace(gl_, targets.normal, frame.width, frame.height, kColor10, onHost(normal_, normalCopy_));
-  replace(gl_, targets.depth, frame.width, frame.height, kDepth32F, onHost(depth_, depthCopy_));
+  replace(gl_, targets.albedo, frame.width, frame.height, kSrgb8, albedoCopy_.of(albedo_).data());
+  replace(gl_, targets.normal, frame.width, frame.height, kColor10, normalCopy_.of(normal_).data());
+  replace(gl_, targets.depth, frame.width, frame.height, kDepth32F, depthCopy_.of(depth_).data());
 }
 
 void SplatPass::drawShadow(const SunView& sun, const Texture& map, int resolution) {
   const SplatSun view = splatSunOf(sun, resolution);
   shadow_.resizeDiscarding(std::int64_t{resolution} * resolution);
   dispatch(device_, [&](auto& device) { splatShadow(device, spheres_.view(), view, shadow_.view()); });
-  replace(gl_, map, resolution, resolution, kDepth32F, onHost(shadow_, shadowCopy_));
+  replace(gl_, map, resolution, resolution, kDepth32F, shadowCopy_.of(shadow_).data());
 }
 
 }  // namespace weir::rendering::gl

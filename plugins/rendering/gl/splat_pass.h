@@ -2,7 +2,7 @@
 // gets finished texels, which is much faster than triangles where OpenGL is software.
 #pragma once
 
-#include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/device_output.h"
 #include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/particle_drawer.h"
 #include "plugins/rendering/gl/splat_kernels.h"
@@ -20,18 +20,14 @@ class SplatPass final : public ParticleDrawer {
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 
  private:
-  /// The same numbers on the host.
-  template <class T>
-  const T* onHost(const Array<T>& array, HostCopy<T>& copy) const;
-
   const Functions& gl_;
   Device& device_;
   SphereSet spheres_;
   Array<std::uint64_t> nearest_;
   Array<std::uint32_t> albedo_, normal_, shadow_;
   Array<float> depth_;
-  HostCopy<std::uint32_t> albedoCopy_, normalCopy_, shadowCopy_;
-  HostCopy<float> depthCopy_;
+  DeviceOutput<std::uint32_t> albedoCopy_, normalCopy_, shadowCopy_;
+  DeviceOutput<float> depthCopy_;
 };
 
 }  // namespace weir::rendering::gl

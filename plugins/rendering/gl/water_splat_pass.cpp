@@ -64,14 +64,6 @@ Aabb WaterSplatPass::loadOne(const ParticleView& particles) {
   return {box.lo - around, box.hi + around};
 }
 
-template <class T>
-const T* WaterSplatPass::onHost(const Array<T>& array, HostCopy<T>& copy) const {
-  if (device_.kind() == DeviceKind::kCpu) return array.data();
-  copy.resize(array.size());
-  copy.start(0, array.data(), array.size());
-  return copy.wait().data();
-}
-
 void WaterSplatPass::upload(const Texture& texture, int width, int height, const TextureFormat& format,
                             const void* texels) const {
   gl_.bindTexture(GL_TEXTURE_2D, texture.name());
@@ -90,7 +82,7 @@ void WaterSplatPass::drawDepth(const Frame& frame, std::size_t water, const Text
   dispatch(device_, [&](auto& device) {
     splatWaterDepth(device, liquids_[water].particles.view(), camera, depth_.view());
   });
-  upload(depth, frame.width, frame.height, kDepth32F, onHost(depth_, depthCopy_));
+  upload(depth, frame.width, frame.height, kDepth32F, depthCopy_.of(depth_).data());
 }
 
 void WaterSplatPass::drawThickness(const Frame& frame, std::size_t water, const Texture&,
@@ -124,7 +116,7 @@ void WaterSplatPass::drawSunDepth(const SunView& sun, std::size_t water, const T
   dispatch(device_, [&](auto& device) {
     splatWaterSunDepth(device, liquids_[water].particles.view(), view, sunDepth_.view());
   });
-  upload(depth, resolution, resolution, kDepth32F, onHost(sunDepth_, depthCopy_));
+  upload(depth, resolution, resolution, kDepth32F, depthCopy_.of(sunDepth_).data());
 }
 
 void WaterSplatPass::drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) {
@@ -144,7 +136,7 @@ void WaterSplatPass::addThickness(std::size_t water, ThicknessView view, const L
   dispatch(device_, [&](auto& device) {
     splatThickness(device, liquids_[water].particles.view(), view, between, sums_.view(), thickness_.view());
   });
-  upload(map.texture, map.width, map.height, kFloat2, onHost(thickness_, thicknessCopy_));
+  upload(map.texture, map.width, map.height, kFloat2, thicknessCopy_.of(thickness_).data());
 }
 
 }  // namespace weir::rendering::gl

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "framework/compute/host_copy.h"
+#include "plugins/rendering/compute/device_output.h"
 #include "plugins/rendering/gl/water_drawer.h"
 #include "plugins/rendering/gl/water_kernels.h"
 
@@ -37,9 +37,6 @@ class WaterSplatPass final : public WaterDrawer {
                     const ThicknessMap& map);
   void upload(const Texture& texture, int width, int height, const TextureFormat& format,
               const void* texels) const;
-  /// The same numbers on the host.
-  template <class T>
-  const T* onHost(const Array<T>& array, HostCopy<T>& copy) const;
 
   const Functions& gl_;
   Device& device_;
@@ -48,8 +45,8 @@ class WaterSplatPass final : public WaterDrawer {
   Array<float> background_;
   Array<Vec2f> thickness_;
   std::vector<float> backgroundOnHost_;
-  HostCopy<std::uint32_t> depthCopy_;
-  HostCopy<Vec2f> thicknessCopy_;
+  DeviceOutput<std::uint32_t> depthCopy_;
+  DeviceOutput<Vec2f> thicknessCopy_;
 };
 
 }  // namespace weir::rendering::gl

@@ -6,6 +6,7 @@
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/surface_export.h"
+#include "plugins/vtkhdf/vtkhdf_mesh_reader.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
 #include "plugins/vtkhdf/vtkhdf_recording.h"
 
@@ -27,12 +28,13 @@ class Hdf5Info final : public InfoSource {
 }  // namespace weir
 
 WEIR_PLUGIN("vtkhdf",
-            "Exports particles and surfaces to VTKHDF files, for ParaView and VTK, and reads particles back.",
+            "Exports particles and surfaces to VTKHDF files, for ParaView and VTK, and reads both back.",
             registry) {
   using namespace weir;
   registry.addSection<ExportSettings>("export", "What --export writes: attributes, frames, precision.");
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<OutputKind>("vtkhdf surfaces", [] { return std::make_unique<SurfaceExportKind>(); });
+  registry.addService<MeshReader>("vtkhdf", [] { return std::make_unique<VtkHdfMeshReader>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
   registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });
   registry.addService<CheckpointStore>("hdf5", [] { return std::make_unique<Hdf5CheckpointStore>(); });

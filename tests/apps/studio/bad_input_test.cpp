@@ -3,9 +3,11 @@
 //
 // WEIR_TEST_MESSAGES=100000 sends as many damaged messages; else there are a few thousand.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "framework/base/text.h"
 #include "framework/graph/plugin.h"
@@ -60,11 +62,18 @@ class BadInputTest : public testing::Test {
     EXPECT_EQ(answer.find("result")->find("problem"), nullptr) << writeJsonLine(answer);
   }
   /// Whether the good scene can be run.
-  static bool runsOn(const Socket& socket) {
+  static testing::AssertionResult runsOn(const Socket& socket) {
     edit(socket, [](Value& scene) { scene["world"]["duration"] = 0.02; });
-    socket.ask(R"({"id": 41, "do": "run.reset"})");
+    const Value reset = socket.ask(R"({"id": 41, "do": "run.reset"})");
+    if (reset.find("result") == nullptr) return testing::AssertionFailure() << writeJsonLine(reset);
     socket.sendText(R"({"id": 42, "do": "run.play"})");
-    return !socket.state("finished").isNull();
+    std::string last = "nothing";
+    const Value finished = socket.event("status", [&](const Value& status) {
+      last = writeJsonLine(status);
+      return status.find("state")->asString() == "finished";
+    });
+    if (finished.isNull()) return testing::AssertionFailure() << "the last that was told: " << last;
+    return testing::AssertionSuccess();
   }
 
   test::TemporaryFolder folder, outside;
@@ -94,6 +103,9 @@ TEST_F(BadInputTest, DamagedMessages) {
       R"({"id": 7, "do": "view.set", "attribute": "speed", "most": 50})",
       R"({"id": 7, "do": "stream.set", "particles": true})",
       R"({"id": 7, "do": "particle", "node": "water", "particle": 3})",
+      R"({"id": 7, "do": "particles", "node": "water", "sort": "speed", "descending": true, "from": 9, "count": 3})",
+      R"({"id": 7, "do": "scene.new"})",
+      R"({"id": 7, "do": "draft.drop"})",
       R"({"id": 7, "do": "picture", "eye": [1, 1, 1], "target": [0, 0, 0], "width": 64, "newer": false})",
       R"({"id": 7, "do": "video.start", "path": "a.mp4", "eye": [1, 1, 1], "target": [0, 0, 0]})",
       R"({"id": 7, "do": "video.camera", "eye": [1, 1, 1], "target": [0, 0, 0]})",
@@ -244,6 +256,48 @@ TEST_F(BadInputTest, UploadsThatAreTooLarge) {
   EXPECT_TRUE(runsOn(socket));
 }
 
+/// Bytes of memory that this process holds, the server among it.
+std::int64_t residentBytes() {
+  std::int64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages >> pages;
+  return pages * sysconf(_SC_PAGESIZE);
+}
+
+TEST_F(BadInputTest, UploadsTakeNoMemory) {
+  constexpr std::size_t kPiece = 1 << 16;
+  constexpr int kPieces = 2048, kWarm = 64;
+  constexpr std::int64_t kSpare = 16 << 20;
+  options.largestUpload = std::int64_t{256} << 20;
+  start();
+  const Connection connection(studio->port());
+  connection.send(studio->head("PUT /api/file/big.obj", studio->bearer() + "Content-Length: " +
+                                                            std::to_string(kPieces * kPiece) + "\r\n") +
+                  "\r\n");
+  const std::string piece(kPiece, 'v');
+  std::int64_t before = 0;
+  for (int i = 0; i < kPieces; ++i) {
+    if (i == kWarm) before = residentBytes();
+    ASSERT_TRUE(connection.send(piece));
+  }
+  // The server has read all but what the system holds for it.
+  EXPECT_LT(residentBytes() - before, kSpare);
+  EXPECT_FALSE(fs::exists(folder / "big.obj"));  // until it is whole
+  EXPECT_TRUE(connection.readHeader().starts_with("HTTP/1.1 200"));
+  EXPECT_EQ(fs::file_size(folder / "big.obj"), kPieces * kPiece);
+  // Half of one leaves nothing behind.
+  {
+    const Connection broken(studio->port());
+    broken.send(studio->head("PUT /api/file/half.obj", studio->bearer() + "Content-Length: 99999\r\n") +
+                "\r\n" + piece);
+  }
+  const Socket socket = studio->socket();
+  EXPECT_TRUE(runsOn(socket));
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  EXPECT_NE(put("/api/types"), 200);
+  EXPECT_NE(put("/index.html"), 200);
+}
+
 TEST_F(BadInputTest, AClientThatStopsReadingIsClosedAndAllElseGoesOn) {
   start();
   const Socket writer = studio->socket();
@@ -320,8 +374,9 @@ TEST_F(BadInputTest, OneWritesAndOthersWatch) {
         std::make_unique<Socket>(studio->port(), studio->head("GET /api/live", studio->bearer())));
     EXPECT_EQ(watchers.back()->ask(R"({"id": 1, "do": "hello"})").find("result")->find("role")->asString(),
               "viewer");
-    for (const char* command : {"scene.set", "scene.open", "scene.save", "run.reset", "run.play", "run.pause",
-                                "run.step", "view.set", "video.start", "video.camera", "video.stop"}) {
+    for (const char* command :
+         {"scene.set", "scene.open", "scene.save", "run.reset", "run.play", "run.pause", "run.step",
+          "view.set", "video.start", "video.camera", "video.stop", "scene.new", "draft.drop"}) {
       Value request = parseJson(
           R"({"id": 2, "scene": {}, "path": "x.json", "frames": 1, "attribute": "speed", "most": 9, "eye": [1, 1, 1], "target": [0, 0, 0]})",
           "request");

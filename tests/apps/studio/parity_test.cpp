@@ -1,7 +1,7 @@
 // A scene that runs in the studio, watched and interrupted, ends as the same one in `weir run`, bit for bit.
 #include <gtest/gtest.h>
 
-#include "apps/studio/session/frame_packet.h"
+#include "apps/studio/session/particle_values.h"
 #include "framework/run/run.h"
 #include "tests/apps/studio/web_client.h"
 

@@ -12,12 +12,6 @@
 namespace weir::studio {
 namespace {
 
-constexpr const char* kScene = R"({
-  "weir": 1, "world": { "duration": 0.04, "frame_rate": 100 },
-  "nodes": { "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
-             "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } } },
-  "links": ["block.particles -> water.initial"]
-})";
 constexpr const char* kAsk =
     R"({"id": 1, "do": "picture", "eye": [1, 1, 1], "target": [0.1, 0.1, 0.1], "width": 64, "height": 48, "samples": 1})";
 
@@ -51,7 +45,7 @@ class Environment {
 class PicturesTest : public testing::Test {
  protected:
   void start(bool withPlugin) {
-    folder.write("scene.json", kScene);
+    folder.write("scene.json", kBriefScene);
     StudioOptions options;
     options.folder = folder.path();
     options.threads = 1;
@@ -181,7 +175,7 @@ TEST_F(PicturesTest, WithoutOpenGLThatIsSaidAndTheRunGoesOn) {
 TEST_F(PicturesTest, AWrongRenderSectionIsTheRequestsError) {
   start(true);
   const Socket socket = studio->socket();
-  Value scene = parseJson(kScene, "scene");
+  Value scene = parseJson(kBriefScene, "scene");
   scene["render"]["color"]["by"] = "beauty";
   Value set = parseJson(R"({"id": 4, "do": "scene.set"})", "request");
   set["scene"] = scene;

@@ -8,17 +8,10 @@
 namespace weir::studio {
 namespace {
 
-constexpr const char* kScene = R"({
-  "weir": 1, "world": { "duration": 0.04, "frame_rate": 100 },
-  "nodes": { "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
-             "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } } },
-  "links": ["block.particles -> water.initial"]
-})";
-
 class StudioTest : public testing::Test {
  protected:
   StudioTest() {
-    folder.write("scene.json", kScene);
+    folder.write("scene.json", kBriefScene);
     StudioOptions options;
     options.folder = folder.path();
     options.page = folder / "page";
@@ -89,6 +82,16 @@ TEST_F(StudioTest, RunsASceneAndStreamsItsFrames) {
   EXPECT_LE(frames, 5);
 }
 
+TEST_F(StudioTest, EachStepIsAFrameHoweverQuicklyTheyCome) {
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  for (int i = 0; i < 3; ++i) socket.sendText(R"({"id": 2, "do": "run.step"})");
+  const Value status = socket.event("status", [](const Value& data) {
+    return data.find("state")->asString() == "paused" && *data.find("frame") != Value(0);
+  });
+  EXPECT_EQ(status.find("frame")->asInt(), 3);
+}
+
 TEST_F(StudioTest, OneWindowHasThePen) {
   const Socket first(port, head("GET /api/live", bearer()));
   first.sendText(R"({"id": 1, "do": "hello"})");
@@ -103,6 +106,19 @@ TEST_F(StudioTest, OneWindowHasThePen) {
   second.sendText(R"({"id": 4, "do": "scene.set", "scene": {"weir": 1, "nodes": {"x": {"type": "Watr"}}}})");
   const Value set = second.answer(4);
   EXPECT_EQ(set.find("result")->find("problem")->find("pointer")->asString(), "/nodes/x/type");
+}
+
+TEST_F(StudioTest, ADeviceThatCannotBeUsedIsRefusedAndTheLastOneStays) {
+  const Socket socket = studio->socket();
+  for (const char* device : {R"("cpw")", R"("")", R"("cuda:99999")", "7", "null"}) {
+    const Value answer = socket.ask(std::string(R"({"id": 1, "do": "run.reset", "device": )") + device + "}");
+    ASSERT_NE(answer.find("error"), nullptr) << device;
+    EXPECT_FALSE(answer.find("error")->find("allowed")->asString().empty()) << device;
+  }
+  EXPECT_EQ(socket.ask(R"({"id": 2, "do": "hello"})").find("result")->find("device")->asString(), "cpu");
+  EXPECT_EQ(socket.ask(R"({"id": 3, "do": "run.reset"})").find("result")->find("device")->asString(), "cpu");
+  socket.sendText(R"({"id": 4, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
 }
 
 TEST_F(StudioTest, OutlivesMessagesWithoutSense) {

@@ -27,6 +27,14 @@
 
 namespace weir::studio {
 
+/// 125 particles for four frames.
+inline constexpr const char* kBriefScene = R"({
+  "weir": 1, "world": { "duration": 0.04, "frame_rate": 100 },
+  "nodes": { "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
+             "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0 } } },
+  "links": ["block.particles -> water.initial"]
+})";
+
 /// A plain connection to 127.0.0.1.
 class Connection {
  public:

@@ -6,6 +6,7 @@
 
 #include "framework/base/check.h"
 #include "framework/compute/array.h"
+#include "framework/compute/frame_copy.h"
 #include "framework/compute/host_copy.h"
 #include "framework/compute/memory_pool.h"
 #include "framework/compute/readback.h"
@@ -224,6 +225,53 @@ TEST_P(DeviceTest, AHostCopyMayDieOnItsWay) {
   EXPECT_TRUE(copy.wait().empty());
   copy.resize(1000000);
   copy.start(0, values.data(), 1000000);
+}
+
+TEST_P(DeviceTest, FrameCopiesAreReadByAnotherDevice) {
+  constexpr std::int64_t kMany = 3'000'000;
+  Array<std::int64_t> values(*device, kMany);
+  FrameCopy<std::int64_t> copy(*device);
+  const auto readElsewhere = [&] {
+    std::vector<std::int64_t> got;
+    std::thread([&] {
+      const std::unique_ptr<Device> reader = openDevice(GetParam());
+      Array<std::int64_t> room(*reader), read(*reader);
+      const ArrayView<const std::int64_t> seen = copy.on(*reader, room);
+      read.resize(seen.size);
+      reader->copy(read.data(), seen.data, static_cast<std::size_t>(seen.size) * sizeof(std::int64_t));
+      got = read.toHost();
+    }).join();
+    return got;
+  };
+  EXPECT_TRUE(readElsewhere().empty());
+  const auto expectSquares = [&](std::int64_t count) {
+    dispatch(*device, [&](auto& d) { writeSquares(d, kMany, values.view()); });
+    copy.start(values, count);
+    values.fillZero();
+    const std::vector<std::int64_t> got = readElsewhere();
+    ASSERT_EQ(got.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(copy.size(), count);
+    dispatch(*device, [&](auto& d) { writeSquares(d, kMany, values.view()); });
+    const std::vector<std::int64_t> wanted = values.toHost(count);
+    EXPECT_EQ(got, wanted);
+  };
+  for (const std::int64_t count : {std::int64_t{1000}, kMany, std::int64_t{7}}) expectSquares(count);
+  EXPECT_THROW(copy.start(values, kMany + 1), InternalError);
+  const std::unique_ptr<Device> fewThreads = openDevice("cpu", 2);
+  Array<std::int64_t> room(*fewThreads);
+  if (device->kind() == DeviceKind::kCuda) {
+    EXPECT_THROW(copy.on(*fewThreads, room), InternalError);
+    // With more than half of the device in use, the next copy that needs memory goes to the host.
+    const Array<char> most(*device, static_cast<std::int64_t>(device->availableMemory() * 3 / 5));
+    const std::size_t before = device->memoryUse().inUse;
+    FrameCopy<std::int64_t> late(*device);
+    late.start(values, kMany);
+    EXPECT_EQ(device->memoryUse().inUse, before);
+    copy = std::move(late);
+    expectSquares(kMany);
+  } else {
+    EXPECT_EQ(copy.on(*fewThreads, room).size, 7);
+  }
 }
 
 TEST_P(DeviceTest, AReadbackMayDieWhileItIsPending) {

@@ -127,6 +127,41 @@ TEST_F(VtkHdfReaderTest, ReadsStepsThatShareData) {
   EXPECT_EQ(reader.nearestStep(1e9), 3u);
 }
 
+/// Two parts of one and of two polygons, without time steps.
+void polygons(Maker& maker, const Integers& idCounts, const Integers& corners, const Integers& offsets) {
+  maker.group("/VTKHDF");
+  maker.type("PolyData");
+  maker.set<float>("/VTKHDF/Points", std::vector<float>(21, 0.5f), {7, 3});
+  maker.set<std::int64_t>("/VTKHDF/NumberOfPoints", {3, 4});
+  maker.group("/VTKHDF/Polygons");
+  maker.set<std::int64_t>("/VTKHDF/Polygons/NumberOfCells", {1, 2});
+  maker.set<std::int64_t>("/VTKHDF/Polygons/NumberOfConnectivityIds", idCounts);
+  maker.set<std::int64_t>("/VTKHDF/Polygons/Connectivity", corners);
+  maker.set<std::int64_t>("/VTKHDF/Polygons/Offsets", offsets);
+}
+
+TEST_F(VtkHdfReaderTest, TrianglesOfSeveralPartsNameThePointsOfAll) {
+  {
+    Maker maker(folder / "parts.vtkhdf");
+    polygons(maker, {3, 6}, {0, 1, 2, 0, 1, 2, 0, 2, 3}, {0, 3, 0, 3, 6});
+  }
+  EXPECT_EQ(VtkHdfReader(folder / "parts.vtkhdf").triangles(0),
+            (std::vector<Vec3i>{{0, 1, 2}, {3, 4, 5}, {3, 5, 6}}));
+}
+
+TEST_F(VtkHdfReaderTest, PolygonsThatAreNoTrianglesOrNameNoPointAreRefused) {
+  {
+    Maker maker(folder / "mixed.vtkhdf");  // as many corners as two triangles have
+    polygons(maker, {3, 6}, {0, 1, 2, 0, 1, 2, 3, 0, 1}, {0, 3, 0, 4, 6});
+  }
+  EXPECT_THROW(VtkHdfReader(folder / "mixed.vtkhdf").triangles(0), Error);
+  {
+    Maker maker(folder / "beyond.vtkhdf");  // the first part has points 0 to 2
+    polygons(maker, {3, 6}, {0, 1, 3, 0, 1, 2, 0, 2, 3}, {0, 3, 0, 3, 6});
+  }
+  EXPECT_THROW(VtkHdfReader(folder / "beyond.vtkhdf").triangles(0), Error);
+}
+
 /// The message that reading the last step of a file ends with.
 std::string refusal(const std::filesystem::path& file) {
   try {

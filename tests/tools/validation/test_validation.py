@@ -47,7 +47,7 @@ class Verdicts(unittest.TestCase):
 
     def test_without_a_demand_there_is_no_verdict(self):
         self.assertIsNone(Row("x", 3, expected=2).passed)
-        self.assertEqual(report.verdict(Row("x", 3, expected=2)), "–")
+        self.assertEqual(report.verdict(Row("x", 3, expected=2).passed), "–")
 
 
 class ClosedForms(unittest.TestCase):
@@ -136,7 +136,9 @@ class Checks(unittest.TestCase):
             self.assertTrue(lab.run("drop/1", "validation/drop", {"water.spacing": "0.02"}, export=True).stats)
             self.assertFalse(left.exists())
             self.assertEqual(lab.machine, "none")
-
+            self.assertIn("--images", lab.run("drop/1", "validation/drop", pictures=True).stats["seen"])
+            undrawn = Lab(stand_in, Path(folder) / "out", "cpu", 2, False, lambda text: None, pictures=False)
+            self.assertNotIn("--images", undrawn.run("drop/1", "validation/drop", pictures=True).stats["seen"])
 
     def test_runs_are_made_at_once_and_waited_for_where_they_are_looked_at(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -166,15 +168,81 @@ class Checks(unittest.TestCase):
 class Reports(unittest.TestCase):
     DONE = [(validate.CHECKS[0], Outcome([Row("a", 1.0, "m", 1.1, 0.05), Row("b", 2.0)]), ["a.png"])]
 
+    def results(self, device, *rows):
+        done = [(validate.CHECKS[0], Outcome(list(rows)), [])] if rows else self.DONE
+        return json.loads(report.as_json(done, "./dev validate", device, 60))
+
     def test_the_page_counts_what_failed(self):
-        page = report.markdown(self.DONE, "./dev validate", "a machine", 60)
-        self.assertIn("0 demands met, 1 not", page)
+        page = report.markdown(self.DONE, [self.results("a machine")])
+        self.assertIn("on a machine in 1.0 minutes of simulation: 0 demands met, 1 not", page)
         self.assertIn("| a | 1.1 | 1 | m | -9.09 % | within 5 % | **FAIL** |", page)
 
     def test_the_json_holds_the_same(self):
-        check = json.loads(report.as_json(self.DONE, "c", "m"))["checks"][0]
+        check = self.results("m")["checks"][0]
         self.assertFalse(check["passed"])
         self.assertEqual([row["passed"] for row in check["rows"]], [False, None])
+
+    def test_devices_stand_side_by_side_by_what_was_measured(self):
+        # The other device has its rows in another order, one of them alone, and expects something else.
+        other = self.results("a card", Row("c", 5.0), Row("a", 1.21, "m", 1.2, 0.05))
+        page = report.markdown(self.DONE, [self.results("a machine"), other])
+        self.assertIn("2. Made by `./dev validate` on a card", page)
+        self.assertIn("| a | m | within 5 % | 1.1 | 1 | -9.09 % | **FAIL** | 1.2 | 1.21 | +0.83 % | pass |", page)
+        self.assertIn("| b |  | – | – | 2 | – | – | – | – | – | – |", page)
+        widths = {line.count("|") for line in page.splitlines() if line.startswith("|")}
+        self.assertEqual(widths, {12})
+
+
+class SeveralDevices(unittest.TestCase):
+    def test_devices_are_each_named_once(self):
+        self.assertEqual(validate.arguments(["--weir", "w", "--device", "cpu, cuda"]).devices, ["cpu", "cuda"])
+        for wrong in ("cpu,cpu", "cpu,", ""):
+            with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
+                validate.arguments(["--weir", "w", "--device", wrong])
+            self.assertIn(f"--device: {wrong!r} is not allowed", said.getvalue())
+
+    def test_a_page_without_its_pictures_is_refused(self):
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
+            validate.arguments(["--weir", "w", "--no-plots", "--docs"])
+        self.assertIn("--no-plots cannot be given", said.getvalue())
+
+    def test_what_stands_beside_must_be_results(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "results.json"
+            for text in ("", "[]", '{"checks": []}'):
+                path.write_text(text)
+                with self.assertRaises(program.RunFailed) as said:
+                    validate.results_of(path)
+                self.assertIn("these are no results of ./dev validate", str(said.exception))
+            with self.assertRaises(program.RunFailed):
+                validate.results_of(Path(folder) / "none.json")
+
+    def test_each_device_is_run_and_a_failure_on_any_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            stand_in = Path(folder) / "weir"  # the force on the wall is right on one device alone
+            stand_in.write_text(
+                f"#!{sys.executable}\nimport json, sys\na = sys.argv\ndevice = a[a.index('--device') + 1]\n"
+                "json.dump({'device': {'description': 'a ' + device}, 'wall_seconds': 2}, open(a[a.index('--stats') + 1], 'w'))\n"
+                "x = 0.0 if device == 'cuda' else 0.01\n"
+                "frame = {'time': 1.0, 'nodes': {'water': {'fluid_volume': 1e-3, 'kinetic_energy': x,"
+                " 'linear_momentum': [0, 0, 0]}}}\n"
+                "open(a[a.index('--series') + 1], 'w').write((json.dumps(frame) + '\\n') * 2)\n")
+            stand_in.chmod(0o755)
+
+            def call(*devices):
+                with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+                    return validate.main(["--weir", str(stand_in), "--out", folder, "--only", "block_at_rest", "--no-plots",
+                                          *devices])
+
+            self.assertEqual(call("--device", "cuda"), 0)
+            self.assertEqual(call("--device", "cuda,cpu"), 1)
+            page = (Path(folder) / "quick" / "README.md").read_text(encoding="utf-8")
+            self.assertIn("2. Made by", page)
+            self.assertIn("| below 0.001 | – | 0 | – | pass | – | 0.01 | – | **FAIL** |", page)
+            theirs = Path(folder) / "quick" / "cpu" / "results.json"
+            self.assertTrue(theirs.exists())
+            self.assertEqual(call("--device", "cuda", "--beside", str(theirs)), 0)
+            self.assertIn("on a cpu in", (Path(folder) / "quick" / "README.md").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-// A studio of its own with a page in a real Chromium, for tests and measurements; and what hands do there. WEIR names the
-// program (weir), WEIR_CHROMIUM the browser.
+// A studio of its own with a page in a real browser, for tests and measurements; and what hands do there. WEIR names the
+// program (weir). The browser is a Chromium, WEIR_CHROMIUM, or where WEIR_FIREFOX names one, a Firefox with a screen: under
+// xvfb-run where there is none. Without a screen Firefox has no WebGL.
 import { spawn } from "node:child_process";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { chromium } from "playwright-core";
+import { chromium, firefox } from "playwright-core";
 
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
@@ -24,20 +25,26 @@ async function addressOf(server) {
   throw new Error("weir studio ended before it said where it is");
 }
 
-/** Starts a server in a folder of its own. `close` ends it and removes the folder. */
-export async function startServer(...options) {
-  const folder = await mkdtemp(join(tmpdir(), "weir-studio-"));
-  const server = spawn(kWeir, ["studio", "--no-browser", "--folder", folder, "--device", "cpu", "--threads", "2", ...options], {
-    stdio: ["ignore", "pipe", "inherit"],
+/**
+ * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
+ * leaves the folder.
+ */
+export async function startServer(options = [], { folder, env = {} } = {}) {
+  const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
+  const server = spawn(kWeir, ["studio", "--no-browser", "--folder", own, "--device", "cpu", "--threads", "2", ...options], {
+    stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, ...env },
   });
   const ended = new Promise((resolve) => server.once("close", resolve));
-  const close = async () => {
-    server.kill("SIGINT");
+  const end = async (signal) => {
+    server.kill(signal);
     await ended;
-    await rm(folder, { recursive: true });
+  };
+  const close = async () => {
+    await end("SIGINT");
+    await rm(own, { recursive: true });
   };
   try {
-    return { folder, address: await addressOf(server), close };
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL") };
   } catch (e) {
     await close();
     throw e;
@@ -52,18 +59,34 @@ export function weir(...words) {
   );
 }
 
-/** A page at an address. `mistakes` gathers what its console complains of. */
-export async function openPage(address, { width = 1600, height = 1000, colorScheme = "dark" } = {}) {
-  const browser = await chromium.launch({ executablePath: process.env.WEIR_CHROMIUM ?? "/usr/bin/chromium", args: kDrawn });
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme });
+/** Firefox cannot be told which colours are preferred through its WebDriver; a setting of its own does that. */
+const launch = (dark) =>
+  process.env.WEIR_FIREFOX
+    ? firefox.launch({
+        channel: "moz-firefox", executablePath: process.env.WEIR_FIREFOX, headless: false,
+        firefoxUserPrefs: { "webgl.force-enabled": true, "layout.css.prefers-color-scheme.content-override": dark ? 0 : 1 },
+      })
+    : chromium.launch({ executablePath: process.env.WEIR_CHROMIUM ?? "/usr/bin/chromium", args: kDrawn });
+
+/** Another window of a browser. `mistakes` gathers what its console complains of. */
+export async function openWindow(context, address, mistakes = []) {
+  const page = await context.newPage();
   page.setDefaultTimeout(kPatience);
-  const mistakes = [];
   page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
   page.on("pageerror", (e) => mistakes.push(e.message));
+  page.on("dialog", (d) => d.accept());
   await page.goto(address);
   await page.locator(".bar .title").waitFor();
   await page.getByLabel("title", { exact: true }).or(page.getByLabel("Name", { exact: true })).waitFor();
-  return { browser, page, mistakes };
+  return page;
+}
+
+/** A page at an address, in a browser of its own. */
+export async function openPage(address, { width = 1600, height = 1000, colorScheme = "dark" } = {}) {
+  const browser = await launch(colorScheme === "dark");
+  const context = await browser.newContext({ viewport: { width, height }, ...(process.env.WEIR_FIREFOX ? {} : { colorScheme }) });
+  const mistakes = [];
+  return { browser, context, mistakes, page: await openWindow(context, address, mistakes) };
 }
 
 /** What hands do on a page: nothing here reaches behind the page's face. */

@@ -3,10 +3,11 @@ import { describe, expect, test } from "vitest";
 import { evaluate } from "../src/model/expression";
 import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
 import {
-  addLink, addNode, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, mute, nameProblem, pasteNodes,
+  addLink, addNode, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
   pipelineOf, removeNodes, renameNode, setParam, type Scene,
 } from "../src/model/scene";
 import { search } from "../src/model/search";
+import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { NodeType, Types } from "../src/model/types";
 import { readPacket } from "../src/protocol/packets";
 
@@ -61,11 +62,6 @@ describe("a scene", () => {
     expect(linksOf(renameNode(linked(), "particle_fluid", "water"))[0]!.to).toBe("water");
     expect(removeNodes(linked(), ["box_sampler"]).links).toEqual([]);
   });
-  test("parks muted nodes and takes them back as they were", () => {
-    const muted = mute(linked(), "box_sampler", true);
-    expect(Object.keys(muted.nodes)).toEqual(["particle_fluid"]);
-    expect(linksOf(mute(muted, "box_sampler", false))).toEqual(linksOf(linked()));
-  });
   test("copies nodes with the links between them", () => {
     const clip = copyNodes(linked(), ["box_sampler", "particle_fluid"]);
     const [next, names] = pasteNodes(linked(), clip, 40);
@@ -83,6 +79,72 @@ describe("a scene", () => {
     const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
     expect(names(inserted)).toEqual(["predict", "solver", "xsph"]);
     expect(names(moveModule(inserted, "particle_fluid", fluid, "xsph", -1))).toEqual(["predict", "xsph", "solver"]);
+  });
+});
+
+describe("nodes that are switched off", () => {
+  const port = (name: string, type: string, many = true) => ({ name, type, doc: "", required: false, many });
+  const plain = { doc: "", source: "weir", parameters: [] };
+  const solids: Types = {
+    modules: {}, world: [], sections: {},
+    nodes: {
+      Mesh: { ...plain, inputs: [], outputs: [port("surface", "TriangleMesh")] },
+      Walls: { ...plain, inputs: [port("meshes", "TriangleMesh"), port("boundaries", "Boundary")], outputs: [port("boundary", "Boundary")] },
+      Water: { ...plain, inputs: [port("boundaries", "Boundary")], outputs: [] },
+      One: { ...plain, inputs: [port("boundary", "Boundary", false)], outputs: [] },
+    },
+  };
+  const scene: Scene = {
+    weir: 1,
+    nodes: { mesh: { type: "Mesh" }, floor: { type: "Walls" }, box: { type: "Walls" }, all: { type: "Walls" }, water: { type: "Water" }, one: { type: "One" } },
+    links: [
+      "mesh.surface -> all.meshes", "floor.boundary -> all.boundaries", "box.boundary -> all.boundaries",
+      "all.boundary -> water.boundaries", "all.boundary -> one.boundary",
+    ],
+  };
+  const runs = (s: Scene) => forRunner(s, solids);
+
+  test("are not in what the runner gets when they are muted, nor are their links", () => {
+    const muted = runs(setOff(scene, ["all"], "muted"));
+    expect(Object.keys(muted.nodes)).not.toContain("all");
+    expect(muted.links).toEqual([]);
+  });
+  test("pass on what comes in at the input of the same type when they are bypassed", () => {
+    expect(inputFor(solids.nodes["Walls"], "boundary")).toBe("boundaries");
+    expect(inputFor(solids.nodes["Mesh"], "surface")).toBeNull();
+    const bypassed = setOff(scene, ["all"], "bypassed");
+    // An input that takes one link only gets the first.
+    expect(runs(bypassed).links).toEqual([
+      "floor.boundary -> water.boundaries", "box.boundary -> water.boundaries", "floor.boundary -> one.boundary",
+    ]);
+    const [mesh, floor] = linksOf(scene);
+    expect([carries(bypassed, solids, mesh!), carries(bypassed, solids, floor!)]).toEqual([false, true]);
+  });
+  test("pass on through each other, and nothing of what is muted", () => {
+    const chain = addLink(scene, { from: "mesh", output: "surface", to: "floor", input: "meshes" });
+    expect(runs(setOff(chain, ["all", "floor"], "bypassed")).links).toEqual(["box.boundary -> water.boundaries", "box.boundary -> one.boundary"]);
+    expect(runs(setOff(setOff(scene, ["all"], "bypassed"), ["floor"], "muted")).links).toEqual([
+      "box.boundary -> water.boundaries", "box.boundary -> one.boundary",
+    ]);
+  });
+  test("are found again in a file as they were", () => {
+    const off = setOff(setOff(scene, ["all"], "bypassed"), ["mesh", "water"], "muted");
+    const read = fromFile(JSON.parse(JSON.stringify(runs(off))) as Scene);
+    expect(new Set(read.links)).toEqual(new Set(scene.links));
+    expect(read.nodes).toEqual(scene.nodes);
+    expect([offOf(read, "all"), offOf(read, "mesh"), offOf(read, "box")]).toEqual(["bypassed", "muted", undefined]);
+    expect(runs(read)).toEqual({ ...runs(off), links: expect.arrayContaining(runs(off).links!) });
+    expect(runs(scene)).toBe(scene);
+  });
+  test("are switched on again when all of them are off in the same way", () => {
+    const both = toggleOff(toggleOff(scene, ["all"], "muted"), ["all", "floor"], "muted");
+    expect([offOf(both, "all"), offOf(both, "floor")]).toEqual(["muted", "muted"]);
+    expect(offOf(toggleOff(both, ["all", "floor"], "muted"), "floor")).toBeUndefined();
+    expect(offOf(toggleOff(both, ["all"], "bypassed"), "all")).toBe("bypassed");
+  });
+  test("keep a circle in a file from lasting for ever", () => {
+    const circle = addLink(setOff(scene, ["all", "box"], "bypassed"), { from: "all", output: "boundary", to: "box", input: "boundaries" });
+    expect(runs(circle).links).toEqual(["floor.boundary -> water.boundaries", "floor.boundary -> one.boundary"]);
   });
 });
 

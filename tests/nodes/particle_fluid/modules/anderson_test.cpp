@@ -124,6 +124,24 @@ TEST_P(AndersonMixingTest, FirstIterateAfterARestartIsPlain) {
   for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i], Linear{}(i, before[i]));
 }
 
+TEST_P(AndersonMixingTest, GoesOnByMomentumAloneWhereMixturesAreExhausted) {
+  Mixer mixer(*device, std::vector<Vec3f>(kParticles), true);
+  std::vector<Vec3f> start[2];
+  for (int k = 0; k < 6; ++k) {
+    mixer.control.exhausted = k > 3;
+    start[0] = start[1];
+    start[1] = mixer.displacement();
+    mixer.iterate(Linear{});
+  }
+  const std::vector<Vec3f> u = mixer.displacement();
+  const std::vector<float> shares = mixer.shares();
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const Vec3f now = Linear{}(i, start[1][i]), before = Linear{}(i, start[0][i]);
+    EXPECT_EQ(u[i], now + mixer.control.momentum * (now - before));
+    EXPECT_NEAR(shares[i], u[i].x + 2 * u[i].y - u[i].z, 1e-4);
+  }
+}
+
 TEST_P(AndersonMixingTest, TakesBackToTheLastPlainIterate) {
   for (const int iterations : {2, 6}) {  // before and after the ring is full
     Mixer mixer(*device, std::vector<Vec3f>(kParticles), true);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/plugins/rendering/gl/pictures.h"
+#include "tests/plugins/rendering/gl/like_pictures.h"
 
 namespace weir::rendering {
 namespace {
@@ -51,12 +51,7 @@ class ComputedPictures : public testing::TestWithParam<std::string> {
   void expectSamePicture() {
     ASSERT_TRUE(ComputeRenderer::canDraw(view));
     const Picture wanted = reference.draw(view), found = renderer.draw(view);
-    ASSERT_EQ(wanted.rgb.size(), found.rgb.size());
-    int different = 0;
-    for (int y = 0; y < view.height; ++y)
-      for (int x = 0; x < view.width; ++x)
-        different += largestDifference(pixelAt(wanted, x, y), pixelAt(found, x, y)) > 2;
-    EXPECT_LE(different, view.width * view.height / 2000);
+    expectLike(wanted, found, view.width * view.height / 2000);
   }
 
   std::vector<Vec3f> block, drops, edges;
@@ -119,12 +114,7 @@ TEST_P(ComputedPictures, LeaveSurfacesToOpenGl) {
   view.surfaces = {{.mesh = both.addMesh(plate)}};
   EXPECT_FALSE(ComputeRenderer::canDraw(view));
   ASSERT_EQ(reference.addMesh(plate), view.surfaces[0].mesh);
-  const Picture wanted = reference.draw(view), found = both.draw(view);
-  int different = 0;
-  for (int y = 0; y < view.height; ++y)
-    for (int x = 0; x < view.width; ++x)
-      different += largestDifference(pixelAt(wanted, x, y), pixelAt(found, x, y)) > 2;
-  EXPECT_LE(different, view.width * view.height / 2000);
+  expectLike(reference.draw(view), both.draw(view), view.width * view.height / 2000);
 }
 
 }  // namespace

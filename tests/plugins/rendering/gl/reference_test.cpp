@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "plugins/rendering/output/image_file.h"
+#include "tests/plugins/rendering/gl/like_pictures.h"
 #include "tests/plugins/rendering/gl/pictures.h"
 #include "tests/plugins/rendering/output/read_png.h"
 
@@ -61,21 +61,13 @@ View smallView() {
 class Reference : public testing::Test {
  protected:
   /// Two grey levels, but for one pixel in a thousand: rounding may move an outline over a sample's middle.
-  void expectLike(const std::string& name, const View& view) {
+  void expectReference(const std::string& name, const View& view) {
     const std::filesystem::path path = std::filesystem::path(WEIR_REFERENCE_PICTURES) / (name + ".png");
     const Picture found = renderer.draw(view);
+    SCOPED_TRACE(path);
     if (std::getenv("WEIR_NEW_REFERENCES") != nullptr) writePng(path, found);
     const Picture wanted = test::readPng(path.string());
-    ASSERT_EQ(wanted.width, found.width);
-    ASSERT_EQ(wanted.height, found.height);
-    int different = 0;
-    for (int y = 0; y < view.height; ++y)
-      for (int x = 0; x < view.width; ++x)
-        different += largestDifference(pixelAt(wanted, x, y), pixelAt(found, x, y)) > 2;
-    if (different <= view.width * view.height / 1000) return;
-    const std::filesystem::path other = std::filesystem::temp_directory_path() / (name + "_found.png");
-    writePng(other, found);
-    ADD_FAILURE() << different << " pixels differ from " << path << "; what was drawn is in " << other;
+    expectLike(wanted, found, view.width * view.height / 1000);
   }
 
   gl::Renderer renderer{gl::makeContext(), openDevice("cpu")};
@@ -85,7 +77,7 @@ TEST_F(Reference, Spheres) {
   const Waves waves;
   View view = smallView();
   view.particles = {{.positions = waves.positions, .values = waves.height, .radius = 0.5f * Waves::kSpacing}};
-  expectLike("spheres", view);
+  expectReference("spheres", view);
 }
 
 TEST_F(Reference, WaterUnderTheSky) {
@@ -101,7 +93,7 @@ TEST_F(Reference, WaterUnderTheSky) {
   view.particles = {{.positions = waves.positions, .radius = 0.75f * Waves::kSpacing, .water = 0}};
   view.particles[0].foam = foam;
   view.particles[0].volume = Waves::kSpacing * Waves::kSpacing * Waves::kSpacing;
-  expectLike("water_sky", view);
+  expectReference("water_sky", view);
 }
 
 TEST_F(Reference, Looks) {
@@ -118,9 +110,9 @@ TEST_F(Reference, Looks) {
         {.mesh = small, .look = look, .color = {0.85f, 0.7f, 0.5f, 1}, .position = {x, 0.36f, 0}});
     x += 0.8f;
   }
-  expectLike("looks_studio", view);
+  expectReference("looks_studio", view);
   view.environment = EnvironmentLook::kSky;
-  expectLike("looks_sky", view);
+  expectReference("looks_sky", view);
 }
 
 }  // namespace

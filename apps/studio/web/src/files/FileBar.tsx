@@ -26,7 +26,7 @@ export function FileBar({ dark, onDark }: { dark: boolean; onDark(): void }) {
   return (
     <header className="bar" role="toolbar" aria-label="File">
       <b className="logo">Weir</b>
-      <button onClick={newScene}>New</button>
+      <button onClick={() => void newScene()}>New</button>
       <button onClick={() => setShown("open")}>Open</button>
       <button onClick={() => setShown("templates")}>Templates</button>
       <button onClick={save} title="Ctrl+S">Save</button>

@@ -4,9 +4,10 @@ import {
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import {
-  addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, mute, pasteNodes, removeLinks, removeNodes,
+  addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, pasteNodes, removeLinks, removeNodes,
   type LinkEnds, type Note, type Scene,
 } from "../model/scene";
+import { carries, forRunner, offOf, toggleOff, type Off } from "../model/switchedOff";
 import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
 import type { Problem, Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
@@ -33,11 +34,11 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
     const at = placed.layout?.nodes ?? {};
     const text = problem && [problem.message, problem.allowed && `Allowed: ${problem.allowed}.`].filter(Boolean).join(". ");
     const wrong = (name: string) => problem && (problem.node === name || problem.pointer?.startsWith(`/nodes/${name}`));
-    const node = (name: string, typeName: string, muted: boolean): Node => ({
+    const node = (name: string, typeName: string): Node => ({
       id: name, type: "scene", position: at[name] ?? { x: 0, y: 0 }, selected: selected.includes(name),
       initialWidth: 190, initialHeight: 100,
       data: {
-        name, typeName, type: types?.nodes[typeName], muted, collapsed: at[name]?.collapsed ?? false,
+        name, typeName, type: types?.nodes[typeName], off: offOf(scene, name), collapsed: at[name]?.collapsed ?? false,
         problem: wrong(name) ? text ?? null : null, wrongPort: portOf(problem, name),
       } satisfies SceneNodeData,
     });
@@ -45,18 +46,15 @@ function useFlow(): { nodes: Node[]; edges: Edge[] } {
       id: note.id, type: "note", position: { x: note.x, y: note.y }, width: note.width, height: note.height,
       zIndex: note.frame ? -1 : 0, selected: selected.includes(note.id), data: { note },
     }));
-    const nodes = [
-      ...notes,
-      ...Object.entries(scene.nodes).map(([n, spec]) => node(n, spec.type, false)),
-      ...Object.entries(scene.layout?.muted ?? {}).map(([n, p]) => node(n, p.node.type, true)),
-    ];
+    const nodes = [...notes, ...Object.entries(scene.nodes).map(([n, spec]) => node(n, spec.type))];
+    const wrongLink = wrongLinkOf(problem, scene, types);
     const edges = linksOf(scene).map((l): Edge => {
       const type = types?.nodes[scene.nodes[l.from]?.type ?? ""]?.outputs.find((p) => p.name === l.output)?.type ?? "";
       const id = linkText(l);
-      const index = (scene.links ?? []).indexOf(id);
       return {
         id, source: l.from, target: l.to, sourceHandle: l.output, targetHandle: l.input,
-        selected: selectedLinks.includes(id), className: problem?.pointer === `/links/${index}` ? "wrong" : "",
+        selected: selectedLinks.includes(id),
+        className: id === wrongLink ? "wrong" : carries(scene, types, l) ? "" : "idle",
         style: { stroke: portColor(type) },
       };
     });
@@ -70,6 +68,12 @@ function portOf(problem: Problem | undefined, node: string): string | null {
   const start = `'${node}.`;
   const at = text.indexOf(start);
   return at < 0 ? null : text.slice(at + start.length).split("'")[0]!;
+}
+
+/** The link that a problem is about; it counts the links that the runner has. */
+function wrongLinkOf(problem: Problem | undefined, scene: Scene, types: Types | null): string | null {
+  const index = /^\/links\/(\d+)$/.exec(problem?.pointer ?? "")?.[1];
+  return index === undefined ? null : forRunner(scene, types).links?.[Number(index)] ?? null;
 }
 
 const endsOf = (c: Connection | Edge): LinkEnds => ({
@@ -243,6 +247,7 @@ function useKeys(
         return [n, { x: p.x + x, y: p.y + y }];
       }),
     )));
+    const switchOff = (how: Off) => edit((s) => toggleOff(s, selected, how));
     if (command && key === "z") e.shiftKey ? redo() : undo();
     else if (command && key === "y") redo();
     else if (command && key === "a") useStudio.setState({ selected: Object.keys(scene.nodes) });
@@ -253,7 +258,8 @@ function useKeys(
     else if (command) return;
     else if (key === "tab" || key === "a") openMenu(at.x, at.y);
     else if (key === "delete" || key === "backspace") edit((s) => removeNodes(removeLinks(s, selectedLinks), selected));
-    else if (key === "m") edit((s) => selected.reduce((t, n) => mute(t, n, n in t.nodes), s));
+    else if (key === "m") switchOff("muted");
+    else if (key === "b") switchOff("bypassed");
     else if (key === "l") edit((s) => arrange(s, types, selected.length > 1 ? selected : undefined));
     else if (key === "f") void flow.fitView({ padding: 0.15, maxZoom: 1, duration: 200 });
     else if (key === "enter" && selected.length === 1) useStudio.setState({ inside: selected[0]! });

@@ -4,6 +4,7 @@ import { memo } from "react";
 import { Icon } from "../Icon";
 import { collapse } from "../model/scene";
 import { edit, useStudio } from "../model/store";
+import { inputFor, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
 import { portColor } from "./ports";
@@ -13,7 +14,7 @@ export interface SceneNodeData extends Record<string, unknown> {
   typeName: string;
   type: NodeType | undefined;
   collapsed: boolean;
-  muted: boolean;
+  off: Off | undefined;
   problem: string | null;
   /** The port that the problem names. */
   wrongPort: string | null;
@@ -28,10 +29,24 @@ function useTime(name: string): number | null {
   });
 }
 
+/** From which input to which output a bypassed node passes things on. */
+function Passages({ type }: { type: NodeType }) {
+  const lines = type.outputs.flatMap((p, to) => {
+    const from = type.inputs.findIndex((i) => i.name === inputFor(type, p.name));
+    return from < 0 ? [] : [{ from, to, color: portColor(p.type) }];
+  });
+  const rows = Math.max(type.inputs.length, type.outputs.length);
+  return (
+    <svg className="passages" viewBox={`0 0 100 ${rows}`} preserveAspectRatio="none" aria-hidden>
+      {lines.map((l) => <path key={l.to} d={`M0 ${l.from + 0.5}C50 ${l.from + 0.5} 50 ${l.to + 0.5} 100 ${l.to + 0.5}`} stroke={l.color} />)}
+    </svg>
+  );
+}
+
 export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps & { data: SceneNodeData }) {
-  const { name, typeName, type, collapsed, muted, problem, wrongPort } = data;
+  const { name, typeName, type, collapsed, off, problem, wrongPort } = data;
   const time = useTime(name);
-  const classes = ["scene-node", selected && "selected", muted && "muted", problem && "wrong", collapsed && "collapsed"];
+  const classes = ["scene-node", selected && "selected", off, problem && "wrong", collapsed && "collapsed"];
   return (
     <div className={classes.filter(Boolean).join(" ")} title={problem ?? type?.doc} data-node={name}>
       <header>
@@ -43,15 +58,16 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {collapsed ? "▸" : "▾"}
         </button>
         <strong>{name}</strong>
-        {time !== null && <span className="badge">{msText(time)}</span>}
+        {off ? <span className="badge">{off}</span> : time !== null && <span className="badge">{msText(time)}</span>}
         <small>{typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
       <div className="ports">
+        {off === "bypassed" && type && <Passages type={type} />}
         <div>
           {type?.inputs.map((p) => (
             <div key={p.name} className={`port in${p.name === wrongPort ? " wrong" : ""}`} data-port={p.name} title={`${p.type}: ${p.doc}`}>
               <Handle
-                type="target" position={Position.Left} id={p.name} isConnectableStart={!muted}
+                type="target" position={Position.Left} id={p.name}
                 className={p.many ? "many" : ""} style={{ background: portColor(p.type) }}
               />
               {!collapsed && <span className={p.required ? "required" : ""}>{p.name}</span>}

@@ -3,6 +3,7 @@ import { useMemo, useState } from "react";
 import { useStudio } from "../model/store";
 import { msText } from "../model/time";
 import type { JsonObject } from "../model/types";
+import { ParticleTable } from "./ParticleTable";
 import { Plot } from "./Plot";
 
 const kUsual = /compression\.mean|kinetic|potential|iterations|step \(ms\)|particles$|volume/;
@@ -75,7 +76,7 @@ function LogView() {
   );
 }
 
-const kTabs = { Time: Times, Plots, Memory, Log: LogView } as const;
+const kTabs = { Time: Times, Plots, Particles: ParticleTable, Memory, Log: LogView } as const;
 
 export function Insight() {
   const [tab, setTab] = useState<keyof typeof kTabs>("Plots");

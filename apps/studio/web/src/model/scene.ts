@@ -26,11 +26,21 @@ export interface Note {
   frame: boolean;
 }
 
-/** What the page alone knows; the runner ignores it. Muted nodes are parked here with their links. */
+/** What the page alone knows of a node. */
+export interface Place {
+  x: number;
+  y: number;
+  collapsed?: boolean;
+  /** See switchedOff.ts. */
+  off?: "muted" | "bypassed";
+}
+
+/** What the page alone knows; the runner ignores it. */
 export interface Layout {
-  nodes?: { [name: string]: { x: number; y: number; collapsed?: boolean } };
+  nodes?: { [name: string]: Place };
   notes?: Note[];
-  muted?: { [name: string]: { node: NodeSpec; links: string[] } };
+  /** In files only, see switchedOff.ts. */
+  off?: { nodes: { [name: string]: NodeSpec }; links: string[]; passed: string[] };
 }
 
 export interface Scene {
@@ -67,7 +77,7 @@ export const linksOf = (scene: Scene): LinkEnds[] =>
 
 /** "water", "water_2", …: a name that nobody has. */
 export function freeName(scene: Scene, wish: string): string {
-  const taken = (n: string) => n in scene.nodes || n in (scene.layout?.muted ?? {}) || kTaken.has(n);
+  const taken = (n: string) => n in scene.nodes || kTaken.has(n);
   const base = wish.replace(/[^A-Za-z0-9_-]/g, "_").replace(/^[^A-Za-z]+/, "") || "node";
   if (!taken(base)) return base;
   const stem = base.replace(/_\d+$/, "");
@@ -122,7 +132,7 @@ export function removeNodes(scene: Scene, names: string[]): Scene {
     ...scene,
     nodes: keep(scene.nodes),
     links,
-    layout: { ...scene.layout, nodes: keep(scene.layout?.nodes), muted: keep(scene.layout?.muted), notes },
+    layout: { ...scene.layout, nodes: keep(scene.layout?.nodes), notes },
   };
 }
 
@@ -275,40 +285,10 @@ export function moveModule(scene: Scene, node: string, type: NodeType, module: s
   return setModule(scene, node, module, { ...rest, [by > 0 ? "after" : "before"]: neighbour.name });
 }
 
-/** Parks a node and its links in the layout, or brings them back. */
-export function mute(scene: Scene, name: string, on: boolean): Scene {
-  if (on) {
-    const node = scene.nodes[name];
-    if (!node) return scene;
-    const links = linksOf(scene).filter((l) => l.from === name || l.to === name).map(linkText);
-    const at = scene.layout?.nodes?.[name];
-    const without = removeNodes(scene, [name]);
-    return withLayout(without, {
-      nodes: at ? { ...without.layout?.nodes, [name]: at } : without.layout?.nodes,
-      muted: { ...without.layout?.muted, [name]: { node, links } },
-    });
-  }
-  const parked = scene.layout?.muted?.[name];
-  if (!parked) return scene;
-  const { [name]: _, ...muted } = scene.layout!.muted!;
-  const there = (t: string) => {
-    const l = parseLink(t);
-    return l !== null && [l.from, l.to].every((n) => n === name || n in scene.nodes);
-  };
-  return withLayout(
-    {
-      ...scene,
-      nodes: { ...scene.nodes, [name]: parked.node },
-      links: [...(scene.links ?? []), ...parked.links.filter(there)],
-    },
-    { muted },
-  );
-}
-
 /** Nodes with the links between them, to be pasted elsewhere. */
 export interface Clip {
   nodes: { [name: string]: NodeSpec };
-  places: { [name: string]: { x: number; y: number } };
+  places: { [name: string]: Place };
   links: LinkEnds[];
 }
 
@@ -331,7 +311,7 @@ export function pasteNodes(scene: Scene, clip: Clip, offset: number): [Scene, st
     names.set(name, free);
     const at = clip.places[name] ?? { x: 0, y: 0 };
     next = { ...next, nodes: { ...next.nodes, [free]: structuredClone(spec) } };
-    next = moveNodes(next, { [free]: { x: at.x + offset, y: at.y + offset } });
+    next = withLayout(next, { nodes: { ...next.layout?.nodes, [free]: { ...at, x: at.x + offset, y: at.y + offset } } });
   }
   for (const l of clip.links) next = addLink(next, { ...l, from: names.get(l.from)!, to: names.get(l.to)! });
   return [next, [...names.values()]];

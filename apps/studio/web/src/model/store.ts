@@ -5,6 +5,7 @@ import { Client, fetchTypes, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Scene } from "./scene";
+import { forRunner, fromFile } from "./switchedOff";
 import type { JsonObject, Problem, Types } from "./types";
 
 export interface Status {
@@ -47,6 +48,7 @@ export interface Sample {
 
 interface SceneState {
   path: string;
+  revision?: number;
   problem?: Problem;
   warnings: string[];
   reset?: string;
@@ -77,6 +79,10 @@ export interface Studio {
   clip: Clip | null;
   attribute: string;
   attributes: string[];
+  /** The nodes whose particles frames show. */
+  fluids: string[];
+  /** The particle that was clicked. */
+  picked: { node: string; id: number } | null;
   message: string | null;
   /** What is asked or shown above the page. */
   dialog: "save" | "help" | null;
@@ -108,6 +114,8 @@ export const useStudio = create<Studio>()(
       clip: null,
       attribute: "speed",
       attributes: ["speed"],
+      fluids: [],
+      picked: null,
       message: null,
       dialog: null,
     }),
@@ -139,8 +147,10 @@ export const client = new Client({
   event: receive,
   frame: (packet) => {
     last.frame = packet;
-    const names = packet.fluids[0]?.attributes;
-    if (names && names.join() !== get().attributes.join()) set({ attributes: names });
+    const names = [...new Set(packet.fluids.flatMap((f) => f.attributes))];
+    if (names.length > 0 && names.join() !== get().attributes.join()) set({ attributes: names });
+    const fluids = packet.fluids.map((f) => f.node);
+    if (fluids.join() !== get().fluids.join()) set({ fluids });
     viewers.frame(packet);
     client.frameSeen();
   },
@@ -167,19 +177,43 @@ export async function request<T = JsonObject>(what: string, fields: object = {})
   }
 }
 
+/** A scene as the server has it; `draft` is what was made of its file and not saved, in an earlier run. */
+type ServedScene = SceneState & { scene: Scene; draft?: Scene };
+
 interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
-  scene: SceneState & { scene: Scene };
+  scene: ServedScene;
+}
+
+/** Shows what the server has; that is no edit. */
+function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState): void {
+  applying = true;
+  set({ ...more, scene: placeAll(fromFile(scene), get().types), sceneState });
+  applying = false;
+  useStudio.temporal.getState().clear();
+}
+
+/** Asks whether changes are wanted that an earlier run of the server had and that nobody saved. */
+async function offer(draft: Scene | undefined): Promise<void> {
+  if (!draft) return;
+  if (confirm("There are changes to this scene that were not saved. Take them up again?"))
+    edit(() => placeAll(fromFile(draft), get().types));
+  else await request("draft.drop");
 }
 
 async function greet(): Promise<void> {
   try {
     if (!get().types) set({ types: await fetchTypes() });
-    const hello = await client.ask<Hello>("hello");
-    const { scene, ...sceneState } = hello.scene;
-    const found = recovered(scene, sceneState.path);
-    set({ ...hello, scene: placeAll(found, get().types), sceneState });
-    useStudio.temporal.getState().clear();
-    if (get().role === "writer" && found !== scene) send();
+    const { scene: served, ...hello } = await client.ask<Hello>("hello");
+    const { scene, draft, ...sceneState } = served;
+    // What was edited while there was no connection is kept where nobody else has made changes meanwhile.
+    const keep = unsent && hello.role === "writer" && sceneState.revision === get().sceneState.revision;
+    unsent = false;
+    if (keep) {
+      set({ ...hello, sceneState });
+      return void send();
+    }
+    take(scene, hello, sceneState);
+    if (hello.role === "writer") await offer(draft);
   } catch (e) {
     say(e);
   }
@@ -195,9 +229,9 @@ function receive(name: string, data: unknown): void {
     set({ log: [...get().log, line].slice(-kMostLines) });
   }
   if (name === "scene") {
-    const { scene, ...sceneState } = data as Hello["scene"];
+    const { scene, draft: _, ...sceneState } = data as ServedScene;
     applying = true;
-    set({ scene, sceneState });
+    set({ scene: fromFile(scene), sceneState });
     applying = false;
   }
 }
@@ -223,8 +257,10 @@ function takeNumbers(numbers: JsonObject): void {
 // Editing. Each change goes to the server at once, which answers with what is wrong.
 
 let applying = false;
-let sending = false;
+let sending: Promise<void> | null = null;
 let again = false;
+/** Something was edited while there was no connection. */
+let unsent = false;
 
 const kTogetherMs = 600;
 let lastPart: { name: string; at: number } | null = null;
@@ -244,20 +280,22 @@ export function edit(change: (scene: Scene) => Scene, part?: string): void {
 
 useStudio.subscribe((now, before) => {
   if (now.scene === before.scene || applying) return;
-  keepDraft(now.scene, now.sceneState.path);
-  if (now.connected && now.role === "writer") void send();
+  if (!now.connected) unsent = true;
+  else if (now.role === "writer") void send();
 });
 
-async function send(): Promise<void> {
+/** Sends the scene as it is; resolves when the server has judged it. */
+function send(): Promise<void> {
   again = true;
-  if (sending) return;
-  sending = true;
+  return (sending ??= sendAll().finally(() => (sending = null)));
+}
+
+async function sendAll(): Promise<void> {
   while (again) {
     again = false;
-    const state = await request<SceneState>("scene.set", { scene: get().scene });
+    const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
     if (state) set({ sceneState: state });
   }
-  sending = false;
 }
 
 const step = (which: "undo" | "redo") => () => {
@@ -273,56 +311,32 @@ export const useHistory = (): { past: boolean; future: boolean } => ({
   future: useStore(useStudio.temporal, (h) => h.futureStates.length > 0),
 });
 
-// Drafts: what was edited and not saved survives a crash of the browser or the server.
-
-const kDraft = "weir-draft";
-
-function keepDraft(scene: Scene, path: string): void {
-  try {
-    localStorage.setItem(kDraft, JSON.stringify({ path, scene }));
-  } catch {
-    // A full store is no reason to stop.
-  }
-}
-
-export function dropDraft(): void {
-  localStorage.removeItem(kDraft);
-}
-
-function recovered(scene: Scene, path: string): Scene {
-  try {
-    const draft = JSON.parse(localStorage.getItem(kDraft) ?? "null") as { path: string; scene: Scene } | null;
-    if (!draft || draft.path !== path || JSON.stringify(draft.scene) === JSON.stringify(scene)) return scene;
-    if (Object.keys(scene.nodes).length > 0 && !confirm("There are changes to this scene that were not saved. Take them up again?"))
-      return dropDraft(), scene;
-    return draft.scene;
-  } catch {
-    return scene;
-  }
-}
-
 /** Opens a scene of the served folder or a template. */
 export async function openScene(where: { path: string } | { template: string }): Promise<void> {
-  const state = await request<SceneState & { scene: Scene }>("scene.open", where);
+  const state = await request<ServedScene>("scene.open", where);
   if (!state) return;
-  const { scene, ...sceneState } = state;
-  applying = true;
-  set({ scene: placeAll(scene, get().types), sceneState, selected: [], inside: null });
-  applying = false;
-  dropDraft();
-  useStudio.temporal.getState().clear();
+  const { scene, draft, ...sceneState } = state;
+  take(scene, { selected: [], inside: null }, sceneState);
+  await offer(draft);
+  await sending;
   await request("run.reset");
 }
 
 export async function saveScene(path: string): Promise<boolean> {
+  // What is being typed counts, and what is on its way.
+  const field = document.activeElement as HTMLElement | null;
+  field?.blur();
+  field?.focus();
+  await sending;
   const saved = await request<{ path: string }>("scene.save", { path });
   if (!saved) return false;
   set({ sceneState: { ...get().sceneState, path: saved.path } });
-  dropDraft();
   return true;
 }
 
-export function newScene(): void {
+export async function newScene(): Promise<void> {
+  const sceneState = await request<SceneState>("scene.new");
+  if (!sceneState) return;
+  set({ sceneState, selected: [], inside: null });
   edit(() => emptyScene());
-  set({ sceneState: { ...get().sceneState, path: "" }, selected: [], inside: null });
 }

@@ -22,6 +22,15 @@ const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
 /** "kg/m³" of "kg/m^3". */
 const unitText = (unit: string): string => unit.replaceAll("^2", "²").replaceAll("^3", "³");
 
+/** What a parameter is, what is allowed, and its default. */
+function tipOf(p: Parameter): string {
+  const bounds = [
+    p.min !== undefined && `at least ${p.min}`, p.above !== undefined && `above ${p.above}`, p.max !== undefined && `at most ${p.max}`,
+  ].filter(Boolean).join(", ");
+  return [p.doc, bounds && `Allowed: ${bounds}${p.unit ? ` ${unitText(p.unit)}` : ""}.`, `Default: ${p.default === null ? "not set" : JSON.stringify(p.default)}.`]
+    .filter(Boolean).join("\n");
+}
+
 function useProblem(owner: Owner, name: string): string | null {
   const problem = useStudio(problemOf);
   if (!problem) return null;
@@ -70,7 +79,7 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
   const Field = keyed ? KeyframesField : ValueField;
   return (
     <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
-      <span className="name" title={parameter.doc}>
+      <span className="name" title={tipOf(parameter)}>
         {parameter.name.split("_").flatMap((part, i) => (i === 0 ? [part] : ["_", <wbr key={i} />, part]))}
         {parameter.unit && <small>{unitText(parameter.unit)}</small>}
         {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}

@@ -4,6 +4,7 @@ import {
   enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
 } from "../model/scene";
 import { edit, useStudio } from "../model/store";
+import { offOf, setOff, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import { Parameters } from "./Parameters";
 
@@ -22,6 +23,24 @@ function NameField({ name }: { name: string }) {
       <input aria-label="Name" value={text} aria-invalid={problem !== null} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />
       {problem && <em role="alert">{problem}</em>}
     </label>
+  );
+}
+
+const kStates: [label: string, off: Off | undefined, doc: string][] = [
+  ["On", undefined, "The node is part of the run"],
+  ["Bypass", "bypassed", "Leave the node out, and pass on what comes in: an output gives what comes in at the input of its type (B)"],
+  ["Mute", "muted", "Leave the node out, and all its links (M)"],
+];
+
+/** Whether nodes are on, bypassed or muted. */
+function StateField({ names }: { names: string[] }) {
+  const states = useStudio((s) => names.map((n) => offOf(s.scene, n) ?? "on").join());
+  return (
+    <span className="axes" role="group" aria-label="State">
+      {kStates.map(([label, off, doc]) => (
+        <button key={label} title={doc} aria-pressed={states.split(",").every((x) => x === (off ?? "on"))} onClick={() => edit((s) => setOff(s, names, off))}>{label}</button>
+      ))}
+    </span>
   );
 }
 
@@ -94,6 +113,7 @@ export function PropertyPanel() {
     return (
       <>
         <h2>{names.length} nodes</h2>
+        <StateField names={names} />
         <button onClick={() => edit((s) => removeNodes(s, names))}>Delete them</button>
       </>
     );
@@ -103,6 +123,7 @@ export function PropertyPanel() {
   return (
     <>
       <NameField name={name} />
+      <StateField names={[name]} />
       <p className="doc"><strong>{typeName}</strong> {type?.doc ?? "No plugin here knows this type."}</p>
       {type && <Parameters key={name} owner={{ node: name }} parameters={type.parameters} />}
       <Modules key={`${name} modules`} node={name} />

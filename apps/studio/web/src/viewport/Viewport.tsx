@@ -2,10 +2,13 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { setParam } from "../model/scene";
 import { edit, last, request, useStudio, viewers } from "../model/store";
-import type { Json, JsonObject } from "../model/types";
+import { shortText } from "../model/numbers";
+import { forRunner } from "../model/switchedOff";
+import type { JsonObject } from "../model/types";
 import { gradient, isColorMap, kColorMaps, type Ramp } from "./colorMaps";
 import { hexOf } from "../properties/fields";
 import { handleOf, outlinesOf } from "./outlines";
+import { PickedParticle } from "./PickedParticle";
 import { Recorder } from "./Recorder";
 import { Rendered } from "./Rendered";
 import { kPresets, View, type Preset, type ViewEvents } from "./view";
@@ -19,20 +22,11 @@ interface Key {
   unit: string;
 }
 
-interface Picked {
-  node: string;
-  id: number;
-  attributes: { [name: string]: Json };
-}
-
-const short = (v: Json): string =>
-  typeof v === "number" ? String(Number(v.toPrecision(4))) : Array.isArray(v) ? v.map(short).join(", ") : String(v);
 
 export function Viewport({ dark }: { dark: boolean }) {
   const element = useRef<HTMLDivElement>(null);
   const [view, setView] = useState<View | null>(null);
   const [key, setKey] = useState<Key | null>(null);
-  const [picked, setPicked] = useState<Picked | null>(null);
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
   const [noView, setNoView] = useState(false);
   const [rendered, setRendered] = useState(false);
@@ -64,7 +58,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           const turned = useStudio.getState().types && handleOf(s, useStudio.getState().types!, node)?.rotates && rotation.some((r) => r !== 0);
           return turned ? setParam(placed, { node }, ["rotation"], rotation) : placed;
         }),
-      picked: (node, id) => void request<Picked>("particle", { node, particle: id }).then((p) => p && (setPicked(p), made.choose(id))),
+      picked: (node, id) => useStudio.setState({ picked: { node, id } }),
       range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
     };
     try {
@@ -84,11 +78,13 @@ export function Viewport({ dark }: { dark: boolean }) {
     };
   }, []);
 
+  const picked = useStudio((s) => s.picked);
+  useEffect(() => view?.choose(picked), [view, picked]);
   useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
   useEffect(() => view?.setColors(ramp, range), [view, ramp, range]);
   useEffect(() => {
-    if (view && types) view.setOutlines(outlinesOf(scene, types));
-  }, [view, scene.nodes, types]); // eslint-disable-line
+    if (view && types) view.setOutlines(outlinesOf(forRunner(scene, types), types));
+  }, [view, scene.nodes, scene.layout, types]); // eslint-disable-line
   useEffect(() => {
     const one = selected.length === 1 ? selected[0]! : null;
     view?.hold(one && types && handleOf(scene, types, one) ? one : null, mode);
@@ -143,23 +139,13 @@ export function Viewport({ dark }: { dark: boolean }) {
       {rendered && view && <Rendered view={view} onFailed={stopRendered} />}
       {key && !rendered && (
         <div className="color-key">
-          <span>{short(key.low)}</span>
+          <span>{shortText(key.low)}</span>
           <i style={{ background: gradient(ramp) }} />
-          <span>{short(key.high)} {key.unit}</span>
+          <span>{shortText(key.high)} {key.unit}</span>
           <b>{key.name}</b>
         </div>
       )}
-      {picked && (
-        <div className="picked">
-          <button aria-label="Close" onClick={() => (setPicked(null), view?.choose(-1))}>×</button>
-          <h3>Particle {picked.id} of {picked.node}</h3>
-          <table>
-            <tbody>
-              {Object.entries(picked.attributes).map(([name, v]) => <tr key={name}><th>{name}</th><td>{short(v)}</td></tr>)}
-            </tbody>
-          </table>
-        </div>
-      )}
+      <PickedParticle />
     </div>
   );
 }

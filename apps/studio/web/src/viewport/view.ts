@@ -34,6 +34,7 @@ export class View {
   private range: [number, number] | null = null;
   private readonly cameraListeners = new Set<() => void>();
   private shown: FramePacket | null = null;
+  private chosen: { node: string; id: number } | null = null;
   private asked = false;
   private fitted = false;
   drawn = 0;
@@ -84,6 +85,7 @@ export class View {
       if (!particles) {
         particles = new Particles();
         particles.setMap(this.map);
+        particles.choose(this.chosen?.node === fluid.node ? this.chosen.id : -1);
         this.fluids.set(fluid.node, particles);
         this.scene.add(particles.points);
       }
@@ -136,9 +138,12 @@ export class View {
       object.traverse((o) => {
         if (o instanceof THREE.LineSegments || o instanceof THREE.Mesh) o.geometry.dispose();
       });
+    const held = this.handle.object?.userData["node"] as string | undefined;
+    this.handle.detach();
     this.outlines.clear();
     this.outlineOf = outlines;
     for (const object of outlines.values()) this.outlines.add(object);
+    if (held !== undefined) this.hold(held, this.handle.mode as "translate" | "rotate");
     this.draw();
   }
 
@@ -151,8 +156,10 @@ export class View {
     this.handle.attach(object);
   }
 
-  choose(id: number): void {
-    for (const particles of this.fluids.values()) particles.choose(id);
+  /** Marks a particle, or none. */
+  choose(which: { node: string; id: number } | null): void {
+    this.chosen = which;
+    for (const [node, particles] of this.fluids) particles.choose(which?.node === node ? which.id : -1);
     this.draw();
   }
 

@@ -1,0 +1,238 @@
+// What is done to a scene that is there already, by mouse and keyboard alone: nodes that are left out, the table of particles,
+// modules of plugins, frames that were recorded, a second window, and what is left after a crash.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
+import { basename, join } from "node:path";
+import { after, before, test } from "node:test";
+import { Hands, openPage, openWindow, startServer } from "./studio.mjs";
+
+const kScene = {
+  weir: 1, title: "Blocks", world: { duration: 4, frame_rate: 30 },
+  nodes: {
+    block: { type: "BoxSampler", params: { min: [0.05, 0.05, 0.05], max: [0.25, 0.35, 0.25] } },
+    floor: { type: "StaticBoundary", params: { shape: "plane" } },
+    tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [0.5, 0.5, 0.3], inverted: true } },
+    water: { type: "ParticleFluid", params: { spacing: 0.025, rest_steps: 0 } },
+  },
+  links: ["block.particles -> water.initial", "floor.boundary -> tank.boundaries", "tank.boundary -> water.boundaries"],
+};
+
+let server, browser, context, page, mistakes, hands;
+
+before(async () => {
+  server = await startServer();
+  await writeFile(join(server.folder, "blocks.json"), JSON.stringify(kScene));
+  const plugins = join(server.folder, "plugins");
+  await mkdir(plugins);
+  await copyFile(process.env.WEIR_TEST_PLUGIN, join(plugins, basename(process.env.WEIR_TEST_PLUGIN)));
+  await restart();
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+/** The server ends as in a crash, and another one serves the same folder. */
+async function restart(...options) {
+  await browser?.close();
+  await server.crash();
+  server = await startServer(options, { folder: server.folder, env: { WEIR_PLUGIN_PATH: join(server.folder, "plugins") } });
+  ({ browser, context, page, mistakes } = await openPage(server.address));
+  hands = new Hands(page);
+}
+
+let failed = false;
+
+/** A part of the test, which needs those before it. */
+const step = (name, f) =>
+  test(name, async (t) => {
+    if (failed) return t.skip("a step before it failed");
+    failed = true;
+    await f();
+    failed = false;
+  });
+
+const aside = () => page.locator("aside .properties");
+const saved = async (name) => JSON.parse(await readFile(join(server.folder, name), "utf8"));
+const time = (text) => page.locator(".time").filter({ hasText: text });
+const frame = async () => Number(/frame (\d+)\//.exec(await page.locator(".time").innerText())[1]);
+
+async function open(name) {
+  await page.getByRole("button", { name: "Open", exact: true }).click();
+  await page.getByRole("dialog").getByRole("button", { name }).click();
+  await hands.node("water").waitFor();
+  await hands.arrange();
+}
+
+async function save() {
+  await page.keyboard.press("Control+s");
+  await page.locator(".message").waitFor({ state: "detached" });
+  // The file is written before anything that is asked later is answered.
+  await page.evaluate(() => fetch("/api/files?folder="));
+}
+
+/** What the view shows. */
+const seen = async () => (await page.locator(".viewport").screenshot()).toString("base64");
+
+step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
+  await open("blocks");
+  await hands.select("tank");
+  await hands.pressInGraph("b");
+  await page.locator('[data-node="tank"].bypassed').waitFor();
+  await page.locator(".passages path").waitFor({ state: "attached" });
+  await hands.set(aside(), "min", "vec3", [0, 0, -0.1]);
+  await save();
+  const bypassed = await saved("blocks.json");
+  assert.deepEqual(Object.keys(bypassed.nodes), ["block", "floor", "water"]);
+  assert.deepEqual(bypassed.links, ["block.particles -> water.initial", "floor.boundary -> water.boundaries"]);
+  await hands.select("floor");
+  await aside().getByRole("button", { name: "Mute", exact: true }).click();
+  await page.locator('[data-node="floor"].muted').waitFor();
+  await save();
+  assert.deepEqual((await saved("blocks.json")).links, ["block.particles -> water.initial"]);
+  await open("blocks");
+  await page.locator('[data-node="tank"].bypassed').waitFor();
+  await page.locator('[data-node="floor"].muted').waitFor();
+  for (const name of ["tank", "floor"]) {
+    await hands.select(name);
+    await aside().getByRole("button", { name: "On", exact: true }).click();
+  }
+  await save();
+  const back = await saved("blocks.json");
+  assert.deepEqual([...back.links].sort(), [...kScene.links].sort());
+  assert.deepEqual(back.nodes.tank.params.min, [0, 0, -0.1]);
+});
+
+step("what is being typed is saved, too", async () => {
+  await hands.select("tank");
+  await aside().getByLabel("max x", { exact: true }).click({ clickCount: 3 });
+  await page.keyboard.type("0.6");
+  await save();
+  assert.equal((await saved("blocks.json")).nodes.tank.params.max[0], 0.6);
+});
+
+step("the table has all particles, sorted by any attribute, and goes on while the scene runs", async () => {
+  await page.getByRole("button", { name: "Reset", exact: true }).click();
+  await time("frame 0/").waitFor();
+  for (let i = 1; i <= 3; ++i) {
+    await hands.pressInGraph(".");
+    await time(`frame ${i}/`).waitFor();
+  }
+  await page.getByRole("tab", { name: "Particles" }).click();
+  const table = page.locator(".particle-table table");
+  const column = async (name) => {
+    const at = await table.locator("thead th").evaluateAll((heads, n) => heads.findIndex((h) => h.innerText.startsWith(n)), name);
+    return (await table.locator(`tbody td:nth-child(${at + 1})`).allInnerTexts()).map(Number);
+  };
+  await table.getByRole("button", { name: /^speed/ }).click();
+  await table.locator('th[aria-sort="descending"]').filter({ hasText: "speed" }).waitFor();
+  const speeds = await column("speed");
+  assert.equal(speeds.length, 50);
+  assert.deepEqual(speeds, [...speeds].sort((a, b) => b - a));
+  assert.ok(speeds[0] > 0.5, `${speeds[0]} m/s`);
+  await page.getByRole("button", { name: "Next page" }).click();
+  await page.locator(".pager").filter({ hasText: "51–100 of" }).waitFor();
+  assert.ok((await column("speed"))[0] <= speeds.at(-1));
+  const [first] = await column("id");
+  await table.locator("tbody tr").first().click();
+  await page.locator(".picked").filter({ hasText: `Particle ${first} of water` }).waitFor();
+  await page.locator(".picked td").first().waitFor();
+  const text = () => table.locator("tbody").innerText();
+  const then = await text();
+  await hands.pressInGraph("Space");
+  await page.waitForFunction((t) => document.querySelector(".particle-table tbody").innerText !== t, then);
+  await hands.pressInGraph("Space");
+  await page.locator(".picked").getByRole("button", { name: "Close" }).click();
+});
+
+step("recorded frames are seen again", async () => {
+  await page.locator(".state.paused").waitFor();
+  const last = await seen();
+  const slider = page.getByRole("slider", { name: "Frame" });
+  await slider.focus();
+  await page.keyboard.press("Home");
+  await time("frame 0, ").waitFor();
+  await page.waitForTimeout(300);
+  assert.notEqual(await seen(), last);
+  await page.keyboard.press("End");
+  await page.waitForFunction(() => !document.querySelector(".time").textContent.includes("frame 0, "));
+  // A step goes on from where the simulation is, and is seen.
+  await page.keyboard.press("Home");
+  await time("frame 0, ").waitFor();
+  const before = await frame();
+  await hands.pressInGraph(".");
+  await page.waitForFunction((n) => document.querySelector(".time").textContent.includes(`frame ${n}/`), before + 1);
+  assert.equal(await slider.inputValue(), String(before + 1));
+});
+
+step("every press of a step is one frame, also in a video", async () => {
+  const presses = 5;
+  if (!(await page.evaluate(() => fetch("/api/types").then((r) => r.json()))).sections.render) return;
+  await page.getByRole("button", { name: "Record", exact: true }).click();
+  await hands.type(page.getByRole("textbox", { name: "Video file" }), "steps.mp4");
+  await page.locator(".recording").waitFor();
+  const first = await frame();
+  // As quickly as a key repeats, and quicker than frames are drawn.
+  await hands.pressInGraph(...Array(presses).fill("."));
+  await time(`frame ${first + presses}/`).waitFor();
+  await page.locator(".state.paused").waitFor();
+  assert.equal(await frame(), first + presses);
+  await page.locator(".recording").click();
+  await page.getByRole("link", { name: /steps\.mp4/ }).waitFor();
+  const count = execFileSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of", "csv=p=0", join(server.folder, "steps.mp4")]);
+  assert.equal(Number(String(count)), presses + 1);
+});
+
+step("a plugin's module is inserted into a node, and runs", async () => {
+  await hands.select("water");
+  await hands.pressInGraph("Enter");
+  const inside = page.getByRole("dialog", { name: "Inside water" });
+  await inside.getByLabel("Insert a module").selectOption("Lift");
+  await inside.locator('[data-module="lift"]').waitFor();
+  await inside.getByRole("button", { name: "lift", exact: true }).click();
+  await hands.set(inside.locator('[data-module="lift"]'), "speed", "float", 2);
+  await page.keyboard.press("Escape");
+  await hands.pressInGraph("r");
+  await time("frame 0/").waitFor();
+  await hands.pressInGraph(".");
+  await time("frame 1/").waitFor();
+  await page.getByRole("tab", { name: "Time" }).click();
+  await page.locator(".times th").filter({ hasText: "water/lift" }).waitFor();
+  await page.getByRole("tab", { name: "Particles" }).click();
+  await page.locator(".particle-table tbody tr").first().waitFor();
+});
+
+step("a second window watches, and can take the pen", async () => {
+  const other = await openWindow(context, new URL("/", server.address).href, mistakes);
+  const pen = (p) => p.getByRole("button", { name: "Take the pen" });
+  await pen(other).waitFor();
+  assert.ok(await other.getByRole("button", { name: "Play" }).isDisabled());
+  await pen(other).click();
+  await pen(page).waitFor();
+  assert.ok(await page.getByRole("button", { name: "Play" }).isDisabled());
+  const theirs = new Hands(other);
+  await theirs.select("tank");
+  await theirs.set(other.locator("aside .properties"), "max", "vec3", [0.7, 0.5, 0.3]);
+  await hands.select("tank");
+  await page.waitForFunction(() => document.querySelector('[aria-label="max x"]').value === "0.7");
+  await hands.pressInGraph("Delete");
+  await page.getByRole("alert").filter({ hasText: "another window has the pen" }).waitFor();
+  await hands.node("tank").waitFor();
+  await other.close();
+  await pen(page).waitFor({ state: "hidden" });
+});
+
+step("what was not saved is offered after a crash", async () => {
+  assert.deepEqual(mistakes, []);
+  const before = await saved("blocks.json");
+  assert.equal(before.nodes.tank.params.max[0], 0.6);
+  await restart(join(server.folder, "blocks.json"));
+  await hands.select("tank");
+  assert.equal(await aside().getByLabel("max x", { exact: true }).inputValue(), "0.7");
+  assert.equal((await saved("blocks.json")).nodes.tank.params.max[0], 0.6);
+  await hands.pressInGraph("Control+z");
+  await page.waitForFunction(() => document.querySelector('[aria-label="max x"]').value === "0.6");
+});
+
+step("the page had nothing to complain of", () => assert.deepEqual(mistakes, []));

@@ -1,0 +1,93 @@
+// How the iterations of SemiImplicitSolver go on, decided on the device.
+#pragma once
+
+#include "framework/compute/parallel.h"
+#include "nodes/particle_fluid/modules/anderson.h"
+#include "nodes/particle_fluid/modules/semi_implicit_control.h"
+
+namespace weir::detail {
+
+/// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
+struct Judge {
+  SolverControl* control;
+  const SolverSums* sums;
+  Count count;
+  double tolerance;  // below 0: never done
+  int meetings;      // of the tolerance, one after another, that end a pass
+  bool accelerated;
+  bool mixes;       // by Anderson's acceleration
+  double farthest;  // m², squared; from here on, lists no longer hold
+  int mostRepeats;  // of a stage
+  int passes;       // of the last stage
+  bool last;        // of the pass: its outcome is not judged, so it is plain
+
+  WEIR_HD void operator()(std::int64_t) const {
+    if (control->done) return;
+    judge();
+    if (control->done || last) plan();
+  }
+
+  /// What the next pass is.
+  WEIR_HD void plan() const {
+    const bool far = mostRepeats > 0 && sums->farthest > farthest;
+    if (far && control->repeats < mostRepeats) {
+      ++control->repeats;
+      control->advance = 0;
+      return;
+    }
+    control->advance = control->stage < control->stages ? 1 : 0;
+    if (control->advance) {
+      ++control->stage;
+      control->repeats = 0;
+      return;
+    }
+    control->over = ++control->finals >= passes ? 1 : 0;
+    // What lists that do not hold say of compression is not true.
+    if (far) control->met = 0;
+  }
+
+  WEIR_HD void judge() const {
+    // The terms of the sum are floats; it may rise by rounding.
+    constexpr double kRounding = 1e-6;
+    // Compression that no step touches because it is below the tolerance would gather over the steps.
+    constexpr int kFewest = 3;
+    // With acceleration, an objective that no longer falls is at its least, and the compression is what
+    // inertia and stiffness ask for.
+    constexpr double kStall = 1e-5;
+    constexpr int kOnTheWay = 3;
+    const std::int64_t particles = count.get();
+    const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
+    // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
+    // does not mean that it is done.
+    const bool rose = sums->objective > (1 + kRounding) * control->objective;
+    control->takesBack = control->momentum > 0 && rose ? 1 : 0;
+    control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
+    control->metInARow = control->met ? control->metInARow + 1 : 0;
+    const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
+                        control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
+    if (control->iterations >= kFewest && (control->metInARow >= meetings || stalls)) {
+      control->done = 1;
+      return;
+    }
+    ++control->iterations;
+    ++control->total;
+    if (control->iterations > control->most) control->most = control->iterations;
+    if (control->takesBack) {
+      control->sinceRestart = 0;
+      control->momentum = 0;
+      return;
+    }
+    // A mixture whose gain is lost in rounding: see anderson.h.
+    if (mixes && !control->exhausted && control->sinceRestart > kOnTheWay && control->momentum > 0 &&
+        sums->objective > (1 - kRounding) * control->objective) {
+      control->exhausted = 1;
+      control->sinceRestart = 0;
+    }
+    const int k = control->sinceRestart++;
+    control->entry = AndersonHistory::after(control->entry);
+    control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
+    control->objective = sums->objective;
+  }
+};
+
+}  // namespace weir::detail
