@@ -239,7 +239,7 @@ inline constexpr ChosenFirst kChosenFirst;
 }  // namespace detail
 
 /// The angle of the point (x, y) about the origin, in [-π, π] and off by 3e-7 at most: the same on every
-/// processor. 0 for the origin.
+/// processor. It has the sign of y, also that of zero. 0 for the origin.
 [[gnu::always_inline]] inline Lanes atan2(const Lanes& y, const Lanes& x) {
   constexpr float kPi = 3.14159265f, kTanOfEighth = 0.414213562f;  // tan(π/8)
   const Lanes across = abs(y), along = abs(x);
@@ -257,7 +257,9 @@ inline constexpr ChosenFirst kChosenFirst;
   angle += keptWhere(turned, Lanes(kPi / 4));
   angle = select(steep, kPi / 2 - angle, angle);
   angle = select(x < Lanes(0.0f), kPi - angle, angle);
-  return select(y < Lanes(0.0f), -angle, angle);
+  using Bits = LaneMask::Vector;
+  const Bits sign = reinterpret_cast<Bits>(y.v) & static_cast<int>(0x80000000u);
+  return Lanes(reinterpret_cast<Lanes::Vector>(reinterpret_cast<Bits>(angle.v) | sign));
 }
 
 /// The sum over the lanes.

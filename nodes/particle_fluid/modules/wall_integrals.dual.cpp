@@ -210,12 +210,13 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
                            several ? walls.total.view() : ArrayView<Vec4f>{},
                            walls.d.view(),
                            walls.sides.view()};
-#ifdef WEIR_HAS_LANES
-  forEachUnevenRange(device, kName, walls.nearCount(), FindIntegralsInLanes{find});
-#else
   constexpr TeamPlan kPlan{32, 1 << 17};
-  parallelForUneven(device, kName, walls.nearCount(), kPlan, find);
+#ifdef WEIR_HAS_LANES
+  if constexpr (!std::is_same_v<Backend, CudaDevice>)
+    forEachUnevenRange(device, kName, walls.nearCount(), FindIntegralsInLanes{find});
+  else
 #endif
+    parallelForUneven(device, kName, walls.nearCount(), kPlan, find);
   takeOutHiddenNeighbors(device, fluid);
 }
 
