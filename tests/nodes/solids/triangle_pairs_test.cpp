@@ -1,7 +1,6 @@
 // Triangles by eights against triangles one by one, in double and in float.
 #include "nodes/solids/triangle_pairs.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -114,19 +113,19 @@ TEST_F(TrianglePairsTest, HaveTheIntegralsOfTrianglesOneByOne) {
         for (std::size_t i = begin; i < next; ++i) {
           const int particle = int(i - begin);
           const Vec3f p = asked[i].p;
-          const std::string at = fmt::format("{}, {}, {}", mesh.triangles.size(), i, turned);
+          SCOPED_TRACE(testing::Message() << mesh.triangles.size() << ", " << i << ", " << turned);
           // Where next to nothing, or next to all, is solid, floats cannot tell which, and integrals() takes
           // the caller's word. Without it, both ways make the same of it.
           const SolidIntegrals<double> exact = oneByOne<double>(tree.view(), asked[i], turned);
           const SolidIntegrals<float> found = byPairs(*pairs_, particle, p, exact.phi > 0.5);
-          EXPECT_NEAR(found.phi, exact.phi, 2e-4) << at;
-          EXPECT_NEAR(found.d / kFullD, exact.d / kFullD, 2e-4) << at;
-          EXPECT_LT(length(inDouble(found.gradPhi) - exact.gradPhi) * double(kH), 1e-3) << at;
+          EXPECT_NEAR(found.phi, exact.phi, 2e-4);
+          EXPECT_NEAR(found.d / kFullD, exact.d / kFullD, 2e-4);
+          EXPECT_LT(length(inDouble(found.gradPhi) - exact.gradPhi) * double(kH), 1e-3);
           const SolidIntegrals<float> untold = byPairs(*pairs_, particle, p),
                                       scalar = oneByOne<float>(tree.view(), asked[i], turned);
-          EXPECT_NEAR(untold.phi, scalar.phi, 5e-5) << at;
-          EXPECT_NEAR(untold.d / kFullD, scalar.d / kFullD, 1e-4) << at;
-          EXPECT_LT(length(untold.gradPhi - scalar.gradPhi) * kH, 1e-3f) << at;
+          EXPECT_NEAR(untold.phi, scalar.phi, 5e-5);
+          EXPECT_NEAR(untold.d / kFullD, scalar.d / kFullD, 1e-4);
+          EXPECT_LT(length(untold.gradPhi - scalar.gradPhi) * kH, 1e-3f);
           deep += exact.phi > 0.5 && untold.phi < 0.5f;
         }
       }
