@@ -35,10 +35,13 @@ struct CountInCells {
   int cells;
   ArrayView<int> cell, rank, counts;
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD int cellOf(std::int64_t i) const {
     const int k = key(i);
     // A key outside the cells must not corrupt memory, so it drops the particle like -1.
-    const int c = k >= 0 && k < cells ? k : cells;
+    return k >= 0 && k < cells ? k : cells;
+  }
+  WEIR_HD void operator()(std::int64_t i) const {
+    const int c = cellOf(i);
     cell[i] = c;
     rank[i] = atomicAdd(&counts[c], 1);
   }
@@ -69,13 +72,17 @@ struct OrderInCells {
       order[k] = i;
       return;
     }
-    const int begin = start[c], size = start[c + 1] - begin;
-    const int* members = provisional.data + begin;
+    const int begin = start[c];
+    place(i, static_cast<int>(k) - begin, provisional.data + begin, begin, start[c + 1] - begin);
+  }
+
+  /// Of particle i, which is members[rank] of the `size` particles of a cell.
+  WEIR_HD void place(int i, int rank, const int* members, int begin, int size) const {
     if (size <= kCrowded) {
       int before = 0;
       for (int m = 0; m < size; ++m) before += members[m] < i ? 1 : 0;
       order[begin + before] = i;
-    } else if (k == begin) {
+    } else if (rank == 0) {
       for (int m = 0; m < size; ++m) order[begin + m] = members[m];
       heapSort(order.data + begin, size);
     }
@@ -84,10 +91,10 @@ struct OrderInCells {
 
 /// Sorts few particles in another way and returns true, where a back end has one.
 template <class Key>
-bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
-             const ScatterToCells& scatter, const OrderInCells& ordering, int* kept);
+bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting, const OrderInCells& ordering,
+             int* kept);
 template <class Key>
-bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const ScatterToCells&, const OrderInCells&, int*) {
+bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const OrderInCells&, int*) {
   return false;
 }
 
@@ -113,7 +120,7 @@ void sortByCell(Backend& device, Count count, int cells, const Key& key, int* ke
   const detail::CountInCells<Key> counting{key, cells, cell, rank, start};
   const detail::ScatterToCells scatter{cell, rank, start, provisional};
   const detail::OrderInCells ordering{cells, cell, start, provisional, order};
-  if (detail::sortFew(device, count, counting, scatter, ordering, kept)) return;
+  if (detail::sortFew(device, count, counting, ordering, kept)) return;
 
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
   device.fillBytes(start.data, 0, static_cast<std::size_t>(start.size) * sizeof(int));

@@ -1,5 +1,7 @@
 #include <cuda_runtime.h>
 
+#include <algorithm>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -76,6 +78,17 @@ constexpr detail::CallKind kFill{
       const cudaMemsetParams p = static_cast<const FillCall*>(call)->parameters();
       return cudaGraphExecMemsetNodeSetParams(graph, node, &p);
     }};
+
+/// What is uploaded within a batch, if it is small, travels in a kernel's parameters: a copy from the host's
+/// memory would end the batch.
+struct SmallUpload {
+  static constexpr int kWords = 256;  // of 4 bytes
+  unsigned words[kWords];
+};
+
+__global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant__ SmallUpload from) {
+  if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from.words[threadIdx.x];
+}
 
 /// Shows whether this build holds code that the device can run.
 __global__ void probeKernel() {}
@@ -182,6 +195,19 @@ MemoryUse CudaDevice::memoryUse() const {
 void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "upload");
+  constexpr std::size_t kPiece = sizeof(SmallUpload), kMostPieces = 4;
+  if (impl_->launches->gathering() && bytes <= kMostPieces * kPiece && bytes % sizeof(unsigned) == 0) {
+    for (std::size_t begin = 0; begin < bytes; begin += kPiece) {
+      SmallUpload piece{};
+      const std::size_t size = std::min(kPiece, bytes - begin);
+      std::memcpy(piece.words, static_cast<const char*>(fromHost) + begin, size);
+      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords},
+                                 reinterpret_cast<unsigned*>(static_cast<char*>(to) + begin),
+                                 static_cast<int>(size / sizeof(unsigned)), piece),
+            "upload");
+    }
+    return;
+  }
   check(cudaMemcpyAsync(to, fromHost, bytes, cudaMemcpyHostToDevice, stream()), "upload");
 }
 

@@ -21,6 +21,12 @@ struct LaunchQueue::Graph {
 LaunchQueue::LaunchQueue(cudaStream_t stream) : stream_(stream) {}
 LaunchQueue::~LaunchQueue() = default;
 
+LaunchQueue::KernelFacts& LaunchQueue::facts(const void* kernel) {
+  for (auto& [known, facts] : facts_)
+    if (known == kernel) return facts;
+  return facts_.emplace_back(kernel, KernelFacts{}).second;
+}
+
 void* LaunchQueue::note(const CallKind& kind, const void* what, std::size_t size) {
   const std::size_t begin = (now_.bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
   now_.bytes.resize(begin + size);

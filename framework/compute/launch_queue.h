@@ -16,6 +16,7 @@
 #include <new>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace weir::detail {
@@ -57,6 +58,13 @@ class LaunchQueue {
   void drop();
   bool gathering() const { return gathering_; }
 
+  static constexpr unsigned kUnknown = ~0u;
+  /// What is known of a kernel; the library that owns it finds it out (kernel_facts.h).
+  struct KernelFacts {
+    unsigned sharedBytes = kUnknown;  ///< the most that a launch may ask for
+  };
+  KernelFacts& facts(const void* kernel);
+
  private:
   static constexpr std::size_t kAlignment = 16;
   static constexpr std::size_t kMostGraphs = 8;  // a step may alternate between arrays, and emit or not
@@ -88,6 +96,7 @@ class LaunchQueue {
   std::vector<Noted> before_;  // of the last step
   std::vector<std::unique_ptr<Graph>> graphs_;
   std::uint64_t launches_ = 0;
+  std::vector<std::pair<const void*, KernelFacts>> facts_;
 };
 
 /// A kernel with its launch and its arguments.
@@ -141,12 +150,19 @@ struct KernelCalls {
   static constexpr CallKind kKind{issue, add, update};
 };
 
+/// How a kernel is launched.
+struct LaunchShape {
+  unsigned blocks, threads;
+  unsigned sharedBytes = 0;
+};
+
 template <class... P>
-cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), unsigned blocks, unsigned threads,
-                         unsigned sharedBytes, const std::type_identity_t<P>&... arguments) {
+cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), const LaunchShape& shape,
+                         const std::type_identity_t<P>&... arguments) {
   // Calls are compared byte by byte; padding inside of arguments that happens to differ costs an update.
   alignas(KernelCall<P...>) unsigned char zeros[sizeof(KernelCall<P...>)] = {};
-  auto& call = *new (zeros) KernelCall<P...>{kernel, blocks, threads, sharedBytes, {arguments...}};
+  auto& call =
+      *new (zeros) KernelCall<P...>{kernel, shape.blocks, shape.threads, shape.sharedBytes, {arguments...}};
   return queue.submit(KernelCalls<P...>::kKind, reinterpret_cast<const void*>(kernel), call);
 }
 

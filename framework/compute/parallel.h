@@ -110,7 +110,8 @@ void stableSortByKey(CudaDevice& device, ArrayView<std::uint64_t> keys, ArrayVie
                      std::int64_t n);
 
 /// indices[k] = the k-th i in [0, count) with keep(i); *kept (device memory) = how many; it may stand where
-/// the exact count does. Needs indices.size >= bound. keep(i) is asked twice and must give the same answer.
+/// the exact count does. Needs indices.size >= bound. keep(i) is asked once on CUDA and twice on the CPU, and
+/// must give the same answer.
 template <class Keep>
 void compact(CpuBackend& device, std::string_view name, Count count, const Keep& keep, ArrayView<int> indices,
              int* kept);

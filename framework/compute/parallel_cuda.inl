@@ -28,7 +28,7 @@ template <class... P>
 void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
             const std::type_identity_t<P>&... arguments) {
   beginLaunch(device, name);
-  device.check(submitKernel(device.launches(), kernel, blocks, kCudaBlock, 0, arguments...), name);
+  device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock}, arguments...), name);
 }
 
 /// Where the device knows how many there are, the bound decides on the size of a grid alone. It grows in
@@ -119,32 +119,55 @@ __global__ void __launch_bounds__(kCudaBlock)
   if (threadIdx.x == 0) *result = value;
 }
 
-/// first[b] = how many elements block b keeps; the entry behind the last is 0, so that a scan ends in the
-/// total.
+inline constexpr int kWarps = kCudaBlock / kWarp;  // of a block
+
+/// kept[b] = how many elements block b keeps, and one more behind the last that is 0, so that a scan ends in
+/// the total. votes[w] says which of 32 elements.
 template <class Keep>
 __global__ void __launch_bounds__(kCudaBlock)
-    countKeptKernel(Count count, const __grid_constant__ Keep keep, int* first) {
+    countKeptKernel(Count count, const __grid_constant__ Keep keep, int* kept, unsigned* votes) {
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
-  const int kept = __syncthreads_count(i < count.get() && keep(i));
+  const bool keeps = i < count.get() && keep(i);
+  const unsigned vote = __ballot_sync(~0u, keeps);
+  if (threadIdx.x % kWarp == 0) votes[i / kWarp] = vote;
+  const int here = __syncthreads_count(keeps);
   if (threadIdx.x != 0) return;
-  first[blockIdx.x] = kept;
-  if (blockIdx.x == 0) first[gridDim.x] = 0;
+  kept[blockIdx.x] = here;
+  if (blockIdx.x == 0) kept[gridDim.x] = 0;
 }
 
-template <class Keep>
-__global__ void __launch_bounds__(kCudaBlock)
-    writeKeptKernel(Count count, const __grid_constant__ Keep keep, const int* first, int* indices) {
-  __shared__ int keptByWarp[kCudaBlock / kWarp];
-  const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
-  const bool kept = i < count.get() && keep(i);
-  const unsigned votes = __ballot_sync(~0u, kept);
-  const int lane = static_cast<int>(threadIdx.x) % kWarp, warp = static_cast<int>(threadIdx.x) / kWarp;
-  if (lane == 0) keptByWarp[warp] = __popc(votes);
+/// The sum over the threads of the block, for all of them.
+__device__ inline int sumInBlock(int value) {
+  __shared__ int sums[kWarps];
+  for (int step = kWarp / 2; step > 0; step /= 2) value += __shfl_xor_sync(~0u, value, step);
+  if (threadIdx.x % kWarp == 0) sums[threadIdx.x / kWarp] = value;
   __syncthreads();
-  if (!kept) return;
-  int place = first[blockIdx.x] + __popc(votes & ((1u << lane) - 1));
-  for (int w = 0; w < warp; ++w) place += keptByWarp[w];
-  indices[place] = static_cast<int>(i);
+  int sum = 0;
+  for (int w = 0; w < kWarps; ++w) sum += sums[w];
+  return sum;
+}
+
+/// `kept` as above where there are few blocks, and *total is written; otherwise its prefix sums.
+template <bool kFewBlocks>
+__global__ void __launch_bounds__(kCudaBlock)
+    writeKeptKernel(const int* kept, const unsigned* votes, int* indices, int* total) {
+  const int i = static_cast<int>(blockIdx.x) * kCudaBlock + static_cast<int>(threadIdx.x);
+  const int lane = static_cast<int>(threadIdx.x) % kWarp, warp = static_cast<int>(threadIdx.x) / kWarp;
+  int place;
+  if constexpr (kFewBlocks) {
+    int before = 0;
+    for (int b = static_cast<int>(threadIdx.x); b < static_cast<int>(blockIdx.x); b += kCudaBlock)
+      before += kept[b];
+    place = sumInBlock(before);
+    if (blockIdx.x + 1 == gridDim.x && threadIdx.x == 0) *total = place + kept[blockIdx.x];
+  } else {
+    place = kept[blockIdx.x];
+  }
+  const unsigned* const ofBlock = votes + i / kWarp - warp;
+  const unsigned vote = ofBlock[warp];
+  if ((vote >> lane & 1) == 0) return;
+  for (int w = 0; w < warp; ++w) place += __popc(ofBlock[w]);
+  indices[place + __popc(vote & ((1u << lane) - 1))] = i;
 }
 
 }  // namespace detail
@@ -170,7 +193,7 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
   detail::beginLaunch(device, name);
   device.check(
       detail::submitKernel(device.launches(), detail::forEachWithScratchKernel<F>,
-                           detail::blocksFor(steady.bound, threads), threads, threads * bytes, steady, f),
+                           {detail::blocksFor(steady.bound, threads), threads, threads * bytes}, steady, f),
       name);
 }
 
@@ -215,13 +238,21 @@ void compact(CudaDevice& device, std::string_view name, Count count, const Keep&
   }
   const Count steady = detail::steadyCount(count);
   const unsigned blocks = detail::blocksFor(steady.bound);
-  Array<int> firsts(device, std::int64_t{blocks} + 1);
-  detail::launch(device, name, detail::countKeptKernel<Keep>, blocks, steady, keep, firsts.data());
-  exclusiveScan(device, firsts.view(), firsts.view(), firsts.size());
-  detail::launch(device, name, detail::writeKeptKernel<Keep>, blocks, steady, keep, firsts.data(),
-                 indices.data);
-  // Last, because `kept` may be where the count stands that the kernels read.
-  device.copy(kept, firsts.data() + blocks, sizeof(int));
+  // Each block can sum what so many others keep.
+  constexpr unsigned kFewBlocks = 1024;
+  Array<int> keptBy(device, std::int64_t{blocks} + 1);
+  Array<unsigned> votes(device, std::int64_t{blocks} * detail::kWarps);
+  detail::launch(device, name, detail::countKeptKernel<Keep>, blocks, steady, keep, keptBy.data(),
+                 votes.data());
+  if (blocks <= kFewBlocks) {
+    detail::launch(device, name, detail::writeKeptKernel<true>, blocks, keptBy.data(), votes.data(),
+                   indices.data, kept);
+    return;
+  }
+  exclusiveScan(device, keptBy.view(), keptBy.view(), keptBy.size());
+  detail::launch(device, name, detail::writeKeptKernel<false>, blocks, keptBy.data(), votes.data(),
+                 indices.data, kept);
+  device.copy(kept, keptBy.data() + blocks, sizeof(int));
 }
 
 }  // namespace weir

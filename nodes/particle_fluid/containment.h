@@ -5,7 +5,7 @@
 #pragma once
 
 #include "nodes/particle_fluid/displacement.h"
-#include "nodes/static_boundary/boundary_eight.h"
+#include "nodes/static_boundary/boundary_clearance.h"
 
 namespace weir {
 

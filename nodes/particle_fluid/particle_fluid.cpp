@@ -221,7 +221,9 @@ void ParticleFluid::refresh(const StepContext& context) {
   state.gravity = context.gravity;
   if (state.particles.refreshCount() > 0) {
     dispatch(context.device, [&](auto& device) { boundingBoxOn(device); });
-    state.neighbors.fitGrid(state.box.toHost().front(), state.particles.bound());
+    const FluidExtent extent = state.extent.toHost().front();
+    state.neighbors.fitGrid(extent.box, state.particles.bound(),
+                            (1 / float(state.particles.bound())) * extent.sum);
     state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
     state.walls.place(context.time, 0);
@@ -236,7 +238,7 @@ void ParticleFluid::warnOfSettings(const SetupContext& context) {
   State& state = *state_;
   InitialFluid there;
   if (state.particles.bound() > 0)
-    there = {.box = state.box.toHost().front(), .speed = largestSpeed(context.device)};
+    there = {.box = state.extent.toHost().front().box, .speed = largestSpeed(context.device)};
   const FluidOutlook outlook{.constants = constants_,
                              .dt = context.dt,
                              .pressure = hydrostaticPressure(there, context.gravity, restDensity),

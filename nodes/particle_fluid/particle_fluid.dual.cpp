@@ -6,17 +6,19 @@ namespace weir {
 
 namespace {
 
-struct PointBox {
+struct PointExtent {
   ArrayView<const Vec3f> positions;
-  WEIR_HD Aabb operator()(std::int64_t i) const {
+  WEIR_HD FluidExtent operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
     // A particle that is no longer finite must not spoil the box of the others.
-    return isFinite(p) ? Aabb{p, p} : Aabb{};
+    return isFinite(p) ? FluidExtent{{p, p}, p} : FluidExtent{};
   }
 };
 
-struct UniteBoxes {
-  WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
+struct UniteExtents {
+  WEIR_HD FluidExtent operator()(const FluidExtent& a, const FluidExtent& b) const {
+    return {{min(a.box.lo, b.box.lo), max(a.box.hi, b.box.hi)}, a.sum + b.sum};
+  }
 };
 
 struct SpeedSquared {
@@ -78,8 +80,8 @@ void ParticleFluid::selectOn(Backend& device, const ParticleBatch& born) {
 template <class Backend>
 void ParticleFluid::boundingBoxOn(Backend& device) {
   State& state = *state_;
-  reduce(device, "bounding box", state.particles.count(), Aabb{},
-         PointBox{state.particles.positions().view()}, UniteBoxes{}, state.box.data());
+  reduce(device, "bounding box", state.particles.count(), FluidExtent{},
+         PointExtent{state.particles.positions().view()}, UniteExtents{}, state.extent.data());
 }
 
 template <class Backend>

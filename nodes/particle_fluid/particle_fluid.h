@@ -27,6 +27,12 @@ struct Fluid {
   float spacing = 0;                      ///< m; likewise
 };
 
+/// The box around the particles of a fluid, and the sum of their positions.
+struct FluidExtent {
+  Aabb box;
+  Vec3f sum;
+};
+
 class ParticleFluid final : public Node {
  public:
   static constexpr NodeInfo kInfo{
@@ -117,7 +123,7 @@ class ParticleFluid final : public Node {
         : particles(device),
           neighbors(device),
           walls(device),
-          box(device, 1),
+          extent(device, 1),
           speedSquared(device, 1),
           sinks(device),
           born(device),
@@ -125,7 +131,7 @@ class ParticleFluid final : public Node {
     ParticleSet particles;
     NeighborList neighbors;
     WallField walls;
-    Array<Aabb> box;
+    Array<FluidExtent> extent;
     Array<float> speedSquared;  // the largest
     Array<float>* density = nullptr;
     std::vector<const Boundary*> boundaries;

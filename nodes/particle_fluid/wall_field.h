@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -126,13 +127,17 @@ struct IsMarked {
 
 }  // namespace detail
 
-// What a compaction asks twice had better be cheap, so the answers are kept.
+// What a compaction asks twice, as that of the CPU does, had better be cheap, so the answers are kept.
 template <class Backend, class Is>
 void WallField::list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
                      Array<int>& counter) {
-  parallelFor(device, name, count, detail::Mark<Is>{is, marks.view()});
-  compact(device, "list", count, detail::IsMarked{std::as_const(marks).view()}, indices.view(),
-          counter.data());
+  if constexpr (std::is_same_v<Backend, CudaDevice>) {
+    compact(device, name, count, is, indices.view(), counter.data());
+  } else {
+    parallelFor(device, name, count, detail::Mark<Is>{is, marks.view()});
+    compact(device, "list", count, detail::IsMarked{std::as_const(marks).view()}, indices.view(),
+            counter.data());
+  }
 }
 
 }  // namespace weir

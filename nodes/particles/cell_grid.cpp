@@ -23,6 +23,10 @@ class Axis {
     cells_ = std::max(kLeast, bestNear(std::floor(needed_ / (turns_ + kEnd))));
   }
   void enlarge() { cells_ *= 2; }
+  /// To so many cells, but no fewer than half of the box.
+  void cut(double most) {
+    cells_ = std::max({kLeast, std::ceil(0.5 * needed_), std::min(cells_, std::floor(most))});
+  }
 
  private:
   static constexpr double kLeast = CellGrid::kLeastCells;
@@ -45,9 +49,15 @@ class Axis {
   double needed_, cells_, turns_ = 0;
 };
 
+/// How far the mean of points is from the middle of their box: 0 to 1/2 of it, along one axis.
+double offCenter(double mean, double low, double high) {
+  return high > low ? std::abs((mean - low) / (high - low) - 0.5) : 0.0;
+}
+
 }  // namespace
 
-CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells, std::int64_t fewestCells) {
+CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells, std::int64_t fewestCells,
+                        const std::optional<Vec3f>& mean) {
   CellGrid grid;
   grid.inverseCellSize = 1.0f / cellSize;
   std::array<Axis, 3> axes{Axis(0), Axis(0), Axis(0)};
@@ -55,8 +65,17 @@ CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells,
   for (int k = 0; k < 3 && !box.empty(); ++k) axes[k] = Axis(std::ceil(double(box.size()[k]) / cellSize) + 3);
   const auto cells = [&] { return axes[0].cells() * axes[1].cells() * axes[2].cells(); };
   const auto shorter = [](const Axis& a, const Axis& b) { return a.cells() < b.cells(); };
-  while (cells() > double(std::max<std::int64_t>(mostCells, 27)))
-    std::max_element(axes.begin(), axes.end(), shorter)->shrink();
+  const auto most = double(std::max<std::int64_t>(mostCells, 27));
+  if (mean && cells() > most) {
+    // Water in a tank: drops fly high above what lies at the bottom. Of points in a box of height 1 whose
+    // mean is at m, at most m/c are above c.
+    constexpr double kAtOneEnd = 0.25;
+    const double off[] = {offCenter(mean->x, box.lo.x, box.hi.x), offCenter(mean->y, box.lo.y, box.hi.y),
+                          offCenter(mean->z, box.lo.z, box.hi.z)};
+    const auto k = std::max_element(off, off + 3) - off;
+    if (off[k] >= kAtOneEnd) axes[std::size_t(k)].cut(most / (cells() / axes[std::size_t(k)].cells()));
+  }
+  while (cells() > most) std::max_element(axes.begin(), axes.end(), shorter)->shrink();
   while (cells() < double(std::min(fewestCells, mostCells)) / 2)
     std::min_element(axes.begin(), axes.end(), shorter)->enlarge();
   grid.cells = {int(axes[0].cells()), int(axes[1].cells()), int(axes[2].cells())};

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "framework/base/vec.h"
 
@@ -46,8 +47,10 @@ struct CellGrid {
 };
 
 /// A grid of at most `mostCells` cells whose shape follows a bounding box. Where the box has fewer than
-/// `fewestCells`, the grid is larger than it, up to about that number.
+/// `fewestCells`, the grid is larger than it, up to about that number. The mean of the points tells where in
+/// the box nearly all of them are; the grid may then leave out what is opposite, whose few points share the
+/// cells of others.
 CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells,
-                        std::int64_t fewestCells = 27);
+                        std::int64_t fewestCells = 27, const std::optional<Vec3f>& mean = {});
 
 }  // namespace weir

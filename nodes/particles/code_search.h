@@ -10,6 +10,7 @@
 #ifdef __CUDACC__
 
 #include <algorithm>
+#include <type_traits>
 
 #include "framework/compute/parallel.h"
 #include "nodes/particles/cell_rows.h"
@@ -43,10 +44,10 @@ struct CodeSearch {
   Find find;
   int words;  // of scratch memory for each thread, of four bytes
 
-  /// For lists of at most `capacity` entries with room for `room`: codes, a word apart from the next thread's
-  /// so that they are in different banks, and ranges; or what the general search needs.
+  /// For lists of at most `capacity` entries with room for `room`: codes and two more, and ranges; or what
+  /// the general search needs. Odd, so that threads are in different banks.
   static int wordsFor(int capacity, int room) {
-    const int needed = room / kCodesInInt + kApart + kRanges;
+    const int needed = room / kCodesInInt + kBeyond + kRanges;
     return std::min(std::max(capacity, needed) | 1, kMostScratch);
   }
 
@@ -59,29 +60,36 @@ struct CodeSearch {
     const Surroundings around(find.grid, p);
     const ListGroup group = windowsAround(around, threads);
     if (!threads.all(noteRanges(p, around, group, own))) {
+      // The general search interleaves what is the threads' own.
+      threads.meet();
       const int lane = static_cast<int>(threadIdx.x) % kListGroup;
       return find(i, Scratch{block + (threadIdx.x - lane) * words + lane, kListGroup});
     }
     if (i % kListGroup == 0) lists().groups[i / kListGroup] = group;
 
-    Found found{own.at, own.at + 2 * static_cast<unsigned>(find.writer.capacity), 0};
-    for (int k = 0; k < (around.wraps() ? 2 * kWindows : kWindows); ++k) {
+    const int capacity = find.writer.capacity;
+    Found found{own.at, own.at + 2 * static_cast<unsigned>(capacity + 1), 0};
+    const auto search = [&](auto holdsOwn, int k, int row) {
       const int layer = k % kWindows;
       const int shift = layer == 0 ? group.shift[0] : (layer == 1 ? group.shift[1] : group.shift[2]);
+      searchRange<decltype(holdsOwn)::value>(p, static_cast<int>(i),
+                                             own.load32(rangesAt() + 4 * (3 * k + row)), shift, found);
+    };
+    search(std::true_type{}, 1, 1);
+    for (int k = 0; k < (around.wraps() ? 2 * kWindows : kWindows); ++k)
       for (int row = 0; row < 3; ++row)
-        searchRange(p, static_cast<int>(i), own.load32(rangesAt() + 4 * (3 * k + row)), shift, found);
-    }
-    find.writer.crowding[i] = found.crowd;
+        if (k != 1 || row != 1) search(std::false_type{}, k, row);
     const int count = static_cast<int>(found.next - own.at) / 2;
-    const int kept = count < find.writer.capacity ? count : find.writer.capacity;
+    const int kept = count < capacity ? count : capacity;
+    find.writer.crowding[i] = found.crowd;
     writeList(i, own, kept);
     find.writer.finish(i, count, kept);
   }
 
  private:
   static constexpr int kRows = 9, kRanges = 2 * kRows;  // where the grid wraps around, a row is two ranges
-  static constexpr int kApart = 1;
-  static constexpr unsigned kNone = 1;  // from 1 to 0
+  static constexpr int kBeyond = 1;                     // words of codes that tell that a list is too long
+  static constexpr unsigned kNone = 1;                  // from 1 to 0
 
   /// Where the cells around a point are.
   struct Surroundings {
@@ -111,7 +119,7 @@ struct CodeSearch {
 
   __device__ const PackedLists& lists() const { return find.writer.packer.lists; }
   __device__ unsigned rangesAt() const {
-    return static_cast<unsigned>(lists().capacity / kCodesInInt + kApart) * 4;
+    return static_cast<unsigned>(lists().capacity / kCodesInInt + kBeyond) * 4;
   }
 
   __device__ ListGroup windowsAround(const Surroundings& around, const GroupThreads& threads) const {
@@ -164,27 +172,38 @@ struct CodeSearch {
     return fits;
   }
 
+  template <bool kHoldsOwn>
   __device__ void searchRange(const Vec3f& p, int self, unsigned range, int shift, Found& found) const {
+    constexpr float kFar = 1e30f;
     const int last = static_cast<int>(range >> 16), own = self - shift;
     int code = static_cast<int>(range & 0xffffu);
     const Vec3f* candidate = find.positions.data + (code + shift);
-    // Two at a time, and no more: lists of candidates are short.
+    // Two at a time, and no more: ranges of candidates are short. Where threads come to the end of theirs,
+    // those with an odd number go along with the others.
 #pragma unroll 1
-    for (; code < last; code += 2, candidate += 2) {
-      const Vec3f one = candidate[0], two = candidate[1];
-      test(one - p, code, own, found);
-      test(two - p, code + 1, own, found);
+    for (; code <= last; code += 2, candidate += 2) {
+      const bool both = code < last;
+      const Vec3f one = candidate[0];
+      float x, y, z;
+      if (both) x = candidate[1].x, y = candidate[1].y, z = candidate[1].z;
+      const float nearer = squared(one - p), other = both ? squared(Vec3f{x, y, z} - p) : kFar;
+      // For both; one entry too many tells that there are others.
+      const bool room = found.next < found.end;
+      test(nearer, code, room && (!kHoldsOwn || code != own), found);
+      test(other, code + 1, room && (!kHoldsOwn || code + 1 != own), found);
     }
-    if (code == last) test(*candidate - p, code, own, found);
   }
 
-  __device__ void test(const Vec3f& d, int code, int own, Found& found) const {
-    const float squared = dot(d, d);
+  __device__ static float squared(const Vec3f& d) {
+    return dot(d, d);
+  }
+
+  __device__ void test(float squared, int code, bool asked, Found& found) const {
     // Beyond the radius it adds 0, which costs less than to ask.
     found.crowd += crowdingAt(squared, find.grid);
-    const bool near = squared < find.radiusSquared && code != own;
-    if (near && found.next < found.end) SharedBytes{found.next}.store16(0, static_cast<unsigned>(code));
-    if (near) found.next += 2;
+    if (!(squared < find.radiusSquared && asked)) return;
+    SharedBytes{found.next}.store16(0, static_cast<unsigned>(code));
+    found.next += 2;
   }
 
   __device__ void writeList(std::int64_t i, const SharedBytes& own, int kept) const {

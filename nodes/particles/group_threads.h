@@ -33,6 +33,10 @@ struct GroupThreads {
   __device__ int ofFirst(int value) const {
     return __shfl_sync(mask, value, 0);
   }
+  /// What one has written to memory that they share is there for the others from here on.
+  __device__ void meet() const {
+    __syncwarp(mask);
+  }
 #else
   int least(int value) const {
     return value;
@@ -43,6 +47,7 @@ struct GroupThreads {
   int ofFirst(int value) const {
     return value;
   }
+  void meet() const {}
 #endif
 };
 

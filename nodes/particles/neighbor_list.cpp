@@ -45,13 +45,13 @@ void NeighborList::configure(float radius, int capacity) {
   grid_ = chooseCellGrid({}, radius, 0);
 }
 
-void NeighborList::fitGrid(const Aabb& box, std::int64_t particles) {
+void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean) {
   box_ = box;
   // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
   // different places that share storage do not hold many particles.
   constexpr std::int64_t kParticlesPerCell = 4;
   grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells),
-                         particles / kParticlesPerCell);
+                         particles / kParticlesPerCell, mean);
   fittedFor_ = particles;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// The cell of a particle, or -1 if it is to be removed.
 struct CellKey {
-  ArrayView<const Vec3f> positions, velocities;
+  ParticleSet::Unmoved at;
   CellGrid grid;
   Aabb domain;
   ArrayView<const SinkPiece> sinks;
@@ -22,8 +22,8 @@ struct CellKey {
 
   WEIR_HD int operator()(std::int64_t i) const {
     if (i == 0) *blocksWanted = 0;
-    const Vec3f p = positions[i];
-    if (!isFinite(p) || !isFinite(velocities[i])) {
+    const Vec3f v = at.velocity(i), p = at.motion.position(at.positions[i], v);
+    if (!isFinite(p) || !isFinite(v)) {
       atomicAdd(nonFinite, 1);
       return -1;
     }
@@ -225,8 +225,7 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
     const ProfileScope scope(device.profiler(), "sort");
     const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
     sortByCell(device, particles.count(), grid_.cellCount(),
-               CellKey{particles.positions().view(), particles.velocities().view(), grid_, domain, sinks,
-                       events + 1, events + 2, events + 3},
+               CellKey{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3},
                particles.counter(), memory);
     particles.permute(memory.order);
   }

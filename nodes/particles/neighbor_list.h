@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "framework/compute/cell_sort.h"
 #include "framework/compute/eight.h"
@@ -149,8 +150,8 @@ class NeighborList {
   /// Radius in m, and the longest list.
   void configure(float radius, int capacity);
   /// The shape of the grid; any shape gives the same neighbours. Where the particles have become twice as
-  /// many, build() makes it larger by itself.
-  void fitGrid(const Aabb& box, std::int64_t particles);
+  /// many, build() makes it larger by itself. The mean of their positions helps where the box has many cells.
+  void fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean = {});
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are

@@ -73,6 +73,7 @@ std::vector<AttributeInfo> ParticleSet::attributes() const {
 
 template <class T>
 Array<T>& ParticleSet::add(const AttributeInfo& info) {
+  moved();
   if (AttributeStorage* found = storage(info.name)) {
     auto* typed = dynamic_cast<TypedStorage<T>*>(found);
     if (typed == nullptr)
@@ -92,6 +93,7 @@ Array<T>& ParticleSet::add(const AttributeInfo& info) {
 
 template <class T>
 Array<T>& ParticleSet::get(std::string_view name) {
+  moved();
   auto* typed = dynamic_cast<TypedStorage<T>*>(storage(name));
   WEIR_CHECK(typed != nullptr);
   return typed->values;
@@ -134,6 +136,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   if (bound_ + batch.count > std::numeric_limits<int>::max() ||
       nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
+  moved();
   const std::int64_t need = bound_ + batch.count;
   makeRoom(need);
   for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
@@ -146,19 +149,34 @@ void ParticleSet::permute(ArrayView<const int> order) {
   dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
 }
 
+void ParticleSet::move(const FreeMotion& motion) {
+  moved();
+  motion_ = motion;
+  if (device_->kind() != DeviceKind::kCuda) moveNow();
+}
+
+void ParticleSet::moveNow() {
+  const FreeMotion motion = *motion_;
+  motion_.reset();
+  dispatch(*device_, [&](auto& device) { moveOn(device, motion); });
+}
+
 void ParticleSet::clear() {
+  motion_.reset();
   counter_.fillZero();
   bound_ = 0;
   nextId_ = 0;
 }
 
 void ParticleSet::save(const StateWriter& to) const {
+  moved();
   to.put("count", bound_);
   to.put("next_id", nextId_);
   for (const auto& storage : storages_) storage->save(to, bound_);
 }
 
 void ParticleSet::restore(const StateReader& from) {
+  motion_.reset();
   from.get("count", bound_);
   from.get("next_id", nextId_);
   makeRoom(bound_);

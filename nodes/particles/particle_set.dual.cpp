@@ -14,6 +14,9 @@ struct Permute {
   ArrayView<const int> order;
   detail::PermutedColumn columns[kMost];
   int used = 0;
+  // Where particles are to move on their way; `position` and `velocity` are columns, or none.
+  ParticleSet::Unmoved unmoved;
+  int position = -1, velocity = -1;
 
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = order[k];
@@ -21,10 +24,28 @@ struct Permute {
       const detail::PermutedColumn& column = columns[c];
       if (column.words == 1)
         column.to[k] = column.from[i];
+      else if (c == position || c == velocity)
+        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k], moved(i, c));
       else
         storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k],
                    loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]));
     }
+  }
+
+  WEIR_HD Vec3f moved(std::int64_t i, int c) const {
+    const Vec3f v = unmoved.motion.velocity(loadInTwo(unmoved.velocities[i]));
+    return c == velocity ? v : unmoved.motion.position(loadInTwo(unmoved.positions[i]), v);
+  }
+};
+
+struct Move {
+  FreeMotion motion;
+  ArrayView<Vec3f> positions, velocities;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f v = motion.velocity(velocities[i]);
+    velocities[i] = v;
+    positions[i] = motion.position(positions[i], v);
   }
 };
 
@@ -93,12 +114,14 @@ void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
   // the last one was.
   const std::size_t atOnce = hasFew() ? Permute::kMost : 1;
   while (!left.empty()) {
-    Permute permute{order, {}, 0};
+    Permute permute{order, {}, 0, unmoved()};
     std::size_t used[kAttributeTypes] = {};
     std::vector<std::pair<detail::AttributeStorage*, std::size_t>> begun;
     std::erase_if(left, [&](detail::AttributeStorage* storage) {
       std::size_t& spare = used[static_cast<int>(storage->info().type)];
       if (permute.used == Permute::kMost || spare == atOnce) return false;
+      if (isToMove() && storage->info().name == "position") permute.position = permute.used;
+      if (isToMove() && storage->info().name == "velocity") permute.velocity = permute.used;
       permute.columns[permute.used++] = storage->beginPermutation(spare);
       begun.emplace_back(storage, spare++);
       return true;
@@ -106,7 +129,15 @@ void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
     parallelFor(device, "permute", count(), permute);
     for (const auto& [storage, spare] : begun) storage->finishPermutation(spare);
   }
+  motion_.reset();
 }
+
+template <class Backend>
+void ParticleSet::moveOn(Backend& device, const FreeMotion& motion) {
+  parallelFor(device, "move", count(), Move{motion, positions_->view(), velocities_->view()});
+}
+
+template void ParticleSet::moveOn(ThisBackend&, const FreeMotion&);
 
 template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);
 template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&, const BatchSelection&);

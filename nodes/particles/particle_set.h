@@ -6,12 +6,15 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "framework/compute/parallel.h"
 #include "framework/graph/state.h"
+#include "nodes/particles/free_motion.h"
 #include "nodes/particles/particle_batch.h"
 
 namespace weir {
@@ -79,11 +82,11 @@ class ParticleSet {
   const AttributeInfo* find(std::string_view name) const;
   std::vector<AttributeInfo> attributes() const;
 
-  Array<Vec3f>& positions() { return *positions_; }
-  Array<Vec3f>& velocities() { return *velocities_; }
+  Array<Vec3f>& positions() { return moved(), *positions_; }
+  Array<Vec3f>& velocities() { return moved(), *velocities_; }
   Array<int>& ids() { return *ids_; }
-  const Array<Vec3f>& positions() const { return *positions_; }
-  const Array<Vec3f>& velocities() const { return *velocities_; }
+  const Array<Vec3f>& positions() const { return moved(), *positions_; }
+  const Array<Vec3f>& velocities() const { return moved(), *velocities_; }
   const Array<int>& ids() const { return *ids_; }
 
   /// The exact number stands on the device; the host knows an upper bound until the next refreshCount().
@@ -98,6 +101,23 @@ class ParticleSet {
   std::int64_t capacity() const { return positions_ != nullptr ? positions_->size() : 0; }
   /// There will be no more particles than this, so no room is made for more as long as that holds.
   void expectAtMost(std::int64_t particles) { most_ = particles; }
+
+  /// All particles move. On CUDA it is put off until someone asks for positions or velocities, or the
+  /// particles are put into another order, which then moves them on its way.
+  void move(const FreeMotion& motion);
+  /// What particles have, and how they are to move yet; dt is 0 where they are not.
+  struct Unmoved {
+    FreeMotion motion;
+    ArrayView<const Vec3f> positions, velocities;
+
+    WEIR_HD Vec3f velocity(std::int64_t i) const { return motion.velocity(velocities[i]); }
+    WEIR_HD Vec3f position(std::int64_t i) const { return motion.position(positions[i], velocity(i)); }
+  };
+  bool isToMove() const { return motion_.has_value(); }
+  Unmoved unmoved() const {
+    return {motion_.value_or(FreeMotion{}), std::as_const(*positions_).view(),
+            std::as_const(*velocities_).view()};
+  }
 
   /// Adds the particles of a batch behind the others; their ids go on from the last one given.
   void append(const ParticleBatch& batch) { append(batch, {}); }
@@ -117,6 +137,13 @@ class ParticleSet {
   void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
+  template <class Backend>
+  void moveOn(Backend& device, const FreeMotion& motion);
+  /// Makes up for a motion that was put off.
+  void moved() const {
+    if (motion_) const_cast<ParticleSet*>(this)->moveNow();
+  }
+  void moveNow();
   void makeRoom(std::int64_t particles);
   bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
   detail::AttributeStorage* storage(std::string_view name) const;
@@ -130,6 +157,7 @@ class ParticleSet {
   Array<Vec3f>* velocities_ = nullptr;
   Array<int>* ids_ = nullptr;
   Array<int> counter_;
+  std::optional<FreeMotion> motion_;
   std::int64_t bound_ = 0;
   std::int64_t nextId_ = 0;
   static constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+FIRST = "CountInCells"
 SCENE = Path(__file__).resolve().parents[2] / "resources/scenes/benchmark_dam_break.json"
 
 # Counter, heading, factor after conversion to the base unit, digits.
@@ -40,17 +41,19 @@ def short_name(kernel):
 
 
 def rows_of(text):
-    """Of ncu's CSV: the kernels of one whole step, from one prediction to the next."""
+    """Of ncu's CSV: the kernels of one whole step, from one sort to the next."""
     lines = [line for line in text.splitlines() if line.startswith('"')]
     table = list(csv.DictReader(lines))
     if len(table) < 2:
         return []
     units, kernels = table[0], table[1:]
-    starts = [k for k, row in enumerate(kernels) if short_name(row["Kernel Name"]) == "PredictParticle"]
-    if len(starts) < 2:
+    starts = [k for k, row in enumerate(kernels) if short_name(row["Kernel Name"]) == FIRST]
+    # A frame sorts once more, without a step of the solver.
+    steps = [kernels[a:b] for a, b in zip(starts, starts[1:]) if any(short_name(row["Kernel Name"]) == "Substitute" for row in kernels[a:b])]
+    if not steps:
         return []
     rows = []
-    for row in kernels[starts[0]:starts[1]]:
+    for row in steps[0]:
         values = []
         for counter, _, factor, digits in COLUMNS:
             value = float(row[counter].replace(",", "")) * UNITS.get(units[counter], 1) * factor

@@ -1,9 +1,9 @@
 // What the studio costs and how fast it is, over real connections on this machine:
 //
 //   weir_studio_times first [WEIR]      from the start of the program to the first picture's particles
-//   weir_studio_times stream            frames a second and latency of the stream, without a simulation's
-//   steps weir_studio_times slowdown [THREADS]  a run of 50 000 particles with and without somebody who
-//   watches
+//   weir_studio_times stream            frames a second and latency of the stream, without steps between them
+//   weir_studio_times slowdown [THREADS [PAIRS]]  a run of 50 000 particles with and without somebody who
+//                                       watches, in turns
 //
 // Each prints a line of a Markdown table per case. "stream" asks for the present frame again and again: it is
 // copied, quantised, sent and received each time. Its latency is that of one request alone, its rate that
@@ -175,22 +175,29 @@ double runWatched(const std::string& folder, int threads) {
   return since(start);
 }
 
-void slowdown(int threads) {
-  constexpr int kRounds = 3;
+void slowdown(int threads, int pairs) {
   const test::TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", sceneOf(kWatched, kDuration));
-  std::vector<double> alone, watched;
-  for (int i = 0; i < kRounds; ++i) {  // in turns, so that a warm machine is warm for both
-    alone.push_back(runAlone(scene, threads));
+  std::vector<double> alone, watched, slower;
+  runAlone(scene, threads);  // the machine is warm for both
+  for (int i = 0; i < pairs; ++i) {
+    // Now the one first, now the other, so that what drifts favours neither.
+    if (i % 2 == 0) alone.push_back(runAlone(scene, threads));
     watched.push_back(runWatched(folder.path(), threads));
+    if (i % 2 != 0) alone.push_back(runAlone(scene, threads));
+    slower.push_back(100 * (watched.back() / alone.back() - 1));
   }
-  std::sort(alone.begin(), alone.end());
-  std::sort(watched.begin(), watched.end());
-  const double without = alone[kRounds / 2], with = watched[kRounds / 2];
+  const auto at = [](std::vector<double>& values, double part) {
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  constexpr double kQuarter = 0.25, kHalf = 0.5;
   fmt::print(
-      "| threads | alone, s | watched, s | slower by |\n|---|---|---|---|\n| {} | {:.3f} | {:.3f} | {:.1f} % "
-      "|\n",
-      threads, without, with, 100 * (with / without - 1));
+      "| threads | pairs | alone, s | watched, s | slower by, median | quartiles "
+      "|\n|---|---|---|---|---|---|\n"
+      "| {} | {} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} to {:.1f} % |\n",
+      threads, pairs, at(alone, kHalf), at(watched, kHalf), at(slower, kHalf), at(slower, kQuarter),
+      at(slower, 1 - kQuarter));
 }
 
 }  // namespace
@@ -204,7 +211,7 @@ int main(int argc, char** argv) {
   else if (what == "stream")
     weir::studio::stream();
   else if (what == "slowdown")
-    weir::studio::slowdown(argc > 2 ? std::atoi(argv[2]) : 0);
+    weir::studio::slowdown(argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? std::max(1, std::atoi(argv[3])) : 3);
   else
-    fmt::print("usage: weir_studio_times first [WEIR] | stream | slowdown [THREADS]\n");
+    fmt::print("usage: weir_studio_times first [WEIR] | stream | slowdown [THREADS [PAIRS]]\n");
 }

@@ -31,8 +31,11 @@ def arguments(argv):
     parser.add_argument("--no-plots", action="store_true",
                         help="run and write numbers only; the same command without this draws later, on any machine "
                              "that has the folder, and repeats no run")
+    parser.add_argument("--no-pictures", action="store_true",
+                        help="as --no-plots, and no run renders anything: for the times of steps alone")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
     parsed = parser.parse_args(argv)
+    parsed.no_plots = parsed.no_plots or parsed.no_pictures
     if parsed.scale is not None and not 0 < parsed.scale <= 1:
         parser.error(f"--scale is {parsed.scale}; allowed: above 0 to 1")
     try:
@@ -67,8 +70,8 @@ def run_figure(figure, options, say):
         if spacing is not None and figure.scaling == "spacing":
             settings["water.spacing"] = scenes.text(float(spacing) / scale ** (1 / 3))
         result, seconds = program.run(options.weir, path, options.out / figure.key / run.name, settings,
-                                      options.device, pictures=figure.pictures and run.shown, frames=run.frames,
-                                      threads=options.threads)
+                                      options.device, pictures=figure.pictures and run.shown and not options.no_pictures,
+                                      frames=run.frames, threads=options.threads)
         results[run.name] = result
         say(f"{figure.key}/{run.name}: {seconds:.0f} s" + (", diverged" if result.error else ""))
     rate = scene["world"]["frame_rate"]

@@ -14,31 +14,33 @@ namespace weir::studio {
 
 namespace {
 
+// The simulation waits while a frame is made, so nothing is copied twice.
+
 /// An attribute as numbers, vectors by their length; nothing if there is none of that name.
 std::optional<std::vector<float>> numbersOf(const ParticleSet& particles, const std::string& name,
                                             std::int64_t count) {
   const bool speed = name == "speed" && particles.find(name) == nullptr;
   const AttributeInfo* info = particles.find(speed ? "velocity" : name);
   if (info == nullptr) return std::nullopt;
+  if (info->type == AttributeType::kFloat) return onHost(particles.get<float>(info->name), count);
   std::vector<float> numbers;
-  switch (info->type) {
-    case AttributeType::kFloat:
-      return onHost(particles.get<float>(info->name), count);
-    case AttributeType::kVec3:
-      for (const Vec3f& v : onHost(particles.get<Vec3f>(info->name), count)) numbers.push_back(length(v));
-      return numbers;
-    case AttributeType::kInt:
-      for (const int i : onHost(particles.get<int>(info->name), count))
-        numbers.push_back(static_cast<float>(i));
-      return numbers;
-  }
-  return std::nullopt;
+  numbers.reserve(static_cast<std::size_t>(count));
+  if (info->type == AttributeType::kVec3)
+    for (const Vec3f& v : onHost(particles.get<Vec3f>(info->name), count)) numbers.push_back(length(v));
+  else
+    for (const int i : onHost(particles.get<int>(info->name), count))
+      numbers.push_back(static_cast<float>(i));
+  return numbers;
 }
 
-/// Which particles are sent: all, or those with every n-th id, so that the same ones are seen in every frame.
-std::vector<std::size_t> chosen(const std::vector<int>& ids, std::int64_t most) {
+/// Which particles are sent; nothing stands for all. Else those with every n-th id, so that the same ones are
+/// seen in every frame.
+using Selection = std::optional<std::vector<std::size_t>>;
+
+Selection chosen(const std::vector<int>& ids, std::int64_t most) {
   const auto total = static_cast<std::int64_t>(ids.size());
   const std::int64_t every = std::max<std::int64_t>(1, (total + most - 1) / std::max<std::int64_t>(most, 1));
+  if (every == 1) return std::nullopt;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < ids.size(); ++i)
     if (ids[i] % every == 0) indices.push_back(i);
@@ -46,11 +48,11 @@ std::vector<std::size_t> chosen(const std::vector<int>& ids, std::int64_t most) 
 }
 
 template <class T>
-std::vector<T> select(const std::vector<T>& all, const std::vector<std::size_t>& indices) {
-  if (indices.size() == all.size()) return all;
+std::vector<T> select(std::vector<T> all, const Selection& selection) {
+  if (!selection) return all;
   std::vector<T> some;
-  some.reserve(indices.size());
-  for (const std::size_t i : indices) some.push_back(all[i]);
+  some.reserve(selection->size());
+  for (const std::size_t i : *selection) some.push_back(all[i]);
   return some;
 }
 
@@ -67,25 +69,25 @@ Value poseValue(const Pose& pose) {
 Value fluidHeader(const std::string& node, const Fluid& fluid, const FrameView& view, PacketWriter& writer) {
   const ParticleSet& particles = *fluid.particles;
   const std::int64_t count = fluid.particles->refreshCount();
-  const std::vector<int> ids = onHost(particles.ids(), count);
-  const std::vector<std::size_t> indices = chosen(ids, view.most);
+  std::vector<int> ids = onHost(particles.ids(), count);
+  const Selection selection = chosen(ids, view.most);
+  const std::vector<int> sent = select(std::move(ids), selection);
   const QuantizedPoints points =
-      quantize(std::span<const Vec3f>(select(onHost(particles.positions(), count), indices)));
+      quantize(std::span<const Vec3f>(select(onHost(particles.positions(), count), selection)));
   Value v = Value::object();
   v["node"] = node;
   v["total"] = count;
-  v["count"] = static_cast<std::int64_t>(indices.size());
+  v["count"] = static_cast<std::int64_t>(sent.size());
   v["spacing"] = fluid.constants->spacing;
   v["low"] = vectorValue(points.low);
   v["high"] = vectorValue(points.high);
   v["positions"] = writer.add(std::span<const std::uint16_t>(points.values));
-  const std::vector<int> sent = select(ids, indices);
   v["ids"] = writer.add(std::span<const int>(sent));
   Value names = Value(Value::Array{"speed"});
   for (const AttributeInfo& info : particles.attributes()) names.push(info.name);
   v["attributes"] = std::move(names);
-  if (const auto numbers = numbersOf(particles, view.attribute, count)) {
-    const Quantized values = quantize(std::span<const float>(select(*numbers, indices)));
+  if (auto numbers = numbersOf(particles, view.attribute, count)) {
+    const Quantized values = quantize(std::span<const float>(select(std::move(*numbers), selection)));
     const AttributeInfo* info = particles.find(view.attribute);
     Value a = Value::object();
     a["name"] = view.attribute;

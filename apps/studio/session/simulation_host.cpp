@@ -192,6 +192,10 @@ void SimulationHost::tell(HostState state) {
   state_ = state;
   told_ = SteadyClock::now();
   listener_.status(status());
+  // What one looks at when it stands still is the last frame's.
+  const bool stands = state == HostState::kPaused || state == HostState::kFinished;
+  if (stands && simulation_ && simulation_->atFrame())
+    listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
 }
 
 Value SimulationHost::status() const {

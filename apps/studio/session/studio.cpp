@@ -85,13 +85,15 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       host_(registry, log, *this, options_.threads) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
+  saved_ = scene_;
   findDraft();
 }
 
 Studio::~Studio() = default;
 
 void Studio::open(const std::string& path) {
-  takeScene(parseJson(folder_.read(path), path), path, 0);
+  saved_ = parseJson(folder_.read(path), path);
+  takeScene(saved_, path, 0);
   findDraft();
 }
 
@@ -291,6 +293,7 @@ Value Studio::sceneState() const {
   Value v = Value::object();
   v["path"] = path_;
   v["revision"] = revision_;
+  v["changed"] = !(scene_ == saved_);
   if (problem_) v["problem"] = *problem_;
   v["warnings"] = stringsValue(warnings_);
   if (reset_) v["reset"] = *reset_;
@@ -368,7 +371,8 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   const std::string path = textMember(message, isTemplate ? "template" : "path");
   const std::string text = isTemplate ? ServedFolder(options_.templates).read(path) : folder_.read(path);
   running_.reset();
-  takeScene(parseJson(text, path), isTemplate ? "" : path, client);
+  saved_ = parseJson(text, path);
+  takeScene(saved_, isTemplate ? "" : path, client);
   draft_.reset();
   if (!isTemplate) findDraft();
   result = sceneValue();
@@ -380,11 +384,13 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   if (fs::path(path).extension() != ".json")
     throw usageError("a scene cannot be saved as " + inQuotes(path), "a name that ends in .json");
   folder_.write(path, writeJson(scene_));
+  saved_ = scene_;
   draft_.reset();
   removeDraft(folder_, path_);
   removeDraft(folder_, path);
   path_ = path;
-  result["path"] = path;
+  tell("scene", sceneValue(), client);
+  result = sceneState();
 }
 
 // The run

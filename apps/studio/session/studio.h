@@ -120,6 +120,7 @@ class Studio final : private ServerEvents, private HostListener {
   std::optional<ClientId> writer_;
   Value scene_;                   // as it is edited, right or wrong
   std::string path_;              // below the served folder; "" if it has no file yet
+  Value saved_;                   // scene_ as its file has it
   std::optional<Value> draft_;    // what an earlier run made of it and nobody saved
   bool draftFailed_ = false;      // that was told
   std::int64_t revision_ = 0;     // of scene_

@@ -1,7 +1,7 @@
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 
 #include "framework/compute/eight.h"
-#include "nodes/static_boundary/boundary_eight.h"
+#include "nodes/static_boundary/boundary_clearance.h"
 
 namespace weir {
 
@@ -23,6 +23,9 @@ struct Collide {
     // In a corner, leaving one wall may mean entering another.
     constexpr int kMostContacts = 4;
     Vec3f p = positions[i];
+#ifdef __CUDA_ARCH__
+    if (clearance(boundary, p) > radius) return;
+#endif
     BoundaryHit hit = boundaryQuery(boundary, p);
     // Few particles touch a wall, so velocities are not read before.
     if (!(hit.distance < radius)) return;

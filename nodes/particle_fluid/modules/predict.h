@@ -12,12 +12,8 @@ class Predict final : public FluidModule {
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {
-    dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+    fluid.particles.move({fluid.time.gravity, static_cast<float>(fluid.time.dt)});
   }
-
- private:
-  template <class Backend>
-  void stepOn(Backend& device, FluidStep& fluid);
 };
 
 }  // namespace weir

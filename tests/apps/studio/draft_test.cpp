@@ -114,5 +114,20 @@ TEST_F(DraftTest, ANewSceneHasNoFileThatItCouldOverwrite) {
   EXPECT_EQ(set.find("result")->find("path")->asString(), "");
 }
 
+TEST_F(DraftTest, WhatDiffersFromItsFileSaysSo) {
+  const auto studio = start("scene.json");
+  const Socket socket = studio->socket();
+  const auto changed = [&](const Value& request) {
+    const Value answer = socket.ask(request);
+    return answer.find("result")->find("changed")->asBool();
+  };
+  EXPECT_TRUE(changed(edit()));
+  Value back = edit();
+  back["scene"] = parseJson(kBriefScene, "scene");
+  EXPECT_FALSE(changed(back));
+  EXPECT_TRUE(changed(edit()));
+  EXPECT_FALSE(changed(parseJson(R"({"id": 4, "do": "scene.save", "path": "scene.json"})", "request")));
+}
+
 }  // namespace
 }  // namespace weir::studio

@@ -52,8 +52,8 @@ void expectSorted(Device& device, CellSort& sort, const std::vector<int>& keys, 
 TEST_P(CellSortTest, MatchesAStableSort) {
   CellSort sort(*device);
   std::mt19937 random(3);
-  for (const int n : {0, 1, 2, 31, 33, 1000, 1025, 100003, 1000007}) {
-    for (const int cells : {1, 2, 40, 1000, 300000}) {
+  for (const int n : {0, 1, 2, 31, 33, 1000, 1025, 8191, 100003, 1000007}) {
+    for (const int cells : {1, 2, 40, 1000, 16383, 16384, 33000, 300000}) {
       if (n / cells > 5000) continue;  // crowded cells have their own test
       std::uniform_int_distribution<int> pick(-1, cells - 1);
       std::vector<int> keys(static_cast<std::size_t>(n));

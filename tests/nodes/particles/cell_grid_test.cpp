@@ -21,10 +21,11 @@ void addBlock(std::vector<Vec3f>& points, int side, const Vec3f& corner) {
 
 CellGrid gridFor(const std::vector<Vec3f>& points) {
   Aabb box;
-  for (const Vec3f& p : points) box = {min(box.lo, p), max(box.hi, p)};
-  // As many cells as a NeighborList allows itself.
+  Vec3f sum;
+  for (const Vec3f& p : points) box.extend(p), sum += p;
+  // As a NeighborList does it for a fluid.
   const auto count = static_cast<std::int64_t>(points.size());
-  return chooseCellGrid(box, kRadius, 4 * count, count / 4);
+  return chooseCellGrid(box, kRadius, 4 * count, count / 4, (1 / float(count)) * sum);
 }
 
 /// Points in the 27 cells around a point, a mean over all points: what a search compares distances with.
@@ -48,6 +49,32 @@ double ofTwoBlocks(const Vec3f& apart) {
   addBlock(points, 20, {});
   addBlock(points, 20, apart);
   return candidates(points);
+}
+
+/// Water at one end of a tank, and drops of it all over the tank.
+std::vector<Vec3f> waterWithDrops(const Vec3f& tank, const Vec3f& filled, int drops) {
+  std::vector<Vec3f> points;
+  const int x = int(filled.x / kSpacing), y = int(filled.y / kSpacing), z = int(filled.z / kSpacing);
+  for (int i = 0; i < x * y * z; ++i)
+    points.push_back(kSpacing *
+                     Vec3f{float(i % x) + 0.5f, float(i / x % y) + 0.5f, float(i / (x * y)) + 0.5f});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (int i = 0; i < drops; ++i)
+    points.push_back({tank.x * unit(random), tank.y * unit(random), tank.z * unit(random)});
+  return points;
+}
+
+TEST(CellGrid, DropsHighAboveWaterDoNotMakeItShareCells) {
+  // The tank has more cells than there may be. Which way is up does not matter.
+  for (const Vec3f& way : {Vec3f{0, 1, 0}, Vec3f{1, 0, 0}, Vec3f{0, 0, 1}}) {
+    const Vec3f flat = Vec3f{1, 1, 1} - way;
+    const Vec3f tank = 0.9f * flat + 0.6f * way;
+    const Vec3f filled = 0.9f * flat + 0.04f * way;
+    const double alone = candidates(waterWithDrops(tank, filled, 0));
+    const double withDrops = candidates(waterWithDrops(tank, filled, 200));
+    EXPECT_LT(withDrops, 1.02 * alone) << "up is " << way.x << " " << way.y << " " << way.z;
+  }
 }
 
 TEST(CellGrid, TwoSplashesFarApartCostWhatTheyCostSideBySide) {

@@ -65,5 +65,40 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
   }
 }
 
+TEST_P(ParticleSetTest, MovesWhoeverAsksAndWhateverComesFirst) {
+  const FreeMotion motion{{0, -9.8f, 1}, 0.01f};
+  for (const int count : {1000, int(ParticleSet::kFew) + 1000}) {
+    std::vector<Vec3f> at, velocities, moved, faster;
+    for (int i = 0; i < count; ++i) {
+      at.push_back(vectorOf(i, 1));
+      velocities.push_back(vectorOf(i % 7, 2));
+      faster.push_back(velocities.back() + motion.dt * motion.acceleration);
+      moved.push_back(at.back() + motion.dt * faster.back());
+    }
+    ParticleBatch batch;
+    batch.assign(*device, at, velocities);
+    std::vector<int> order(at.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = int((k * 7 + 3) % order.size());
+    const Array<int> onDevice(*device, order);
+    for (const bool permuted : {false, true}) {
+      ParticleSet particles(*device);
+      particles.append(batch);
+      particles.move(motion);
+      if (permuted) particles.permute(onDevice.view());
+      const std::vector<Vec3f> p = particles.positions().toHost(count),
+                               v = particles.velocities().toHost(count);
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        const std::size_t i = permuted ? std::size_t(order[k]) : k;
+        // Multiplication and addition may be rounded once or twice.
+        ASSERT_LE(length(v[k] - faster[i]), 1e-6f * length(faster[i])) << i;
+        ASSERT_LE(length(p[k] - moved[i]), 1e-6f * length(moved[i])) << i;
+      }
+      // Once.
+      EXPECT_FALSE(particles.isToMove());
+      EXPECT_EQ(particles.positions().toHost(count), p);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace weir::test

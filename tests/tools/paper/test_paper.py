@@ -221,6 +221,19 @@ class WithoutDrawing(unittest.TestCase):
             self.assertIn("| d = 10 mm | 7 |", page)
             self.assertNotIn("![", page)
 
+    def test_runs_render_nothing_where_times_alone_are_asked_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            weir = Path(folder) / "weir"
+            weir.write_text(STATISTICS_WRITER)
+            weir.chmod(0o755)
+            for option, rendered in (("--no-plots", True), ("--no-pictures", False)):
+                out = Path(folder) / option
+                done = subprocess.run([sys.executable, str(ROOT / "tools" / "paper" / "paper.py"), "--weir", str(weir), option,
+                                       "--only", "fig1", "--out", str(out)], capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIs("--images" in (out / "fig1" / "ours_0.01" / "command.txt").read_text(), rendered)
+                self.assertNotIn("![", (out / "README.md").read_text())
+
 
 STATISTICS_WRITER = """#!/bin/sh
 while [ $# -gt 0 ]; do

@@ -65,11 +65,16 @@ async function open(name) {
   await hands.arrange();
 }
 
-async function save() {
+/** Saves, and waits until the file is as it should be. */
+async function save(check) {
   await page.keyboard.press("Control+s");
-  await page.locator(".message").waitFor({ state: "detached" });
-  // The file is written before anything that is asked later is answered.
-  await page.evaluate(() => fetch("/api/files?folder="));
+  for (let tries = 100; ; --tries)
+    try {
+      return check(await saved("blocks.json"));
+    } catch (e) {
+      if (tries === 0) throw e;
+      await page.waitForTimeout(100);
+    }
 }
 
 /** What the view shows. */
@@ -82,15 +87,14 @@ step("a bypassed node passes on what comes in, a muted one nothing, and both can
   await page.locator('[data-node="tank"].bypassed').waitFor();
   await page.locator(".passages path").waitFor({ state: "attached" });
   await hands.set(aside(), "min", "vec3", [0, 0, -0.1]);
-  await save();
-  const bypassed = await saved("blocks.json");
-  assert.deepEqual(Object.keys(bypassed.nodes), ["block", "floor", "water"]);
-  assert.deepEqual(bypassed.links, ["block.particles -> water.initial", "floor.boundary -> water.boundaries"]);
+  await save((s) => {
+    assert.deepEqual(Object.keys(s.nodes), ["block", "floor", "water"]);
+    assert.deepEqual(s.links, ["block.particles -> water.initial", "floor.boundary -> water.boundaries"]);
+  });
   await hands.select("floor");
   await aside().getByRole("button", { name: "Mute", exact: true }).click();
   await page.locator('[data-node="floor"].muted').waitFor();
-  await save();
-  assert.deepEqual((await saved("blocks.json")).links, ["block.particles -> water.initial"]);
+  await save((s) => assert.deepEqual(s.links, ["block.particles -> water.initial"]));
   await open("blocks");
   await page.locator('[data-node="tank"].bypassed').waitFor();
   await page.locator('[data-node="floor"].muted').waitFor();
@@ -98,18 +102,20 @@ step("a bypassed node passes on what comes in, a muted one nothing, and both can
     await hands.select(name);
     await aside().getByRole("button", { name: "On", exact: true }).click();
   }
-  await save();
-  const back = await saved("blocks.json");
-  assert.deepEqual([...back.links].sort(), [...kScene.links].sort());
-  assert.deepEqual(back.nodes.tank.params.min, [0, 0, -0.1]);
+  await page.locator(".bar .title").filter({ hasText: "changed" }).waitFor();
+  await save((s) => {
+    assert.deepEqual([...s.links].sort(), [...kScene.links].sort());
+    assert.deepEqual(s.nodes.tank.params.min, [0, 0, -0.1]);
+  });
+  await page.locator(".bar .title").filter({ hasText: /blocks\.json$/ }).waitFor();
 });
 
 step("what is being typed is saved, too", async () => {
   await hands.select("tank");
-  await aside().getByLabel("max x", { exact: true }).click({ clickCount: 3 });
+  await aside().getByLabel("max x", { exact: true }).click();
+  await page.keyboard.press("Control+A");
   await page.keyboard.type("0.6");
-  await save();
-  assert.equal((await saved("blocks.json")).nodes.tank.params.max[0], 0.6);
+  await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
 });
 
 step("the table has all particles, sorted by any attribute, and goes on while the scene runs", async () => {

@@ -49,6 +49,8 @@ export interface Sample {
 interface SceneState {
   path: string;
   revision?: number;
+  /** Whether it differs from its file. */
+  changed?: boolean;
   problem?: Problem;
   warnings: string[];
   reset?: string;
@@ -328,10 +330,9 @@ export async function saveScene(path: string): Promise<boolean> {
   field?.blur();
   field?.focus();
   await sending;
-  const saved = await request<{ path: string }>("scene.save", { path });
-  if (!saved) return false;
-  set({ sceneState: { ...get().sceneState, path: saved.path } });
-  return true;
+  const sceneState = await request<SceneState>("scene.save", { path });
+  if (sceneState) set({ sceneState });
+  return sceneState !== null;
 }
 
 export async function newScene(): Promise<void> {
