@@ -2,9 +2,10 @@
 // modules of plugins, frames that were recorded, a second window, and what is left after a crash.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
+import { copyFile, mkdir, writeFile } from "node:fs/promises";
 import { basename, join } from "node:path";
-import { after, before, test } from "node:test";
+import { after, before } from "node:test";
+import { step } from "./steps.mjs";
 import { Hands, openPage, openWindow, startServer } from "./studio.mjs";
 
 const kScene = {
@@ -42,19 +43,6 @@ async function restart(...options) {
   hands = new Hands(page);
 }
 
-let failed = false;
-
-/** A part of the test, which needs those before it. */
-const step = (name, f) =>
-  test(name, async (t) => {
-    if (failed) return t.skip("a step before it failed");
-    failed = true;
-    await f();
-    failed = false;
-  });
-
-const aside = () => page.locator("aside .properties");
-const saved = async (name) => JSON.parse(await readFile(join(server.folder, name), "utf8"));
 const time = (text) => page.locator(".time").filter({ hasText: text });
 const frame = async () => Number(/frame (\d+)\//.exec(await page.locator(".time").innerText())[1]);
 
@@ -70,7 +58,7 @@ async function save(check) {
   await page.keyboard.press("Control+s");
   for (let tries = 100; ; --tries)
     try {
-      return check(await saved("blocks.json"));
+      return check(await server.read("blocks.json"));
     } catch (e) {
       if (tries === 0) throw e;
       await page.waitForTimeout(100);
@@ -86,13 +74,13 @@ step("a bypassed node passes on what comes in, a muted one nothing, and both can
   await hands.pressInGraph("b");
   await page.locator('[data-node="tank"].bypassed').waitFor();
   await page.locator(".passages path").waitFor({ state: "attached" });
-  await hands.set(aside(), "min", "vec3", [0, 0, -0.1]);
+  await hands.set(hands.aside(), "min", "vec3", [0, 0, -0.1]);
   await save((s) => {
     assert.deepEqual(Object.keys(s.nodes), ["block", "floor", "water"]);
     assert.deepEqual(s.links, ["block.particles -> water.initial", "floor.boundary -> water.boundaries"]);
   });
   await hands.select("floor");
-  await aside().getByRole("button", { name: "Mute", exact: true }).click();
+  await hands.aside().getByRole("button", { name: "Mute", exact: true }).click();
   await page.locator('[data-node="floor"].muted').waitFor();
   await save((s) => assert.deepEqual(s.links, ["block.particles -> water.initial"]));
   await open("blocks");
@@ -100,7 +88,7 @@ step("a bypassed node passes on what comes in, a muted one nothing, and both can
   await page.locator('[data-node="floor"].muted').waitFor();
   for (const name of ["tank", "floor"]) {
     await hands.select(name);
-    await aside().getByRole("button", { name: "On", exact: true }).click();
+    await hands.aside().getByRole("button", { name: "On", exact: true }).click();
   }
   await page.locator(".bar .title").filter({ hasText: "changed" }).waitFor();
   await save((s) => {
@@ -112,7 +100,7 @@ step("a bypassed node passes on what comes in, a muted one nothing, and both can
 
 step("what is being typed is saved, too", async () => {
   await hands.select("tank");
-  await aside().getByLabel("max x", { exact: true }).click();
+  await hands.aside().getByLabel("max x", { exact: true }).click();
   await page.keyboard.press("Control+A");
   await page.keyboard.type("0.6");
   await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
@@ -231,12 +219,12 @@ step("a second window watches, and can take the pen", async () => {
 
 step("what was not saved is offered after a crash", async () => {
   assert.deepEqual(mistakes, []);
-  const before = await saved("blocks.json");
+  const before = await server.read("blocks.json");
   assert.equal(before.nodes.tank.params.max[0], 0.6);
   await restart(join(server.folder, "blocks.json"));
   await hands.select("tank");
-  assert.equal(await aside().getByLabel("max x", { exact: true }).inputValue(), "0.7");
-  assert.equal((await saved("blocks.json")).nodes.tank.params.max[0], 0.6);
+  assert.equal(await hands.aside().getByLabel("max x", { exact: true }).inputValue(), "0.7");
+  assert.equal((await server.read("blocks.json")).nodes.tank.params.max[0], 0.6);
   await hands.pressInGraph("Control+z");
   await page.waitForFunction(() => document.querySelector('[aria-label="max x"]').value === "0.6");
 });

@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { readFile, readdir } from "node:fs/promises";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
+import { after, before } from "node:test";
 import { particlesOfPage, particlesOfPly } from "./particles.mjs";
+import { step } from "./steps.mjs";
 import { Hands, openPage, startServer, weir } from "./studio.mjs";
 
 const kLastFrame = 9;
@@ -23,22 +24,9 @@ after(async () => {
   await server?.close();
 });
 
-let failed = false;
-
-/** A part of the test, which needs those before it. */
-const step = (name, f) =>
-  test(name, async (t) => {
-    if (failed) return t.skip("a step before it failed");
-    failed = true;
-    await f();
-    failed = false;
-  });
-
-const aside = () => page.locator("aside .properties");
 const state = () => page.locator(".state");
 const undoButton = () => page.getByRole("button", { name: "Undo" });
 const redoButton = () => page.getByRole("button", { name: "Redo" });
-const saved = async (name) => JSON.parse(await readFile(join(server.folder, name), "utf8"));
 
 /** What is the default need not be written. */
 function withoutDefaults(values, parameters) {
@@ -83,9 +71,9 @@ step("an empty page has no nodes", async () => {
 step("nodes, their parameters and modules are made by hand", async () => {
   for (const [name, node] of Object.entries(goblet.nodes)) {
     await hands.addNode(node.type, name);
-    await hands.setAll(aside(), types.nodes[node.type].parameters, node.params ?? {});
+    await hands.setAll(hands.aside(), types.nodes[node.type].parameters, node.params ?? {});
     for (const [module, spec] of Object.entries(node.modules ?? {})) {
-      const item = aside().locator(`[data-module="${module}"]`);
+      const item = hands.aside().locator(`[data-module="${module}"]`);
       await item.locator("button.title").click();
       await hands.setAll(item, moduleType(node.type, module).parameters, spec.params);
     }
@@ -103,23 +91,23 @@ step("a link that does not fit is refused, and told why", async () => {
 step("links are drawn, and the scene has its settings", async () => {
   for (const text of goblet.links) await hands.link(text);
   await hands.pointAtGraph();
-  await hands.type(aside().getByLabel("title", { exact: true }), goblet.title, "Tab");
+  await hands.type(hands.aside().getByLabel("title", { exact: true }), goblet.title, "Tab");
   // Without the plugin that renders there is no such section.
   for (const [section, parameters] of [["world", types.world], ...Object.entries(types.sections)].filter(([name]) => goblet[name]))
-    await hands.setAll(await hands.open(aside().locator(`details[data-param="${section}"]`).first()), parameters, goblet[section]);
+    await hands.setAll(await hands.open(hands.aside().locator(`details[data-param="${section}"]`).first()), parameters, goblet[section]);
 });
 
 step("the viscosity changes while the scene runs", async () => {
   await hands.pressInGraph("Space");
   await page.locator(".state.playing").waitFor();
   await hands.select("water");
-  const viscosity = aside().locator('[data-module="viscosity"]');
+  const viscosity = hands.aside().locator('[data-module="viscosity"]');
   await viscosity.locator("button.title").click();
   await hands.set(viscosity, "strength", "float", 0.25);
   await page.waitForFunction(() => document.querySelectorAll(".plot").length > 2);
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
   assert.equal(await state().innerText(), "playing");
-  await hands.set(aside(), "spacing", "float", 0.01);
+  await hands.set(hands.aside(), "spacing", "float", 0.01);
   await page.locator(".reset-hint").filter({ hasText: "spacing" }).waitFor();
   await hands.pressInGraph("Control+z", "Control+z");
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
@@ -153,7 +141,7 @@ step("the scene is saved, and is what it was built after", async () => {
   await page.keyboard.press("Control+s");
   await hands.type(page.getByRole("textbox", { name: "File name" }), "goblet");
   await page.locator(".bar .title").filter({ hasText: "goblet.json" }).waitFor();
-  assert.deepEqual(meaningOf(await saved("goblet.json")), meaningOf(goblet));
+  assert.deepEqual(meaningOf(await server.read("goblet.json")), meaningOf(goblet));
 });
 
 step("what was saved is opened again, and runs as weir run does", async () => {

@@ -2,7 +2,7 @@
 // program (weir). The browser is a Chromium, WEIR_CHROMIUM, or where WEIR_FIREFOX names one, a Firefox with a screen: under
 // xvfb-run where there is none. Without a screen Firefox has no WebGL.
 import { spawn } from "node:child_process";
-import { mkdtemp, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium, firefox } from "playwright-core";
@@ -27,7 +27,7 @@ async function addressOf(server) {
 
 /**
  * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
- * leaves the folder.
+ * leaves the folder. `read` gives back what a JSON file in it holds.
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
@@ -44,7 +44,8 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
     await rm(own, { recursive: true });
   };
   try {
-    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL") };
+    const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read };
   } catch (e) {
     await close();
     throw e;
@@ -93,6 +94,11 @@ export async function openPage(address, { width = 1600, height = 1000, colorSche
 export class Hands {
   constructor(page) {
     this.page = page;
+  }
+
+  /** The panel of properties. */
+  aside() {
+    return this.page.locator("aside .properties");
   }
 
   node(name) {

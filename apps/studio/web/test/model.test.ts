@@ -120,6 +120,15 @@ describe("nodes that are switched off", () => {
     const [mesh, floor] = linksOf(scene);
     expect([carries(bypassed, solids, mesh!), carries(bypassed, solids, floor!)]).toEqual([false, true]);
   });
+  test("give nothing where nothing comes in", () => {
+    const flowing = (s: Scene) => linksOf(s).filter((l) => carries(s, solids, l)).map((l) => `${l.from} ${l.to}`);
+    const bypassed = setOff(scene, ["all"], "bypassed");
+    expect(flowing(bypassed)).toEqual(["floor all", "box all", "all water", "all one"]);
+    expect(flowing(setOff(bypassed, ["floor"], "muted"))).toEqual(["box all", "all water", "all one"]);
+    expect(flowing(setOff(bypassed, ["floor", "box"], "muted"))).toEqual([]);
+    // Bypassed themselves, they have nothing to pass on.
+    expect(flowing(setOff(bypassed, ["floor", "box"], "bypassed"))).toEqual([]);
+  });
   test("pass on through each other, and nothing of what is muted", () => {
     const chain = addLink(scene, { from: "mesh", output: "surface", to: "floor", input: "meshes" });
     expect(runs(setOff(chain, ["all", "floor"], "bypassed")).links).toEqual(["box.boundary -> water.boundaries", "box.boundary -> one.boundary"]);

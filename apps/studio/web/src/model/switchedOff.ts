@@ -34,27 +34,29 @@ export function inputFor(type: NodeType | undefined, output: string): string | n
   return (fitting.find((p) => p.name === output) ?? fitting[0])?.name ?? null;
 }
 
-/** Whether anything flows along a link: not where it ends at a muted node, or at a port that is not passed on. */
-export function carries(scene: Scene, types: Types | null, link: LinkEnds): boolean {
-  const typeOf = (node: string) => types?.nodes[scene.nodes[node]?.type ?? ""];
-  const [from, to] = [offOf(scene, link.from), offOf(scene, link.to)];
-  if (from === "muted" || to === "muted") return false;
-  if (from === "bypassed" && inputFor(typeOf(link.from), link.output) === null) return false;
-  const type = typeOf(link.to);
-  return to !== "bypassed" || (type?.outputs ?? []).some((p) => inputFor(type, p.name) === link.input);
-}
-
 /** What a bypassed node's output gives: outputs of nodes that are on. */
 function sourcesOf(scene: Scene, types: Types | null, links: LinkEnds[], node: string, output: string, seen: string[] = []): LinkEnds[] {
   // A file may hold a circle.
   if (seen.includes(node)) return [];
-  const input = inputFor(types?.nodes[scene.nodes[node]!.type], output);
+  const input = inputFor(types?.nodes[scene.nodes[node]?.type ?? ""], output);
   return links
     .filter((l) => l.to === node && l.input === input && l.from in scene.nodes)
     .flatMap((l) => {
       const off = offOf(scene, l.from);
       return off === undefined ? [l] : off === "bypassed" ? sourcesOf(scene, types, links, l.from, l.output, [...seen, node]) : [];
     });
+}
+
+/**
+ * Whether anything flows along a link: not where it ends at a muted node, or at a port that is not passed on, nor where a
+ * bypassed node has nothing to pass on.
+ */
+export function carries(scene: Scene, types: Types | null, link: LinkEnds): boolean {
+  const [from, to] = [offOf(scene, link.from), offOf(scene, link.to)];
+  if (from === "muted" || to === "muted") return false;
+  if (from === "bypassed" && sourcesOf(scene, types, linksOf(scene), link.from, link.output).length === 0) return false;
+  const type = types?.nodes[scene.nodes[link.to]?.type ?? ""];
+  return to !== "bypassed" || (type?.outputs ?? []).some((p) => inputFor(type, p.name) === link.input);
 }
 
 /** The scene as it stands in files. */
