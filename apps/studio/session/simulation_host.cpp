@@ -198,7 +198,7 @@ void SimulationHost::tell(HostState state) {
     listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
 }
 
-Value SimulationHost::status() const {
+Value SimulationHost::status() {
   Value v = Value::object();
   v["state"] = nameOf(state_);
   if (simulation_) {
@@ -210,6 +210,8 @@ Value SimulationHost::status() const {
     v["steps"] = simulation_->stepsDone();
     v["particles"] = simulation_->particleCount();
     v["stepping_seconds"] = simulation_->stepSeconds();
+    busy_.take(SteadyClock::now(), simulation_->stepSeconds());
+    v["device_busy"] = state_ == HostState::kPlaying ? busy_.share() : 0;
   }
   if (problem_) v["problem"] = *problem_;
   return v;

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "apps/studio/session/busy_share.h"
 #include "apps/studio/session/frame_packet.h"
 #include "apps/studio/session/scene_check.h"
 #include "framework/run/simulation.h"
@@ -29,8 +30,9 @@ std::string_view nameOf(HostState state);
 class HostListener {
  public:
   virtual ~HostListener() = default;
-  /// {state, device, frame, frames, time, duration, steps, particles, stepping_seconds, problem}; the numbers
-  /// only where there is a simulation, the problem (see problemOf) only where it failed.
+  /// {state, device, frame, frames, time, duration, steps, particles, stepping_seconds, device_busy,
+  /// problem}; the numbers only where there is a simulation, the problem (see problemOf) only where it
+  /// failed. device_busy is the share of the last second that steps took, 0 where it does not play.
   virtual void status(const Value& status) = 0;
   /// Of the run so far, at a frame, see runStatistics; a few times a second.
   virtual void numbers(const Value& numbers) = 0;
@@ -80,7 +82,7 @@ class SimulationHost {
   void frameReached();
   void go(std::optional<std::int64_t> pauseAt);
   void tell(HostState state);
-  Value status() const;
+  Value status();
 
   const Registry& registry_;
   Log& log_;
@@ -101,6 +103,7 @@ class SimulationHost {
   std::optional<Value> problem_;
   std::optional<std::int64_t> pauseAt_;  // a frame
   FrameView view_;
+  BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
 
   std::atomic<bool> quit_ = false;

@@ -1,4 +1,4 @@
-// What the run is like: where its time goes, plots, memory, and the log.
+// What the run is like: where its time goes, plots, the device and its memory, and the log.
 import { useMemo, useState } from "react";
 import { useStudio } from "../model/store";
 import { msText } from "../model/time";
@@ -41,12 +41,14 @@ function Plots() {
   );
 }
 
-function Memory() {
+function DeviceUse() {
+  const busy = useStudio((s) => s.status.device_busy ?? 0);
   const memory = useStudio((s) => s.numbers?.["memory"]) as JsonObject | undefined;
   const rows = Object.entries(memory ?? {}).filter((r): r is [string, number] => typeof r[1] === "number");
   return (
     <table>
       <tbody>
+        <tr title="The share of the last second that steps took"><th>device busy</th><td>{(100 * busy).toFixed(0)} %</td></tr>
         {rows.map(([name, v]) => (
           <tr key={name}><th>{name.replaceAll("_", " ")}</th><td>{name.endsWith("bytes") ? `${(v / 2 ** 20).toFixed(1)} MiB` : v}</td></tr>
         ))}
@@ -76,7 +78,7 @@ function LogView() {
   );
 }
 
-const kTabs = { Time: Times, Plots, Particles: ParticleTable, Memory, Log: LogView } as const;
+const kTabs = { Time: Times, Plots, Particles: ParticleTable, Device: DeviceUse, Log: LogView } as const;
 
 export function Insight() {
   const [tab, setTab] = useState<keyof typeof kTabs>("Plots");

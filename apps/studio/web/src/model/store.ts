@@ -18,6 +18,8 @@ export interface Status {
   steps?: number;
   particles?: number;
   stepping_seconds?: number;
+  /** 0 to 1 */
+  device_busy?: number;
   problem?: Problem;
 }
 
