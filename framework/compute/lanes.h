@@ -32,6 +32,9 @@ WEIR_HD T select(bool condition, const T& ifTrue, const T& ifFalse) {
 WEIR_HD inline float keptWhere(bool condition, float a) {
   return condition ? a : 0;
 }
+WEIR_HD inline double keptWhere(bool condition, double a) {
+  return condition ? a : 0;
+}
 /// Whether a condition holds for one of those that it is about.
 WEIR_HD inline bool any(bool condition) {
   return condition;
@@ -39,6 +42,9 @@ WEIR_HD inline bool any(bool condition) {
 
 /// t where it is above zero, otherwise (also where it is no number) zero.
 WEIR_HD inline float positivePart(float t) {
+  return t > 0 ? t : 0;
+}
+WEIR_HD inline double positivePart(double t) {
   return t > 0 ? t : 0;
 }
 
@@ -74,6 +80,8 @@ struct LaneMask {
   Vector v;  // all bits of a lane are alike
 
   friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return {a.v & b.v}; }
+  friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return {a.v | b.v}; }
+  friend LaneMask operator!(const LaneMask& a) { return {~a.v}; }
   friend bool any(const LaneMask& a) { return a.bits() != 0; }
 
   /// Bit l is that of lane l.
@@ -185,6 +193,9 @@ struct Lanes {
     return root;
 #endif
   }
+  friend Lanes abs(const Lanes& a) {
+    return reinterpret_cast<Vector>(reinterpret_cast<LaneMask::Vector>(a.v) & 0x7fffffff);
+  }
   friend Lanes fastSqrt(const Lanes& a) {
     return sqrtf(a);
   }
@@ -226,6 +237,30 @@ inline constexpr ChosenFirst kChosenFirst;
 #endif
 
 }  // namespace detail
+
+/// The angle of the point (x, y) about the origin, in [-π, π] and off by 3e-7 at most: the same on every
+/// processor. It has the sign of y, also that of zero. 0 for the origin.
+[[gnu::always_inline]] inline Lanes atan2(const Lanes& y, const Lanes& x) {
+  constexpr float kPi = 3.14159265f, kTanOfEighth = 0.414213562f;  // tan(π/8)
+  const Lanes across = abs(y), along = abs(x);
+  const LaneMask steep = across > along;
+  const Lanes low = select(steep, along, across), high = select(steep, across, along);
+  // The angle is turned back by π/4 where it is above π/8. What is left has the polynomial of atanf in the
+  // Cephes library.
+  const LaneMask turned = low > kTanOfEighth * high;
+  const Lanes below = select(turned, low + high, high);
+  const Lanes t = keptWhere(below > Lanes(0.0f), select(turned, low - high, low) / below), tt = t * t;
+  Lanes angle =
+      (((8.05374449538e-2f * tt - 1.38776856032e-1f) * tt + 1.99777106478e-1f) * tt - 3.33329491539e-1f) *
+          tt * t +
+      t;
+  angle += keptWhere(turned, Lanes(kPi / 4));
+  angle = select(steep, kPi / 2 - angle, angle);
+  angle = select(x < Lanes(0.0f), kPi - angle, angle);
+  using Bits = LaneMask::Vector;
+  const Bits sign = reinterpret_cast<Bits>(y.v) & static_cast<int>(0x80000000u);
+  return Lanes(reinterpret_cast<Lanes::Vector>(reinterpret_cast<Bits>(angle.v) | sign));
+}
 
 /// The sum over the lanes.
 inline float sumOfLanes(const Lanes& a) {

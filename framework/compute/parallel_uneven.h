@@ -8,6 +8,17 @@
 
 namespace weir {
 
+/// Calls f(begin, end) for ranges that together are [0, count), few elements at a time. How the ranges are
+/// cut depends on the number of threads, so results should not depend on it.
+template <class F>
+void forEachUnevenRange(CpuBackend& device, std::string_view name, Count count, const F& f) {
+  constexpr std::int64_t kTurns = 32;  // of a thread
+  constexpr std::int64_t kFewest = 4, kMost = 64;
+  const KernelScope scope(device.profiler(), name);
+  const std::int64_t n = count.get();
+  detail::forRanges(device, n, std::clamp(n / (kTurns * device.threads()), kFewest, kMost), f);
+}
+
 /// parallelFor, or with a plan parallelForTeams, for few and costly elements. Where parallelFor would keep
 /// them on one thread of the CPU or give thousands to each, all threads take a few at a time.
 template <class Backend, class F>
@@ -15,12 +26,7 @@ void parallelForUneven(Backend& device, std::string_view name, Count count, cons
   if constexpr (std::is_same_v<Backend, CudaDevice>) {
     parallelFor(device, name, count, f);
   } else {
-    constexpr std::int64_t kTurns = 32;  // of a thread
-    constexpr std::int64_t kFewest = 4, kMost = 64;
-    const KernelScope scope(device.profiler(), name);
-    const std::int64_t n = count.get();
-    const std::int64_t grain = std::clamp(n / (kTurns * device.threads()), kFewest, kMost);
-    detail::forRanges(device, n, grain, [&f](std::int64_t begin, std::int64_t end) {
+    forEachUnevenRange(device, name, count, [&f](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) f(i);
     });
   }

@@ -6,6 +6,7 @@
 // but for which of several equally near triangles is named.
 #pragma once
 
+#include "nodes/geometry/box_blocks.h"
 #include "nodes/geometry/segment_hit.h"
 
 namespace weir {
@@ -21,6 +22,12 @@ class NearTriangles {
     const float low = detail::largestCoordinate(tree.bounds.lo),
                 high = detail::largestCoordinate(tree.bounds.hi);
     const float slack = 32 * detail::kEpsilon * ((low > high ? low : high) + radius);
+#ifdef WEIR_HAS_LANES
+    if (tree.blocks != nullptr) {
+      count_ = tree.blocks->near(center, radius + slack, index_, kMost);
+      return;
+    }
+#endif
     count_ = WalkNear(tree, center, radius + slack).next(index_, kMost + 1);
   }
 
@@ -65,7 +72,7 @@ class NearTriangles {
   Vec3f center_;
   float radius_;
   int count_;  // kMost + 1 if there are more
-  int index_[kMost + 1];
+  int index_[kMost + BoxBlocks::kEightBoxes];  // the CPU writes eight at once
 };
 
 }  // namespace weir

@@ -1,8 +1,14 @@
 #include "nodes/geometry/triangle_tree.h"
 
 #include "framework/graph/memory_estimate.h"
+#include "nodes/geometry/box_blocks.h"
 
 namespace weir {
+
+TriangleTree::TriangleTree() = default;
+TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;
+TriangleTree& TriangleTree::operator=(TriangleTree&&) noexcept = default;
+TriangleTree::~TriangleTree() = default;
 
 TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
   const BoxTree tree = buildBoxTree(mesh);
@@ -28,6 +34,12 @@ TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
   triangles_ = Array<detail::TreeTriangle>(device, triangles);
   normals_ = Array<PseudoNormals>(device, normals);
   indices_ = Array<int>(device, tree.order);
+  if (device.kind() != DeviceKind::kCpu) return;
+  std::vector<Aabb> boxes;
+  boxes.reserve(triangles.size());
+  for (const detail::TreeTriangle& t : triangles)
+    boxes.push_back({min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c)});
+  blocks_ = std::make_unique<BoxBlocks>(device, boxes);
 }
 
 double TriangleTree::mostMemory(std::size_t triangles) {
@@ -35,11 +47,11 @@ double TriangleTree::mostMemory(std::size_t triangles) {
   const auto count = static_cast<double>(triangles);
   return bytesOfArray(2 * count, sizeof(detail::TreeNode)) +
          bytesOfArray(count, sizeof(detail::TreeTriangle)) + bytesOfArray(count, sizeof(PseudoNormals)) +
-         bytesOfArray(count, sizeof(int));
+         bytesOfArray(count, sizeof(int)) + BoxBlocks::mostMemory(triangles);
 }
 
 TriangleTreeView TriangleTree::view() const {
-  return {nodes_.view(), triangles_.view(), normals_.view(), indices_.view(), bounds_};
+  return {nodes_.view(), triangles_.view(), normals_.view(), indices_.view(), bounds_, blocks_.get()};
 }
 
 }  // namespace weir

@@ -1,11 +1,15 @@
 // A tree of boxes around the triangles of a rigid mesh, as kernels on both back ends ask it.
 #pragma once
 
+#include <memory>
+
 #include "framework/compute/parallel.h"
 #include "nodes/geometry/box_tree.h"
 #include "nodes/geometry/pseudo_normals.h"
 
 namespace weir {
+
+class BoxBlocks;
 
 namespace detail {
 
@@ -46,6 +50,7 @@ struct TriangleTreeView {
   ArrayView<const PseudoNormals> normals;           ///< of those triangles
   ArrayView<const int> indices;                     ///< of those triangles in the mesh
   Aabb bounds;                                      ///< of the mesh
+  const BoxBlocks* blocks = nullptr;                ///< on the CPU only
 
   WEIR_HD bool empty() const { return triangles.size == 0; }
 
@@ -64,9 +69,12 @@ struct TriangleTreeView {
 /// Owns the arrays. The mesh's vertices must be finite; triangles without area are allowed.
 class TriangleTree {
  public:
-  TriangleTree() = default;  ///< empty
+  TriangleTree();  ///< empty
   /// Builds on the host in O(n log n), then copies to the device.
   TriangleTree(Device& device, const TriangleMesh& mesh);
+  TriangleTree(TriangleTree&&) noexcept;
+  TriangleTree& operator=(TriangleTree&&) noexcept;
+  ~TriangleTree();
 
   TriangleTreeView view() const;
   /// Bytes on the device that a tree of so many triangles takes at most.
@@ -78,6 +86,7 @@ class TriangleTree {
   Array<PseudoNormals> normals_;
   Array<int> indices_;
   Aabb bounds_;
+  std::unique_ptr<BoxBlocks> blocks_;
 };
 
 namespace detail {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "nodes/particle_fluid/displacement.h"
-#include "nodes/static_boundary/boundary.h"
+#include "nodes/static_boundary/boundary_clearance.h"
 
 namespace weir {
 
@@ -30,6 +30,13 @@ struct Contain {
   /// Where it is not 0, nothing is to be changed any more; may be null. How many passes a solver makes beyond
   /// its last depends on when the host hears of it.
   const int* done = nullptr;
+
+#ifdef WEIR_HAS_EIGHT
+  void operator()(Eight i) const {
+    if (done != nullptr && *done != 0) return;
+    forEachNear(boundary, radius, i, xyz(read(state, i)), *this);
+  }
+#endif
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (done != nullptr && *done != 0) return;

@@ -17,19 +17,9 @@
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/solids/seen_sides.h"
 
 namespace weir {
-
-enum SeenSide : int { kSeesFront = 1, kSeesBack = 2 };
-
-/// The sides of a triangle that p may be on: both where rounding hides which.
-WEIR_HD inline int sidesSeen(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-  constexpr float kRounding = 1e-5f;  // far above that of the cross product of floats
-  const Vec3f normal = cross(b - a, c - a), arm = p - a;
-  const float height = dot(arm, normal);
-  const float least = kRounding * sqrtf(dot(arm, arm) * dot(normal, normal));
-  return (height >= -least ? kSeesFront : 0) | (height <= least ? kSeesBack : 0);
-}
 
 /// Edits fluid.neighbors; fluid.walls.sides must be known at the present positions.
 template <class Backend>

@@ -1,7 +1,6 @@
 #include "nodes/solids/solid.h"
 
 #include "framework/graph/state.h"
-#include "nodes/geometry/box_blocks.h"
 
 namespace weir {
 
@@ -18,11 +17,7 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
 }
 
 double Solid::mostMemory(const TriangleMesh& mesh) {
-  double bytes = TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
-#ifdef WEIR_HAS_LANES
-  bytes += BoxBlocks::mostMemory(mesh.triangles.size());  // while integrals are found, on the CPU
-#endif
-  return bytes;
+  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
 }
 
 void Solid::save(const StateWriter& to) const {

@@ -69,6 +69,7 @@
 
 #include "framework/base/host_device.h"
 #include "framework/base/vec.h"
+#include "nodes/solids/triangle_integrals.h"
 
 namespace weir {
 
@@ -86,16 +87,20 @@ template <class T>
 class SolidIntegrator {
  public:
   /// p and all corners in m, in one frame; H > 0 is the support radius.
-  WEIR_HD SolidIntegrator(const Vec3<T>& p, T supportRadius) : p_(p), inverseRadius_(T(1) / supportRadius) {}
+  WEIR_HD SolidIntegrator(const Vec3<T>& p, T supportRadius)
+      : inverseRadius_(T(1) / supportRadius), triangles_(p, inverseRadius_) {}
 
   /// The triangle a, b, c, counter-clockwise seen from the fluid. Does nothing for triangles out of reach or
   /// without area.
   WEIR_HD void addTriangle(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
     Triangle triangle;
-    if (!prepare(a, b, c, triangle)) return;
-    const T before = phi_;
-    add(triangle);
-    if (triangle.delta > 0) face(triangle.normal, phi_ - before);
+    if (triangles_.prepare(a, b, c, triangle)) add(termsOf(triangle));
+  }
+  WEIR_HD void add(const TriangleTerms<T>& triangle) {
+    phi_ += triangle.phi;
+    d_ += triangle.d;
+    gradient_ -= triangle.normal * triangle.area;
+    if (triangle.delta > 0) face(triangle.normal, triangle.phi);
   }
 
   /// Whether p is not inside, see integrals().
@@ -105,15 +110,15 @@ class SolidIntegrator {
   /// added: once for each of them.
   WEIR_HD void fillBehind(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
     Triangle triangle;
-    if (!prepare(a, b, c, triangle) || !(triangle.delta < 0)) return;
-    const T depth = -triangle.delta / kBackDepth;
-    const T part = parallelTo(triangle.normal) * (depth < 1 ? depth : T(1));
+    if (triangles_.prepare(a, b, c, triangle) && partBehind(triangle.normal, triangle.delta) > 0)
+      fillBehind(termsOf(triangle));
+  }
+  WEIR_HD void fillBehind(const TriangleTerms<T>& triangle) {
+    const T part = partBehind(triangle.normal, triangle.delta);
     if (!(part > 0)) return;
-    SolidIntegrator back(p_, T(1));
-    back.add(triangle);
-    behindPhi_ -= back.phi_ * part;
-    behindGradient_ -= back.gradient_ * part;
-    behindD_ -= back.d_ * part;
+    behindPhi_ -= triangle.phi * part;
+    behindGradient_ += triangle.normal * (triangle.area * part);
+    behindD_ -= triangle.d * part;
   }
 
   /// Sums what the threads of a team have added for the same particle; all of them then have all of it.
@@ -134,14 +139,16 @@ class SolidIntegrator {
   /// through it, from the distance of its plane on, so that each integral is the solid angle times a radial
   /// tail. Too large by (1 + 4q + 10q²)/((1−q)(1+2q)) for Φ of a half-space. Do not mix with addTriangle.
   WEIR_HD void addTriangleApproximately(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
+    using Edge = typename TriangleIntegrator<T>::Edge;
     Triangle triangle;
-    if (!prepare(a, b, c, triangle)) return;
+    if (!triangles_.prepare(a, b, c, triangle)) return;
     T solidAngle = 0;
     Vec3<T> direction;  // ∫ r̂ dΩ over the cone: minus its flat sides, as a closed surface has no net area
     for (int k = 0; k < 3; ++k) {
       const Vec3<T> u = triangle.corner[k], v = triangle.corner[(k + 1) % 3], side = cross(u, v);
-      const Edge edge = makeEdge(u, v, triangle.normal);
-      solidAngle += fanAngle(edge, edge.x1, triangle.side) - fanAngle(edge, edge.x0, triangle.side);
+      const Edge edge = triangles_.makeEdge(u, v, triangle.normal);
+      solidAngle += triangles_.fanAngle(edge, edge.x1, triangle.side) -
+                    triangles_.fanAngle(edge, edge.x0, triangle.side);
       direction -= normalized(side) * (T(0.5) * std::atan2(length(side), dot(u, v)));
     }
     const T q = std::abs(triangle.delta), t = 1 - q;
@@ -176,13 +183,12 @@ class SolidIntegrator {
   static constexpr T kSideTolerance = std::is_same_v<T, float> ? T(2e-5) : T(1e-9);
 
  private:
-  static constexpr T kPi = T(3.14159265358979323846);
-  /// How near p may come to a corner and to the line of an edge, in H.
-  static constexpr T kCornerGap = std::is_same_v<T, float> ? T(1e-5) : T(1e-9);
+  using Triangle = typename TriangleIntegrator<T>::Triangle;
+
+  static constexpr T kPi = TriangleIntegrator<T>::kPi;
   static constexpr T kLeastCosine = T(1e-4);
   /// δ0 of (6), in H.
   static constexpr T kBackDepth = T(0.1);
-  static constexpr T kLineGap = kCornerGap * T(1e-4);
 
   WEIR_HD SolidIntegrals<T> scaled(T phi, const Vec3<T>& gradient, T d, T calibration) const {
     // Rounding may leave the bounds by a little.
@@ -199,19 +205,13 @@ class SolidIntegrator {
     return std::floor(phi_);
   }
 
-  struct Triangle {
-    Vec3<T> corner[3];  // relative to p
-    Vec3<T> normal;
-    T delta;  // the distance of p in front of the plane
-    T side;   // its sign
-  };
-
-  struct Edge {
-    T x0, x1;    // its ends, along itself, from the point nearest to p on its line
-    T from, to;  // the part of it within the support; empty if from ≥ to
-    T l;      // the distance of its line from the foot of p, positive if the foot is on the triangle's side
-    T delta;  // the distance of p in front of the plane
-  };
+  WEIR_HD static TriangleTerms<T> termsOf(const Triangle& triangle) {
+    using Of = TriangleIntegrator<T>;
+    const T squaredDistance = Of::leastSquaredDistance(triangle);
+    if (!Of::isReached(squaredDistance)) return {T(0), T(0), T(0), triangle.normal, triangle.delta};
+    const typename Of::Fine fine = Of::asFine(triangle, squaredDistance);
+    return fine.is ? Of::termsOfFine(triangle, fine) : Of::termsOfEdges(triangle);
+  }
 
   template <class Team>
   WEIR_HD static void uniteVector(const Team& team, Vec3<T>& v) {
@@ -232,244 +232,15 @@ class SolidIntegrator {
     return against > least ? (squares < against ? squares / against : T(1)) : T(0);
   }
 
-  /// An arbitrary direction that edges of meshes are not likely to have.
-  WEIR_HD static Vec3<T> aside() { return {T(0.3523), T(0.8129), T(0.4637)}; }
-
-  /// False if the triangle is certainly out of reach or has no area.
-  WEIR_HD bool prepare(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, Triangle& triangle) const {
-    Vec3<T>* corner = triangle.corner;
-    corner[0] = relative(a), corner[1] = relative(b), corner[2] = relative(c);
-    const Vec3<T> lo = min(corner[0], min(corner[1], corner[2])),
-                  hi = max(corner[0], max(corner[1], corner[2]));
-    if (lo.x > 1 || lo.y > 1 || lo.z > 1 || hi.x < -1 || hi.y < -1 || hi.z < -1) return false;
-    triangle.normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    // The nearest corner gives the least rounding.
-    const T rr[3] = {dot(corner[0], corner[0]), dot(corner[1], corner[1]), dot(corner[2], corner[2])};
-    const int nearest = rr[0] < rr[1] ? (rr[0] < rr[2] ? 0 : 2) : (rr[1] < rr[2] ? 1 : 2);
-    triangle.delta = -dot(corner[nearest], triangle.normal);
-    triangle.side = triangle.delta < 0 ? T(-1) : T(1);
-    return std::abs(triangle.delta) < 1 && dot(triangle.normal, triangle.normal) > 0;
+  /// How much of a back is left out.
+  WEIR_HD T partBehind(const Vec3<T>& normal, T delta) const {
+    if (!(delta < 0)) return 0;
+    const T depth = -delta / kBackDepth;
+    return parallelTo(normal) * (depth < 1 ? depth : T(1));
   }
 
-  WEIR_HD void add(const Triangle& triangle) {
-    const T squaredDistance = leastSquaredDistance(triangle);
-    if (squaredDistance > T(1.001) || addFine(triangle, squaredDistance)) return;
-    Edge edges[3];
-    bool cut = false, around = true;
-    for (int k = 0; k < 3; ++k) {
-      edges[k] = makeEdge(triangle.corner[k], triangle.corner[(k + 1) % 3], triangle.normal);
-      cut = cut || edges[k].from < edges[k].to;
-      around = around && edges[k].l > 0;
-    }
-    if (cut) {
-      for (const Edge& edge : edges) addFan(edge, triangle);
-    } else if (around) {
-      addOuter(triangle.side, T(2) * kPi, std::abs(triangle.delta), triangle.normal);
-    }
-  }
-
-  /// A lower bound of the distance of a triangle, squared: that of its plane, and within the plane how far p
-  /// is on the outer side of one of the edges.
-  WEIR_HD static T leastSquaredDistance(const Triangle& triangle) {
-    T out = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3<T>& u = triangle.corner[k];
-      const Vec3<T> along = triangle.corner[(k + 1) % 3] - u;
-      const T inwards = dot(cross(u, along), triangle.normal);
-      if (!(inwards < 0)) continue;
-      const T squared = inwards * inwards / dot(along, along);
-      out = squared > out ? squared : out;
-    }
-    return triangle.delta * triangle.delta + out;
-  }
-
-  /// Adds a triangle by points inside it if it is so thin, seen from p, that they are accurate to 1e-5 or so
-  /// in Φ; false if it is not.
-  WEIR_HD bool addFine(const Triangle& triangle, T squaredDistance) {
-    constexpr T kThin = T(0.4), kLong = 4;  // largest width and length, in distances from p
-    const Vec3<T>* corner = triangle.corner;
-    T squaredLength[3];
-    for (int k = 0; k < 3; ++k) {
-      const Vec3<T> along = corner[(k + 1) % 3] - corner[k];
-      squaredLength[k] = dot(along, along);
-    }
-    const int second = squaredLength[1] < squaredLength[2] ? 1 : 2;
-    const int base = squaredLength[0] < squaredLength[second] ? 0 : second;  // the shortest edge
-    if (squaredLength[base] > kThin * kThin * squaredDistance) return false;
-    const T length = squaredLength[(base + 1) % 3];
-    if ((length < 1 ? length : T(1)) > kLong * kLong * squaredDistance) return false;
-
-    // y = apex + t·m for two points of Gauss-Legendre across the base, and dA = 2·area·t dt.
-    const Vec3<T>&b = corner[base], &c = corner[(base + 1) % 3], &apex = corner[(base + 2) % 3];
-    const Vec3<T> toBase = b - apex, across = c - b;
-    const T area = weir::length(cross(toBase, across));
-    constexpr T kFirst = T(0.211324865405187);  // (1 − 1/√3)/2
-    addLine(triangle, apex, toBase + across * kFirst, area / 2);
-    addLine(triangle, apex, toBase + across * (1 - kFirst), area / 2);
-    return true;
-  }
-
-  /// Adds weight·∫ t·f(apex + t·m) dt over 0 ≤ t ≤ 1.
-  WEIR_HD void addLine(const Triangle& triangle, const Vec3<T>& apex, const Vec3<T>& m, T weight) {
-    const T mm = dot(m, m), foot = -dot(apex, m) / mm;
-    const Vec3<T> nearest = apex + m * foot;
-    const T squared = dot(nearest, nearest);
-    if (!(squared < 1)) return;
-    const T reach = std::sqrt((1 - squared) / mm);
-    const T from = foot > reach ? foot - reach : T(0), to = foot + reach < 1 ? foot + reach : T(1);
-    if (!(from < to)) return;
-    // Like addInner: points are densest where f curves most.
-    if (from < foot && foot < to) {
-      addPart(triangle, {foot, squared, mm, from, foot, weight});
-      addPart(triangle, {foot, squared, mm, foot, to, weight});
-    } else {
-      addPart(triangle, {foot, squared, mm, from, to, weight});
-    }
-  }
-
-  struct LinePart {
-    T foot, squared, mm;  // |y|² = squared + (t − foot)²·mm
-    T from, to, weight;
-  };
-
-  WEIR_HD void addPart(const Triangle& triangle, const LinePart& line) {
-    // Gauss-Legendre, eight points or, where f hardly curves, four.
-    const T size = line.to - line.from;
-    if (size * size * line.mm > line.squared) {
-      const T node[8] = {T(-0.960289856497536), T(-0.796666477413627), T(-0.525532409916329),
-                         T(-0.183434642495650), T(0.183434642495650),  T(0.525532409916329),
-                         T(0.796666477413627),  T(0.960289856497536)};
-      const T weight[8] = {T(0.101228536290376), T(0.222381034453374), T(0.313706645877887),
-                           T(0.362683783378362), T(0.362683783378362), T(0.313706645877887),
-                           T(0.222381034453374), T(0.101228536290376)};
-      addPoints(triangle, line, node, weight);
-    } else {
-      const T node[4] = {T(-0.861136311594053), T(-0.339981043584856), T(0.339981043584856),
-                         T(0.861136311594053)};
-      const T weight[4] = {T(0.347854845137454), T(0.652145154862546), T(0.652145154862546),
-                           T(0.347854845137454)};
-      addPoints(triangle, line, node, weight);
-    }
-  }
-
-  /// The integrands of (1) and (2) at points of a line; G has the closed forms (1−r)⁴·(1 + 4r + 10r²)/(4π)
-  /// for W and (1−r)³·(1 + 3r)·15/(4π) for |W'|/r.
-  template <int kPoints>
-  WEIR_HD void addPoints(const Triangle& triangle, const LinePart& line, const T (&node)[kPoints],
-                         const T (&weight)[kPoints]) {
-    const T middle = (line.from + line.to) / 2, half = (line.to - line.from) / 2;
-    T w[kPoints], d[kPoints], area[kPoints];  // apart from the sums, for vector units
-    for (int k = 0; k < kPoints; ++k) {
-      const T t = middle + half * node[k], x = t - line.foot;
-      const T rr = line.squared + x * x * line.mm, r = std::sqrt(rr);
-      const T s = r < 1 ? 1 - r : T(0), sss = s * s * s, share = weight[k] * t, overCube = share / (rr * r);
-      w[k] = overCube * sss * s * (1 + 4 * r + 10 * rr);
-      d[k] = overCube * sss * (1 + 3 * r);
-      area[k] = share * sss;
-    }
-    T sumW = 0, sumD = 0, sumArea = 0;
-    for (int k = 0; k < kPoints; ++k) sumW += w[k], sumD += d[k], sumArea += area[k];
-    const T scale = line.weight * half / (4 * kPi);
-    phi_ += triangle.delta * scale * sumW;
-    d_ += triangle.delta * scale * 15 * sumD;
-    gradient_ -= triangle.normal * (scale * 60 * sumArea);
-  }
-
-  WEIR_HD Vec3<T> relative(const Vec3<T>& corner) const {
-    const Vec3<T> r = (corner - p_) * inverseRadius_;
-    return dot(r, r) < kCornerGap * kCornerGap ? aside() * kCornerGap : r;
-  }
-
-  WEIR_HD static Edge makeEdge(const Vec3<T>& u, const Vec3<T>& v, const Vec3<T>& normal) {
-    const Vec3<T> along = normalized(v - u);
-    Edge edge;
-    edge.x0 = dot(u, along), edge.x1 = dot(v, along);
-    // From the nearer end, for its smaller rounding. Nothing here may depend on the direction of the edge.
-    const Vec3<T> fromU = u - along * edge.x0, fromV = v - along * edge.x1;
-    const T uu = dot(u, u), vv = dot(v, v);
-    Vec3<T> foot = uu < vv ? fromU : vv < uu ? fromV : (fromU + fromV) * T(0.5);
-    foot -= along * dot(foot, along);  // what rounding left along the edge may be all of a small vector
-    if (dot(foot, foot) < kLineGap * kLineGap)
-      foot = normalized(aside() - along * dot(aside(), along)) * kLineGap;
-    edge.delta = -dot(foot, normal);
-    edge.l = dot(foot, cross(along, normal));
-    const T rest = 1 - edge.delta * edge.delta - edge.l * edge.l, half = rest > 0 ? std::sqrt(rest) : T(0);
-    edge.from = edge.x0 > -half ? edge.x0 : -half;
-    edge.to = edge.x1 < half ? edge.x1 : half;
-    return edge;
-  }
-
-  /// Adds the fan between the foot of p and an edge.
-  WEIR_HD void addFan(const Edge& edge, const Triangle& triangle) {
-    const T sign = edge.l < 0 ? T(-1) : T(1);
-    const T q = std::abs(edge.delta);
-    if (!(edge.from < edge.to)) {
-      addOuter(triangle.side, sign * angle(edge.l, edge.x0, edge.x1), q, triangle.normal);
-      return;
-    }
-    T outer = 0;
-    if (edge.x0 < edge.from) outer += angle(edge.l, edge.x0, edge.from);
-    if (edge.to < edge.x1) outer += angle(edge.l, edge.to, edge.x1);
-    if (outer > 0) addOuter(triangle.side, sign * outer, q, triangle.normal);
-
-    const T solidAngle = fanAngle(edge, edge.to, triangle.side) - fanAngle(edge, edge.from, triangle.side);
-    phi_ += solidAngle / (4 * kPi);
-    d_ += solidAngle * 15 / (4 * kPi);
-    // R has its greatest curvature at x = 0, so the points are densest there.
-    if (edge.from < 0 && edge.to > 0) {
-      addInner(edge, edge.from, 0, triangle.normal);
-      addInner(edge, 0, edge.to, triangle.normal);
-    } else {
-      addInner(edge, edge.from, edge.to, triangle.normal);
-    }
-  }
-
-  /// The constants (3) over the angle ∫dθ, signed by the edge; q = |δ|.
-  WEIR_HD void addOuter(T side, T angle, T q, const Vec3<T>& normal) {
-    const T t = q < 1 ? 1 - q : T(0), t4 = t * t * t * t, turns = angle / (2 * kPi);
-    phi_ += side * turns * T(0.5) * t4 * t * (1 + 2 * q);
-    d_ += side * turns * T(7.5) * t4;
-    gradient_ -= normal * (turns * T(1.5) * t4 * (1 + 4 * q));
-  }
-
-  /// The antiderivatives (5) over the part [x0, x1] of the edge, all within the support.
-  WEIR_HD void addInner(const Edge& edge, T x0, T x1, const Vec3<T>& normal) {
-    // Gauss-Legendre on [-1, 1], five points.
-    const T node[5] = {T(-0.906179845938664), T(-0.538469310105683), T(0), T(0.538469310105683),
-                       T(0.906179845938664)};
-    const T weight[5] = {T(0.236926885056189), T(0.478628670499366), T(0.568888888888889),
-                         T(0.478628670499366), T(0.236926885056189)};
-    const T q = std::abs(edge.delta), qq = q * q, rho = edge.l * edge.l + qq;
-    const T middle = (x0 + x1) / 2, half = (x1 - x0) / 2;
-    T w = 0, d = 0, area = 0;
-    for (int k = 0; k < 5; ++k) {
-      const T x = middle + half * node[k], r = std::sqrt(rho + x * x);
-      // cₙ = (rⁿ − qⁿ)/(r² − q²)
-      const T c1 = 1 / (r + q), c3 = r + qq * c1, c4 = r * r + qq, c5 = r * c4 + qq * qq * c1;
-      w += weight[k] * (T(1) / 6 - c3 / 4 + c4 * 3 / 20 - c5 / 30);
-      d += weight[k] * (c1 / 2 - T(1) / 3 + c3 / 12);
-      area += weight[k] * (T(0.5) - c3 + c4 * 3 / 4 - c5 / 5);
-    }
-    const T scale = edge.l * half * 15 / kPi;
-    phi_ -= edge.delta * scale * w;
-    d_ -= edge.delta * scale * 3 * d;
-    gradient_ -= normal * (scale * area);
-  }
-
-  /// The angle between the points xa ≤ xb of an edge, seen from the foot of p, in [0, π].
-  WEIR_HD static T angle(T l, T xa, T xb) { return std::atan2(std::abs(l) * (xb - xa), l * l + xa * xb); }
-
-  /// (4) for the part [0, x] of the edge. With the sign of the plane's side instead of |δ| it stays
-  /// continuous if the edge's own δ has the other sign by rounding.
-  WEIR_HD static T fanAngle(const Edge& edge, T x, T side) {
-    const T l = std::abs(edge.l), delta = side * edge.delta;
-    const T r = std::sqrt(delta * delta + l * l + x * x);
-    const T fan = std::atan2(x * l * (r - delta), l * l * r + x * x * delta);
-    return edge.l < 0 ? -side * fan : side * fan;
-  }
-
-  Vec3<T> p_;
   T inverseRadius_;
+  TriangleIntegrator<T> triangles_;
   // In units of H, for s = 1:
   T phi_ = 0;
   Vec3<T> gradient_;

@@ -17,6 +17,8 @@ Mean compression is the mean of max(density / rest density - 1, 0), as each prog
 
 SPlisHSPlasH is a package of PyPI, which PYTHON must have (by default, the one that runs this):
   python3 -m venv splishsplash && splishsplash/bin/pip install pysplishsplash==2.18.1
+Its wheels for Python 3.9 to 3.11 need a processor with AVX-512 (an import ends with code -4 elsewhere); those for
+3.12 and 3.13 need AVX2.
 """
 import argparse
 import json

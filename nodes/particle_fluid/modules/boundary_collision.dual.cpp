@@ -1,39 +1,11 @@
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 
-#include <bit>
-#include <limits>
-
 #include "framework/compute/eight.h"
-#include "nodes/static_boundary/boundary.h"
+#include "nodes/static_boundary/boundary_clearance.h"
 
 namespace weir {
 
 namespace {
-
-template <class T>
-WEIR_HD Vec3<T> spread(const Vec3f& v) {
-  return {T(v.x), T(v.y), T(v.z)};
-}
-
-template <class T>
-WEIR_HD Vec3<T> rotated(const Quatf& q, const Vec3<T>& v) {
-  const Vec3<T> u = spread<T>({q.x, q.y, q.z});
-  const Vec3<T> t = 2.0f * cross(u, v);
-  return v + q.w * t + cross(u, t);
-}
-
-template <class T>
-WEIR_HD T larger(const T& a, const T& b) {
-  return select(a > b, a, b);
-}
-template <class T>
-WEIR_HD T smaller(const T& a, const T& b) {
-  return select(a < b, a, b);
-}
-template <class T>
-WEIR_HD T magnitude(const T& a) {
-  return larger(a, -a);
-}
 
 struct Collide {
   BoundaryView boundary;
@@ -43,39 +15,16 @@ struct Collide {
 #ifdef WEIR_HAS_EIGHT
   /// Most particles are far from all walls.
   void operator()(Eight i) const {
-    unsigned near = ~(clearance(read(positions, i)) > Lanes(radius)).bits() & 0xffu;
-    for (; near != 0; near &= near - 1) (*this)(i.first + std::countr_zero(near));
+    forEachNear(boundary, radius, i, read(positions, i), *this);
   }
-
 #endif
-
-  /// What bounds the distance of one or eight points from the solids, from below; boxes only, others count as
-  /// near.
-  template <class T>
-  WEIR_HD T clearance(const Vec3<T>& p) const {
-    constexpr float kRounding = 1e-4f;  // of the size
-    constexpr float kFar = 1e30f;
-    T least = kFar;
-    for (int k = 0; k < boundary.count; ++k) {
-      const BoundaryPiece& piece = boundary.pieces[k];
-      const Shape& shape = piece.shape;
-      if (piece.isMesh || shape.kind != ShapeKind::kBox) return T(-kFar);
-      const Vec3<T> local = rotated(conjugate(shape.rotation), p - spread<T>(shape.position));
-      const Vec3f& half = shape.halfSize;
-      // The distance from the plane of a face bounds that from the box.
-      const T out = larger(larger(magnitude(local.x) - half.x, magnitude(local.y) - half.y),
-                           magnitude(local.z) - half.z);
-      least = smaller(least, (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z));
-    }
-    return least;
-  }
 
   WEIR_HD void operator()(std::int64_t i) const {
     // In a corner, leaving one wall may mean entering another.
     constexpr int kMostContacts = 4;
     Vec3f p = positions[i];
 #ifdef __CUDA_ARCH__
-    if (clearance(p) > radius) return;
+    if (clearance(boundary, p) > radius) return;
 #endif
     BoundaryHit hit = boundaryQuery(boundary, p);
     // Few particles touch a wall, so velocities are not read before.

@@ -275,6 +275,12 @@ struct MeetWalls {
   ArrayView<const Vec3f> displacement;
   ArrayView<Vec3f> velocities;
 
+#ifdef WEIR_HAS_EIGHT
+  void operator()(Eight i) const {
+    forEachNear(boundary, reach, i, read(positions, i), *this);
+  }
+#endif
+
   WEIR_HD void operator()(std::int64_t i) const {
     const BoundaryHit wall = boundaryQuery(boundary, positions[i]);
     if (!(wall.distance < reach)) return;
@@ -341,10 +347,10 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   if (!controlled()) return;
   constexpr float kTouching = 1.001f;
   for (const Boundary* boundary : fluid.boundaries)
-    parallelFor(device, "walls", count,
-                MeetWalls{makePushOf(fluid, conservative, bulkEnergy_), boundary->view(),
-                          kTouching * fluid.constants.contact, inverseDt, fluid.particles.positions().view(),
-                          displacement(fluid).view(), velocities});
+    parallelForEights(device, "walls", count,
+                      MeetWalls{makePushOf(fluid, conservative, bulkEnergy_), boundary->view(),
+                                kTouching * fluid.constants.contact, inverseDt,
+                                fluid.particles.positions().view(), displacement(fluid).view(), velocities});
 }
 
 template <class Backend>
@@ -499,9 +505,9 @@ template <class Backend>
 void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* done) {
   if (!controlled()) return;
   for (const Boundary* boundary : fluid.boundaries)
-    parallelFor(device, "contain", fluid.particles.count(),
-                Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                        displacement(fluid).view(), state_.view(), done});
+    parallelForEights(device, "contain", fluid.particles.count(),
+                      Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
+                              displacement(fluid).view(), state_.view(), done});
 }
 
 template <class Backend>

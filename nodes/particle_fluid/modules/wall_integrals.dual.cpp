@@ -1,11 +1,12 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 
-#include <vector>
+#include <algorithm>
 
 #include "framework/compute/parallel_uneven.h"
 #include "nodes/geometry/box_blocks.h"
 #include "nodes/particle_fluid/hidden_neighbors.h"
 #include "nodes/solids/solid_integrals.h"
+#include "nodes/solids/triangle_pairs.h"
 
 namespace weir {
 
@@ -16,20 +17,33 @@ struct Found {
   int sides = 0;
 };
 
-/// `reach` is the support of the fluid, at least the radius of the integrals. `triangles` has the solid's
-/// forEachTriangleNear.
-template <class Triangles>
-WEIR_HD Found findOf(const SolidView& solid, const Triangles& triangles, const Vec3f& position, float radius,
-                     float reach, float calibration, const Team& team) {
+/// What turns its back to a particle outside may be the other side of a thin part.
+WEIR_HD bool fillsBehind(const SolidView& solid, const Found& found, const SolidIntegrator<float>& sum) {
+  return solid.kind != SolidKind::kSheet && !solid.approximate && (found.sides & kSeesBack) != 0 &&
+         sum.isOutside();
+}
+
+WEIR_HD void take(const SolidView& solid, const SolidIntegrator<float>& sum, float calibration,
+                  Found& found) {
+  found.integrals =
+      solid.kind == SolidKind::kSheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
+  found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
+}
+
+/// `reach` is the support of the fluid, at least the radius of the integrals. The threads of a team share a
+/// walk down the tree.
+WEIR_HD Found findOf(const SolidView& solid, const Vec3f& position, float radius, float reach,
+                     float calibration, const Team& team) {
   const Vec3f p = solid.end.toBody(position);
   if (solid.clearance.at(p) > reach) return {};
   SolidIntegrator<float> sum(p, radius);
   Found found;
   const auto forEachNear = [&](float within, auto&& f) {
     const bool container = solid.kind == SolidKind::kContainer;
-    triangles.forEachTriangleNear(solid.tree, p, within, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-      f(a, container ? c : b, container ? b : c);
-    });
+    solid.tree.forEachTriangleNear(
+        p, within,
+        [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { f(a, container ? c : b, container ? b : c); },
+        team);
   };
   forEachNear(reach, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     found.sides |= sidesSeen(p, a, b, c);
@@ -40,26 +54,13 @@ WEIR_HD Found findOf(const SolidView& solid, const Triangles& triangles, const V
   });
   sum.unite(team);
   found.sides = team.unite(found.sides);
-  const bool sheet = solid.kind == SolidKind::kSheet;
-  // What turns its back to a particle outside may be the other side of a thin part.
-  if (!sheet && !solid.approximate && (found.sides & kSeesBack) != 0 && sum.isOutside()) {
+  if (fillsBehind(solid, found, sum)) {
     forEachNear(radius, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { sum.fillBehind(a, b, c); });
     sum.uniteBehind(team);
   }
-  found.integrals = sheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
-  found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
+  take(solid, sum, calibration, found);
   return found;
 }
-
-/// The threads of a team share a walk down the tree.
-struct WalkInTeam {
-  const Team& team;
-
-  template <class F>
-  WEIR_HD void forEachTriangleNear(const TriangleTreeView& tree, const Vec3f& p, float radius, F&& f) const {
-    tree.forEachTriangleNear(p, radius, f, team);
-  }
-};
 
 struct IsNear {
   ArrayView<const SolidView> solids;
@@ -85,41 +86,93 @@ struct FindIntegrals {
   ArrayView<int> sides;
 
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
-    find(n, team, [&team](std::int64_t) { return WalkInTeam{team}; });
+    const int i = near[n];
+    SolidIntegrals<float> sum;
+    for (std::int64_t k = 0; k < solids.size; ++k) {
+      const Found found = findOf(solids[k], positions[i], radius, reach, calibration, team);
+      if (team.lane == 0) write(i, k, found);
+      add(found.integrals, sum);
+    }
+    if (team.lane == 0) writeSum(i, sum);
   }
 
-  /// `trianglesOf(k)` are those of solid k.
-  template <class TrianglesOf>
-  WEIR_HD void find(std::int64_t n, const Team& team, const TrianglesOf& trianglesOf) const {
-    const int i = near[n];
-    const Vec3f p = positions[i];
-    Vec3f gradient{};
-    float phi = 0, sumOfD = 0;
-    for (std::int64_t k = 0; k < solids.size; ++k) {
-      const Found found = findOf(solids[k], trianglesOf(k), p, radius, reach, calibration, team);
-      const SolidIntegrals<float>& of = found.integrals;
-      if (team.lane == 0) {
-        sides[k * stride + i] = found.sides;
-        each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
-      }
-      gradient += of.gradPhi;
-      phi += of.phi;
-      sumOfD += of.d;
-    }
-    if (team.lane != 0) return;
-    if (total.size > 0) total[i] = {gradient.x, gradient.y, gradient.z, phi};
-    d[i] = sumOfD;
+  WEIR_HD void write(int i, std::int64_t k, const Found& found) const {
+    const SolidIntegrals<float>& of = found.integrals;
+    sides[k * stride + i] = found.sides;
+    each[k * stride + i] = {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
+  }
+  WEIR_HD void writeSum(int i, const SolidIntegrals<float>& sum) const {
+    if (total.size > 0) total[i] = {sum.gradPhi.x, sum.gradPhi.y, sum.gradPhi.z, sum.phi};
+    d[i] = sum.d;
+  }
+  WEIR_HD static void add(const SolidIntegrals<float>& of, SolidIntegrals<float>& sum) {
+    sum.gradPhi += of.gradPhi;
+    sum.phi += of.phi;
+    sum.d += of.d;
   }
 };
 
 #ifdef WEIR_HAS_LANES
 
-struct FindIntegralsByBlocks {
+/// The same for ranges of near particles, which fill lanes together.
+struct FindIntegralsInLanes {
   FindIntegrals find;
-  const BoxBlocks* blocks;  // of the solids
 
-  void operator()(std::int64_t n) const {
-    find.find(n, {}, [this](std::int64_t k) -> const BoxBlocks& { return blocks[k]; });
+  void operator()(std::int64_t begin, std::int64_t end) const {
+    TrianglePairs pairs;
+    for (std::int64_t n = begin; n < end; n += TrianglePairs::kMostParticles)
+      together(n, std::min<std::int64_t>(n + TrianglePairs::kMostParticles, end), pairs);
+  }
+
+ private:
+  static constexpr int kMostTriangles = TrianglePairs::kMost;  // of a particle
+
+  void together(std::int64_t begin, std::int64_t end, TrianglePairs& pairs) const {
+    SolidIntegrals<float> sums[TrianglePairs::kMostParticles];
+    for (std::int64_t k = 0; k < find.solids.size; ++k)
+      for (std::int64_t n = begin; n < end;) n = some(k, n, end, pairs, sums + (n - begin));
+    for (std::int64_t n = begin; n < end; ++n) find.writeSum(find.near[n], sums[n - begin]);
+  }
+
+  /// Of solid k and as many particles as pairs have room for. Returns where the next begin.
+  std::int64_t some(std::int64_t k, std::int64_t begin, std::int64_t end, TrianglePairs& pairs,
+                    SolidIntegrals<float>* sums) const {
+    const SolidView& solid = find.solids[k];
+    int triangles[kMostTriangles + Lanes::kCount];
+    Vec3f points[TrianglePairs::kMostParticles];
+    bool alone[TrianglePairs::kMostParticles];
+    pairs.clear();
+    std::int64_t n = begin;
+    for (; n < end; ++n) {
+      const Vec3f p = points[n - begin] = solid.end.toBody(find.positions[find.near[n]]);
+      int count = 0;
+      if (!(solid.clearance.at(p) > find.reach))
+        count = solid.tree.empty() ? 0 : solid.tree.blocks->near(p, find.reach, triangles, kMostTriangles);
+      alone[n - begin] = count > kMostTriangles || solid.approximate;
+      if (alone[n - begin]) count = 0;
+      if (!pairs.hasRoom(count)) break;
+      pairs.add(p, triangles, count);
+    }
+    pairs.evaluate(solid.tree, solid.kind == SolidKind::kContainer, find.radius);
+    for (std::int64_t m = begin; m < n; ++m) {
+      const int i = find.near[m];
+      const Found found = alone[m - begin] ? findOf(solid, find.positions[i], find.radius, find.reach,
+                                                    find.calibration, Team{})
+                                           : foundBy(solid, points[m - begin], pairs, int(m - begin));
+      find.write(i, k, found);
+      find.add(found.integrals, sums[m - begin]);
+    }
+    return n;
+  }
+
+  Found foundBy(const SolidView& solid, const Vec3f& p, const TrianglePairs& pairs, int particle) const {
+    SolidIntegrator<float> sum(p, find.radius);
+    Found found{.integrals = {}, .sides = pairs.sidesSeen(particle)};
+    pairs.forEachTriangle(particle, [&](const TriangleTerms<float>& terms) { sum.add(terms); });
+    if (fillsBehind(solid, found, sum))
+      pairs.forEachTriangle(particle, [&](const TriangleTerms<float>& terms) { sum.fillBehind(terms); });
+    take(solid, sum, find.calibration, found);
+    return found;
   }
 };
 
@@ -157,17 +210,13 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
                            several ? walls.total.view() : ArrayView<Vec4f>{},
                            walls.d.view(),
                            walls.sides.view()};
-#ifdef WEIR_HAS_LANES
-  if constexpr (!std::is_same_v<Backend, CudaDevice>) {
-    std::vector<BoxBlocks> blocks;
-    for (std::int64_t k = 0; k < solids.size; ++k) blocks.emplace_back(device, solids[k].tree);
-    parallelForUneven(device, kName, walls.nearCount(), FindIntegralsByBlocks{find, blocks.data()});
-    takeOutHiddenNeighbors(device, fluid);
-    return;
-  }
-#endif
   constexpr TeamPlan kPlan{32, 1 << 17};
-  parallelForTeams(device, kName, walls.nearCount(), kPlan, find);
+#ifdef WEIR_HAS_LANES
+  if constexpr (!std::is_same_v<Backend, CudaDevice>)
+    forEachUnevenRange(device, kName, walls.nearCount(), FindIntegralsInLanes{find});
+  else
+#endif
+    parallelForUneven(device, kName, walls.nearCount(), kPlan, find);
   takeOutHiddenNeighbors(device, fluid);
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kMutants = 11000, kPerCall = 500;
 
-/// All nodes in one scene, small enough to run in no time.
+/// All nodes in one scene, small enough to run in no time: of coarse meshes, because hundreds of mutants make
+/// their distance fields.
 constexpr const char* kEveryNode = R"({
   "weir": 1,
   "world": { "gravity": { "keyframes": [[0, [0, -9.8, 0]], [0.01, [0, -5, 0]]] },
@@ -26,11 +27,12 @@ constexpr const char* kEveryNode = R"({
                                                   "speed": { "keyframes": [[0, 0.5], [0.01, 2]] } } },
     "spring": { "type": "MeshEmitter", "params": { "speed": 0.5, "max_particles": 50 } },
     "cup": { "type": "TurningModel",
-             "params": { "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
+             "params": { "segments": 12,
+                         "profile": [[0, 0], [0.2, 0], [0.2, 0.3], [0.15, 0.3], [0.15, 0.05], [0, 0.05]] } },
     "hill": { "type": "Terrain", "params": { "size": [0.6, 0.5], "cells": 8, "profile": [[-0.3, 0.1], [0.2, 0.05]],
                                             "channel_width": 0.2, "channel_depth": 0.03, "roughness": 0.02,
                                             "rocks": 2, "rock_range": [-0.1, 0.2] } },
-    "glass": { "type": "StaticBoundary", "params": { "friction": 0.1 } },
+    "glass": { "type": "StaticBoundary", "params": { "friction": 0.1, "cell_size": 0.05 } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [-0.5, 0, -0.5], "max": [0.5, 1, 0.5], "inverted": true } },
     "block": { "type": "BoxSampler", "params": { "min": [-0.4, 0.4, -0.4], "max": [-0.1, 0.7, 0.4] } },

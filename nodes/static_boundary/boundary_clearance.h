@@ -1,0 +1,76 @@
+// A bound of the distance from walls that costs little: mostly no particle is near, and walls need not be
+// asked for more.
+#pragma once
+
+#include <bit>
+
+#include "framework/compute/eight.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+namespace detail {
+
+template <class T>
+WEIR_HD Vec3<T> spread(const Vec3f& v) {
+  return {T(v.x), T(v.y), T(v.z)};
+}
+
+template <class T>
+WEIR_HD Vec3<T> rotated(const Quatf& q, const Vec3<T>& v) {
+  const Vec3<T> u = spread<T>({q.x, q.y, q.z});
+  const Vec3<T> t = 2.0f * cross(u, v);
+  return v + q.w * t + cross(u, t);
+}
+
+template <class T>
+WEIR_HD T larger(const T& a, const T& b) {
+  return select(a > b, a, b);
+}
+template <class T>
+WEIR_HD T smaller(const T& a, const T& b) {
+  return select(a < b, a, b);
+}
+template <class T>
+WEIR_HD T magnitude(const T& a) {
+  return larger(a, -a);
+}
+
+}  // namespace detail
+
+/// What bounds the distance of one or eight points from the solids, from below; boxes only, others count as
+/// near.
+template <class T>
+WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
+  using namespace detail;
+  constexpr float kRounding = 1e-4f;  // of the size
+  constexpr float kFar = 1e30f;
+  T least = kFar;
+  for (int k = 0; k < boundary.count; ++k) {
+    const BoundaryPiece& piece = boundary.pieces[k];
+    const Shape& shape = piece.shape;
+    if (piece.isMesh || shape.kind != ShapeKind::kBox) return T(-kFar);
+    const Vec3<T> local = detail::rotated(conjugate(shape.rotation), p - spread<T>(shape.position));
+    const Vec3f& half = shape.halfSize;
+    // The distance from the plane of a face bounds that from the box.
+    const T out = larger(larger(detail::magnitude(local.x) - half.x, detail::magnitude(local.y) - half.y),
+                         detail::magnitude(local.z) - half.z);
+    least = smaller(least, (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z));
+  }
+  return least;
+}
+
+#ifdef WEIR_HAS_EIGHT
+
+/// Calls f(k) for the indices k among the eight, with positions p, that may be nearer to a boundary than
+/// `radius`.
+template <class F>
+[[gnu::always_inline]] inline void forEachNear(const BoundaryView& boundary, float radius, Eight i,
+                                               const Vec3<Lanes>& p, const F& f) {
+  unsigned near = ~(clearance(boundary, p) > Lanes(radius)).bits() & 0xffu;
+  for (; near != 0; near &= near - 1) f(i.first + std::countr_zero(near));
+}
+
+#endif
+
+}  // namespace weir
