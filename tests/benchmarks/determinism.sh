@@ -14,9 +14,9 @@ trap 'rm -rf "$folder"' EXIT
 
 number() { tr -d '\n ' <"$folder/stats.json" | sed "s/.*\"$1\":\([-0-9.e+]*\).*/\1/"; }
 
-# $steps steps of a millisecond, in frames of 100 at most.
+# $steps steps of a millisecond, all in one frame: exports of many particles are large.
 run() {
-  "$program" run "$scene" --device "$device" --set "water.spacing=$spacing" --set world.frame_rate=10 \
+  "$program" run "$scene" --device "$device" --set "water.spacing=$spacing" --set "world.frame_rate=$(awk "BEGIN { printf \"%.9g\", 1000 / $steps }")" \
     --duration "$(awk "BEGIN { print $steps / 1000 }")" --stats "$folder/stats.json" --quiet "$@" >/dev/null
 }
 

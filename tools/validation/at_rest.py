@@ -89,18 +89,19 @@ def volume_of_revolution(profile, segments):
 
 def held_sphere(lab):
     """A ball held under water that is at rest: Archimedes, and no force to any side. Particles at rest bear some stress
-    in whatever arrangement they came to, so the force differs from filling to filling; this is the mean over fillings."""
+    in whatever arrangement they came to, so the force differs from filling to filling; this is the mean over fillings.
+    The stress creeps away for seconds, so what counts is the third second."""
     scene = scenes.read(SCENES / "validation" / "held_sphere.json")
     ball = scenes.parameter(scene, "ball.profile")
     expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
     runs = {spacing: [lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
                               {"water.spacing": str(spacing), "water.solver.iterations": str(enough(spacing)),
                                "world.seed": str(seed)}) for seed in range(1, fillings + 1)]
-            for spacing, fillings in lab.scale(((0.02, 8), (0.013, 4)), ((0.02, 8), (0.013, 8), (0.005, 1)))}
+            for spacing, fillings in lab.scale(((0.02, 8), (0.013, 8)), ((0.02, 8), (0.013, 8), (0.005, 1)))}
     rows = []
     for spacing, results in runs.items():
         fillings = len(results)
-        forces = [mean_force(result.series, "held", 0.5)["ball"] for result in results]
+        forces = [mean_force(result.series, "held", 2.0)["ball"] for result in results]
         force = [mean(axis) for axis in zip(*forces)]
         upwards = [f[1] for f in forces]
         label = f"d = {1000 * spacing:g} mm, {fillings} fillings"
