@@ -64,7 +64,8 @@ Value stepLengths(const Simulation& simulation) {
   return v;
 }
 
-Value moduleTimes(Profiler& profiler, std::int64_t steps) {
+Value moduleTimes(Profiler& profiler) {
+  const std::size_t steps = profiler.stepMs().size();  // a resumed run has not timed those before it
   Value v = Value::object();
   for (const ProfileEntry& entry : profiler.entries()) {
     Value& scope = v[entry.path];
@@ -164,7 +165,7 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["stepping_seconds"] = simulation.stepSeconds();
   v["step_ms"] = stepTimes(device.profiler());
   v["outputs"] = outputTimes(simulation);
-  v["modules_ms"] = moduleTimes(device.profiler(), simulation.stepsDone());
+  v["modules_ms"] = moduleTimes(device.profiler());
   v["memory"] = memoryValue(simulation);
   v["blocking_readbacks"] = integer(device.blockingReadbacks());
   addReports(simulation, v);

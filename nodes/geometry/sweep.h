@@ -8,8 +8,8 @@
 namespace weir {
 
 struct SweepResult {
-  Vec3f position;    ///< m, in the mesh's frame
-  bool hit = false;  ///< whether the mesh changed where the point went
+  Vec3f position;  ///< m, in the mesh's frame
+  int hit = 0;     ///< 1 if the mesh changed where the point went; no bool, so that no byte is left unset
   /// Unit vector away from what was hit, on the side of the point: the mean of all contacts, weighted by the
   /// motion that each took. Zero without a hit, and where the point was only held for want of room.
   Vec3f normal;

@@ -93,6 +93,18 @@ TEST_F(CheckpointOfRun, GoesOnBitByBitWhereItWas) {
   expectSame("whole", "parts");
 }
 
+TEST_F(CheckpointOfRun, ModulesAreTimedOverTheStepsOfTheProcess) {
+  ASSERT_EQ(run("run", {"--checkpoint", checkpoint(), "--checkpoint-every", "8", "--frames", "8"}).code, 0);
+  const std::int64_t before = seriesOf("run").back().find("steps")->asInt();
+  ASSERT_GT(before, 0);
+  const std::string file = folder_ / "stats.json";
+  ASSERT_EQ(run("run", {"--resume", checkpoint(), "--frames", "11", "--stats", file}).code, 0);
+  const Value stats = parseJson(readFile(file), file);
+  const Value& solver = *stats.find("modules_ms")->find("water/solver");
+  const double steps = solver.find("total")->asDouble() / solver.find("per_step")->asDouble();
+  EXPECT_NEAR(steps, static_cast<double>(stats.find("steps")->asInt() - before), 1e-6);
+}
+
 TEST_F(CheckpointOfRun, SurvivesAKill) {
   ASSERT_EQ(run("whole", {}).code, 0);
   ChildOptions killed;
