@@ -97,7 +97,7 @@ def held_sphere(lab):
     runs = {spacing: [lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
                               {"water.spacing": str(spacing), "water.solver.iterations": str(enough(spacing)),
                                "world.seed": str(seed)}) for seed in range(1, fillings + 1)]
-            for spacing, fillings in lab.scale(((0.02, 8), (0.013, 8)), ((0.02, 8), (0.013, 8), (0.005, 1)))}
+            for spacing, fillings in lab.scale(((0.02, 24), (0.013, 8)), ((0.02, 24), (0.013, 8), (0.005, 1)))}
     rows = []
     for spacing, results in runs.items():
         fillings = len(results)
