@@ -19,39 +19,45 @@ uniform mat3 uToWorld;        // from camera space to one in which y is up
 uniform bool uUnlit, uTransparent;
 out vec4 oLight;
 
-// Joints between tiles, as wide as a pixel at least, and paler where they would be wider.
-float joints(vec3 position) {
-  vec2 place = (uToWorld * (position - uGroundMiddle)).xz / uTiles;
-  vec2 pixel = max(fwidth(place), 1e-6);
-  vec2 width = max(vec2(0.012), pixel);
-  vec2 away = abs(fract(place - 0.5) - 0.5);
-  vec2 inside = (1.0 - smoothstep(width * 0.5, width * 0.5 + pixel, away)) * min(vec2(1.0), vec2(0.012) / pixel);
-  return max(inside.x, inside.y);
+#ifdef TILES
+// How light the ground's tiles are, and the joints between them, which are as wide as a sample at least, and paler
+// where they would be narrower. Where a sample and its neighbours lie follows from its ray alone: differences
+// between fragments (fwidth) are of squares of two that drivers take as they like, and mean nothing at outlines.
+float tiles(vec3 ray) {
+  float falling = min(dot(ray, uUp), -1e-6);
+  float away = dot(uGroundMiddle, uUp) / falling;
+  vec2 place = (uToWorld * (ray * away - uGroundMiddle)).xz / uTiles;
+  vec3 right = vec3(1.0, 0.0, 0.0) - ray * (uUp.x / falling), up = vec3(0.0, 1.0, 0.0) - ray * (uUp.y / falling);
+  vec2 fine = uPixel * uTangent * (away / uTiles);
+  fine = max(fine.x * abs((uToWorld * right).xz) + fine.y * abs((uToWorld * up).xz), 1e-6);  // a sample, in tiles
+  vec2 width = max(vec2(0.012), fine);
+  vec2 aside = abs(fract(place - 0.5) - 0.5);
+  vec2 joint = (1.0 - smoothstep(width * 0.5, width * 0.5 + fine, aside)) * min(vec2(1.0), vec2(0.012) / fine);
+  vec2 tile = floor(place);
+  return mix(1.0, 0.86, mod(tile.x + tile.y, 2.0)) * (1.0 - 0.35 * max(joint.x, joint.y));
 }
+#endif
 
 vec3 backgroundAt(float height) { return mix(uBackgroundBottom, uBackgroundTop, smoothstep(0.0, 1.0, height)); }
 
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
   vec2 window = gl_FragCoord.xy * uPixel * 0.5;
+  vec3 ray = rayAt(gl_FragCoord.xy);
 #ifdef OUTSIDE
-  vec3 background = environment(normalize(rayAt(gl_FragCoord.xy)));
+  vec3 background = environment(normalize(ray));
 #else
   vec3 background = backgroundAt(window.y);
 #endif
   float depth = texelFetch(uDepth, place, 0).r;
   vec4 surface = texelFetch(uAlbedo, place, 0);
   vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
-  vec3 position = rayAt(gl_FragCoord.xy) * distanceAt(depth);
+  vec3 position = ray * distanceAt(depth);
   vec3 towardsEye = -normalize(position);
   bool ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
 
 #ifdef TILES
-  if (ground) {
-    vec2 tile = floor((uToWorld * (position - uGroundMiddle)).xz / uTiles);
-    float odd = mod(tile.x + tile.y, 2.0);
-    surface.rgb *= mix(1.0, 0.86, odd) * (1.0 - 0.35 * joints(position));
-  }
+  if (ground) surface.rgb *= tiles(ray);
 #endif
   float open = texture(uOcclusion, window).r;
   float facing = dot(normal, uSun);
