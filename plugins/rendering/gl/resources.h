@@ -97,6 +97,7 @@ class Program {
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set(const char* uniform, const Vec2f& value) const;
+  void set(const char* uniform, const Vec2i& value) const;
   void set(const char* uniform, const Vec3f& value) const;
   void set(const char* uniform, const Vec4f& value) const;
   void setMatrix3(const char* uniform, const float* columns) const;

@@ -59,6 +59,13 @@ void leaveUnlessBehind() {
 }
 )";
 
+/// Maps of other sizes over the same picture. By integers, because middles of texels often lie on edges of the other
+/// map's, where rounding would choose one. Products stay below 2^31 for sizes up to 32768.
+inline const std::string kTexelSnippet = R"(
+// The texel of a map of `size` that holds the middle of texel `place` of a map of size `own`.
+ivec2 texelUnder(ivec2 place, ivec2 own, ivec2 size) { return (2 * place + 1) * size / (2 * own); }
+)";
+
 /// What surfaces are made of, in the alpha channel of their colour.
 inline const std::string kMaterialSnippet = R"(
 const float kMatt = 0.25, kParticle = 0.5, kMetal = 0.75, kGround = 1.0;
