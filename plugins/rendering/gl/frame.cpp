@@ -93,7 +93,7 @@ Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)
     : pictureWidth(width), pictureHeight(height), samples(samplesPerAxis) {
   const int fineWidth = width * samples, fineHeight = height * samples;
   albedo = makeTexture(gl, fineWidth, fineHeight, kSrgb8, GL_NEAREST);
-  normal = makeTexture(gl, fineWidth, fineHeight, kColor10, GL_NEAREST);
+  normal = makeTexture(gl, fineWidth, fineHeight, kColor16, GL_NEAREST);
   depth = makeTexture(gl, fineWidth, fineHeight, kDepth32F, GL_NEAREST);
   geometry = makeFramebuffer(gl, {&albedo, &normal}, &depth);
   for (int i = 0; i < 2; ++i) {

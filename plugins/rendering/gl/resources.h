@@ -70,7 +70,7 @@ struct TextureFormat {
 };
 inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
-inline constexpr TextureFormat kColor10{GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
+inline constexpr TextureFormat kColor16{GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
 inline constexpr TextureFormat kGrey8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kFloat1{GL_R32F, GL_RED, GL_FLOAT};

@@ -17,15 +17,15 @@ struct ClearNearest {
   WEIR_HD void operator()(std::int64_t k) const { nearest[k] = kNobody; }
 };
 
-/// -1 … 1 as a number of ten bits.
-WEIR_HD std::uint32_t tenBits(float component) {
-  constexpr float kMost = 1023;
+/// -1 … 1 as a number of 16 bits.
+WEIR_HD std::uint64_t sixteenBits(float component) {
+  constexpr float kMost = 65535;
   const float half = 0.5f + 0.5f * component;
   return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMost + 0.5f);
 }
 
-WEIR_HD std::uint32_t packedNormal(const Vec3f& n) {
-  return tenBits(n.x) | tenBits(n.y) << 10 | tenBits(n.z) << 20 | 3u << 30;
+WEIR_HD std::uint64_t packedNormal(const Vec3f& n) {
+  return sixteenBits(n.x) | sixteenBits(n.y) << 16 | sixteenBits(n.z) << 32 | std::uint64_t{0xffff} << 48;
 }
 
 struct WriteTexels {

@@ -144,7 +144,7 @@ WaterTargets::WaterTargets(const Functions& gl, const Targets& targets)
     : thicknessWidth((targets.pictureWidth + 1) / 2), thicknessHeight((targets.pictureHeight + 1) / 2) {
   const int width = targets.pictureWidth, height = targets.pictureHeight;
   depth = makeTexture(gl, width * targets.samples, height * targets.samples, kDepth32F, GL_NEAREST);
-  normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor10, GL_NEAREST);
+  normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor16, GL_NEAREST);
   surface = makeFramebuffer(gl, {&normal}, &depth);
   background = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat1, GL_NEAREST);
   backgroundTarget = makeFramebuffer(gl, {&background}, nullptr);
