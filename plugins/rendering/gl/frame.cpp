@@ -97,7 +97,7 @@ Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)
   depth = makeTexture(gl, fineWidth, fineHeight, kDepth32F, GL_NEAREST);
   geometry = makeFramebuffer(gl, {&albedo, &normal}, &depth);
   for (int i = 0; i < 2; ++i) {
-    occlusion[i] = makeTexture(gl, width, height, kGrey8, GL_LINEAR);
+    occlusion[i] = makeTexture(gl, width, height, kGrey16, GL_LINEAR);
     occlusionTargets[i] = makeFramebuffer(gl, {&occlusion[i]}, nullptr);
   }
   light = makeTexture(gl, fineWidth, fineHeight, kColor16F, GL_NEAREST);

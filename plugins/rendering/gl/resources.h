@@ -72,7 +72,7 @@ inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kColor16{GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-inline constexpr TextureFormat kGrey8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kGrey16{GL_R16, GL_RED, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kFloat1{GL_R32F, GL_RED, GL_FLOAT};
 inline constexpr TextureFormat kFloat2{GL_RG32F, GL_RG, GL_FLOAT};
 inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
