@@ -9,7 +9,7 @@ namespace weir::rendering::gl {
 namespace {
 
 const std::string kLightingShader =
-    kCameraSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
+    kCameraSnippet + kNormalSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
 uniform sampler2D uAlbedo, uNormal, uDepth, uOcclusion;
 uniform vec3 uBackgroundTop, uBackgroundBottom;
 uniform vec3 uGroundMiddle;   // in camera space
@@ -51,7 +51,7 @@ void main() {
 #endif
   float depth = texelFetch(uDepth, place, 0).r;
   vec4 surface = texelFetch(uAlbedo, place, 0);
-  vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
+  vec3 normal = normalOf(texelFetch(uNormal, place, 0).rg);
   vec3 position = ray * distanceAt(depth);
   vec3 towardsEye = -normalize(position);
   bool ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);

@@ -115,7 +115,7 @@ Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
-  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 1, 1};
+  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 0, 0};
   constexpr float kFarthest = 1;
   gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->geometry.name());
   gl.viewport(0, 0, frame.width, frame.height);

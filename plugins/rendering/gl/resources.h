@@ -70,6 +70,7 @@ struct TextureFormat {
 };
 inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kNormal{GL_RG16, GL_RG, GL_UNSIGNED_SHORT};  ///< see kNormalSnippet
 inline constexpr TextureFormat kColor16{GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
 inline constexpr TextureFormat kGrey16{GL_R16, GL_RED, GL_UNSIGNED_SHORT};

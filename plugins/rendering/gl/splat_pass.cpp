@@ -19,13 +19,13 @@ SplatPass::SplatPass(const Functions& gl, Device& device)
       device_(device),
       spheres_(device),
       nearest_(device),
-      normal_(device),
       albedo_(device),
+      normal_(device),
       shadow_(device),
       depth_(device),
       albedoCopy_(device),
-      shadowCopy_(device),
       normalCopy_(device),
+      shadowCopy_(device),
       depthCopy_(device) {}
 
 Aabb SplatPass::load(std::span<const ParticleView> views) {
@@ -46,7 +46,7 @@ void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
                   {albedo_.view(), normal_.view(), depth_.view()});
   });
   replace(gl_, targets.albedo, frame.width, frame.height, kSrgb8, albedoCopy_.of(albedo_).data());
-  replace(gl_, targets.normal, frame.width, frame.height, kColor16, normalCopy_.of(normal_).data());
+  replace(gl_, targets.normal, frame.width, frame.height, kNormal, normalCopy_.of(normal_).data());
   replace(gl_, targets.depth, frame.width, frame.height, kDepth32F, depthCopy_.of(depth_).data());
 }
 

@@ -23,11 +23,10 @@ class SplatPass final : public ParticleDrawer {
   const Functions& gl_;
   Device& device_;
   SphereSet spheres_;
-  Array<std::uint64_t> nearest_, normal_;
-  Array<std::uint32_t> albedo_, shadow_;
+  Array<std::uint64_t> nearest_;
+  Array<std::uint32_t> albedo_, normal_, shadow_;
   Array<float> depth_;
-  DeviceOutput<std::uint32_t> albedoCopy_, shadowCopy_;
-  DeviceOutput<std::uint64_t> normalCopy_;
+  DeviceOutput<std::uint32_t> albedoCopy_, normalCopy_, shadowCopy_;
   DeviceOutput<float> depthCopy_;
 };
 

@@ -208,7 +208,7 @@ void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts
   gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
   gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
   parts.particles.drawDepth(frame, water, water_->depth);
-  parts.surfaces.drawDepth(frame, water, parts.meshes);
+  parts.surfaces.drawDepth(frame, water, parts.meshes, {frame.width, frame.height});
 
   gl_.disable(GL_DEPTH_TEST);
   gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
@@ -218,7 +218,7 @@ void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts
   parts.particles.drawThickness(frame, water, water_->depth, {water_->background, water_->backgroundTarget},
                                 {water_->thickness[0], water_->thicknessWidth, water_->thicknessHeight});
   gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  parts.surfaces.drawThickness(frame, water, parts.meshes);
+  parts.surfaces.drawThickness(frame, water, parts.meshes, {water_->thicknessWidth, water_->thicknessHeight});
 }
 
 void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const {
