@@ -44,24 +44,35 @@ void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
   vec2 window = gl_FragCoord.xy * uPixel * 0.5;
   vec3 ray = rayAt(gl_FragCoord.xy);
-#ifdef OUTSIDE
-  vec3 background = environment(normalize(ray));
-#else
-  vec3 background = backgroundAt(window.y);
-#endif
   float depth = texelFetch(uDepth, place, 0).r;
   vec4 surface = texelFetch(uAlbedo, place, 0);
-  vec3 normal = normalOf(texelFetch(uNormal, place, 0).rg);
   vec3 position = ray * distanceAt(depth);
-  vec3 towardsEye = -normalize(position);
-  bool ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
+  bool nothing = depth >= 1.0, ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
 
+  // Much of a picture is nothing but background, and little of the ground fades into it.
+  float faded = nothing ? 1.0 : ground ? smoothstep(0.12, 0.9, length(position - uGroundMiddle) / uGroundRadius) : 0.0;
+  vec3 background = vec3(0.0);
+  if (faded > 0.0) {
+#ifdef OUTSIDE
+    background = environment(normalize(ray));
+#else
+    background = backgroundAt(window.y);
+#endif
+    if (faded >= 1.0) {
+      oLight = uTransparent ? vec4(0.0) : vec4(background, 1.0);
+      return;
+    }
+  }
+
+  vec3 normal = normalOf(texelFetch(uNormal, place, 0).rg);
+  vec3 towardsEye = -normalize(position);
 #ifdef TILES
   if (ground) surface.rgb *= tiles(ray);
 #endif
-  float open = texture(uOcclusion, window).r;
+  float open = textureLod(uOcclusion, window, 0.0).r;
   float facing = dot(normal, uSun);
-  vec3 sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
+  vec3 sun = vec3(0.0);
+  if (facing >= 0.0) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
   vec3 diffuse = skyLight(normal) * open + uSunColor * sun * max(facing, 0.0) * mix(1.0, open, 0.35);
   vec3 color = surface.rgb * diffuse;
   float rim = fresnel(dot(normal, towardsEye), 0.04);
@@ -80,16 +91,13 @@ void main() {
   }
 #endif
   if (uUnlit) color = surface.rgb;
-  float away = length(position - uGroundMiddle) / uGroundRadius;
-  float faded = smoothstep(0.12, 0.9, away);
   if (ground) color = mix(color, background, faded);
-  oLight = vec4(depth >= 1.0 ? background : color, 1.0);
-  if (!uTransparent) return;
+  oLight = vec4(color, 1.0);
+  if (!uTransparent || !ground) return;
   // Of the ground, what it lacks of the light that it would have without the scene.
   vec3 lit = skyLight(normal) + uSunColor * max(facing, 0.0);
   float dark = clamp(1.0 - dot(diffuse, vec3(1.0)) / max(dot(lit, vec3(1.0)), 1e-6), 0.0, 1.0);
-  if (depth >= 1.0) oLight = vec4(0.0);
-  else if (ground) oLight = vec4(vec3(0.0), uUnlit ? 0.0 : dark * (1.0 - faded));
+  oLight = vec4(vec3(0.0), uUnlit ? 0.0 : dark * (1.0 - faded));
 }
 )";
 
@@ -103,6 +111,7 @@ out vec4 oColor;  // not multiplied with its opacity
 // Leaves light below the knee alone, and bends what is above it towards 1.
 vec3 shoulder(vec3 light) {
   const float kKnee = 0.8;
+  if (max(light.r, max(light.g, light.b)) <= kKnee) return light;
   vec3 over = max(light - kKnee, 0.0) / (1.0 - kKnee);
   return min(light, kKnee) + (1.0 - kKnee) * (1.0 - exp(-over));
 }

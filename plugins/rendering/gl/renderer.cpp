@@ -122,11 +122,14 @@ void Renderer::Passes::drawGeometry(const Frame& frame) {
   gl.enable(GL_DEPTH_TEST);
   gl.depthFunc(GL_LEQUAL);
   gl.depthMask(GL_TRUE);
-  gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
-  gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  const bool particlesFirst = particles_->comesFirst();
-  if (particlesFirst) particles_->drawGeometry(frame, *targets_);
+  const bool particlesFirst = particles_->replacesAll();
+  if (particlesFirst) {
+    particles_->drawGeometry(frame, *targets_);
+  } else {
+    gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
+    gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
+    gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  }
   surfaces_.draw(frame, meshes, particlesFirst);
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
 }

@@ -36,6 +36,7 @@ Aabb SplatPass::load(std::span<const ParticleView> views) {
 }
 
 void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
+  if (!replacesAll()) return;
   const std::int64_t samples = std::int64_t{frame.width} * frame.height;
   nearest_.resizeDiscarding(samples);
   albedo_.resizeDiscarding(samples);
@@ -51,6 +52,7 @@ void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
 }
 
 void SplatPass::drawShadow(const SunView& sun, const Texture& map, int resolution) {
+  if (spheres_.view().size == 0) return;
   const SplatSun view = splatSunOf(sun, resolution);
   shadow_.resizeDiscarding(std::int64_t{resolution} * resolution);
   dispatch(device_, [&](auto& device) { splatShadow(device, spheres_.view(), view, shadow_.view()); });
