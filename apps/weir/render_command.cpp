@@ -29,26 +29,69 @@ std::optional<double> rateOf(const std::vector<double>& times) {
   return 1 / mean;
 }
 
-/// What colours the particles in pictures; "" where no plugin draws any.
-std::string colorOf(const Scene& scene) {
-  const auto section = scene.sections.find("render");
-  if (section == scene.sections.end()) return {};
-  const Property* color = section->second->findProperty("color");
-  const Property* by =
-      color != nullptr && color->group() != nullptr ? color->group()->findProperty("by") : nullptr;
-  return by != nullptr ? by->value().asString() : std::string();
+/// A setting of an item of a list of groups, or its default.
+Value settingOf(const Value& item, const Configurable& group, std::string_view name) {
+  const Value* given = item.find(name);
+  if (given != nullptr) return *given;
+  const Property* setting = group.findProperty(name);
+  return setting != nullptr ? setting->defaultValue() : Value();
 }
 
-void checkSpeed(const Scene& scene, const Recording& recording, const std::string& file) {
-  if (colorOf(scene) != "speed") return;
-  std::vector<std::string> names;
-  const std::vector<RecordedFluid> fluids = recording.read(0);
-  for (const RecordedArray& array : fluids.front().arrays) names.push_back(array.name);
-  if (std::find(names.begin(), names.end(), "velocity") != names.end()) return;
-  names.emplace_back("none");
-  throw ioError("the file has no attribute 'velocity', and the pictures are to show the speed",
-                "render.color.by=NAME, where NAME is " + joinNames(names, " or "))
-      .at({.file = file});
+/// What shows a fluid's numbers in pictures, and which: "render.color.by" and "speed".
+struct ShownNumbers {
+  std::string setting, by;
+};
+
+/// Of its spheres or of its foam. `render` is the section of that name.
+ShownNumbers numbersOf(const Configurable& render, const std::string& fluid) {
+  const Property* looks = render.findProperty("fluids");
+  const Property* color = render.findProperty("color");
+  if (looks == nullptr || looks->group() == nullptr || color == nullptr || color->group() == nullptr)
+    return {};
+  const Value items = looks->value();
+  for (std::size_t i = 0; i < items.asArray().size(); ++i) {
+    const Value& item = items.asArray()[i];
+    if (settingOf(item, *looks->group(), "node").asString() != fluid) continue;
+    if (settingOf(item, *looks->group(), "look").asString() != "water") break;
+    const Value* foam = item.find("foam");
+    const Value* by = foam != nullptr ? foam->find("by") : nullptr;
+    return {fmt::format("render.fluids[{}].foam.by", i), by != nullptr ? by->asString() : "none"};
+  }
+  const Property* by = color->group()->findProperty("by");
+  return {"render.color.by", by != nullptr ? by->value().asString() : std::string()};
+}
+
+bool hasArrows(const Configurable& render) {
+  const Property* arrows = render.findProperty("arrows");
+  const Property* spacing =
+      arrows != nullptr && arrows->group() != nullptr ? arrows->group()->findProperty("spacing") : nullptr;
+  return spacing != nullptr && !spacing->value().isNull();
+}
+
+/// Throws an io Error where pictures are to show velocities of a fluid that the file has none of.
+void checkVelocities(const Scene& scene, const Recording& recording, const std::vector<std::string>& fluids,
+                     const std::string& file) {
+  const auto section = scene.sections.find("render");
+  if (section == scene.sections.end()) return;
+  const Configurable& render = *section->second;
+  const Property* particles = render.findProperty("particles");
+  if (particles != nullptr && particles->value().asString() == "none") return;
+  const std::vector<RecordedFluid> recorded = recording.read(0);
+  for (std::size_t i = 0; i < fluids.size(); ++i) {
+    std::vector<std::string> names;
+    for (const RecordedArray& array : recorded[i].arrays) names.push_back(array.name);
+    if (std::find(names.begin(), names.end(), "velocity") != names.end()) continue;
+    const ShownNumbers shown = numbersOf(render, fluids[i]);
+    const std::string lacking = "the file has no attribute 'velocity' of the fluid " + inQuotes(fluids[i]);
+    names.emplace_back("none");
+    if (shown.by == "speed" || shown.by == "velocity")
+      throw ioError(fmt::format("{}, and {} asks for {}", lacking, shown.setting, inQuotes(shown.by)),
+                    joinNames(names))
+          .at({.file = file});
+    if (hasArrows(render))
+      throw ioError(lacking + ", and render.arrows.spacing asks for arrows", "no such spacing")
+          .at({.file = file});
+  }
 }
 
 }  // namespace
@@ -118,7 +161,6 @@ int RenderCommand::run() {
   outputs_->checkPaths(taken);
   const std::unique_ptr<Recording> recording = openRecording();
   std::unique_ptr<Scene> scene = loadScene(*recording);
-  checkSpeed(*scene, *recording, file_);
   const std::unique_ptr<Device> device = openDevice(device_, threads_);
   Simulation simulation(std::move(scene), *device, program_.log(), program_.registry());
   std::optional<Replay> replay;
@@ -127,6 +169,7 @@ int RenderCommand::run() {
   } catch (Error& error) {
     throw error.at({.file = file_});
   }
+  checkVelocities(simulation.scene(), *recording, replay->fluids(), file_);
 
   RunOptions options;
   options.nextFrame = [&](Simulation&) { return replay->next(); };

@@ -68,6 +68,7 @@ Replay::Replay(Simulation& simulation, const Recording& recording)
           names.empty() ? "a scene with such a fluid" : joinNames(names), didYouMean(name, names));
     targets_.push_back({fluids[static_cast<std::size_t>(found - names.begin())].second, nullptr});
   }
+  names_ = std::move(wanted);
   simulation.replay();
 }
 

@@ -21,6 +21,8 @@ class Replay {
   /// The next frame; false if there is none. Throws an io Error for what cannot be read.
   bool next();
 
+  /// The names of the fluids that it shows, in the order in which the recording has them.
+  const std::vector<std::string>& fluids() const { return names_; }
   std::int64_t shown() const { return static_cast<std::int64_t>(frame_); }  ///< frames so far
   std::int64_t particles() const { return particles_; }                     ///< of the present frame
   std::int64_t lastFrame() const { return static_cast<std::int64_t>(recording_.times().size()) - 1; }
@@ -37,6 +39,7 @@ class Replay {
   Simulation& simulation_;
   const Recording& recording_;
   std::vector<Target> targets_;
+  std::vector<std::string> names_;
   std::size_t frame_ = 0;
   std::int64_t particles_ = 0;
 };

@@ -33,11 +33,6 @@ Taps spiral() {
   return taps;
 }
 
-/// In steps of 1/255, as the texture of OpenGL's passes has it.
-WEIR_HD Number rounded(const Number& x) {
-  return toNumbers(bytesOf(x)) * (1 / 255.0f);
-}
-
 struct EstimateOcclusion {
   SeenSamples seen;
   ShadedOcclusion occlusion;
@@ -79,7 +74,7 @@ struct EstimateOcclusion {
       sum += within * within * within * over / (way + 1e-3f * square);
     }
     const Number hemmedIn = sum * (5 / (square * square * radius * static_cast<float>(kTaps)));
-    pixels.store(k, select(something, rounded(1 - hemmedIn), Number(1.0f)), open);
+    pixels.store(k, select(something, positivePart(1 - hemmedIn), Number(1.0f)), open);
   }
 };
 
@@ -105,7 +100,7 @@ struct BlurOcclusion {
       sum += weight * rowFrom(from + start, x, width);
       weights += weight;
     }
-    pixels.store(k, rounded(sum / weights), to);
+    pixels.store(k, sum / weights, to);
   }
 };
 

@@ -45,6 +45,11 @@ void setCameraUniforms(const Program& program, const Camera& camera, int width, 
   program.set("uPixel", Vec2f{2.0f / float(width), 2.0f / float(height)});
 }
 
+void setGridUniform(const Program& program, int width, int height) {
+  constexpr float kSteps = 128;
+  program.set("uGrid", Vec2f{kSteps * float(width), kSteps * float(height)});
+}
+
 void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit) {
   program.setTexture("uBefore", unit, before);
   program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
@@ -93,11 +98,11 @@ Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)
     : pictureWidth(width), pictureHeight(height), samples(samplesPerAxis) {
   const int fineWidth = width * samples, fineHeight = height * samples;
   albedo = makeTexture(gl, fineWidth, fineHeight, kSrgb8, GL_NEAREST);
-  normal = makeTexture(gl, fineWidth, fineHeight, kColor10, GL_NEAREST);
+  normal = makeTexture(gl, fineWidth, fineHeight, kNormal, GL_NEAREST);
   depth = makeTexture(gl, fineWidth, fineHeight, kDepth32F, GL_NEAREST);
   geometry = makeFramebuffer(gl, {&albedo, &normal}, &depth);
   for (int i = 0; i < 2; ++i) {
-    occlusion[i] = makeTexture(gl, width, height, kGrey8, GL_LINEAR);
+    occlusion[i] = makeTexture(gl, width, height, kGrey16, GL_LINEAR);
     occlusionTargets[i] = makeFramebuffer(gl, {&occlusion[i]}, nullptr);
   }
   light = makeTexture(gl, fineWidth, fineHeight, kColor16F, GL_NEAREST);

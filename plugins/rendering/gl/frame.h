@@ -31,6 +31,8 @@ float occlusionRadius(const View& view, const Aabb& casters);
 
 /// The uniforms of kCameraSnippet, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
+/// The uniform of kGridSnippet, for a window of this many samples.
+void setGridUniform(const Program& program, int width, int height);
 /// The uniforms of kBehindSnippet.
 void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
 /// The uniforms of kLightSnippet.

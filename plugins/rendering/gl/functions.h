@@ -103,6 +103,7 @@ struct Functions {
   PFNGLUNIFORM1IPROC uniform1i = find("glUniform1i");
   PFNGLUNIFORM1FPROC uniform1f = find("glUniform1f");
   PFNGLUNIFORM2FPROC uniform2f = find("glUniform2f");
+  PFNGLUNIFORM2IPROC uniform2i = find("glUniform2i");
   PFNGLUNIFORM3FPROC uniform3f = find("glUniform3f");
   PFNGLUNIFORM4FPROC uniform4f = find("glUniform4f");
   PFNGLUNIFORMMATRIX3FVPROC uniformMatrix3fv = find("glUniformMatrix3fv");

@@ -69,6 +69,7 @@ void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore
   program_.use();
   setLightUniforms(program_, frame);
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  setGridUniform(program_, frame.width, frame.height);
   setBehindUniforms(program_, frame, before, 0);
   environment.setUniforms(program_, frame, 1);
   program_.set("uOutside", int(hasSurroundings(frame.view)));

@@ -9,7 +9,7 @@ namespace weir::rendering::gl {
 namespace {
 
 const std::string kLightingShader =
-    kCameraSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
+    kCameraSnippet + kNormalSnippet + kMaterialSnippet + kLightSnippet + kEnvironmentSnippet + R"(
 uniform sampler2D uAlbedo, uNormal, uDepth, uOcclusion;
 uniform vec3 uBackgroundTop, uBackgroundBottom;
 uniform vec3 uGroundMiddle;   // in camera space
@@ -19,43 +19,60 @@ uniform mat3 uToWorld;        // from camera space to one in which y is up
 uniform bool uUnlit, uTransparent;
 out vec4 oLight;
 
-// Joints between tiles, as wide as a pixel at least, and paler where they would be wider.
-float joints(vec3 position) {
-  vec2 place = (uToWorld * (position - uGroundMiddle)).xz / uTiles;
-  vec2 pixel = max(fwidth(place), 1e-6);
-  vec2 width = max(vec2(0.012), pixel);
-  vec2 away = abs(fract(place - 0.5) - 0.5);
-  vec2 inside = (1.0 - smoothstep(width * 0.5, width * 0.5 + pixel, away)) * min(vec2(1.0), vec2(0.012) / pixel);
-  return max(inside.x, inside.y);
+#ifdef TILES
+// How light the ground's tiles are, and the joints between them, which are as wide as a sample at least, and paler
+// where they would be narrower. Where a sample and its neighbours lie follows from its ray alone: differences
+// between fragments (fwidth) are of squares of two that drivers take as they like, and mean nothing at outlines.
+float tiles(vec3 ray) {
+  float falling = min(dot(ray, uUp), -1e-6);
+  float away = dot(uGroundMiddle, uUp) / falling;
+  vec2 place = (uToWorld * (ray * away - uGroundMiddle)).xz / uTiles;
+  vec3 right = vec3(1.0, 0.0, 0.0) - ray * (uUp.x / falling), up = vec3(0.0, 1.0, 0.0) - ray * (uUp.y / falling);
+  vec2 fine = uPixel * uTangent * (away / uTiles);
+  fine = max(fine.x * abs((uToWorld * right).xz) + fine.y * abs((uToWorld * up).xz), 1e-6);  // a sample, in tiles
+  vec2 width = max(vec2(0.012), fine);
+  vec2 aside = abs(fract(place - 0.5) - 0.5);
+  vec2 joint = (1.0 - smoothstep(width * 0.5, width * 0.5 + fine, aside)) * min(vec2(1.0), vec2(0.012) / fine);
+  vec2 tile = floor(place);
+  return mix(1.0, 0.86, mod(tile.x + tile.y, 2.0)) * (1.0 - 0.35 * max(joint.x, joint.y));
 }
+#endif
 
 vec3 backgroundAt(float height) { return mix(uBackgroundBottom, uBackgroundTop, smoothstep(0.0, 1.0, height)); }
 
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
   vec2 window = gl_FragCoord.xy * uPixel * 0.5;
-#ifdef OUTSIDE
-  vec3 background = environment(normalize(rayAt(gl_FragCoord.xy)));
-#else
-  vec3 background = backgroundAt(window.y);
-#endif
+  vec3 ray = rayAt(gl_FragCoord.xy);
   float depth = texelFetch(uDepth, place, 0).r;
   vec4 surface = texelFetch(uAlbedo, place, 0);
-  vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
-  vec3 position = rayAt(gl_FragCoord.xy) * distanceAt(depth);
-  vec3 towardsEye = -normalize(position);
-  bool ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
+  vec3 position = ray * distanceAt(depth);
+  bool nothing = depth >= 1.0, ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
 
-#ifdef TILES
-  if (ground) {
-    vec2 tile = floor((uToWorld * (position - uGroundMiddle)).xz / uTiles);
-    float odd = mod(tile.x + tile.y, 2.0);
-    surface.rgb *= mix(1.0, 0.86, odd) * (1.0 - 0.35 * joints(position));
-  }
+  // Much of a picture is nothing but background, and little of the ground fades into it.
+  float faded = nothing ? 1.0 : ground ? smoothstep(0.12, 0.9, length(position - uGroundMiddle) / uGroundRadius) : 0.0;
+  vec3 background = vec3(0.0);
+  if (faded > 0.0) {
+#ifdef OUTSIDE
+    background = environment(normalize(ray));
+#else
+    background = backgroundAt(window.y);
 #endif
-  float open = texture(uOcclusion, window).r;
+    if (faded >= 1.0) {
+      oLight = uTransparent ? vec4(0.0) : vec4(background, 1.0);
+      return;
+    }
+  }
+
+  vec3 normal = normalOf(texelFetch(uNormal, place, 0).rg);
+  vec3 towardsEye = -normalize(position);
+#ifdef TILES
+  if (ground) surface.rgb *= tiles(ray);
+#endif
+  float open = textureLod(uOcclusion, window, 0.0).r;
   float facing = dot(normal, uSun);
-  vec3 sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
+  vec3 sun = vec3(0.0);
+  if (facing >= 0.0) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
   vec3 diffuse = skyLight(normal) * open + uSunColor * sun * max(facing, 0.0) * mix(1.0, open, 0.35);
   vec3 color = surface.rgb * diffuse;
   float rim = fresnel(dot(normal, towardsEye), 0.04);
@@ -74,16 +91,13 @@ void main() {
   }
 #endif
   if (uUnlit) color = surface.rgb;
-  float away = length(position - uGroundMiddle) / uGroundRadius;
-  float faded = smoothstep(0.12, 0.9, away);
   if (ground) color = mix(color, background, faded);
-  oLight = vec4(depth >= 1.0 ? background : color, 1.0);
-  if (!uTransparent) return;
+  oLight = vec4(color, 1.0);
+  if (!uTransparent || !ground) return;
   // Of the ground, what it lacks of the light that it would have without the scene.
   vec3 lit = skyLight(normal) + uSunColor * max(facing, 0.0);
   float dark = clamp(1.0 - dot(diffuse, vec3(1.0)) / max(dot(lit, vec3(1.0)), 1e-6), 0.0, 1.0);
-  if (depth >= 1.0) oLight = vec4(0.0);
-  else if (ground) oLight = vec4(vec3(0.0), uUnlit ? 0.0 : dark * (1.0 - faded));
+  oLight = vec4(vec3(0.0), uUnlit ? 0.0 : dark * (1.0 - faded));
 }
 )";
 
@@ -97,6 +111,7 @@ out vec4 oColor;  // not multiplied with its opacity
 // Leaves light below the knee alone, and bends what is above it towards 1.
 vec3 shoulder(vec3 light) {
   const float kKnee = 0.8;
+  if (max(light.r, max(light.g, light.b)) <= kKnee) return light;
   vec3 over = max(light - kKnee, 0.0) / (1.0 - kKnee);
   return min(light, kKnee) + (1.0 - kKnee) * (1.0 - exp(-over));
 }

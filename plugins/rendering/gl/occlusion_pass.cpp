@@ -23,7 +23,7 @@ Vec2f evenTurn(int number, int count) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-const std::string kEstimateShader = kShaderVersion + kCameraSnippet +
+const std::string kEstimateShader = kShaderVersion + kCameraSnippet + kNormalSnippet +
                                     placesInCircle("kPlaces", kTaps, spiral) +
                                     placesInCircle("kTurns", 16, evenTurn) + R"(
 uniform sampler2D uDepth, uNormal;
@@ -42,7 +42,7 @@ void main() {
   ivec2 place = pixel * uSamples + uSamples / 2;
   float depth = texelFetch(uDepth, place, 0).r;
   vec3 position = rayAt(vec2(place) + 0.5) * distanceAt(depth);
-  vec3 normal = normalize(texelFetch(uNormal, place, 0).xyz * 2.0 - 1.0);
+  vec3 normal = normalOf(texelFetch(uNormal, place, 0).rg);
   float reach = min(uRadius * uRadiusInView / -position.z, uLargest);
   ivec2 last = textureSize(uDepth, 0) - 1;
   vec2 turn = reach * kTurns[(pixel.x & 3) * 4 + (pixel.y & 3) * 7 & 15];

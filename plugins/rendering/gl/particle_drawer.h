@@ -14,9 +14,10 @@ class ParticleDrawer {
 
   /// Takes the particles of a picture and returns the box around their spheres.
   virtual Aabb load(std::span<const ParticleView> views) = 0;
-  /// Whether drawGeometry() comes before all else, or after the surfaces.
-  virtual bool comesFirst() const = 0;
-  /// Into the cleared Targets::geometry, which is bound.
+  /// Whether drawGeometry() writes all of Targets::geometry, so that it comes first, and nothing needs to be
+  /// cleared before; or else it comes after the surfaces.
+  virtual bool replacesAll() const = 0;
+  /// Into Targets::geometry, which is bound.
   virtual void drawGeometry(const Frame& frame, const Targets& targets) = 0;
   /// Into the cleared shadow map of resolution × resolution texels, which is bound; nothing has been drawn
   /// there.

@@ -11,10 +11,10 @@ namespace weir::rendering::gl {
 namespace {
 
 const std::string kGeometryFragmentShader =
-    kShaderVersion + kCameraSnippet + kMaterialSnippet + kSphereHitSnippet + R"(
+    kShaderVersion + kCameraSnippet + kNormalSnippet + kMaterialSnippet + kSphereHitSnippet + R"(
 flat in vec3 vColor;
 layout(location = 0) out vec4 oAlbedo;
-layout(location = 1) out vec4 oNormal;
+layout(location = 1) out vec2 oNormal;
 
 void main() {
   vec3 ray = rayAt(gl_FragCoord.xy);
@@ -22,7 +22,7 @@ void main() {
   vec3 normal = (ray * distance - vCenter) / uRadius;
   gl_FragDepth = depthAt(distance);
   oAlbedo = vec4(vColor, kParticle);
-  oNormal = vec4(0.5 + 0.5 * normal, 1.0);
+  oNormal = storedNormal(normal);
 }
 )";
 

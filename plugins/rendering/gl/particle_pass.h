@@ -13,7 +13,7 @@ class ParticlePass final : public ParticleDrawer {
 
   /// Sends the particles to the GPU.
   Aabb load(std::span<const ParticleView> views) override;
-  bool comesFirst() const override { return false; }
+  bool replacesAll() const override { return false; }
   void drawGeometry(const Frame& frame, const Targets& targets) override;
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 

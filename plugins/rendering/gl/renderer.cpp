@@ -115,18 +115,21 @@ Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
-  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 1, 1};
+  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 0, 0};
   constexpr float kFarthest = 1;
   gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->geometry.name());
   gl.viewport(0, 0, frame.width, frame.height);
   gl.enable(GL_DEPTH_TEST);
   gl.depthFunc(GL_LEQUAL);
   gl.depthMask(GL_TRUE);
-  gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
-  gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  const bool particlesFirst = particles_->comesFirst();
-  if (particlesFirst) particles_->drawGeometry(frame, *targets_);
+  const bool particlesFirst = particles_->replacesAll();
+  if (particlesFirst) {
+    particles_->drawGeometry(frame, *targets_);
+  } else {
+    gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
+    gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
+    gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  }
   surfaces_.draw(frame, meshes, particlesFirst);
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
 }

@@ -115,6 +115,9 @@ void Program::set(const char* uniform, float value) const {
 void Program::set(const char* uniform, const Vec2f& value) const {
   program_.gl().uniform2f(location(uniform), value.x, value.y);
 }
+void Program::set(const char* uniform, const Vec2i& value) const {
+  program_.gl().uniform2i(location(uniform), value.x, value.y);
+}
 void Program::set(const char* uniform, const Vec3f& value) const {
   program_.gl().uniform3f(location(uniform), value.x, value.y, value.z);
 }

@@ -70,9 +70,10 @@ struct TextureFormat {
 };
 inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
-inline constexpr TextureFormat kColor10{GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
+inline constexpr TextureFormat kNormal{GL_RG16, GL_RG, GL_UNSIGNED_SHORT};  ///< see kNormalSnippet
+inline constexpr TextureFormat kColor16{GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-inline constexpr TextureFormat kGrey8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+inline constexpr TextureFormat kGrey16{GL_R16, GL_RED, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kFloat1{GL_R32F, GL_RED, GL_FLOAT};
 inline constexpr TextureFormat kFloat2{GL_RG32F, GL_RG, GL_FLOAT};
 inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
@@ -97,6 +98,7 @@ class Program {
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set(const char* uniform, const Vec2f& value) const;
+  void set(const char* uniform, const Vec2i& value) const;
   void set(const char* uniform, const Vec3f& value) const;
   void set(const char* uniform, const Vec4f& value) const;
   void setMatrix3(const char* uniform, const float* columns) const;

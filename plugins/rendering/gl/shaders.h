@@ -20,8 +20,19 @@ void main() {
 }
 )";
 
+/// OpenGL rounds places in the window, at least to 1/16 of a sample, and leaves open whether what is
+/// interpolated over a triangle belongs to the places before or after that. So they are rounded here, to the
+/// 1/256 that drivers in use have: after that nothing is left to round.
+inline const std::string kGridSnippet = R"(
+uniform vec2 uGrid;  // steps in half the window: 128 times its size
+vec4 onGrid(vec4 clip) {
+  if (clip.z <= -clip.w) return clip;  // before the near plane
+  return vec4(round(clip.xy / clip.w * uGrid) / uGrid * clip.w, clip.zw);
+}
+)";
+
 /// Triangles with normals, opaque or of glass.
-inline const std::string kSurfaceVertexShader = kShaderVersion + R"(
+inline const std::string kSurfaceVertexShader = kShaderVersion + kGridSnippet + R"(
 layout(location = 0) in vec3 iPosition;
 layout(location = 1) in vec3 iNormal;
 uniform mat4 uToView;
@@ -34,7 +45,7 @@ void main() {
   vec4 position = uToView * vec4(iPosition, 1.0);
   vPosition = position.xyz;
   vNormal = uNormalToView * iNormal;
-  gl_Position = uToClip * position;
+  gl_Position = onGrid(uToClip * position);
 }
 )";
 
@@ -56,6 +67,28 @@ uniform sampler2D uBefore;
 uniform vec2 uSampleSize;  // in texture coordinates
 void leaveUnlessBehind() {
   if (gl_FragCoord.z < texture(uBefore, gl_FragCoord.xy * uSampleSize).r) discard;
+}
+)";
+
+/// Maps of other sizes over the same picture. By integers, because middles of texels often lie on edges of
+/// the other map's, where rounding would choose one. Products stay below 2^31 for sizes up to 32768.
+inline const std::string kTexelSnippet = R"(
+// The texel of a map of `size` that holds the middle of texel `place` of a map of size `own`.
+ivec2 texelUnder(ivec2 place, ivec2 own, ivec2 size) { return (2 * place + 1) * size / (2 * own); }
+)";
+
+/// Normals in two numbers: places on the octahedron |x| + |y| + |z| = 1, whose far half is folded outwards
+/// (Q. Meyer et al. 2010). With 16 bits each they are exact to 3e-5, in the memory of three times 10 bits.
+inline const std::string kNormalSnippet = R"(
+vec2 folded(vec2 p) { return (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0); }
+vec2 storedNormal(vec3 n) {
+  vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+  return 0.5 + 0.5 * (n.z < 0.0 ? folded(p) : p);
+}
+vec3 normalOf(vec2 stored) {
+  vec2 p = stored * 2.0 - 1.0;
+  float z = 1.0 - abs(p.x) - abs(p.y);
+  return normalize(vec3(z < 0.0 ? folded(p) : p, z));
 }
 )";
 

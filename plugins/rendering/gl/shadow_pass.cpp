@@ -8,7 +8,7 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kVertexShader = kShaderVersion + R"(
+const std::string kVertexShader = kShaderVersion + kGridSnippet + R"(
 layout(location = 0) in vec3 iPosition;
 layout(location = 1) in vec3 iNormal;
 uniform mat4 uToClip;
@@ -17,7 +17,7 @@ out vec3 vNormal;
 
 void main() {
   vNormal = uNormalToSun * iNormal;
-  gl_Position = uToClip * vec4(iPosition, 1.0);
+  gl_Position = onGrid(uToClip * vec4(iPosition, 1.0));
 }
 )";
 
@@ -54,6 +54,7 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, ParticleDrawe
   const Eigen::Matrix4f toClip = frame.sun.toClip();
   const auto drawSurfaces = [&](const Program& program, bool glass) {
     program.use();
+    setGridUniform(program, kResolution, kResolution);
     for (const SurfaceView& surface : frame.view.surfaces) {
       if (surface.look == SurfaceLook::kWater) continue;
       if ((surface.look == SurfaceLook::kGlass) != glass) continue;

@@ -17,15 +17,19 @@ struct ClearNearest {
   WEIR_HD void operator()(std::int64_t k) const { nearest[k] = kNobody; }
 };
 
-/// -1 … 1 as a number of ten bits.
-WEIR_HD std::uint32_t tenBits(float component) {
-  constexpr float kMost = 1023;
+/// -1 … 1 as a number of 16 bits.
+WEIR_HD std::uint32_t sixteenBits(float component) {
+  constexpr float kMost = 65535;
   const float half = 0.5f + 0.5f * component;
   return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMost + 0.5f);
 }
 
-WEIR_HD std::uint32_t packedNormal(const Vec3f& n) {
-  return tenBits(n.x) | tenBits(n.y) << 10 | tenBits(n.z) << 20 | 3u << 30;
+/// As kNormalSnippet stores it.
+WEIR_HD std::uint32_t storedNormal(const Vec3f& n) {
+  const float scale = 1 / (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
+  const float x = n.x * scale, y = n.y * scale;
+  const auto folded = [](float across, float sign) { return std::copysign(1 - std::fabs(across), sign); };
+  return sixteenBits(n.z < 0 ? folded(y, x) : x) | sixteenBits(n.z < 0 ? folded(x, y) : y) << 16;
 }
 
 struct WriteTexels {
@@ -38,7 +42,7 @@ struct WriteTexels {
     const std::uint64_t seen = nearest[k];
     if (seen == kNobody) {
       out.albedo[k] = 0;
-      out.normal[k] = packedNormal({0, 0, 1});
+      out.normal[k] = storedNormal({0, 0, 1});
       out.depth[k] = 1;
       return;
     }
@@ -47,7 +51,7 @@ struct WriteTexels {
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
     const Hit<float> hit(ray, center, sphere.radius);
     out.albedo[k] = sphere.color;
-    out.normal[k] = packedNormal((ray * hit.distance - center) / sphere.radius);
+    out.normal[k] = storedNormal((ray * hit.distance - center) / sphere.radius);
     out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
   }
 };

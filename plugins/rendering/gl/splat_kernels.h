@@ -50,7 +50,7 @@ struct SplatSun {
 /// covers have colour 0, depth 1 and the normal towards the eye.
 struct SplatTexels {
   ArrayView<std::uint32_t> albedo;  ///< GL_RGBA, GL_UNSIGNED_BYTE
-  ArrayView<std::uint32_t> normal;  ///< GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV
+  ArrayView<std::uint32_t> normal;  ///< GL_RG, GL_UNSIGNED_SHORT; see kNormalSnippet
   ArrayView<float> depth;
 };
 

@@ -36,6 +36,7 @@ Aabb SplatPass::load(std::span<const ParticleView> views) {
 }
 
 void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
+  if (!replacesAll()) return;
   const std::int64_t samples = std::int64_t{frame.width} * frame.height;
   nearest_.resizeDiscarding(samples);
   albedo_.resizeDiscarding(samples);
@@ -46,11 +47,12 @@ void SplatPass::drawGeometry(const Frame& frame, const Targets& targets) {
                   {albedo_.view(), normal_.view(), depth_.view()});
   });
   replace(gl_, targets.albedo, frame.width, frame.height, kSrgb8, albedoCopy_.of(albedo_).data());
-  replace(gl_, targets.normal, frame.width, frame.height, kColor10, normalCopy_.of(normal_).data());
+  replace(gl_, targets.normal, frame.width, frame.height, kNormal, normalCopy_.of(normal_).data());
   replace(gl_, targets.depth, frame.width, frame.height, kDepth32F, depthCopy_.of(depth_).data());
 }
 
 void SplatPass::drawShadow(const SunView& sun, const Texture& map, int resolution) {
+  if (spheres_.view().size == 0) return;
   const SplatSun view = splatSunOf(sun, resolution);
   shadow_.resizeDiscarding(std::int64_t{resolution} * resolution);
   dispatch(device_, [&](auto& device) { splatShadow(device, spheres_.view(), view, shadow_.view()); });

@@ -15,7 +15,7 @@ class SplatPass final : public ParticleDrawer {
   SplatPass(const Functions& gl, Device& device);
 
   Aabb load(std::span<const ParticleView> views) override;
-  bool comesFirst() const override { return true; }
+  bool replacesAll() const override { return spheres_.view().size > 0; }
   void drawGeometry(const Frame& frame, const Targets& targets) override;
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 

@@ -42,16 +42,16 @@ vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater) {
   float open = 0.0;
   for (int i = 0; i < 4; ++i) {
     vec2 offset = vec2(kTaps[i].x * turn.x - kTaps[i].y * turn.y, kTaps[i].x * turn.y + kTaps[i].y * turn.x);
-    open += 0.25 * texture(uShadow, place.xyz + vec3(offset, 0.0));
+    open += 0.25 * textureLod(uShadow, place.xyz + vec3(offset, 0.0), 0.0);
   }
   vec3 light = vec3(open);
 #ifdef GLASS
-  light *= mix(vec3(1.0), texture(uThroughGlass, place.xy + 0.7 * turn).rgb, throughGlass);
+  light *= mix(vec3(1.0), textureLod(uThroughGlass, place.xy + 0.7 * turn, 0.0).rgb, throughGlass);
 #endif
 #ifdef WATER
   if (underWater) {
-    float above = texture(uWaterDepth, place.xyz + vec3(0.7 * turn, 0.0));
-    light *= mix(texture(uThroughWater, place.xy + 0.7 * turn).rgb, vec3(1.0), above);
+    float above = textureLod(uWaterDepth, place.xyz + vec3(0.7 * turn, 0.0), 0.0);
+    light *= mix(textureLod(uThroughWater, place.xy + 0.7 * turn, 0.0).rgb, vec3(1.0), above);
   }
 #endif
   return light;

@@ -9,27 +9,29 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kFragmentShader = kShaderVersion + R"(
+const std::string kFragmentShader = kShaderVersion + kNormalSnippet + R"(
 uniform vec3 uColor;
 uniform float uMaterial;
 in vec3 vNormal;
 in vec3 vPosition;
 layout(location = 0) out vec4 oAlbedo;
-layout(location = 1) out vec4 oNormal;
+layout(location = 1) out vec2 oNormal;
 
 void main() {
   vec3 normal = normalize(vNormal);
   if (!gl_FrontFacing) normal = -normal;
   oAlbedo = vec4(uColor, uMaterial);
-  oNormal = vec4(0.5 + 0.5 * normal, 1.0);
+  oNormal = storedNormal(normal);
 }
 )";
 
 // The values of kMaterialSnippet.
 constexpr float kMatt = 0.25f, kMetal = 0.75f, kGround = 1.0f;
 
-Vec3f rgb(const Color& color) {
-  return {color.r, color.g, color.b};
+/// As the texture holds it: drivers round halves, such as 0.5 * 255, as they like.
+Vec3f inBytes(const Color& color) {
+  const auto component = [](float s) { return std::round(255 * s) / 255; };
+  return {component(color.r), component(color.g), component(color.b)};
 }
 
 /// A disc of radius 1 in the plane y = 0, seen from above.
@@ -82,6 +84,7 @@ SurfacePass::SurfacePass(const Functions& gl)
 void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particlesAreThere) {
   program_.use();
   program_.setMatrix4("uToClip", frame.camera.projection().eval().data());
+  setGridUniform(program_, frame.width, frame.height);
   const std::vector<SurfaceView>& surfaces = frame.view.surfaces;
   if (!particlesAreThere) {
     for (const SurfaceView& surface : surfaces) drawSurface(frame, meshes, surface);
@@ -99,7 +102,7 @@ void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particl
 void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface) {
   if (surface.look == SurfaceLook::kGlass || surface.look == SurfaceLook::kWater) return;
   setPlacement(program_, frame.camera, surface);
-  program_.set("uColor", rgb(surface.color));
+  program_.set("uColor", inBytes(surface.color));
   program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);
   meshes.draw(surface.mesh);
 }
@@ -117,7 +120,7 @@ void SurfacePass::drawGround(const Frame& frame) {
   const Eigen::Matrix3f normalToView = frame.camera.rotation() * turn;
   program_.setMatrix4("uToView", (frame.camera.view * toWorld).eval().data());
   program_.setMatrix3("uNormalToView", normalToView.data());
-  program_.set("uColor", rgb(ground.color));
+  program_.set("uColor", inBytes(ground.color));
   program_.set("uMaterial", kGround);
   gl_.enable(GL_CULL_FACE);
   gl_.cullFace(GL_BACK);

@@ -31,8 +31,9 @@ struct AddThickness {
   /// The part of a particle's foam that is seen at a texel.
   WEIR_HD float seen(int column, int row, float along, float radius) const {
     if (between.front.size == 0) return 1;
-    const int x = int((float(column) + 0.5f) * (float(between.width) / float(view.width)));
-    const int y = int((float(row) + 0.5f) * (float(between.height) / float(view.height)));
+    // By integers, as the shaders find it (kTexelSnippet).
+    const int x = (2 * column + 1) * between.width / (2 * view.width);
+    const int y = (2 * row + 1) * between.height / (2 * view.height);
     const float depth = std::bit_cast<float>(between.front[std::int64_t{y} * between.width + x]);
     const float distance = between.projection.w / (2 * depth - 1 + between.projection.z);
     const float part = 1 - (along - distance) / (between.depthOfFoam * radius);

@@ -41,8 +41,7 @@ void main() {
 }
 )";
 
-const std::string kThicknessFragmentShader = kShaderVersion + kCameraSnippet + R"(
-uniform vec2 uSize;
+const std::string kThicknessFragmentShader = kShaderVersion + kCameraSnippet + kTexelSnippet + R"(
 uniform float uRadius;
 uniform float uVolumeOfSphere;
 uniform float uFoamDepth;     // m; 0 for the sun
@@ -60,9 +59,10 @@ void main() {
   float chord = 2.0 * uRadius * sqrt(rest) * spread * spread * uVolumeOfSphere;
   float foam = vSphere.w;
   if (uFoamDepth > 0.0) {
-    if (vAlong > texelFetch(uBackground, ivec2(gl_FragCoord.xy), 0).r) discard;
-    vec2 scale = vec2(textureSize(uFront, 0)) / uSize;
-    float front = distanceAt(texelFetch(uFront, ivec2(gl_FragCoord.xy * scale), 0).r);
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    if (vAlong > texelFetch(uBackground, place, 0).r) discard;
+    ivec2 under = texelUnder(place, textureSize(uBackground, 0), textureSize(uFront, 0));
+    float front = distanceAt(texelFetch(uFront, under, 0).r);
     foam *= clamp(1.0 - (vAlong - front) / uFoamDepth, 0.0, 1.0);
   }
   oThickness = vec2(chord, chord * foam);

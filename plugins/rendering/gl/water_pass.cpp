@@ -11,14 +11,13 @@
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kBackgroundShader = kShaderVersion + kCameraSnippet + R"(
+const std::string kBackgroundShader = kShaderVersion + kCameraSnippet + kTexelSnippet + R"(
 uniform sampler2D uDepth;
-uniform vec2 uSize;  // of the map
+uniform ivec2 uSize;  // of the map
 out float oDistance;
 
 void main() {
-  vec2 place = gl_FragCoord.xy / uSize * vec2(textureSize(uDepth, 0));
-  float depth = texelFetch(uDepth, ivec2(place), 0).r;
+  float depth = texelFetch(uDepth, texelUnder(ivec2(gl_FragCoord.xy), uSize, textureSize(uDepth, 0)), 0).r;
   oDistance = depth < 1.0 ? distanceAt(depth) : 1e30;
 }
 )";
@@ -73,10 +72,7 @@ vec3 normalOf(ivec2 place, float nearness, vec3 here) {
   return dot(normal, here) > 0.0 ? -normal : normal;
 }
 
-float opaqueDistance(vec2 window) {
-  vec2 size = vec2(textureSize(uDepth, 0));
-  return distanceAt(texelFetch(uDepth, ivec2(clamp(window, 0.0, 0.9999) * size), 0).r);
-}
+float opaqueDistance(ivec2 place) { return distanceAt(texelFetch(uDepth, place, 0).r); }
 
 vec2 windowOf(vec3 position) { return 0.5 + 0.5 * position.xy / (-position.z * uTangent); }
 
@@ -89,12 +85,14 @@ void main() {
   vec3 towardsEye = -normalize(position);
   vec3 normal = normalOf(place, nearness, position);
 
-  float gap = max(opaqueDistance(window) + position.z, 0.0) * length(position) / -position.z;
+  float gap = max(opaqueDistance(place * uSamples + uSamples / 2) + position.z, 0.0) * length(position) / -position.z;
   vec2 thickness = max(texture(uThickness, window).rg, 0.0);
   float way = min(thickness.x, gap);
   vec3 bent = refract(-towardsEye, normal, 1.0 / uRefractiveIndex);
   vec2 seen = windowOf(position + bent * way);
-  if (opaqueDistance(seen) < -position.z || seen != clamp(seen, 0.0, 1.0)) seen = window;
+  ivec2 samples = textureSize(uDepth, 0);
+  ivec2 seenSample = clamp(ivec2(seen * vec2(samples)), ivec2(0), samples - 1);
+  if (opaqueDistance(seenSample) < -position.z || seen != clamp(seen, 0.0, 1.0)) seen = window;
   vec4 scene = texture(uScene, seen);
   vec3 behind = scene.rgb;
 
@@ -210,7 +208,7 @@ void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts
   gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
   gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
   parts.particles.drawDepth(frame, water, water_->depth);
-  parts.surfaces.drawDepth(frame, water, parts.meshes);
+  parts.surfaces.drawDepth(frame, water, parts.meshes, {frame.width, frame.height});
 
   gl_.disable(GL_DEPTH_TEST);
   gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
@@ -220,7 +218,7 @@ void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts
   parts.particles.drawThickness(frame, water, water_->depth, {water_->background, water_->backgroundTarget},
                                 {water_->thickness[0], water_->thicknessWidth, water_->thicknessHeight});
   gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  parts.surfaces.drawThickness(frame, water, parts.meshes);
+  parts.surfaces.drawThickness(frame, water, parts.meshes, {water_->thicknessWidth, water_->thicknessHeight});
 }
 
 void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const {
@@ -229,7 +227,7 @@ void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const
   background_.use();
   setCameraUniforms(background_, frame.camera, frame.width, frame.height);
   background_.setTexture("uDepth", 0, targets.depth);
-  background_.set("uSize", Vec2f{float(water_->thicknessWidth), float(water_->thicknessHeight)});
+  background_.set("uSize", Vec2i{water_->thicknessWidth, water_->thicknessHeight});
   gl_.drawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -75,13 +75,13 @@ void WaterShadow::drawOne(const Frame& frame, std::size_t water, const MeshStore
   gl_.enable(GL_DEPTH_TEST);
   gl_.depthFunc(GL_LEQUAL);
   particles.drawSunDepth(frame.sun, water, ownDepth_, kResolution);
-  surfaces.drawSunDepth(frame, water, meshes);
+  surfaces.drawSunDepth(frame, water, meshes, {kResolution, kResolution});
 
   gl_.bindFramebuffer(GL_FRAMEBUFFER, thicknessTarget_.name());
   gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
   gl_.disable(GL_DEPTH_TEST);
   particles.drawSunThickness(frame.sun, water, {thickness_, kResolution, kResolution});
-  surfaces.drawSunThickness(frame, water, meshes);
+  surfaces.drawSunThickness(frame, water, meshes, {kResolution, kResolution});
 
   // The tints of several liquids are multiplied, and the nearest depth stays.
   const WaterView& view = frame.view.waters[water];

@@ -107,11 +107,10 @@ void main() {
 }
 )";
 
-const std::string kBlurShader = kShaderVersion + R"(
+const std::string kBlurShader = kShaderVersion + kTexelSnippet + R"(
 uniform sampler2D uThickness, uNearness;
 uniform int uStepX;  // 1: along x, 0: along y
 uniform float uWidth;  // at a distance of 1 m, in texels
-uniform vec2 uTexel;   // size of a texel, in texture coordinates
 out vec2 oThickness;
 
 const int kPairs = 4;
@@ -120,13 +119,13 @@ void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
   vec2 here = texelFetch(uThickness, place, 0).rg;
   oThickness = here;
-  float nearness = abs(texture(uNearness, gl_FragCoord.xy * uTexel).r);
+  ivec2 size = textureSize(uThickness, 0), last = size - 1;
+  float nearness = abs(texelFetch(uNearness, texelUnder(place, size, textureSize(uNearness, 0)), 0).r);
   if (nearness <= 0.0) return;
   float width = clamp(uWidth * nearness, 0.6, 12.0);
   float stride = max(1.0, 2.0 * width / float(kPairs));
   vec2 sum = here;
   float weights = 1.0;
-  ivec2 last = textureSize(uThickness, 0) - 1;
   for (int i = 1; i <= kPairs; ++i) {
     int away = int(float(i) * stride + 0.5);
     float part = float(away) / width;
@@ -145,7 +144,7 @@ WaterTargets::WaterTargets(const Functions& gl, const Targets& targets)
     : thicknessWidth((targets.pictureWidth + 1) / 2), thicknessHeight((targets.pictureHeight + 1) / 2) {
   const int width = targets.pictureWidth, height = targets.pictureHeight;
   depth = makeTexture(gl, width * targets.samples, height * targets.samples, kDepth32F, GL_NEAREST);
-  normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor10, GL_NEAREST);
+  normal = makeTexture(gl, width * targets.samples, height * targets.samples, kColor16, GL_NEAREST);
   surface = makeFramebuffer(gl, {&normal}, &depth);
   background = makeTexture(gl, thicknessWidth, thicknessHeight, kFloat1, GL_NEAREST);
   backgroundTarget = makeFramebuffer(gl, {&background}, nullptr);
@@ -206,7 +205,6 @@ void WaterSmoothing::smoothThickness(const Frame& frame, const WaterTargets& wat
   gl_.bindVertexArray(array_.name());
   blur_.use();
   blur_.set("uWidth", width * 0.5f * float(water.thicknessHeight) / frame.camera.tangent.y);
-  blur_.set("uTexel", Vec2f{1.0f / float(water.thicknessWidth), 1.0f / float(water.thicknessHeight)});
   blur_.setTexture("uNearness", 1, water.nearness[1]);
   for (int axis = 0; axis < 2; ++axis) {
     gl_.bindFramebuffer(GL_FRAMEBUFFER, water.thicknessTargets[1 - axis].name());

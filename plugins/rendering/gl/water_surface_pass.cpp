@@ -38,10 +38,11 @@ WaterSurfacePass::WaterSurfacePass(const Functions& gl)
       thickness_(gl, "insides of a liquid", kSurfaceVertexShader, kThicknessFragmentShader) {}
 
 void WaterSurfacePass::draw(const Frame& frame, const Program& program, std::size_t water,
-                            const MeshStore& meshes, bool fromSun) const {
+                            const MeshStore& meshes, const Vec2i& size, bool fromSun) const {
   const Eigen::Matrix4f toClip = fromSun ? frame.sun.toClip() : frame.camera.projection();
   program.use();
   program.setMatrix4("uToClip", toClip.data());
+  setGridUniform(program, size.x, size.y);
   program.set("uDepthRange", fromSun ? frame.sun.zNearest - frame.sun.zFarthest : 0.0f);
   for (const SurfaceView& surface : frame.view.surfaces) {
     if (surface.look != SurfaceLook::kWater || surface.water != water) continue;
@@ -56,29 +57,32 @@ void WaterSurfacePass::draw(const Frame& frame, const Program& program, std::siz
 }
 
 void WaterSurfacePass::addThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                    bool fromSun) const {
+                                    const Vec2i& size, bool fromSun) const {
   gl_.enable(GL_BLEND);
   gl_.blendFunc(GL_ONE, GL_ONE);
-  draw(frame, thickness_, water, meshes, fromSun);
+  draw(frame, thickness_, water, meshes, size, fromSun);
   gl_.disable(GL_BLEND);
   gl_.blendFunc(GL_ONE, GL_ZERO);
 }
 
-void WaterSurfacePass::drawDepth(const Frame& frame, std::size_t water, const MeshStore& meshes) const {
-  draw(frame, surface_, water, meshes, false);
+void WaterSurfacePass::drawDepth(const Frame& frame, std::size_t water, const MeshStore& meshes,
+                                 const Vec2i& size) const {
+  draw(frame, surface_, water, meshes, size, false);
 }
 
-void WaterSurfacePass::drawThickness(const Frame& frame, std::size_t water, const MeshStore& meshes) const {
-  addThickness(frame, water, meshes, false);
+void WaterSurfacePass::drawThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
+                                     const Vec2i& size) const {
+  addThickness(frame, water, meshes, size, false);
 }
 
-void WaterSurfacePass::drawSunDepth(const Frame& frame, std::size_t water, const MeshStore& meshes) const {
-  draw(frame, surface_, water, meshes, true);
+void WaterSurfacePass::drawSunDepth(const Frame& frame, std::size_t water, const MeshStore& meshes,
+                                    const Vec2i& size) const {
+  draw(frame, surface_, water, meshes, size, true);
 }
 
-void WaterSurfacePass::drawSunThickness(const Frame& frame, std::size_t water,
-                                        const MeshStore& meshes) const {
-  addThickness(frame, water, meshes, true);
+void WaterSurfacePass::drawSunThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
+                                        const Vec2i& size) const {
+  addThickness(frame, water, meshes, size, true);
 }
 
 }  // namespace weir::rendering::gl

@@ -140,5 +140,49 @@ TEST_F(RenderCommand, SaysWhatTheFileDoesNotHave) {
   expectFailure(runWeir({"render", junk, "--scene", other, "--images", images}), 5, {junk});
 }
 
+/// The looks of the two fluids, and more settings of the section "render"; colours are by speed without any.
+std::string sceneWithLooks(const std::string& water, const std::string& oil, const std::string& more = "") {
+  std::string text = kScene;
+  const std::string section = R"("color": {"by": "density"})";
+  const std::string looks =
+      R"("fluids": [{"node": "water", )" + water + R"(}, {"node": "oil", )" + oil + "}]";
+  text.replace(text.find(section), section.size(), looks + more);
+  return text;
+}
+
+TEST_F(RenderCommand, NeedsVelocitiesOnlyWhereTheyAreShown) {
+  const std::string exported = folder / "still.vtkhdf";
+  const ChildResult run =
+      runWeir({"run", *files_ / "scene.json", "--device", "cpu", "--threads", "2", "--frames", "1",
+               "--export", exported, "--set", R"(export.attributes=["density"])"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto show = [&](const std::string& scene) {
+    fs::remove_all(images);
+    return runWeir({"render", exported, "--scene", folder.write("looks.json", scene), "--images", images,
+                    "--threads", "2"});
+  };
+  const std::string clear = R"("look": "water")", balls = R"("look": "spheres")";
+  const auto foam = [&](const std::string& by) { return clear + R"(, "foam": {"by": ")" + by + R"("})"; };
+  for (const std::string& scene :
+       {std::string(kScene), sceneWithLooks(clear, clear), sceneWithLooks(foam("density"), clear),
+        sceneWithLooks(balls, clear, R"(, "color": {"by": "none"})"),
+        sceneWithLooks(balls, balls, R"(, "particles": "none")")}) {
+    const ChildResult result = show(scene);
+    EXPECT_EQ(result.code, 0) << scene << result.err;
+    EXPECT_TRUE(fs::exists(images + nameOf(1))) << scene;
+  }
+  const auto expectRefused = [&](const std::string& scene, const std::vector<std::string>& parts) {
+    const ChildResult result = show(scene);
+    EXPECT_EQ(result.code, 5) << scene << result.err;
+    EXPECT_CONTAINS(result.err, "no attribute 'velocity'");
+    for (const std::string& part : parts) EXPECT_CONTAINS(result.err, part);
+    EXPECT_FALSE(fs::exists(images + nameOf(0))) << scene;
+  };
+  expectRefused(sceneWithLooks(clear, balls), {exported, "'oil'", "render.color.by", "'speed'", "density"});
+  expectRefused(sceneWithLooks(clear, balls, R"(, "color": {"by": "velocity"})"), {"'oil'", "'velocity'"});
+  expectRefused(sceneWithLooks(clear, foam("speed")), {"'oil'", "render.fluids[1].foam.by", "'speed'"});
+  expectRefused(sceneWithLooks(clear, clear, R"(, "arrows": {"spacing": 0.05})"), {"render.arrows.spacing"});
+}
+
 }  // namespace
 }  // namespace weir::test
