@@ -193,6 +193,13 @@ class Socket {
   bool accepted_ = false;
 };
 
+inline double secondsOf(clockid_t clock) {
+  constexpr double kNanosecond = 1e-9;
+  timespec time{};
+  if (clock_gettime(clock, &time) != 0) throw std::runtime_error("the system has no such clock");
+  return static_cast<double>(time.tv_sec) + kNanosecond * static_cast<double>(time.tv_nsec);
+}
+
 /// A studio of one folder, on the CPU if its options name no device, which serves on a thread of its own.
 class RunningStudio {
  public:
@@ -219,12 +226,10 @@ class RunningStudio {
   const std::string& token() const { return token_; }
   /// Seconds of a core that the server's thread has used.
   double servingSeconds() {
-    constexpr double kNanosecond = 1e-9;
     clockid_t clock{};
-    timespec used{};
-    if (pthread_getcpuclockid(server_.native_handle(), &clock) != 0 || clock_gettime(clock, &used) != 0)
+    if (pthread_getcpuclockid(server_.native_handle(), &clock) != 0)
       throw std::runtime_error("the system does not tell what a thread has used");
-    return static_cast<double>(used.tv_sec) + kNanosecond * static_cast<double>(used.tv_nsec);
+    return secondsOf(clock);
   }
   std::string head(const std::string& first, const std::string& more = "") const {
     return first + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n" + more;
