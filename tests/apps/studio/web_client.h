@@ -49,7 +49,7 @@ class Connection {
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const int atOnce = 1;  // as browsers do
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &atOnce, sizeof atOnce);
-    const timeval patience{20, 0};
+    const timeval patience{120, 0};  // s, far more than a machine needs that is not busy
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
       throw std::runtime_error("cannot connect");
