@@ -2,8 +2,9 @@
 //
 //   weir_studio_times first [WEIR]      from the start of the program to the first picture's particles
 //   weir_studio_times stream            frames a second and latency of the stream, without steps between them
-//   weir_studio_times slowdown [THREADS [PAIRS]]  a run of 50 000 particles with and without somebody who
-//                                       watches, in turns
+//   weir_studio_times slowdown [THREADS [BLOCKS [DEVICE]]]  what a viewer of 50 000 particles costs: two
+//                                       simulations of one scene in this process, with and without somebody
+//                                       who watches, come to the same frames, three at a time, in turns
 //
 // Each prints a line of a Markdown table per case. "stream" asks for the present frame again and again: it is
 // copied, quantised, sent and received each time. Its latency is that of one request alone, its rate that
@@ -13,13 +14,16 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "framework/run/run.h"
+#include "framework/run/simulation.h"
 #include "tests/apps/studio/web_client.h"
 
 namespace weir::studio {
@@ -141,63 +145,163 @@ void first(const std::string& weir) {
   }
 }
 
-constexpr double kWatched = 5e4, kDuration = 0.3;
+constexpr double kWatched = 5e4, kMs = 1e3;
 
-double runAlone(const std::string& scene, int threads) {
-  Registry registry;
-  registerNodes(registry);
-  Log log;
-  const auto device = openDevice("cpu", threads);
-  std::vector<std::string> warnings;
-  Simulation simulation(loadScene(scene, registry, {}, warnings), *device, log, registry);
-  Clock::time_point start;
-  RunOptions options;
-  options.onProgress = [&, begun = false](const Simulation&) mutable {
-    if (!begun) start = Clock::now();  // frame 0 is there
-    begun = true;
-  };
-  runSimulation(simulation, {}, options);
-  return since(start);
-}
-
-double runWatched(const std::string& folder, int threads) {
-  StudioOptions options;
-  options.folder = folder;
-  options.threads = threads;
-  const RunningStudio studio(options, "scene.json");
-  const Socket socket = studio.socket();
-  socket.ask(R"({"id": 1, "do": "run.reset"})");
-  socket.until(isFrame);
-  socket.sendText(R"({"do": "frame.seen"})");
-  const Clock::time_point start = Clock::now();
-  socket.sendText(R"({"id": 2, "do": "run.play"})");
-  socket.state("finished");
-  return since(start);
-}
-
-void slowdown(int threads, int pairs) {
-  const test::TemporaryFolder folder;
-  const std::string scene = folder.write("scene.json", sceneOf(kWatched, kDuration));
-  std::vector<double> alone, watched, slower;
-  runAlone(scene, threads);  // the machine is warm for both
-  for (int i = 0; i < pairs; ++i) {
-    // Now the one first, now the other, so that what drifts favours neither.
-    if (i % 2 == 0) alone.push_back(runAlone(scene, threads));
-    watched.push_back(runWatched(folder.path(), threads));
-    if (i % 2 != 0) alone.push_back(runAlone(scene, threads));
-    slower.push_back(100 * (watched.back() / alone.back() - 1));
+/// A number of each block, and what they say together.
+class Numbers {
+ public:
+  void add(double number) {
+    sorted_.insert(std::upper_bound(sorted_.begin(), sorted_.end(), number), number);
   }
-  const auto at = [](std::vector<double>& values, double part) {
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  constexpr double kQuarter = 0.25, kHalf = 0.5;
+  double median() const { return at(kHalf * last()); }
+  /// The median of all blocks that there could be lies between these in 95 of 100 measurements: as many of n
+  /// numbers are below it as a coin thrown n times shows heads.
+  std::pair<double, double> sure() const {
+    constexpr double kDeviations = 1.96;
+    const double away = kHalf * kDeviations * std::sqrt(last() + 1);
+    return {at(std::floor(kHalf * last() - away)), at(std::ceil(kHalf * last() + away))};
+  }
+
+ private:
+  static constexpr double kHalf = 0.5;
+
+  double last() const { return static_cast<double>(sorted_.size()) - 1; }
+  double at(double rank) const { return sorted_[static_cast<std::size_t>(std::clamp(rank, 0.0, last()))]; }
+
+  std::vector<double> sorted_;
+};
+
+/// What some frames took: in all, and in the steps alone.
+struct Took {
+  double seconds = 0, stepping = 0;
+};
+
+/// The simulation without a studio.
+class Alone {
+ public:
+  Alone(const std::string& scene, const std::string& device, int threads)
+      : device_(openDevice(device, threads)) {
+    registerNodes(registry_);
+    std::vector<std::string> warnings;
+    simulation_ =
+        std::make_unique<Simulation>(loadScene(scene, registry_, {}, warnings), *device_, log_, registry_);
+    simulation_->reset();
+  }
+  Took advance(int frames) {
+    const std::atomic<bool> never = false;
+    const double before = simulation_->stepSeconds();
+    const Clock::time_point start = Clock::now();
+    for (int i = 0; i < frames; ++i) simulation_->advanceFrame(never, {});
+    return {since(start), simulation_->stepSeconds() - before};
+  }
+
+ private:
+  Registry registry_;
+  Log log_;
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<Simulation> simulation_;
+};
+
+/// The same in a studio, with somebody who gets each frame.
+class Watched {
+ public:
+  Watched(const std::string& folder, const std::string& device, int threads)
+      : studio_(optionsOf(folder, device, threads), "scene.json"), socket_(studio_.socket()) {
+    socket_.ask(R"({"id": 1, "do": "run.reset"})");
+    socket_.until(isFrame);
+    socket_.sendText(R"({"do": "frame.seen"})");
+  }
+  /// Until the viewer has the last of them and the simulation stands.
+  Took advance(int frames) {
+    shown_ += frames;
+    const Clock::time_point start = Clock::now();
+    socket_.sendText(fmt::format(R"({{"do": "run.step", "frames": {}}})", frames));
+    bool seen = false, stands = false, counted = false;
+    Took took;
+    const auto answered = socket_.until([&](const Socket::Message& message) {
+      if (isFrame(message)) {
+        seen = seen || Socket::headerOf(message).find("frame")->asInt() == shown_;
+        socket_.sendText(R"({"do": "frame.seen"})");
+      } else if (message.text) {
+        const Value value = parseJson(message.data, "message");
+        const Value* event = value.find("event");
+        if (event == nullptr) return false;
+        const Value& data = *value.find("data");
+        // Where it stands the numbers are told once more. Nothing is asked of it before, but that is not
+        // counted.
+        counted = counted || (stands && event->asString() == "numbers");
+        if (event->asString() == "status" && data.find("state")->asString() == "paused" &&
+            data.find("frame")->asInt() == shown_) {
+          stands = true;
+          const double stepping = data.find("stepping_seconds")->asDouble();
+          took.stepping = stepping - std::exchange(stepping_, stepping);
+        }
+      }
+      if (seen && stands && took.seconds == 0) took.seconds = since(start);
+      return took.seconds > 0 && counted;
+    });
+    if (!answered) throw std::runtime_error("the studio says nothing any more");
+    return took;
+  }
+  /// Seconds of a core that the server's and the viewer's threads have used so far.
+  double serving() { return studio_.servingSeconds(); }
+  static double viewing() { return secondsOf(CLOCK_THREAD_CPUTIME_ID); }
+
+ private:
+  static StudioOptions optionsOf(const std::string& folder, const std::string& device, int threads) {
+    StudioOptions options;
+    options.device = device;
+    options.folder = folder;
+    options.threads = threads;
+    return options;
+  }
+
+  RunningStudio studio_;
+  Socket socket_;
+  std::int64_t shown_ = 0;
+  double stepping_ = 0;
+};
+
+void slowdown(int threads, int blocks, const std::string& device) {
+  constexpr int kFrames = 3;  // a block
+  constexpr double kPercent = 100;
+  const test::TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", sceneOf(kWatched, (blocks + 2) * kFrames / 30.0));
+  Alone alone(scene, device, threads);
+  Watched watched(folder.path(), device, threads);
+  alone.advance(kFrames);
+  watched.advance(kFrames);  // the machine is warm for both
+  Numbers aloneMs, watchedMs, slower, steps, waits, served, viewed, counted;
+  for (int i = 0; i < blocks; ++i) {
+    // Both come to the same frames, now the one first, now the other, so that what drifts favours neither.
+    Took without, with;
+    if (i % 2 == 0) without = alone.advance(kFrames);
+    const double servedBefore = watched.serving(), viewedBefore = watched.viewing();
+    with = watched.advance(kFrames);
+    const double serving = watched.serving() - servedBefore, viewing = watched.viewing() - viewedBefore;
+    if (i % 2 != 0) without = alone.advance(kFrames);
+    aloneMs.add(kMs * without.seconds / kFrames);
+    watchedMs.add(kMs * with.seconds / kFrames);
+    slower.add(kPercent * (with.seconds / without.seconds - 1));
+    steps.add(kPercent * (with.stepping / without.stepping - 1));
+    waits.add(kMs * (with.seconds - with.stepping) / kFrames);
+    served.add(kMs * serving / kFrames);
+    viewed.add(kMs * viewing / kFrames);
+    // As if all threads of the simulation waited for each of these.
+    counted.add(kPercent * (with.seconds - with.stepping + serving + viewing) / without.seconds);
+  }
+  const auto [least, most] = slower.sure();
   fmt::print(
-      "| threads | pairs | alone, s | watched, s | slower by, median | quartiles "
-      "|\n|---|---|---|---|---|---|\n"
-      "| {} | {} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} to {:.1f} % |\n",
-      threads, pairs, at(alone, kHalf), at(watched, kHalf), at(slower, kHalf), at(slower, kQuarter),
-      at(slower, 1 - kQuarter));
+      "| threads | blocks | a frame alone, ms | watched, ms | slower by | 95 % sure | its steps slower by |\n"
+      "|---|---|---|---|---|---|---|\n"
+      "| {} | {} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} to {:.1f} % | {:.1f} % |\n\n",
+      threads, blocks, aloneMs.median(), watchedMs.median(), slower.median(), least, most, steps.median());
+  fmt::print(
+      "| besides steps, ms a frame | server's thread, ms of a core | viewer's | all of it, if nothing else "
+      "ran meanwhile |\n"
+      "|---|---|---|---|\n"
+      "| {:.2f} | {:.2f} | {:.2f} | {:.1f} % |\n",
+      waits.median(), served.median(), viewed.median(), counted.median());
 }
 
 }  // namespace
@@ -211,7 +315,8 @@ int main(int argc, char** argv) {
   else if (what == "stream")
     weir::studio::stream();
   else if (what == "slowdown")
-    weir::studio::slowdown(argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? std::max(1, std::atoi(argv[3])) : 3);
+    weir::studio::slowdown(argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? std::max(1, std::atoi(argv[3])) : 20,
+                           argc > 4 ? argv[4] : "cpu");
   else
-    fmt::print("usage: weir_studio_times first [WEIR] | stream | slowdown [THREADS [PAIRS]]\n");
+    fmt::print("usage: weir_studio_times first [WEIR] | stream | slowdown [THREADS [BLOCKS [DEVICE]]]\n");
 }

@@ -1,10 +1,14 @@
 #include "apps/studio/session/frame_packet.h"
 
 #include <algorithm>
-#include <optional>
-#include <vector>
+#include <cstring>
+#include <span>
+#include <utility>
 
-#include "apps/studio/session/on_host.h"
+#include "apps/studio/session/frame_kernels.h"
+#include "framework/compute/array.h"
+#include "framework/compute/host_copy.h"
+#include "framework/compute/readback.h"
 #include "framework/graph/outputs_of.h"
 #include "nodes/geometry/triangle_mesh.h"
 #include "nodes/particle_fluid/particle_fluid.h"
@@ -13,48 +17,6 @@
 namespace weir::studio {
 
 namespace {
-
-// The simulation waits while a frame is made, so nothing is copied twice.
-
-/// An attribute as numbers, vectors by their length; nothing if there is none of that name.
-std::optional<std::vector<float>> numbersOf(const ParticleSet& particles, const std::string& name,
-                                            std::int64_t count) {
-  const bool speed = name == "speed" && particles.find(name) == nullptr;
-  const AttributeInfo* info = particles.find(speed ? "velocity" : name);
-  if (info == nullptr) return std::nullopt;
-  if (info->type == AttributeType::kFloat) return onHost(particles.get<float>(info->name), count);
-  std::vector<float> numbers;
-  numbers.reserve(static_cast<std::size_t>(count));
-  if (info->type == AttributeType::kVec3)
-    for (const Vec3f& v : onHost(particles.get<Vec3f>(info->name), count)) numbers.push_back(length(v));
-  else
-    for (const int i : onHost(particles.get<int>(info->name), count))
-      numbers.push_back(static_cast<float>(i));
-  return numbers;
-}
-
-/// Which particles are sent; nothing stands for all. Else those with every n-th id, so that the same ones are
-/// seen in every frame.
-using Selection = std::optional<std::vector<std::size_t>>;
-
-Selection chosen(const std::vector<int>& ids, std::int64_t most) {
-  const auto total = static_cast<std::int64_t>(ids.size());
-  const std::int64_t every = std::max<std::int64_t>(1, (total + most - 1) / std::max<std::int64_t>(most, 1));
-  if (every == 1) return std::nullopt;
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    if (ids[i] % every == 0) indices.push_back(i);
-  return indices;
-}
-
-template <class T>
-std::vector<T> select(std::vector<T> all, const Selection& selection) {
-  if (!selection) return all;
-  std::vector<T> some;
-  some.reserve(selection->size());
-  for (const std::size_t i : *selection) some.push_back(all[i]);
-  return some;
-}
 
 Value vectorValue(const Vec3f& v) {
   return Value(Value::Array{v.x, v.y, v.z});
@@ -66,57 +28,160 @@ Value poseValue(const Pose& pose) {
   return Value(Value::Array{p.x, p.y, p.z, q.x, q.y, q.z, q.w});
 }
 
-Value fluidHeader(const std::string& node, const Fluid& fluid, const FrameView& view, PacketWriter& writer) {
-  const ParticleSet& particles = *fluid.particles;
-  const std::int64_t count = fluid.particles->refreshCount();
-  std::vector<int> ids = onHost(particles.ids(), count);
-  const Selection selection = chosen(ids, view.most);
-  const std::vector<int> sent = select(std::move(ids), selection);
-  const QuantizedPoints points =
-      quantize(std::span<const Vec3f>(select(onHost(particles.positions(), count), selection)));
-  Value v = Value::object();
-  v["node"] = node;
-  v["total"] = count;
-  v["count"] = static_cast<std::int64_t>(sent.size());
-  v["spacing"] = fluid.constants->spacing;
-  v["low"] = vectorValue(points.low);
-  v["high"] = vectorValue(points.high);
-  v["positions"] = writer.add(std::span<const std::uint16_t>(points.values));
-  v["ids"] = writer.add(std::span<const int>(sent));
-  Value names = Value(Value::Array{"speed"});
-  for (const AttributeInfo& info : particles.attributes()) names.push(info.name);
-  v["attributes"] = std::move(names);
-  if (auto numbers = numbersOf(particles, view.attribute, count)) {
-    const Quantized values = quantize(std::span<const float>(select(std::move(*numbers), selection)));
-    const AttributeInfo* info = particles.find(view.attribute);
-    Value a = Value::object();
-    a["name"] = view.attribute;
-    a["unit"] = info != nullptr ? info->unit : "m/s";
-    a["low"] = values.low;
-    a["high"] = values.high;
-    a["values"] = writer.add(std::span<const std::uint16_t>(values.values));
-    v["attribute"] = std::move(a);
-  }
-  return v;
+/// That of what has no numbers is 0 to 0.
+Range<float> closed(const Range<float>& range) {
+  return range.low <= range.high ? range : Range<float>{};
 }
 
 }  // namespace
 
-Packet framePacket(const Simulation& simulation, const FrameView& view) {
-  PacketWriter writer;
+/// What viewers get of one fluid.
+class FrameMaker::FluidFrame {
+ public:
+  explicit FluidFrame(Device& device)
+      : device_(device),
+        kept_(device, 1),
+        ranges_(device, 1),
+        indices_(device),
+        ids_(device),
+        points_(device),
+        values_(device),
+        onHost_(device) {}
+
+  Value make(const std::string& node, const Fluid& fluid, const FrameView& view, PacketWriter& writer) {
+    ParticleSet& particles = *fluid.particles;
+    const std::int64_t total = particles.refreshCount();
+    const ChosenParticles chosen = choose(particles, total, view.most);
+    const bool hasValues = place(particles, view.attribute, chosen);
+
+    onHost_.resize(kIdsAt + chosen.count * (kIdBytes + kPointBytes + kValueBytes));
+    const std::int64_t pointsAt = kIdsAt + chosen.count * kIdBytes;
+    const std::int64_t valuesAt = pointsAt + chosen.count * kPointBytes;
+    start(0, ranges_.data(), 1);
+    start(kIdsAt, chosen.indices.data != nullptr ? ids_.data() : particles.ids().data(), chosen.count);
+    start(pointsAt, points_.data(), chosen.count * kAxes);
+    if (hasValues) start(valuesAt, values_.data(), chosen.count);
+    const std::span<const char> bytes = onHost_.wait();
+    const auto part = [&](std::int64_t at, std::int64_t size) {
+      return writer.add(bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size)));
+    };
+    Ranges ranges;
+    std::memcpy(&ranges, bytes.data(), sizeof ranges);
+
+    const Range<float> x = closed({ranges.points.low.x, ranges.points.high.x});
+    const Range<float> y = closed({ranges.points.low.y, ranges.points.high.y});
+    const Range<float> z = closed({ranges.points.low.z, ranges.points.high.z});
+    Value v = Value::object();
+    v["node"] = node;
+    v["total"] = total;
+    v["count"] = chosen.count;
+    v["spacing"] = fluid.constants->spacing;
+    v["low"] = vectorValue({x.low, y.low, z.low});
+    v["high"] = vectorValue({x.high, y.high, z.high});
+    v["positions"] = part(pointsAt, chosen.count * kPointBytes);
+    v["ids"] = part(kIdsAt, chosen.count * kIdBytes);
+    Value names = Value(Value::Array{"speed"});
+    for (const AttributeInfo& info : particles.attributes()) names.push(info.name);
+    v["attributes"] = std::move(names);
+    if (!hasValues) return v;
+    const Range<float> range = closed(ranges.values);
+    const AttributeInfo* info = particles.find(view.attribute);
+    Value a = Value::object();
+    a["name"] = view.attribute;
+    a["unit"] = info != nullptr ? info->unit : "m/s";
+    a["low"] = range.low;
+    a["high"] = range.high;
+    a["values"] = part(valuesAt, chosen.count * kValueBytes);
+    v["attribute"] = std::move(a);
+    return v;
+  }
+
+ private:
+  struct Ranges {
+    Range<Vec3f> points;
+    Range<float> values;
+  };
+  static constexpr std::int64_t kAxes = 3;
+  static constexpr std::int64_t kValueBytes = sizeof(std::uint16_t), kPointBytes = kAxes * kValueBytes,
+                                kIdBytes = sizeof(int), kIdsAt = sizeof(Ranges);
+
+  /// All, or those with every n-th id, so that the same ones are seen in every frame.
+  ChosenParticles choose(const ParticleSet& particles, std::int64_t total, std::int64_t most) {
+    const std::int64_t every =
+        std::max<std::int64_t>(1, (total + most - 1) / std::max<std::int64_t>(most, 1));
+    if (every == 1) return {.indices = {}, .count = total};
+    indices_.resizeDiscarding(total);
+    dispatch(device_, [&](auto& device) {
+      chooseEvery(device, {particles.ids().data(), total}, static_cast<int>(every), indices_.view(),
+                  kept_.data());
+    });
+    keptCopy_.request(kept_.data());
+    const std::int64_t count = keptCopy_.wait();
+    return {.indices = std::as_const(indices_).view(), .count = count};
+  }
+
+  /// Asks the device for all numbers; whether there are any of this attribute.
+  bool place(const ParticleSet& particles, const std::string& attribute, const ChosenParticles& chosen) {
+    const bool speed = attribute == "speed" && particles.find(attribute) == nullptr;
+    const AttributeInfo* info = particles.find(speed ? "velocity" : attribute);
+    Ranges* const ranges = ranges_.data();
+    points_.resizeDiscarding(chosen.count * kAxes);
+    values_.resizeDiscarding(info != nullptr ? chosen.count : 0);
+    dispatch(device_, [&](auto& device) {
+      if (chosen.indices.data != nullptr) {
+        ids_.resizeDiscarding(chosen.count);
+        takeIds(device, particles.ids().view(), chosen, ids_.view());
+      }
+      boundsOf(device, particles.positions().view(), chosen, &ranges->points);
+      quantizePoints(device, particles.positions().view(), chosen, &ranges->points, points_.view());
+      const auto placeValues = [&](const auto& array) {
+        rangeOf(device, array.view(), chosen, &ranges->values);
+        quantize(device, array.view(), chosen, &ranges->values, values_.view());
+      };
+      if (info == nullptr) return;
+      if (info->type == AttributeType::kFloat) placeValues(particles.get<float>(info->name));
+      if (info->type == AttributeType::kInt) placeValues(particles.get<int>(info->name));
+      if (info->type == AttributeType::kVec3) placeValues(particles.get<Vec3f>(info->name));
+    });
+    return info != nullptr;
+  }
+
+  template <class T>
+  void start(std::int64_t at, const T* from, std::int64_t count) {
+    onHost_.start(at, reinterpret_cast<const char*>(from), count * static_cast<std::int64_t>(sizeof(T)));
+  }
+
+  Device& device_;
+  Array<int> kept_;
+  Readback<int> keptCopy_{device_};
+  Array<Ranges> ranges_;
+  Array<int> indices_, ids_;
+  Array<std::uint16_t> points_, values_;
+  HostCopy<char> onHost_;  // ranges, ids, points, values
+};
+
+FrameMaker::FrameMaker(Device& device) : device_(device) {}
+
+FrameMaker::~FrameMaker() = default;
+
+Packet FrameMaker::make(const Simulation& simulation, const FrameView& view) {
+  writer_.clear();
   Value header = Value::object();
   header["kind"] = "frame";
   header["frame"] = simulation.frame();
   header["time"] = simulation.time();
   Value fluids = Value::array(), poses = Value::object();
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
-    fluids.push(fluidHeader(node, **output, view, writer));
+  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
+    std::unique_ptr<FluidFrame>& fluid = fluids_[node];
+    if (!fluid) fluid = std::make_unique<FluidFrame>(device_);
+    fluids.push(fluid->make(node, **output, view, writer_));
+  }
   for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
     if (const RigidMotion* motion = motionOf(*output))
       poses[node] = poseValue(motion->poseAt(simulation.time()));
   header["fluids"] = std::move(fluids);
   header["poses"] = std::move(poses);
-  return writer.finish(header);
+  return writer_.finish(header);
 }
 
 Packet geometryPacket(const Simulation& simulation) {

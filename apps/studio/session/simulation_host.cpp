@@ -1,5 +1,6 @@
 #include "apps/studio/session/simulation_host.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "framework/run/statistics.h"
@@ -12,6 +13,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
+constexpr int kNumbersShare = 100;  // they take at most one part of so many of the time
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {
   const SteadyClock::time_point now = SteadyClock::now();
@@ -91,8 +93,7 @@ void SimulationHost::change(std::vector<LiveChange> changes) {
 void SimulationHost::show(FrameView view) {
   post([this, view = std::move(view)] {
     view_ = view;
-    if (simulation_ && simulation_->atFrame())
-      listener_.frame(simulation_->frame(), framePacket(*simulation_, view_));
+    if (simulation_ && simulation_->atFrame()) tellFrame();
   });
 }
 void SimulationHost::ask(std::function<void(Simulation*)> f) {
@@ -137,9 +138,11 @@ void SimulationHost::guarded(const std::function<void()>& f) {
 void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& device) {
   // The old simulation gives its memory back first.
   listener_.leaving();
+  frames_.reset();
   simulation_.reset();
   if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
   deviceName_ = device;
+  deviceDescription_ = device_->description();  // which it asks the system for
   simulation_ = std::make_unique<Simulation>(std::move(scene), *device_, log_, registry_);
   resetNow();
 }
@@ -151,6 +154,7 @@ void SimulationHost::resetNow() {
   try {
     simulation_->reset();
   } catch (...) {
+    frames_.reset();
     simulation_.reset();  // nobody may look at half a scene
     throw;
   }
@@ -182,10 +186,24 @@ void SimulationHost::advanceNow() {
 }
 
 void SimulationHost::frameReached() {
-  listener_.frame(simulation_->frame(), framePacket(*simulation_, view_));
+  tellFrame();
   listener_.reached(*simulation_);
-  if (isTime(counted_, kNumbersEvery)) listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
+  if (SteadyClock::now() - counted_ >=
+      std::max<SteadyClock::duration>(kNumbersEvery, kNumbersShare * counting_))
+    tellNumbers();
   if (isTime(told_, kStatusEvery)) listener_.status(status());
+}
+
+void SimulationHost::tellFrame() {
+  if (!frames_) frames_.emplace(*device_);
+  listener_.frame(simulation_->frame(), frames_->make(*simulation_, view_));
+}
+
+void SimulationHost::tellNumbers() {
+  const SteadyClock::time_point start = SteadyClock::now();
+  listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
+  counted_ = SteadyClock::now();
+  counting_ = counted_ - start;
 }
 
 void SimulationHost::tell(HostState state) {
@@ -194,15 +212,14 @@ void SimulationHost::tell(HostState state) {
   listener_.status(status());
   // What one looks at when it stands still is the last frame's.
   const bool stands = state == HostState::kPaused || state == HostState::kFinished;
-  if (stands && simulation_ && simulation_->atFrame())
-    listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
+  if (stands && simulation_ && simulation_->atFrame()) tellNumbers();
 }
 
 Value SimulationHost::status() {
   Value v = Value::object();
   v["state"] = nameOf(state_);
   if (simulation_) {
-    v["device"] = simulation_->device().description();
+    v["device"] = deviceDescription_;
     v["frame"] = simulation_->frame();
     v["frames"] = simulation_->clock().frameCount();
     v["time"] = simulation_->time();

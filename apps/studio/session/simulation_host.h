@@ -34,7 +34,8 @@ class HostListener {
   /// problem}; the numbers only where there is a simulation, the problem (see problemOf) only where it
   /// failed. device_busy is the share of the last second that steps took, 0 where it does not play.
   virtual void status(const Value& status) = 0;
-  /// Of the run so far, at a frame, see runStatistics; a few times a second.
+  /// Of the run so far, at a frame, see runStatistics; a few times a second, but more rarely where they would
+  /// take more than a hundredth of the time.
   virtual void numbers(const Value& numbers) = 0;
   virtual void frame(std::int64_t frame, const Packet& packet) = 0;
   virtual void geometry(const Packet& packet) = 0;
@@ -80,6 +81,8 @@ class SimulationHost {
   void resetNow();
   void advanceNow();
   void frameReached();
+  void tellFrame();
+  void tellNumbers();
   void go(std::optional<std::int64_t> pauseAt);
   void tell(HostState state);
   Value status();
@@ -98,13 +101,15 @@ class SimulationHost {
   // The rest belongs to the thread.
   std::unique_ptr<Device> device_;
   std::unique_ptr<Simulation> simulation_;
-  std::string deviceName_;
+  std::optional<FrameMaker> frames_;  // with the simulation
+  std::string deviceName_, deviceDescription_;
   HostState state_ = HostState::kEmpty;
   std::optional<Value> problem_;
   std::optional<std::int64_t> pauseAt_;  // a frame
   FrameView view_;
   BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
+  std::chrono::steady_clock::duration counting_{};            // how long the numbers took then
 
   std::atomic<bool> quit_ = false;
   std::thread thread_;  // last: it uses all of the above

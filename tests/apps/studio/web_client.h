@@ -4,8 +4,10 @@
 
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <array>
@@ -47,7 +49,7 @@ class Connection {
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const int atOnce = 1;  // as browsers do
     setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &atOnce, sizeof atOnce);
-    const timeval patience{20, 0};
+    const timeval patience{120, 0};  // s, far more than a machine needs that is not busy
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
       throw std::runtime_error("cannot connect");
@@ -149,17 +151,20 @@ class Socket {
     }
     return std::nullopt;
   }
-  /// Waits for an event of which f is true; gives back its data, or null if the server closed.
+  /// Waits for an event of which f is true, and gives back its data. Throws if the server closes, or says
+  /// nothing for long.
   Value event(const std::string& name, const std::function<bool(const Value&)>& f) const {
     Value data;
-    until([&](const Message& message) {
+    const auto found = until([&](const Message& message) {
       if (!message.text) return false;
       const Value value = parseJson(message.data, "event");
       const Value* of = value.find("event");
-      if (of == nullptr || of->asString() != name || !f(*value.find("data"))) return false;
+      if (of == nullptr || of->asString() != name) return false;
       data = *value.find("data");
-      return true;
+      return f(data);
     });
+    if (!found)
+      throw std::runtime_error("no such event: " + name + "; the last that was told: " + writeJsonLine(data));
     return data;
   }
   /// Waits for such a state of the run.
@@ -188,14 +193,21 @@ class Socket {
   bool accepted_ = false;
 };
 
-/// A studio of one folder on the CPU with one thread, which serves on a thread of its own.
+inline double secondsOf(clockid_t clock) {
+  constexpr double kNanosecond = 1e-9;
+  timespec time{};
+  if (clock_gettime(clock, &time) != 0) throw std::runtime_error("the system has no such clock");
+  return static_cast<double>(time.tv_sec) + kNanosecond * static_cast<double>(time.tv_nsec);
+}
+
+/// A studio of one folder, on the CPU if its options name no device, which serves on a thread of its own.
 class RunningStudio {
  public:
   explicit RunningStudio(StudioOptions options, const std::string& scene,
                          const std::function<void(Registry&)>& prepare = {}) {
     registerNodes(registry_);
     if (prepare) prepare(registry_);
-    options.device = "cpu";
+    if (options.device == "auto") options.device = "cpu";
     studio_ = std::make_unique<Studio>(std::move(options), registry_, log_);
     if (!scene.empty()) studio_->open(scene);
     const std::string address = studio_->address();  // http://127.0.0.1:PORT/?token=TOKEN
@@ -212,6 +224,13 @@ class RunningStudio {
 
   int port() const { return port_; }
   const std::string& token() const { return token_; }
+  /// Seconds of a core that the server's thread has used.
+  double servingSeconds() {
+    clockid_t clock{};
+    if (pthread_getcpuclockid(server_.native_handle(), &clock) != 0)
+      throw std::runtime_error("the system does not tell what a thread has used");
+    return secondsOf(clock);
+  }
   std::string head(const std::string& first, const std::string& more = "") const {
     return first + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n" + more;
   }

@@ -106,6 +106,75 @@ step("what is being typed is saved, too", async () => {
   await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
 });
 
+const chosen = () => page.locator(".scene-node.selected").evaluateAll((nodes) => nodes.map((n) => n.dataset.node));
+
+step("nodes are chosen, folded, grouped and renamed by the keyboard alone", async () => {
+  await hands.pressInGraph("Escape");
+  assert.deepEqual(await chosen(), []);
+  const walked = [];
+  for (let i = 0; i < 4; ++i) {
+    await hands.pressInGraph("PageDown");
+    walked.push(...(await chosen()));
+  }
+  assert.deepEqual([...walked].sort(), ["block", "floor", "tank", "water"]);
+  assert.equal(walked[3], "water");  // what it takes stands before it
+  await hands.pressInGraph("PageUp");
+  assert.deepEqual(await chosen(), [walked[2]]);
+  await hands.pressInGraph("PageDown");
+  await hands.pressInGraph("F2");
+  await page.keyboard.type("sea");
+  await page.keyboard.press("Enter");
+  await hands.node("sea").waitFor();
+  await save((s) => assert.ok(s.links.includes("tank.boundary -> sea.boundaries")));
+  await hands.pressInGraph("c");
+  await page.locator('[data-node="sea"].collapsed').waitFor();
+  await hands.pressInGraph("Control+a", "g");
+  const frame = page.locator(".note.frame");
+  const outer = await frame.boundingBox();
+  for (const name of ["block", "floor", "tank", "sea"]) {
+    const box = await hands.node(name).boundingBox();
+    assert.ok(box.x > outer.x && box.y > outer.y && box.x + box.width < outer.x + outer.width && box.y + box.height < outer.y + outer.height, name);
+  }
+  await hands.pressInGraph("Control+z", "Control+z", "Control+z");
+  await frame.waitFor({ state: "detached" });
+  await hands.node("water").waitFor();
+  // The keyboard can leave the graph again.
+  await hands.pressInGraph("Shift+Tab");
+  assert.ok(await page.evaluate(() => document.activeElement.getAttribute("aria-label") !== "Node editor" && !document.querySelector(".add-menu")));
+});
+
+step("the list of nodes follows the keys", async () => {
+  await hands.pointAtGraph();
+  await hands.pressInGraph("Tab");
+  await page.getByRole("textbox", { name: "Search" }).waitFor();
+  for (let i = 0; i < 12; ++i) await page.keyboard.press("ArrowDown");
+  const [list, item] = await Promise.all([page.locator(".add-menu ul"), page.locator('.add-menu [aria-selected="true"]')].map((l) => l.boundingBox()));
+  assert.ok(item.y >= list.y - 1 && item.y + item.height <= list.y + list.height + 1);
+  await page.keyboard.press("Escape");
+});
+
+step("a number changes the run while it is dragged, and the drag is one step to undo", async () => {
+  await hands.pointAtGraph();
+  const gravity = page.locator('[data-param="world"]');
+  await hands.open(gravity);
+  const duration = gravity.locator('[data-param="duration"]');
+  const value = () => duration.getByLabel("duration", { exact: true }).inputValue();
+  const before = await value();
+  await duration.locator(".grip").hover();
+  const grip = await duration.locator(".grip").boundingBox();
+  await page.mouse.down();
+  await page.mouse.move(grip.x + 60, grip.y, { steps: 3 });
+  const during = await value();
+  assert.ok(Number(during) > Number(before));
+  await save((s) => assert.equal(s.world.duration, Number(during)));  // the hand still holds it
+  await page.waitForTimeout(700);
+  await page.mouse.move(grip.x + 90, grip.y, { steps: 3 });
+  await page.mouse.up();
+  assert.ok(Number(await value()) > Number(during));
+  await hands.pressInGraph("Control+z");
+  assert.equal(await value(), before);
+});
+
 step("the table has all particles, sorted by any attribute, and goes on while the scene runs", async () => {
   await page.getByRole("button", { name: "Reset", exact: true }).click();
   await time("frame 0/").waitFor();

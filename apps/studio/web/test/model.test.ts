@@ -3,8 +3,8 @@ import { describe, expect, test } from "vitest";
 import { evaluate } from "../src/model/expression";
 import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
 import {
-  addLink, addNode, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
-  pipelineOf, removeNodes, renameNode, setParam, type Scene,
+  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
+  pipelineOf, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
 import { search } from "../src/model/search";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
@@ -46,6 +46,31 @@ test("search finds letters in order, and word beginnings first", () => {
   const names = ["StaticBoundary", "SquareEmitter", "Sink", "SphereSampler"];
   expect(search("sqem", names, (n) => n)).toEqual(["SquareEmitter"]);
   expect(search("ss", names, (n) => n)[0]).toBe("SphereSampler");
+});
+
+describe("a graph", () => {
+  test("folds all that is chosen, and unfolds where all are folded", () => {
+    const names = ["box_sampler", "particle_fluid", "note-1"];
+    const [first] = names;
+    const mixed = collapse(linked(), [first!], true);
+    const folded = toggleCollapsed(mixed, names);
+    expect(Object.values(folded.layout!.nodes!).map((p) => p.collapsed)).toEqual([true, true]);
+    expect(toggleCollapsed(folded, names)).toEqual(collapse(mixed, [first!], false));
+    expect(toggleCollapsed(folded, ["note-1"])).toBe(folded);
+  });
+  test("has groups around nodes", () => {
+    const boxes = [{ x: 0, y: 10, width: 100, height: 50 }, { x: 200.4, y: -30, width: 100, height: 60 }];
+    const [group] = addGroupAround(linked(), "note-1", boxes).layout!.notes!;
+    expect(group!.frame).toBe(true);
+    for (const b of boxes) {
+      expect(group!.x).toBeLessThan(b.x);
+      expect(group!.y).toBeLessThan(b.y);
+      expect(group!.x + group!.width).toBeGreaterThan(b.x + b.width);
+      expect(group!.y + group!.height).toBeGreaterThan(b.y + b.height);
+    }
+    const scene = linked();
+    expect(addGroupAround(scene, "note-1", [])).toBe(scene);
+  });
 });
 
 describe("a scene", () => {

@@ -1,7 +1,6 @@
 #include "tests/plugins/rendering/output/video_tools.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,14 +8,6 @@
 #include <sstream>
 
 namespace weir::test {
-
-std::string findProgram(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (::access((folder + "/" + name).c_str(), X_OK) == 0) return folder + "/" + name;
-  return {};
-}
 
 VideoInfo probeVideo(const std::string& file) {
   const ChildResult result =

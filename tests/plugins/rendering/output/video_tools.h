@@ -6,11 +6,9 @@
 
 #include "plugins/rendering/output/picture.h"
 #include "tests/support/child_process.h"
+#include "tests/support/find_program.h"
 
 namespace weir::test {
-
-/// The file of this program on the PATH; "" if there is none.
-std::string findProgram(const std::string& name);
 
 struct VideoInfo {
   int width = 0, height = 0;

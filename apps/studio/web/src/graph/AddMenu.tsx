@@ -64,7 +64,7 @@ export function AddMenu({ at, dangling, onAdd, onNote, onClose }: AddMenuProps) 
         />
         <ul role="listbox">
           {items.map((item, i) => (
-            <li key={item.name} role="option" aria-selected={i === index} onMouseEnter={() => setIndex(i)} onClick={item.add}>
+            <li key={item.name} role="option" aria-selected={i === index} ref={(li) => { if (i === index) li?.scrollIntoView({ block: "nearest" }); }} onMouseMove={() => setIndex(i)} onClick={item.add}>
               <strong>{item.name}</strong>
               <small>{item.doc}</small>
             </li>

@@ -4,8 +4,8 @@ import {
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import {
-  addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, pasteNodes, removeLinks, removeNodes,
-  type LinkEnds, type Note, type Scene,
+  addGroupAround, addLink, addNode, copyNodes, linkProblem, linksOf, linkText, moveNodes, pasteNodes, removeLinks, removeNodes,
+  toggleCollapsed, type LinkEnds, type Note, type Scene,
 } from "../model/scene";
 import { carries, forRunner, offOf, toggleOff, type Off } from "../model/switchedOff";
 import { edit, problemOf, redo, say, undo, useStudio } from "../model/store";
@@ -20,6 +20,7 @@ import { SceneNode, type SceneNodeData } from "./SceneNode";
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kPasteOffset = 40;
 const kLegible = 0.35;
+const newNoteId = () => `note-${Date.now()}`;
 const kOverview = { width: 150, height: 100 };
 
 /** What the graph shows of a scene. */
@@ -113,7 +114,7 @@ export function GraphEditor() {
   const addNote = useCallback((frame: boolean) => {
     const box = surface.current!.getBoundingClientRect();
     const at = flow.screenToFlowPosition({ x: menu!.x + box.left, y: menu!.y + box.top });
-    const note: Note = { id: `note-${Date.now()}`, text: "", ...at, width: frame ? 420 : 200, height: frame ? 260 : 90, frame };
+    const note: Note = { id: newNoteId(), text: "", ...at, width: frame ? 420 : 200, height: frame ? 260 : 90, frame };
     edit((s) => ({ ...s, layout: { ...s.layout, notes: [...(s.layout?.notes ?? []), note] } }));
     setMenu(null);
   }, [flow, menu]);
@@ -222,6 +223,13 @@ function connectEnded(
   if (type) openMenu(at.clientX, at.clientY, { node: fromNode.id, port: from.id, type, side });
 }
 
+/** What stands in the panel of properties is typed over. */
+function focusName(): void {
+  const field = document.querySelector<HTMLInputElement>(".name-field input");
+  field?.focus();
+  field?.select();
+}
+
 function useKeys(
   pointer: React.RefObject<{ x: number; y: number }>,
   openMenu: (x: number, y: number) => void,
@@ -248,6 +256,20 @@ function useKeys(
       }),
     )));
     const switchOff = (how: Off) => edit((s) => toggleOff(s, selected, how));
+    const group = () => {
+      const chosen = new Set(selected.filter((n) => n in scene.nodes));
+      const boxes = flow.getNodes().filter((n) => chosen.has(n.id))
+        .map((n) => ({ ...n.position, width: n.measured?.width ?? n.initialWidth!, height: n.measured?.height ?? n.initialHeight! }));
+      edit((s) => addGroupAround(s, newNoteId(), boxes));
+    };
+    const selectNext = (by: number) => {
+      // From left to right, as things flow.
+      const at = (n: string) => scene.layout?.nodes?.[n] ?? { x: 0, y: 0 };
+      const names = Object.keys(scene.nodes).sort((a, b) => at(a).x - at(b).x || at(a).y - at(b).y);
+      const now = names.indexOf(selected[0] ?? "");
+      const next = names[now < 0 ? (by > 0 ? 0 : names.length - 1) : (now + by + names.length) % names.length];
+      if (next) useStudio.setState({ selected: [next], selectedLinks: [] });
+    };
     if (command && key === "z") e.shiftKey ? redo() : undo();
     else if (command && key === "y") redo();
     else if (command && key === "a") useStudio.setState({ selected: Object.keys(scene.nodes) });
@@ -256,8 +278,15 @@ function useKeys(
     else if (command && key === "v") paste(clip);
     else if (command && key === "d") paste(copyNodes(scene, selected));
     else if (command) return;
-    else if (key === "tab" || key === "a") openMenu(at.x, at.y);
+    // By Shift+Tab the keyboard leaves the graph.
+    else if ((key === "tab" && !e.shiftKey) || key === "a") openMenu(at.x, at.y);
     else if (key === "delete" || key === "backspace") edit((s) => removeNodes(removeLinks(s, selectedLinks), selected));
+    else if (key === "c") edit((s) => toggleCollapsed(s, selected));
+    else if (key === "g") group();
+    else if (key === "f2" && selected.length === 1) focusName();
+    else if (key === "pagedown") selectNext(1);
+    else if (key === "pageup") selectNext(-1);
+    else if (key === "escape") useStudio.setState({ selected: [], selectedLinks: [] });
     else if (key === "m") switchOff("muted");
     else if (key === "b") switchOff("bypassed");
     else if (key === "l") edit((s) => arrange(s, types, selected.length > 1 ? selected : undefined));

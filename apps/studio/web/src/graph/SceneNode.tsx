@@ -53,7 +53,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
         <button
           className="fold"
           aria-label={collapsed ? "Unfold" : "Fold"}
-          onClick={(e) => (e.stopPropagation(), edit((s) => collapse(s, name, !collapsed)))}
+          onClick={(e) => (e.stopPropagation(), edit((s) => collapse(s, [name], !collapsed)))}
         >
           {collapsed ? "▸" : "▾"}
         </button>

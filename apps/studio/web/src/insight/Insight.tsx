@@ -6,7 +6,7 @@ import type { JsonObject } from "../model/types";
 import { ParticleTable } from "./ParticleTable";
 import { Plot } from "./Plot";
 
-const kUsual = /compression\.mean|kinetic|potential|iterations|step \(ms\)|particles$|volume/;
+const kUsual = /compression\.mean|kinetic|potential|iterations|momentum|step \(ms\)|particles$|volume/;
 
 function Times() {
   const times = useStudio((s) => s.numbers?.["modules_ms"]) as { [path: string]: { per_step: number } } | undefined;

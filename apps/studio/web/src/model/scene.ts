@@ -114,9 +114,31 @@ export function moveNodes(scene: Scene, places: { [name: string]: { x: number; y
   return withLayout(scene, { nodes });
 }
 
-export function collapse(scene: Scene, name: string, collapsed: boolean): Scene {
-  const old = scene.layout?.nodes?.[name] ?? { x: 0, y: 0 };
-  return withLayout(scene, { nodes: { ...scene.layout?.nodes, [name]: { ...old, collapsed: collapsed || undefined } } });
+export function collapse(scene: Scene, names: string[], collapsed: boolean): Scene {
+  const nodes = { ...scene.layout?.nodes };
+  for (const n of names) nodes[n] = { ...(nodes[n] ?? { x: 0, y: 0 }), collapsed: collapsed || undefined };
+  return withLayout(scene, { nodes });
+}
+
+/** Folds nodes, or unfolds them where all are folded. */
+export function toggleCollapsed(scene: Scene, names: string[]): Scene {
+  const there = names.filter((n) => n in scene.nodes);
+  if (there.length === 0) return scene;
+  return collapse(scene, there, !there.every((n) => scene.layout?.nodes?.[n]?.collapsed));
+}
+
+const kAround = { x: 24, top: 44, bottom: 24 };
+
+/** A group around nodes, whose sizes on the page are known; where there are none, the scene as it is. */
+export function addGroupAround(scene: Scene, id: string, boxes: { x: number; y: number; width: number; height: number }[]): Scene {
+  if (boxes.length === 0) return scene;
+  const x = Math.min(...boxes.map((b) => b.x)) - kAround.x;
+  const y = Math.min(...boxes.map((b) => b.y)) - kAround.top;
+  const width = Math.max(...boxes.map((b) => b.x + b.width)) + kAround.x - x;
+  const height = Math.max(...boxes.map((b) => b.y + b.height)) + kAround.bottom - y;
+  const round = Math.round;
+  const group: Note = { id, text: "", x: round(x), y: round(y), width: round(width), height: round(height), frame: true };
+  return withLayout(scene, { notes: [...(scene.layout?.notes ?? []), group] });
 }
 
 export function removeNodes(scene: Scene, names: string[]): Scene {

@@ -267,20 +267,35 @@ let again = false;
 let unsent = false;
 
 const kTogetherMs = 600;
-let lastPart: { name: string; at: number } | null = null;
+let lastPart: { name: string; at: number; press: number } | null = null;
+/** Counts how often a button of the pointer went down, and tells whether one is. */
+const pointer = { press: 0, down: false };
+addEventListener("pointerdown", () => (++pointer.press, (pointer.down = true)), true);
+for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => (pointer.down = false), true);
 
-/** Changes the scene; one undo step. Changes of the same part that follow each other quickly, as in a drag, are one step. */
+/** Changes the scene; one undo step. Changes of the same part that follow each other quickly, or in one drag, are one step. */
 export function edit(change: (scene: Scene) => Scene, part?: string): void {
   if (get().role !== "writer") return say(new Error("another window has the pen: take it to make changes here"));
   const next = change(get().scene);
   if (next === get().scene) return;
   const history = useStudio.temporal.getState();
-  const together = part !== undefined && lastPart?.name === part && performance.now() - lastPart.at < kTogetherMs;
-  lastPart = part === undefined ? null : { name: part, at: performance.now() };
+  const now = performance.now();
+  const sameDrag = pointer.down && lastPart?.press === pointer.press;
+  const together = part !== undefined && lastPart?.name === part && (sameDrag || now - lastPart.at < kTogetherMs);
+  lastPart = part === undefined ? null : { name: part, at: now, press: pointer.press };
   if (together) history.pause();
   set({ scene: next });
   if (together) history.resume();
 }
+
+/** What is gone, as by an undo, is not selected. */
+useStudio.subscribe((now, before) => {
+  if (now.scene === before.scene) return;
+  const there = (id: string) => id in now.scene.nodes || now.scene.layout?.notes?.some((n) => n.id === id);
+  const links = new Set(now.scene.links);
+  if (!now.selected.every(there)) set({ selected: now.selected.filter(there) });
+  if (!now.selectedLinks.every((l) => links.has(l))) set({ selectedLinks: now.selectedLinks.filter((l) => links.has(l)) });
+});
 
 useStudio.subscribe((now, before) => {
   if (now.scene === before.scene || applying) return;

@@ -45,7 +45,8 @@ function useProblem(owner: Owner, name: string): string | null {
 function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parameter; path: string[] }) {
   const list = useStudio((s) => valueAt(paramsOf(s.scene, owner), path));
   const items = (Array.isArray(list) ? list : []) as JsonObject[];
-  const put = (next: JsonObject[]) => edit((s) => setParam(s, owner, path, next.length > 0 ? next : undefined));
+  const put = (next: JsonObject[], part?: string) =>
+    edit((s) => setParam(s, owner, path, next.length > 0 ? next : undefined), part && JSON.stringify([owner, path, part]));
   return (
     <div className="group-list">
       {items.map((item, i) => (
@@ -58,7 +59,7 @@ function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parame
               <span>{p.name}</span>
               <ValueField
                 parameter={p} label={`${parameter.name} ${i + 1} ${p.name}`} value={item[p.name] ?? p.default}
-                onChange={(v) => put(items.map((old, k) => (k === i ? { ...old, [p.name]: v } : old)))}
+                onChange={(v) => put(items.map((old, k) => (k === i ? { ...old, [p.name]: v } : old)), `${i}/${p.name}`)}
               />
             </label>
           ))}

@@ -33,7 +33,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
   const shown = typeof value === "number" ? numberText(value) : "";
   const [text, setText] = useState(shown);
   const [problem, setProblem] = useState<string | null>(null);
-  const drag = useRef<{ x: number; from: number; moved: boolean } | null>(null);
+  const drag = useRef<{ x: number; from: number } | null>(null);
   useEffect(() => (setText(shown), setProblem(null)), [shown]);
 
   const take = (t: string) => {
@@ -72,18 +72,15 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
           className="grip" aria-hidden title="Drag to change"
           onPointerDown={(e) => {
             e.currentTarget.setPointerCapture(e.pointerId);
-            drag.current = { x: e.clientX, from: value, moved: false };
+            drag.current = { x: e.clientX, from: value };
           }}
           onPointerMove={(e) => {
             if (!drag.current) return;
             const v = bounded(drag.current.from + (e.clientX - drag.current.x) * step(drag.current.from));
-            setText(numberText(Number(v.toPrecision(4))));
-            drag.current.moved = true;
+            // At once, so that a run shows it while the hand still moves.
+            take(numberText(Number(v.toPrecision(4))));
           }}
-          onPointerUp={() => {
-            if (drag.current?.moved) take(text);
-            drag.current = null;
-          }}
+          onPointerUp={() => (drag.current = null)} onPointerCancel={() => (drag.current = null)}
         >
           ↔
         </span>
