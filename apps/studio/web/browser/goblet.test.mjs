@@ -57,6 +57,11 @@ function meaningOf(scene) {
 
 const moduleType = (nodeType, module) => types.modules[types.nodes[nodeType].modules.find((m) => m.name === module).type];
 
+/** A section of the scene, such as its world, which is shown where no node is selected. */
+async function setSection(name, parameters, values) {
+  await hands.setAll(await hands.open(hands.aside().locator(`details[data-param="${name}"]`).first()), parameters, values);
+}
+
 async function pressUntilDisabled(keys, button) {
   const several = Array(10).fill(keys);
   for (let i = 0; i < 30 && (await button.isEnabled()); ++i) await hands.pressInGraph(...several);
@@ -94,10 +99,13 @@ step("links are drawn, and the scene has its settings", async () => {
   await hands.type(hands.aside().getByLabel("title", { exact: true }), goblet.title, "Tab");
   // Without the plugin that renders there is no such section.
   for (const [section, parameters] of [["world", types.world], ...Object.entries(types.sections)].filter(([name]) => goblet[name]))
-    await hands.setAll(await hands.open(hands.aside().locator(`details[data-param="${section}"]`).first()), parameters, goblet[section]);
+    await setSection(section, parameters, goblet[section]);
 });
 
 step("the viscosity changes while the scene runs", async () => {
+  // However slow the page is, and however fast the simulation.
+  await hands.pointAtGraph();
+  await setSection("world", types.world, { duration: 1000 });
   await hands.pressInGraph("Space");
   await page.locator(".state.playing").waitFor();
   await hands.select("water");
@@ -113,6 +121,11 @@ step("the viscosity changes while the scene runs", async () => {
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
   await hands.pressInGraph("Space");
   await page.locator(".state.paused").waitFor();
+  await hands.pointAtGraph();
+  await setSection("world", types.world, { duration: goblet.world.duration });
+  await page.locator(".reset-hint").filter({ hasText: "duration" }).waitFor();
+  await hands.pressInGraph("r");
+  await page.locator(".reset-hint").waitFor({ state: "hidden" });
 });
 
 step("a broken link shows as an error at the node and its port", async () => {
