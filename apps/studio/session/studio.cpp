@@ -407,10 +407,13 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
   CheckedScene checked = checkScene(scene_, path_, folder, registry_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
   running_ = checkScene(scene_, path_, folder, registry_).scene;
+  const bool differed = reset_.has_value();
   reset_.reset();
   recording_.clear();
   geometry_.reset();
   host_.load(std::move(checked.scene), device_);
+  if (differed) tell("scene", sceneValue(), client);
+  result = sceneState();
   result["device"] = device_;
 }
 

@@ -108,6 +108,21 @@ TEST_F(StudioTest, OneWindowHasThePen) {
   EXPECT_EQ(set.find("result")->find("problem")->find("pointer")->asString(), "/nodes/x/type");
 }
 
+TEST_F(StudioTest, AfterAResetNothingAsksForOne) {
+  const Socket writer = studio->socket(), viewer = studio->socket();
+  writer.ask(R"({"id": 2, "do": "run.reset"})");
+  Value set = parseJson(R"({"id": 3, "do": "scene.set"})", "message");
+  set["scene"] = parseJson(kBriefScene, "scene");
+  set["scene"]["world"]["duration"] = 1000;
+  const Value changed = writer.ask(set);
+  ASSERT_EQ(changed.find("result")->find("reset")->asString(), "world.duration");
+  viewer.event("scene", [](const Value& data) { return data.find("reset") != nullptr; });
+  const Value reset = writer.ask(R"({"id": 4, "do": "run.reset"})");
+  EXPECT_EQ(reset.find("result")->find("reset"), nullptr);
+  EXPECT_NE(reset.find("result")->find("revision"), nullptr);
+  viewer.event("scene", [](const Value& data) { return data.find("reset") == nullptr; });
+}
+
 TEST_F(StudioTest, ADeviceThatCannotBeUsedIsRefusedAndTheLastOneStays) {
   const Socket socket = studio->socket();
   for (const char* device : {R"("cpw")", R"("")", R"("cuda:99999")", "7", "null"}) {

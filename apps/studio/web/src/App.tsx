@@ -5,7 +5,7 @@ import { FileBar, save } from "./files/FileBar";
 import { Dialog } from "./files/Dialog";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
-import { client, edit, problemOf, request, say, useStudio } from "./model/store";
+import { client, edit, problemOf, request, resetRun, say, useStudio } from "./model/store";
 import { addNode, setParam, type Scene } from "./model/scene";
 import { Modules, PropertyPanel } from "./properties/PropertyPanel";
 import { upload } from "./protocol/client";
@@ -29,7 +29,7 @@ function useGlobalKeys(): void {
       if (e.key === " " && at.closest("button, summary, a")) return;
       if (e.key === " ") void request(status.state === "playing" ? "run.pause" : "run.play");
       else if (e.key === ".") void request("run.step");
-      else if (e.key.toLowerCase() === "r") void request("run.reset", { device });
+      else if (e.key.toLowerCase() === "r") void resetRun(device);
       else if (e.key === "?") useStudio.setState({ dialog: "help" });
       else return;
       e.preventDefault();

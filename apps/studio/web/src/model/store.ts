@@ -338,7 +338,15 @@ export async function openScene(where: { path: string } | { template: string }):
   take(scene, { selected: [], inside: null }, sceneState);
   await offer(draft);
   await sending;
-  await request("run.reset");
+  await resetRun();
+}
+
+/** Builds the scene again, at time 0, on a device; without one on that of before. */
+export async function resetRun(device?: string): Promise<void> {
+  const state = await request<SceneState & { device: string }>("run.reset", device === undefined ? {} : { device });
+  if (!state) return;
+  const { device: _, ...sceneState } = state;
+  set({ sceneState });
 }
 
 export async function saveScene(path: string): Promise<boolean> {

@@ -1,7 +1,7 @@
 // Play, pause, step, reset, and a slider through the frames that were recorded.
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
-import { request, useStudio } from "../model/store";
+import { request, resetRun, useStudio } from "../model/store";
 
 export function Transport() {
   const status = useStudio((s) => s.status);
@@ -25,7 +25,7 @@ export function Transport() {
   };
   return (
     <footer className="transport" role="toolbar" aria-label="Run">
-      <button disabled={!writer} onClick={() => void request("run.reset", { device })} title="Build the scene again, and go to time 0 (R)" className={reset ? "wanted" : ""}><Icon name="reset" /> Reset</button>
+      <button disabled={!writer} onClick={() => void resetRun(device)} title="Build the scene again, and go to time 0 (R)" className={reset ? "wanted" : ""}><Icon name="reset" /> Reset</button>
       {playing ? (
         <button disabled={!writer} onClick={() => void request("run.pause")} title="Pause (Space)"><Icon name="pause" /> Pause</button>
       ) : (
