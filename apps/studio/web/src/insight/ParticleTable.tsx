@@ -22,9 +22,9 @@ export function ParticleTable() {
   const [wish, setWish] = useState<string | null>(null);
   const [sort, setSort] = useState({ by: "id", descending: false });
   const [from, setFrom] = useState(0);
-  const [table, setTable] = useState<Table | null>(null);
+  const [{ table, sorted }, setShown] = useState<{ table: Table | null; sorted: typeof sort }>({ table: null, sorted: sort });
   const node = wish !== null && fluids.includes(wish) ? wish : fluids[0];
-  useAnswer<Table | null>(node === undefined ? null : { do: "particles", node, sort: sort.by, descending: sort.descending, from, count: kRows }, setTable);
+  useAnswer<Table | null>(node === undefined ? null : { do: "particles", node, sort: sort.by, descending: sort.descending, from, count: kRows }, (answer) => setShown({ table: answer, sorted: sort }));
   if (node === undefined || table?.node !== node) return <p className="hint">No particles yet.</p>;
   const { total, columns } = table;
   const pages = Math.max(1, Math.ceil(total / kRows));
@@ -52,9 +52,9 @@ export function ParticleTable() {
           <thead>
             <tr>
               {columns.map((c) => (
-                <th key={c.name} aria-sort={c.name !== sort.by ? "none" : sort.descending ? "descending" : "ascending"}>
+                <th key={c.name} aria-sort={c.name !== sorted.by ? "none" : sorted.descending ? "descending" : "ascending"}>
                   <button onClick={() => order(c.name)} title={`Sort by ${c.name}`}>
-                    {c.name}{c.unit && <small> {c.unit.replaceAll("^2", "²").replaceAll("^3", "³")}</small>}{c.name === sort.by && (sort.descending ? " ▼" : " ▲")}
+                    {c.name}{c.unit && <small> {c.unit.replaceAll("^2", "²").replaceAll("^3", "³")}</small>}{c.name === sorted.by && (sorted.descending ? " ▼" : " ▲")}
                   </button>
                 </th>
               ))}
