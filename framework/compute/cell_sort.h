@@ -17,7 +17,11 @@ struct CellSortMemory {
 /// does not count it. *kept is start[cells], and may stand where the exact count does. Cell c then holds
 /// the sorted places [start[c], start[c+1]), and order[k] is the index that place k had before. Within a
 /// cell, particles keep the order of their indices, so the result is unique on every back end and for every
-/// number of threads; dropped particles are in no particular order. Allocates little and never waits.
+/// number of threads; dropped particles are in no particular order. moved(k, order[k]) is called for each
+/// that is kept, as soon as its place is known. Allocates little and never waits.
+template <class Backend, class Key, class Moved>
+void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
+                const CellSortMemory& memory, const Moved& moved);
 template <class Backend, class Key>
 void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
                 const CellSortMemory& memory);

@@ -56,14 +56,20 @@ struct ScatterToCells {
   }
 };
 
+struct KeepOrder {
+  WEIR_HD void operator()(std::int64_t, std::int64_t) const {}
+};
+
 /// Gives every particle its final place: in a small cell each one counts those that come before it, which
 /// spreads the work evenly; a crowded cell is sorted as a whole by its first.
+template <class Moved>
 struct OrderInCells {
   static constexpr int kCrowded = 32;  // particles
 
   int cells;
   ArrayView<const int> cell, start, provisional;
   ArrayView<int> order;
+  Moved moved;
 
   WEIR_HD void operator()(std::int64_t k) const {
     const int i = provisional[k];
@@ -81,20 +87,30 @@ struct OrderInCells {
     if (size <= kCrowded) {
       int before = 0;
       for (int m = 0; m < size; ++m) before += members[m] < i ? 1 : 0;
-      order[begin + before] = i;
+      put(begin + before, i);
     } else if (rank == 0) {
       for (int m = 0; m < size; ++m) order[begin + m] = members[m];
-      heapSort(order.data + begin, size);
+      sortCell(begin, size);
     }
+  }
+
+  WEIR_HD void put(int place, int i) const {
+    order[place] = i;
+    moved(place, i);
+  }
+  /// Of a crowded cell, whose members stand in `order`.
+  WEIR_HD void sortCell(int begin, int size) const {
+    heapSort(order.data + begin, size);
+    for (int k = begin; k < begin + size; ++k) moved(k, order[k]);
   }
 };
 
 /// Sorts few particles in another way and returns true, where a back end has one.
-template <class Key>
-bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting, const OrderInCells& ordering,
-             int* kept);
-template <class Key>
-bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const OrderInCells&, int*) {
+template <class Key, class Moved>
+bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
+             const OrderInCells<Moved>& ordering, int* kept);
+template <class Key, class Moved>
+bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const OrderInCells<Moved>&, int*) {
   return false;
 }
 
@@ -107,9 +123,9 @@ bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const OrderInCells&, 
 
 namespace weir {
 
-template <class Backend, class Key>
+template <class Backend, class Key, class Moved>
 void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
-                const CellSortMemory& memory) {
+                const CellSortMemory& memory, const Moved& moved) {
   WEIR_CHECK(cells >= 0);
   WEIR_CHECK(count.bound <= std::numeric_limits<int>::max());
   const auto& [start, cell, provisional, order] = memory;
@@ -119,7 +135,7 @@ void sortByCell(Backend& device, Count count, int cells, const Key& key, int* ke
 
   const detail::CountInCells<Key> counting{key, cells, cell, rank, start};
   const detail::ScatterToCells scatter{cell, rank, start, provisional};
-  const detail::OrderInCells ordering{cells, cell, start, provisional, order};
+  const detail::OrderInCells<Moved> ordering{cells, cell, start, provisional, order, moved};
   if (detail::sortFew(device, count, counting, ordering, kept)) return;
 
   // The last entry counts the dropped before the scan, and is the number of the kept after it.
@@ -130,6 +146,12 @@ void sortByCell(Backend& device, Count count, int cells, const Key& key, int* ke
   parallelFor(device, "orderInCells", count, ordering);
   // Last, because `kept` may be where `count` stands.
   device.copy(kept, start.data + cells, sizeof(int));
+}
+
+template <class Backend, class Key>
+void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,
+                const CellSortMemory& memory) {
+  sortByCell(device, count, cells, key, kept, memory, detail::KeepOrder{});
 }
 
 }  // namespace weir

@@ -1,26 +1,45 @@
-// sortByCell of few particles on CUDA: all its passes in one kernel of one block, in shared memory. Included
-// by cell_sort.inl where nvcc compiles.
+// sortByCell of few particles on CUDA: all its passes in one kernel, by a cluster of blocks in shared memory.
+// Included by cell_sort.inl where nvcc compiles.
 //
 // The passes are short where there are few particles, and six kernels, a copy and a fill take longer to start
-// than to run. A block on one multiprocessor needs a barrier between passes instead, and what they leave for
-// each other stands in its shared memory.
+// than to run. Eight blocks that reach each other's shared memory have a thread for each particle, a barrier
+// of their own between passes, and what they leave for each other stands there.
 #pragma once
 
 #include "framework/compute/kernel_facts.h"
+#include "framework/compute/kernel_overlap.h"
 
 namespace weir {
 namespace detail {
 
-inline constexpr int kSortBlock = 1024;              // threads
-inline constexpr std::int64_t kFewToSort = 1 << 13;  // particles
-inline constexpr int kCellsByThread = 16;            // that a thread sums at a time
-inline constexpr int kCellsAtOnce = 4;               // that it reads
-inline constexpr int kCellsByBlock = kSortBlock * kCellsByThread;
+// Devices that know no clusters have no code for the kernel below, and never launch it.
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 900
+#define WEIR_CLUSTER_OF(blocks) __cluster_dims__(blocks, 1, 1)
+#else
+#define WEIR_CLUSTER_OF(blocks)
+#endif
 
-/// Where the count of a cell stands in shared memory. A thread sums a stretch of cells, four at a time; in
-/// their own order, the stretches of threads side by side would begin in the same two banks.
-__device__ inline int sharedPlace(int cell) {
-  return cell ^ (cell >> 5 & 3) << 2;
+inline constexpr int kSortBlock = 1024;  // threads
+inline constexpr int kSortCluster = 8;   // blocks, as many as any such device allows
+inline constexpr int kFewToSort = kSortCluster * kSortBlock;
+
+/// What one has written to shared or global memory is there for all of the cluster from here on.
+__device__ inline void meetCluster() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  asm volatile("barrier.cluster.arrive.release;\nbarrier.cluster.wait.acquire;" ::: "memory");
+#endif
+}
+
+/// What stands at the same place in the shared memory of another block of the cluster.
+template <class T>
+__device__ T* ofBlock(T* here, [[maybe_unused]] int block) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  T* there;
+  asm("mapa.u64 %0, %1, %2;" : "=l"(there) : "l"(here), "r"(block));
+  return there;
+#else
+  return here;
+#endif
 }
 
 /// The sum of `value` over the threads before this one, and of all in `total`.
@@ -47,100 +66,98 @@ __device__ inline int sumBefore(int value, int& total) {
   return (warp > 0 ? before : 0) + inclusive - value;
 }
 
-/// counts[sharedPlace(c)] becomes the sum of those of all cells before c, for c < n; start gets them, too.
-/// `counts` has room for a multiple of kCellsByBlock.
-__device__ inline void scanCounts(int* counts, int n, int* start) {
-  int before = 0;
-  for (int first = 0; first < n; first += kCellsByBlock) {
-    const int own = first + static_cast<int>(threadIdx.x) * kCellsByThread;
-    int4 four[kCellsByThread / kCellsAtOnce];
-    int sum = 0;
-#pragma unroll
-    for (int k = 0; k < kCellsByThread / kCellsAtOnce; ++k) {
-      four[k] = *reinterpret_cast<const int4*>(counts + sharedPlace(own + k * kCellsAtOnce));
-      sum += four[k].x + four[k].y + four[k].z + four[k].w;
-    }
-    int total;
-    int at = before + sumBefore(sum, total);
-#pragma unroll
-    for (int k = 0; k < kCellsByThread / kCellsAtOnce; ++k) {
-      const int4 count = four[k];
-      const int4 sums{at, at + count.x, at + count.x + count.y, at + count.x + count.y + count.z};
-      at = sums.w + count.w;
-      const int cell = own + k * kCellsAtOnce;
-      *reinterpret_cast<int4*>(counts + sharedPlace(cell)) = sums;
-      if (cell + kCellsAtOnce <= n) {
-        *reinterpret_cast<int4*>(start + cell) = sums;
-      } else {
-        if (cell < n) start[cell] = sums.x;
-        if (cell + 1 < n) start[cell + 1] = sums.y;
-        if (cell + 2 < n) start[cell + 2] = sums.z;
-      }
-    }
-    before += total;
-  }
-  __syncthreads();
+/// An array in the shared memory of all blocks of the cluster, so much of it in each.
+struct ClusterArray {
+  int* here;
+  int inBlock;
+
+  __device__ int* at(int k) const { return ofBlock(here, k / inBlock) + k % inBlock; }
+};
+
+/// Of the counts of `cells` cells and of the dropped, how many are in each block: in whole rows of its
+/// threads.
+WEIR_HD inline int countsInBlock(int cells) {
+  return (cells + kFewToSort) / kFewToSort * kSortBlock;
 }
 
-inline constexpr int kRankShift = 16;
-inline constexpr int kMostCellsOfBlock = (1 << kRankShift) - 1;
-
-/// The cells with one for the dropped, in whole stretches of all threads.
-WEIR_HD inline int countedCells(int cells) {
-  return (cells + kCellsByBlock) / kCellsByBlock * kCellsByBlock;
+/// counts.at(c) becomes the sum of those of all cells before c.
+__device__ inline void scanCounts(const ClusterArray& counts) {
+  __shared__ int totals[kSortCluster];  // of the blocks
+  const int thread = static_cast<int>(threadIdx.x), block = static_cast<int>(blockIdx.x);
+  const int perThread = counts.inBlock / kSortBlock;
+  int* const own = counts.here + thread * perThread;
+  int sum = 0, total;
+  for (int k = 0; k < perThread; ++k) sum += own[k];
+  int before = sumBefore(sum, total);
+  if (thread < kSortCluster) *ofBlock(totals + block, thread) = total;
+  meetCluster();
+  for (int b = 0; b < block; ++b) before += totals[b];
+  for (int k = 0; k < perThread; ++k) {
+    const int here = own[k];
+    own[k] = before;
+    before += here;
+  }
+  meetCluster();
 }
 
-template <class Key>
-__global__ void __launch_bounds__(kSortBlock)
-    sortInOneBlockKernel(Count count, const __grid_constant__ CountInCells<Key> counting,
-                         const __grid_constant__ OrderInCells ordering, int* kept) {
-  extern __shared__ int4 memory[];
-  int* const counts = reinterpret_cast<int*>(memory);
-  const int n = static_cast<int>(count.get()), thread = static_cast<int>(threadIdx.x);
-  const int cells = counting.cells, counted = countedCells(cells);
-  int* const provisional = counts + counted;
-  int* const own = provisional + n;  // cell and rank of each particle, for its thread alone
-  for (int c = thread; c < counted / kCellsAtOnce; c += kSortBlock) memory[c] = int4{0, 0, 0, 0};
-  __syncthreads();
-#pragma unroll 1  // keys are long
-  for (int i = thread; i < n; i += kSortBlock) {
-    const int cell = counting.cellOf(i);
-    own[i] = cell | ::atomicAdd(counts + sharedPlace(cell), 1) << kRankShift;
+template <class Key, class Moved>
+__global__ void WEIR_CLUSTER_OF(kSortCluster) __launch_bounds__(kSortBlock)
+    sortInClusterKernel(Count count, const __grid_constant__ CountInCells<Key> counting,
+                        const __grid_constant__ OrderInCells<Moved> ordering, int* kept) {
+  awaitWhatIsBefore();
+  extern __shared__ int memory[];
+  const int thread = static_cast<int>(threadIdx.x), block = static_cast<int>(blockIdx.x);
+  const int i = block * kSortBlock + thread, cells = counting.cells, inBlock = countsInBlock(cells);
+  const ClusterArray counts{memory, inBlock}, provisional{memory + inBlock, kSortBlock};
+  for (int c = thread; c < inBlock; c += kSortBlock) counts.here[c] = 0;
+  const bool isThere = i < count.get();
+  const int cell = isThere ? counting.cellOf(i) : 0;
+  meetCluster();
+  int rank = 0;
+  if (isThere) rank = ::atomicAdd(counts.at(cell), 1);
+  meetCluster();
+  scanCounts(counts);
+  int begin = 0;
+  if (isThere) {
+    begin = *counts.at(cell);
+    *provisional.at(begin + rank) = i;
   }
-  __syncthreads();
-  scanCounts(counts, cells + 1, counting.counts.data);
-  const auto startOf = [counts](int cell) { return counts[sharedPlace(cell)]; };
-  for (int i = thread; i < n; i += kSortBlock)
-    provisional[startOf(own[i] & kMostCellsOfBlock) + (own[i] >> kRankShift)] = i;
-  __syncthreads();
-#pragma unroll 1
-  for (int i = thread; i < n; i += kSortBlock) {
-    const int cell = own[i] & kMostCellsOfBlock, rank = own[i] >> kRankShift, begin = startOf(cell);
-    if (cell == cells)
-      ordering.order[begin + rank] = i;
-    else
-      ordering.place(i, rank, provisional + begin, begin, startOf(cell + 1) - begin);
+  for (int c = thread, first = block * inBlock; c < inBlock && first + c <= cells; c += kSortBlock)
+    counting.counts[first + c] = counts.here[c];
+  if (i == 0) *kept = *counts.at(cells);
+  meetCluster();
+  if (isThere && cell == cells) {
+    ordering.order[begin + rank] = i;
+  } else if (isThere) {
+    const int size = *counts.at(cell + 1) - begin;
+    if (size <= ordering.kCrowded) {
+      int place = begin;
+      for (int m = begin; m < begin + size; ++m) place += *provisional.at(m) < i ? 1 : 0;
+      ordering.put(place, i);
+    } else if (rank == 0) {
+      for (int m = begin; m < begin + size; ++m) ordering.order[m] = *provisional.at(m);
+      ordering.sortCell(begin, size);
+    }
   }
-  if (thread == 0) *kept = startOf(cells);
+  meetCluster();  // others may still read what is this block's
+  letNextBegin();
 }
 
 /// Whether it has sorted them.
-template <class Key>
-bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting, const OrderInCells& ordering,
-             int* kept) {
-  const bool aligned = reinterpret_cast<std::uintptr_t>(counting.counts.data) % sizeof(int4) == 0;
-  if (count.bound > kFewToSort || counting.cells > kMostCellsOfBlock || !aligned) return false;
-  const Count steady = steadyCount(count);
-  const unsigned bytes =
-      (static_cast<unsigned>(countedCells(counting.cells)) + 2 * static_cast<unsigned>(steady.bound)) *
-      sizeof(int);
-  constexpr std::string_view kName = "sortInOneBlock";
+template <class Key, class Moved>
+bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
+             const OrderInCells<Moved>& ordering, int* kept) {
+  if (count.bound > kFewToSort) return false;
+  constexpr std::string_view kName = "sortInCluster";
+  const unsigned bytes = static_cast<unsigned>(countsInBlock(counting.cells) + kSortBlock) * sizeof(int);
   beginLaunch(device, kName);
-  if (!mayShare(device, reinterpret_cast<const void*>(sortInOneBlockKernel<Key>), bytes)) return false;
+  const auto* kernel = reinterpret_cast<const void*>(sortInClusterKernel<Key, Moved>);
+  if (!mayCluster(device, kernel, kSortCluster, kSortBlock, bytes)) return false;
   const KernelScope scope(device.profiler(), kName);
-  device.check(submitKernel(device.launches(), sortInOneBlockKernel<Key>, {1, kSortBlock, bytes}, steady,
-                            counting, ordering, kept),
-               kName);
+  device.check(
+      submitKernel(device.launches(), sortInClusterKernel<Key, Moved>,
+                   {kSortCluster, kSortBlock, bytes, true}, steadyCount(count), counting, ordering, kept),
+      kName);
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include "framework/base/error.h"
 #include "framework/compute/cuda_profiler.h"
 #include "framework/compute/cuda_support.h"
+#include "framework/compute/kernel_overlap.h"
 #include "framework/compute/launch_queue.h"
 #include "framework/compute/memory_pool.h"
 
@@ -87,6 +88,7 @@ struct SmallUpload {
 };
 
 __global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant__ SmallUpload from) {
+  detail::awaitWhatIsBefore();
   if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from.words[threadIdx.x];
 }
 
@@ -201,7 +203,7 @@ void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
       SmallUpload piece{};
       const std::size_t size = std::min(kPiece, bytes - begin);
       std::memcpy(piece.words, static_cast<const char*>(fromHost) + begin, size);
-      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords},
+      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords, 0, true},
                                  reinterpret_cast<unsigned*>(static_cast<char*>(to) + begin),
                                  static_cast<int>(size / sizeof(unsigned)), piece),
             "upload");

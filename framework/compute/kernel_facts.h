@@ -8,22 +8,35 @@
 
 namespace weir::detail {
 
-/// Whether a block of a kernel may have so much shared memory. Where it may, it gets it from now on.
-inline bool mayShare(const CudaDevice& device, const void* kernel, unsigned bytes) {
-  constexpr unsigned kAnyMay = 40 << 10;  // beside what the kernel has by itself
-  if (bytes <= kAnyMay) return true;
+/// Whether the device runs a kernel in clusters of so many blocks, of so many threads and so much shared
+/// memory each, beside what the kernel has by itself. Where it does, the kernel gets it from now on.
+inline bool mayCluster(const CudaDevice& device, const void* kernel, unsigned blocks, unsigned threads,
+                       unsigned bytes) {
   unsigned& known = device.launches().facts(kernel).sharedBytes;
-  if (known == LaunchQueue::kUnknown) {
-    int most = 0;
+  if (known != LaunchQueue::kUnknown) return bytes <= known;
+  int can = 0, most = 0, together = 0;
+  device.check(cudaDeviceGetAttribute(&can, cudaDevAttrClusterLaunch, device.index()), "device");
+  if (can != 0) {
     device.check(cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, device.index()),
                  "device");
     cudaFuncAttributes attributes{};
     device.check(cudaFuncGetAttributes(&attributes, kernel), "kernel");
-    const int dynamic = most - static_cast<int>(attributes.sharedSizeBytes);
-    device.check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, dynamic),
-                 "kernel");
-    known = static_cast<unsigned>(dynamic);
+    most -= static_cast<int>(attributes.sharedSizeBytes);
+    device.check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, most), "kernel");
+    cudaLaunchAttribute size{};
+    size.id = cudaLaunchAttributeClusterDimension;
+    size.val.clusterDim.x = blocks;
+    size.val.clusterDim.y = size.val.clusterDim.z = 1;
+    cudaLaunchConfig_t launch{};
+    launch.gridDim = dim3(blocks);
+    launch.blockDim = dim3(threads);
+    launch.dynamicSmemBytes = static_cast<std::size_t>(most);
+    launch.attrs = &size;
+    launch.numAttrs = 1;
+    // A part of a device may have too few multiprocessors.
+    device.check(cudaOccupancyMaxActiveClusters(&together, kernel, &launch), "kernel");
   }
+  known = together > 0 ? static_cast<unsigned>(most) : 0;
   return bytes <= known;
 }
 

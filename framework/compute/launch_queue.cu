@@ -18,7 +18,32 @@ struct LaunchQueue::Graph {
   }
 };
 
-LaunchQueue::LaunchQueue(cudaStream_t stream) : stream_(stream) {}
+namespace {
+
+/// `next` may be set up while `first` ends.
+cudaError_t addOverlap(cudaGraph_t graph, cudaGraphNode_t first, cudaGraphNode_t next) {
+  cudaGraphEdgeData edge{};
+  edge.type = cudaGraphDependencyTypeProgrammatic;
+  edge.from_port = cudaGraphKernelNodePortProgrammatic;
+#if CUDART_VERSION >= 13000
+  return cudaGraphAddDependencies(graph, &first, &next, &edge, 1);
+#else
+  return cudaGraphAddDependencies_v2(graph, &first, &next, &edge, 1);
+#endif
+}
+
+/// Whether the current device knows of that.
+bool canOverlap() {
+  constexpr int kFirst = 9;  // compute capability
+  int device = 0, major = 0;
+  const bool known = cudaGetDevice(&device) == cudaSuccess &&
+                     cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device) == cudaSuccess;
+  return known && major >= kFirst;
+}
+
+}  // namespace
+
+LaunchQueue::LaunchQueue(cudaStream_t stream) : stream_(stream), overlaps_(canOverlap()) {}
 LaunchQueue::~LaunchQueue() = default;
 
 LaunchQueue::KernelFacts& LaunchQueue::facts(const void* kernel) {
@@ -130,7 +155,10 @@ cudaError_t LaunchQueue::addNode(Graph& graph, std::size_t call) {
   const std::size_t afters = graph.nodes.empty() ? 0 : 1;
   cudaGraphNode_t node = nullptr;
   cudaError_t error = cudaSuccess;
-  if (kind.add != nullptr) {
+  if (overlaps_ && kind.waits && call > 0 && now_.list[call - 1].kind->isKernel) {
+    error = kind.add(now_.at(call), graph.graph, nullptr, 0, &node);
+    if (error == cudaSuccess) error = addOverlap(graph.graph, *after, node);
+  } else if (kind.add != nullptr) {
     error = kind.add(now_.at(call), graph.graph, after, afters, &node);
   } else {
     cudaGraph_t part = nullptr;

@@ -30,10 +30,13 @@ struct CallKind {
                      cudaGraphNode_t* node);
   /// Gives a node of an instantiated graph new parameters; null if that cannot be.
   cudaError_t (*update)(const void* call, cudaGraphExec_t graph, cudaGraphNode_t node);
+  bool isKernel = false;
+  bool waits = false;  ///< a kernel that begins by waiting for those before it (kernel_overlap.h)
 };
 
 class LaunchQueue {
  public:
+  /// Of the current device.
   explicit LaunchQueue(cudaStream_t stream);
   ~LaunchQueue();
   LaunchQueue(const LaunchQueue&) = delete;
@@ -91,6 +94,7 @@ class LaunchQueue {
   cudaError_t update(Graph& graph);
 
   cudaStream_t stream_;
+  bool overlaps_;  // kernels in graphs
   bool gathering_ = false;
   Calls now_;
   std::vector<Noted> before_;  // of the last step
@@ -147,13 +151,15 @@ struct KernelCalls {
     });
   }
 
-  static constexpr CallKind kKind{issue, add, update};
+  static constexpr CallKind kKind{issue, add, update, true, false};
+  static constexpr CallKind kWaitingKind{issue, add, update, true, true};
 };
 
 /// How a kernel is launched.
 struct LaunchShape {
   unsigned blocks, threads;
   unsigned sharedBytes = 0;
+  bool waits = false;  ///< as CallKind::waits
 };
 
 template <class... P>
@@ -163,7 +169,8 @@ cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), const LaunchS
   alignas(KernelCall<P...>) unsigned char zeros[sizeof(KernelCall<P...>)] = {};
   auto& call =
       *new (zeros) KernelCall<P...>{kernel, shape.blocks, shape.threads, shape.sharedBytes, {arguments...}};
-  return queue.submit(KernelCalls<P...>::kKind, reinterpret_cast<const void*>(kernel), call);
+  const CallKind& kind = shape.waits ? KernelCalls<P...>::kWaitingKind : KernelCalls<P...>::kKind;
+  return queue.submit(kind, reinterpret_cast<const void*>(kernel), call);
 }
 
 }  // namespace weir::detail

@@ -6,6 +6,7 @@
 #include <bit>
 #include <limits>
 
+#include "framework/compute/kernel_overlap.h"
 #include "framework/compute/launch_queue.h"
 
 namespace weir {
@@ -23,12 +24,13 @@ inline void beginLaunch(const CudaDevice& device, std::string_view name) {
   device.check(cudaSetDevice(device.index()), name);
 }
 
-/// Launches a kernel of kCudaBlock threads a block, now or with the batch that it is asked for in.
+/// Launches a kernel of kCudaBlock threads a block that begins by awaitWhatIsBefore(), now or with the batch
+/// that it is asked for in.
 template <class... P>
 void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
             const std::type_identity_t<P>&... arguments) {
   beginLaunch(device, name);
-  device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock}, arguments...), name);
+  device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock, 0, true}, arguments...), name);
 }
 
 /// Where the device knows how many there are, the bound decides on the size of a grid alone. It grows in
@@ -47,27 +49,44 @@ inline unsigned blocksFor(std::int64_t n, std::int64_t threads = kCudaBlock) {
   return static_cast<unsigned>(blocks);
 }
 
+/// How many blocks shall run on a multiprocessor side by side: what a functor says, as kBlocksTogether, that
+/// waits for memory so much that more blocks are worth more than more registers. 0 leaves it to the compiler.
 template <class F>
-__global__ void __launch_bounds__(kCudaBlock) forEachKernel(Count count, const __grid_constant__ F f) {
+constexpr int blocksTogether() {
+  if constexpr (requires { F::kBlocksTogether; })
+    return F::kBlocksTogether;
+  else
+    return 0;
+}
+
+template <class F>
+__global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
+    forEachKernel(Count count, const __grid_constant__ F f) {
+  awaitWhatIsBefore();
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   if (i < count.get()) f(i);
+  letNextBegin();
 }
 
 template <class F>
 __global__ void __launch_bounds__(kCudaBlock)
     forEachWithScratchKernel(Count count, const __grid_constant__ F f) {
+  awaitWhatIsBefore();
   extern __shared__ int scratch[];
   const std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (i < count.get()) f(i, Scratch{scratch + threadIdx.x, static_cast<int>(blockDim.x)});
+  letNextBegin();
 }
 
 template <class F>
 __global__ void __launch_bounds__(kCudaBlock)
     forEachInTeamsKernel(Count count, int size, const __grid_constant__ F f) {
+  awaitWhatIsBefore();
   const std::int64_t thread = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   const std::int64_t i = thread / size;
   const int lane = static_cast<int>(threadIdx.x) % size;
   if (i < count.get()) f(i, Team{lane, size, static_cast<int>(threadIdx.x) % kWarp - lane});
+  letNextBegin();
 }
 
 /// A team of one.
@@ -100,6 +119,7 @@ __device__ T reduceBlock(const T& value, const Op& op) {
 template <class T, class F, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
     reduceKernel(Count count, T identity, const __grid_constant__ F f, Op op, T* partial) {
+  awaitWhatIsBefore();
   constexpr std::int64_t kStride = std::int64_t{kReduceBlocks} * kCudaBlock;
   const std::int64_t n = count.get();
   T value = identity;
@@ -113,6 +133,7 @@ __global__ void __launch_bounds__(kCudaBlock)
 template <class T, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
     reducePartialsKernel(int blocks, T identity, Op op, const T* partial, T* result) {
+  awaitWhatIsBefore();
   T value = identity;
   for (int b = static_cast<int>(threadIdx.x); b < blocks; b += kCudaBlock) value = op(value, partial[b]);
   value = reduceBlock(value, op);
@@ -126,6 +147,7 @@ inline constexpr int kWarps = kCudaBlock / kWarp;  // of a block
 template <class Keep>
 __global__ void __launch_bounds__(kCudaBlock)
     countKeptKernel(Count count, const __grid_constant__ Keep keep, int* kept, unsigned* votes) {
+  awaitWhatIsBefore();
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   const bool keeps = i < count.get() && keep(i);
   const unsigned vote = __ballot_sync(~0u, keeps);
@@ -151,6 +173,7 @@ __device__ inline int sumInBlock(int value) {
 template <bool kFewBlocks>
 __global__ void __launch_bounds__(kCudaBlock)
     writeKeptKernel(const int* kept, const unsigned* votes, int* indices, int* total) {
+  awaitWhatIsBefore();
   const int i = static_cast<int>(blockIdx.x) * kCudaBlock + static_cast<int>(threadIdx.x);
   const int lane = static_cast<int>(threadIdx.x) % kWarp, warp = static_cast<int>(threadIdx.x) / kWarp;
   int place;
@@ -191,10 +214,10 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
   while (threads * bytes > kSharedBytes) threads /= 2;
   const Count steady = detail::steadyCount(count);
   detail::beginLaunch(device, name);
-  device.check(
-      detail::submitKernel(device.launches(), detail::forEachWithScratchKernel<F>,
-                           {detail::blocksFor(steady.bound, threads), threads, threads * bytes}, steady, f),
-      name);
+  device.check(detail::submitKernel(
+                   device.launches(), detail::forEachWithScratchKernel<F>,
+                   {detail::blocksFor(steady.bound, threads), threads, threads * bytes, true}, steady, f),
+               name);
 }
 
 template <class F>

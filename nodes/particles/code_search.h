@@ -81,7 +81,7 @@ struct CodeSearch {
         if (k != 1 || row != 1) search(std::false_type{}, k, row);
     const int count = static_cast<int>(found.next - own.at) / 2;
     const int kept = count < capacity ? count : capacity;
-    find.writer.crowding[i] = found.crowd;
+    find.writer.crowd(i, p, found.crowd);
     writeList(i, own, kept);
     find.writer.finish(i, count, kept);
   }

@@ -68,8 +68,10 @@ void NeighborList::makeRoom(std::int64_t particles) {
     return;
   }
   const std::int64_t groups = groupsOf(particles);
-  const bool fresh = entries_.capacity() < groups * kListGroup * room_ / kCodesInInt;
-  entries_.resizeDiscarding(groups * kListGroup * room_ / kCodesInInt);
+  const std::int64_t entries =
+      std::max(groups * kListGroup * room_ / kCodesInInt, CellSort::kPerParticle * particles);
+  const bool fresh = entries_.capacity() < entries;
+  entries_.resizeDiscarding(entries);
   // Codes are read four at a time, those behind a list's end with them.
   if (fresh) entries_.fillZero();
   groups_.resizeDiscarding(groups);
@@ -99,8 +101,10 @@ double NeighborList::memoryFor(double particles) const {
            bytesOfArrays(3 * (particles + 2 * kEight), columns_);
   const double groups = std::ceil(particles / kListGroup);
   const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
-  return bytes + bytesOfArrays(groups * kListGroup * room_ / kCodesInInt, entries_) +
-         bytesOfArrays(groups, groups_) + bytesOfArrays(blocks * room_ * kListGroup, blocks_);
+  const double entries =
+      std::max(groups * kListGroup * room_ / kCodesInInt, CellSort::kPerParticle * particles);
+  return bytes + bytesOfArrays(entries, entries_) + bytesOfArrays(groups, groups_) +
+         bytesOfArrays(blocks * room_ * kListGroup, blocks_);
 }
 
 void NeighborList::save(const StateWriter& to) const {

@@ -1,10 +1,13 @@
 #include "nodes/particles/neighbor_list.h"
+
+#include "framework/compute/wide_access.h"
 #include "nodes/particles/cell_rows.h"
 #include "nodes/particles/code_search.h"
 #include "nodes/particles/crowding.h"
 #include "nodes/particles/group_threads.h"
 #include "nodes/particles/lane_search.h"
 #include "nodes/particles/list_packer.h"
+#include "nodes/particles/permutation.h"
 
 namespace weir {
 
@@ -70,6 +73,7 @@ struct ListWriter {
   int* entries;
   int* counts;
   float* crowding;
+  Vec4f* places;  // null for `crowding`
   int* truncated;
   ListPacker packer;  // on CUDA
 
@@ -77,6 +81,12 @@ struct ListWriter {
   WEIR_HD void finish(std::int64_t i, int found, int kept) const {
     if (found > kept) atomicAdd(truncated, 1);
     counts[i] = kept;
+  }
+  WEIR_HD void crowd(std::int64_t i, const Vec3f& p, float crowd) const {
+    if (places != nullptr)
+      storeWhole(places[i], Vec4f{p.x, p.y, p.z, crowd});
+    else
+      crowding[i] = crowd;
   }
 };
 
@@ -127,7 +137,7 @@ struct FindNeighbors {
       if (layer < 0) own = found;
       if (layer <= 0) above = found;
     });
-    writer.crowding[i] = crowd;
+    writer.crowd(i, p, crowd);
     to.kept = found < writer.capacity ? found : writer.capacity;
     to.own = own < to.kept ? own : to.kept;
     to.above = above < to.kept ? above : to.kept;
@@ -174,7 +184,7 @@ struct FindNeighborsInTeams {
     if (team.lane != 0) return;
     if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
     find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
-    find.writer.crowding[i] = crowd;
+    find.writer.crowd(i, p, crowd);
   }
 
  private:
@@ -202,11 +212,19 @@ ArrayView<int> startsIn(ParticleSet& particles, std::int64_t cells) {
   return {reinterpret_cast<int*>(wide.data()), cells + 1};
 }
 
-/// Cells are forgotten when velocities go into that place, the order when lists do.
+/// What is forgotten when lists go into its place.
 CellSortMemory sortMemory(ParticleSet& particles, ArrayView<int> start, Array<int>& entries) {
   const std::int64_t count = particles.bound();
+#ifdef __CUDACC__
+  // Particles move to their spare memory meanwhile.
+  WEIR_CHECK(entries.size() >= CellSort::kPerParticle * count);
+  int* here = entries.data();
+  return {start, {here, count}, {here + count, count}, {here + 2 * count, count}};
+#else
+  // Cells are forgotten when velocities go into that place.
   int* words = reinterpret_cast<int*>(particles.scratch().data());
   return {start, {words, count}, {words + count, count}, {entries.data(), count}};
+#endif
 }
 
 ArrayView<float> crowdingIn(ParticleSet& particles) {
@@ -224,21 +242,44 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
   {
     const ProfileScope scope(device.profiler(), "sort");
     const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
-    sortByCell(device, particles.count(), grid_.cellCount(),
+    const Count count = particles.count();
+#ifdef __CUDACC__
+    // A particle moves when its place is known, which takes a kernel less.
+    detail::Permutation permutation(particles);
+    const detail::Permute moved = permutation.next(memory.order);
+#else
+    const detail::KeepOrder moved;
+#endif
+    sortByCell(device, count, grid_.cellCount(),
                CellKey{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3},
-               particles.counter(), memory);
+               particles.counter(), memory, moved);
+#ifdef __CUDACC__
+    permutation.finish();
+    for (; permutation.isLeft(); permutation.finish())
+      parallelFor(device, "permute", particles.count(), permutation.next(memory.order));
+#else
     particles.permute(memory.order);
+#endif
   }
   const ArrayView<float> crowding = crowdingIn(particles);
   crowding_ = crowding;
   crowdingUse_ = particles.scratchUses();
+  Vec4f* places = nullptr;
+  placesUse_ = 0;
+  if (packs_ && particles.hasPlaces()) {
+    Array<Vec4f>& to = particles.places();
+    places = to.data();
+    places_ = to.view();
+    placesUse_ = particles.placesUses();
+    crowdingUse_ = 0;
+  }
   const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles, cellStart, crowding.data);
+  listOn(device, particles, cellStart, crowding.data, places);
 }
 
 template <class Backend>
 void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
-                          float* crowding) {
+                          float* crowding, [[maybe_unused]] Vec4f* places) {
   const Count count = particles.count();
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
@@ -259,13 +300,9 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                                   {crowding, positions.size},
                                   events_.data()});
 #else
-  const ListWriter writer{capacity_,
-                          room_,
-                          entries_.data(),
-                          counts_.data(),
-                          crowding,
-                          events_.data(),
-                          {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
+  const ListWriter writer{
+      capacity_, room_,  entries_.data(), counts_.data(),
+      crowding,  places, events_.data(),  {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
   const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
   // Above this one thread a particle does as well.
   constexpr TeamPlan kPlan{32, 1 << 15};

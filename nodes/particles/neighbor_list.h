@@ -173,6 +173,10 @@ class NeighborList {
   ArrayView<const float> crowding(const ParticleSet& particles) const {
     return particles.scratchUses() == crowdingUse_ ? crowding_ : ArrayView<const float>{};
   }
+  /// Where the search wrote Vec4f{x, y, z, crowding} of every particle into their places(); empty otherwise.
+  ArrayView<const Vec4f> places(ParticleSet& particles) const {
+    return particles.placesUses() == placesUse_ ? places_ : ArrayView<const Vec4f>{};
+  }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
   // Both wait for the device.
@@ -189,7 +193,8 @@ class NeighborList {
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart, float* crowding);
+  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart, float* crowding,
+              Vec4f* places);
 
   float radius_ = 0;
   int capacity_ = 0;
@@ -205,8 +210,10 @@ class NeighborList {
   int blocksWanted_ = 0;
   ArrayView<const float> crowding_;
   std::uint64_t crowdingUse_ = 0;  // of the scratch memory that it stands in
-  Array<float> columns_;           // all x, all y, all z; on the CPU only
-  Array<int> events_;              // NeighborEvents
+  ArrayView<const Vec4f> places_;
+  std::uint64_t placesUse_ = 0;  // of the particles' places()
+  Array<float> columns_;         // all x, all y, all z; on the CPU only
+  Array<int> events_;            // NeighborEvents
 };
 
 }  // namespace weir

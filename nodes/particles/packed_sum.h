@@ -98,10 +98,28 @@ WEIR_HD inline T sumPacked(std::int64_t i, int count, const PackedLists& lists, 
 template <class T, class F, class... Element>
 WEIR_HD inline T sumPackedInTeam(const TeamIndex& at, int count, const PackedLists& lists, const F& f,
                                  const Element*... elements) {
+  // Codes are there whatever their number: those of the first two neighbours of each thread are read along
+  // with the rest, and both neighbours at once.
+  constexpr int kAtOnce = 2;
+  int code[kAtOnce];
+  for (int l = 0; l < kAtOnce; ++l) {
+    const int k = at.team.lane + l * at.team.size;
+    code[l] = k < lists.capacity ? *lists.code(at.i, k) : 0;
+  }
   const ListGroup group = lists.groups[at.i / kListGroup];
-  const int* index = group.wide == 0 ? nullptr : lists.indicesOf(at.i, group.wide);
   T sum{};
-  for (int k = at.team.lane; k < count; k += at.team.size) {
+  int k = at.team.lane;
+  if (group.wide == 0) {
+    std::tuple<Element...> rows[kAtOnce];
+    for (int l = 0; l < kAtOnce; ++l)
+      if (k + l * at.team.size < count)
+        rows[l] = std::tuple<Element...>(loadWhole(elements[group.decode(code[l])])...);
+    for (int l = 0; l < kAtOnce; ++l, k += at.team.size)
+      if (k < count)
+        addTo(sum, std::apply([&](const auto&... e) { return f(group.decode(code[l]), e...); }, rows[l]));
+  }
+  const int* index = group.wide == 0 ? nullptr : lists.indicesOf(at.i, group.wide);
+  for (; k < count; k += at.team.size) {
     const int j = index != nullptr ? index[k * kListGroup] : group.decode(*lists.code(at.i, k));
     addTo(sum, f(j, loadWhole(elements[j])...));
   }

@@ -5,7 +5,7 @@
 
 #include "framework/base/error.h"
 #include "framework/graph/memory_estimate.h"
-#include "nodes/particles/attribute_storage.h"
+#include "nodes/particles/permutation.h"
 
 namespace weir {
 
@@ -16,6 +16,7 @@ ParticleSet::ParticleSet(Device& device)
     : device_(&device),
       spares_(std::make_unique<detail::SpareMemory>()),
       wideScratch_(device),
+      places_(device),
       counter_(device) {
   counter_.resize(1);
   counter_.fillZero();
@@ -52,6 +53,12 @@ Array<Vec3f>& ParticleSet::scratch() {
 Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
   wideScratch_.resizeDiscarding(std::max(least, capacity()));
   return wideScratch_;
+}
+
+Array<Vec4f>& ParticleSet::places() {
+  ++placesUses_;
+  places_.resizeDiscarding(capacity());
+  return places_;
 }
 
 AttributeStorage* ParticleSet::storage(std::string_view name) const {
@@ -147,6 +154,35 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
 
 void ParticleSet::permute(ArrayView<const int> order) {
   dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
+}
+
+detail::Permutation::Permutation(ParticleSet& particles) : particles_(particles) {
+  for (const auto& storage : particles.storages_)
+    if (!storage->info().derived) left_.push_back(storage.get());
+}
+
+detail::Permute detail::Permutation::next(ArrayView<const int> order) {
+  // Where there are many particles, one attribute of each type at a time: the next of the type goes to where
+  // the last one was.
+  const std::size_t atOnce = particles_.hasFew() ? Permute::kMost : 1;
+  Permute permute{order, {}, 0, particles_.unmoved()};
+  std::size_t used[kAttributeTypes] = {};
+  std::erase_if(left_, [&](AttributeStorage* storage) {
+    std::size_t& spare = used[static_cast<int>(storage->info().type)];
+    if (permute.used == Permute::kMost || spare == atOnce) return false;
+    if (particles_.isToMove() && storage->info().name == "position") permute.position = permute.used;
+    if (particles_.isToMove() && storage->info().name == "velocity") permute.velocity = permute.used;
+    permute.columns[permute.used++] = storage->beginPermutation(spare);
+    begun_.emplace_back(storage, spare++);
+    return true;
+  });
+  return permute;
+}
+
+void detail::Permutation::finish() {
+  for (const auto& [storage, spare] : begun_) storage->finishPermutation(spare);
+  begun_.clear();
+  if (!isLeft()) particles_.motion_.reset();
 }
 
 void ParticleSet::move(const FreeMotion& motion) {

@@ -1,42 +1,10 @@
 #include "nodes/particles/particle_set.h"
 
-#include "framework/compute/wide_access.h"
-#include "nodes/particles/attribute_storage.h"
+#include "nodes/particles/permutation.h"
 
 namespace weir {
 
 namespace {
-
-/// All attributes at once, so that the order is read but once.
-struct Permute {
-  static constexpr int kMost = 8;  // columns in one launch
-
-  ArrayView<const int> order;
-  detail::PermutedColumn columns[kMost];
-  int used = 0;
-  // Where particles are to move on their way; `position` and `velocity` are columns, or none.
-  ParticleSet::Unmoved unmoved;
-  int position = -1, velocity = -1;
-
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = order[k];
-    for (int c = 0; c < used; ++c) {
-      const detail::PermutedColumn& column = columns[c];
-      if (column.words == 1)
-        column.to[k] = column.from[i];
-      else if (c == position || c == velocity)
-        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k], moved(i, c));
-      else
-        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k],
-                   loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]));
-    }
-  }
-
-  WEIR_HD Vec3f moved(std::int64_t i, int c) const {
-    const Vec3f v = unmoved.motion.velocity(loadInTwo(unmoved.velocities[i]));
-    return c == velocity ? v : unmoved.motion.position(loadInTwo(unmoved.positions[i]), v);
-  }
-};
 
 struct Move {
   FreeMotion motion;
@@ -107,29 +75,8 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
 
 template <class Backend>
 void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
-  std::vector<detail::AttributeStorage*> left;
-  for (const auto& storage : storages_)
-    if (!storage->info().derived) left.push_back(storage.get());
-  // Where there are many particles, one attribute of each type at a time: the next of the type goes to where
-  // the last one was.
-  const std::size_t atOnce = hasFew() ? Permute::kMost : 1;
-  while (!left.empty()) {
-    Permute permute{order, {}, 0, unmoved()};
-    std::size_t used[kAttributeTypes] = {};
-    std::vector<std::pair<detail::AttributeStorage*, std::size_t>> begun;
-    std::erase_if(left, [&](detail::AttributeStorage* storage) {
-      std::size_t& spare = used[static_cast<int>(storage->info().type)];
-      if (permute.used == Permute::kMost || spare == atOnce) return false;
-      if (isToMove() && storage->info().name == "position") permute.position = permute.used;
-      if (isToMove() && storage->info().name == "velocity") permute.velocity = permute.used;
-      permute.columns[permute.used++] = storage->beginPermutation(spare);
-      begun.emplace_back(storage, spare++);
-      return true;
-    });
-    parallelFor(device, "permute", count(), permute);
-    for (const auto& [storage, spare] : begun) storage->finishPermutation(spare);
-  }
-  motion_.reset();
+  for (detail::Permutation permutation(*this); permutation.isLeft(); permutation.finish())
+    parallelFor(device, "permute", count(), permutation.next(order));
 }
 
 template <class Backend>

@@ -33,6 +33,7 @@ struct AttributeInfo {
 namespace detail {
 /// Storage of one attribute without its type; see attribute_storage.h.
 class AttributeStorage;
+class Permutation;
 struct SpareMemory;
 }  // namespace detail
 
@@ -65,6 +66,12 @@ class ParticleSet {
   /// Memory for four numbers a particle, or for at least so many elements; the search for neighbours and the
   /// solvers use it. As long as scratch(), and until the next search.
   Array<Vec4f>& wideScratch(std::int64_t least = 0);
+  /// Another, for positions in the iterations of solvers. Once a solver has asked for it, the search on CUDA
+  /// writes there, too (NeighborList::places); what stands in it lasts until someone asks for it again.
+  Array<Vec4f>& places();
+  bool hasPlaces() const { return places_.size() > 0; }
+  /// How often someone has asked for it.
+  std::uint64_t placesUses() const { return placesUses_; }
   /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
   /// memory for all of them twice.
   static constexpr std::int64_t kFew = 1 << 17;
@@ -133,6 +140,7 @@ class ParticleSet {
   void restore(const StateReader& from);
 
  private:
+  friend class detail::Permutation;
   template <class Backend>
   void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
@@ -151,8 +159,8 @@ class ParticleSet {
   Device* device_;
   std::unique_ptr<detail::SpareMemory> spares_;
   std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
-  Array<Vec4f> wideScratch_;
-  std::uint64_t scratchUses_ = 0;
+  Array<Vec4f> wideScratch_, places_;
+  std::uint64_t scratchUses_ = 0, placesUses_ = 0;
   Array<Vec3f>* positions_ = nullptr;
   Array<Vec3f>* velocities_ = nullptr;
   Array<int>* ids_ = nullptr;

@@ -120,7 +120,6 @@ int SemiImplicitSolver::mostPasses() const {
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {
-  fitScratch(fluid, state_);
   if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), !fluid.walls.empty());
   if (accelerated() && !mixes()) fitScratch(fluid, plain_);
   if (accelerated() && !mixes() && !fluid.walls.empty()) fitScratch(fluid, plainShare_);
@@ -131,7 +130,7 @@ void SemiImplicitSolver::reserve(FluidStep& fluid) {
 double SemiImplicitSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
-  double bytes = bytesOfArrays(n, state_);
+  double bytes = bytesOfArray(n, sizeof(Vec4f));  // places()
   if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
   if (accelerated() && !mixes()) bytes += bytesOfArrays(n, plain_);
   if (accelerated() && !mixes() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
@@ -153,7 +152,8 @@ void SemiImplicitSolver::restore(const StateReader& from) {
 
 void SemiImplicitSolver::record(FluidStep& fluid) {
   if (recordObjective)
-    objective_.measure(fluid, bulkEnergy_, tension, state_.view(), fluid.particles.scratch().view());
+    objective_.measure(fluid, bulkEnergy_, tension, fluid.particles.places().view(),
+                       fluid.particles.scratch().view());
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {

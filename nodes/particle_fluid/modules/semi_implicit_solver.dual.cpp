@@ -1,7 +1,10 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
+#include <limits>
+
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/modules/first_derivative.h"
 #include "nodes/particle_fluid/modules/semi_implicit_judge.h"
 #include "nodes/particle_fluid/modules/semi_implicit_passes.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
@@ -9,12 +12,6 @@
 namespace weir {
 
 namespace {
-
-/// e = λ − 1, where it counts.
-template <class T>
-WEIR_HD T excessOf(const T& lambda, bool tension) {
-  return tension ? lambda - 1 : positivePart(lambda - 1);
-}
 
 /// Adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
 struct EnergyDerivative {
@@ -35,27 +32,10 @@ struct EnergyDerivative {
     if (done != nullptr && *done) return;
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
-    const auto e = excessOf(lambda, tension);
+    const auto e = detail::excessOf(lambda, tension);
     const auto s = read(state, i);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
     if (excess.size > 0) write(excess, i, e);
-  }
-};
-
-/// The same at the predicted positions, where the search has summed the kernel already.
-struct FirstDerivative {
-  float volumeAtZero;  // V0·W(0)
-  BulkEnergy energy;
-  bool tension;
-  ArrayView<const Vec3f> predicted;
-  ArrayView<const float> crowding;
-  ArrayView<Vec4f> weighted;
-
-  template <class Index>
-  WEIR_HD void operator()(Index i) const {
-    const auto p = read(predicted, i);
-    const auto e = excessOf(volumeAtZero * read(crowding, i), tension);
-    write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
   }
 };
 
@@ -79,9 +59,10 @@ struct PushOf {
   ArrayView<const Vec4f> weighted;
 
   // Inline, so that what is the same for all particles is prepared once for all.
-  template <class Index>
-  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i) const {
+  template <class Index, class Weight = detail::AsStored>
+  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
     const auto s = read(weighted, i);
+    const auto ownWeight = own * weight(s.w);
     const auto self = asInt(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
@@ -90,12 +71,12 @@ struct PushOf {
       d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
       r = select(r < T(shortest), T(shortest), r);
       const T a = fastDivide(stiffness * kernel.slope(r), r);
-      const T b = (own * s.w + others * t.w) * a;
+      const T b = (ownWeight + others * weight(t.w)) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
     const auto sum = sumOverNeighbors<Vec4f>(i, neighbors, pairPush, weighted);
     Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
-    if (!walls.empty()) addWalls(i, s.w, total);
+    if (!walls.empty()) addWalls(i, weight(s.w), total);
     return total;
   }
 
@@ -120,25 +101,40 @@ struct PushOf {
 
 /// A plain iteration. The first one starts without displacements, the last one ends in positions and
 /// velocities, so that a step needs no other passes for these.
+template <class Weight>
 struct Substitute {
+  static constexpr int kBlocksTogether = 6;
   PushOf pushOf;
+  Weight weight;
   float inverseDt;
   ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
-  bool first = false, last = false;
+  bool begins = false, ends = false;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    const auto at = pushOf(i);
-    Vec3<NumberAt<Index>> u;
-    if (!first) u = read(displacement, i);
+    using Vector = Vec3<NumberAt<Index>>;
+    const bool first = Weight::kFirst || begins, last = !Weight::kFirst && ends;
+    // A team is few threads that wait for memory most of the time; others have no registers to spare.
+    constexpr bool kEarly = std::is_same_v<Index, TeamIndex>;
+    Vector u, predicted, velocity;
+    if constexpr (kEarly) {
+      if (!first) u = read(displacement, i);
+      predicted = read(positions, i);
+      if (last) velocity = read(velocities, i);
+    }
+    const auto at = pushOf(i, weight);
+    if constexpr (!kEarly)
+      if (!first) u = read(displacement, i);
     const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
-    const auto p = read(positions, i) + moved;
+    if constexpr (!kEarly) predicted = read(positions, i);
+    const auto p = predicted + moved;
     if (last) {
       write(positions, i, p);
-      write(velocities, i, read(velocities, i) + inverseDt * moved);
+      if constexpr (!kEarly) velocity = read(velocities, i);
+      write(velocities, i, velocity + inverseDt * moved);
     } else {
       write(displacement, i, moved);
       write(state, i, {p.x, p.y, p.z, 0});
@@ -302,6 +298,11 @@ Array<Vec3f>& displacement(FluidStep& fluid) {
   return fluid.particles.scratch();
 }
 
+/// Positions, in the iterations.
+ArrayView<Vec4f> places(FluidStep& fluid) {
+  return fluid.particles.places().view();
+}
+
 /// Position and Ḃ of each particle, after the density pass.
 Array<Vec4f>& weighted(FluidStep& fluid) {
   return fluid.particles.wideScratch();
@@ -357,7 +358,7 @@ template <class Backend>
 void SemiImplicitSolver::start(Backend& device, FluidStep& fluid) {
   parallelFor(
       device, "start", fluid.particles.count(),
-      StartDisplacement{fluid.particles.positions().view(), state_.view(), displacement(fluid).view()});
+      StartDisplacement{fluid.particles.positions().view(), places(fluid), displacement(fluid).view()});
 }
 
 template <class Backend>
@@ -381,37 +382,52 @@ void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
 
 template <class Backend>
 void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
-  // First of all, as displacements take its place.
+  // First of all, as displacements and positions take their place.
   const ArrayView<const float> crowding = fluid.neighbors.crowding(fluid.particles);
+  const ArrayView<const Vec4f> found = fluid.neighbors.places(fluid.particles);
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const ArrayView<Vec3f> positions = fluid.particles.positions().view();
-  const EnergyDerivative derivative{fluid.neighbors.view(),
-                                    c.kernel,
-                                    c.particleVolume,
-                                    bulkEnergy_,
-                                    tension,
-                                    fluid.walls.view(),
-                                    displacement(fluid).view(),
-                                    state_.view(),
-                                    weighted(fluid).view(),
-                                    {}};
-  Substitute update{makePushOf(fluid, conservative, bulkEnergy_),
-                    1 / static_cast<float>(fluid.time.dt),
-                    positions,
-                    fluid.particles.velocities().view(),
-                    displacement(fluid).view(),
-                    state_.view()};
   // The search knows neither walls nor what they hide from each other.
+  const bool begun = fluid.walls.empty() && found.size > 0;
   const bool searched = fluid.walls.empty() && crowding.size > 0;
-  if (!searched) start(device, fluid);
+  // What the search has written is the first of what neighbours are asked for.
+  const ArrayView<Vec4f> states = begun ? weighted(fluid).view() : fluid.particles.places().view();
+  const ArrayView<Vec4f> weights = begun ? fluid.particles.places().view() : weighted(fluid).view();
+  const EnergyDerivative derivative{
+      fluid.neighbors.view(),     c.kernel, c.particleVolume, bulkEnergy_, tension, fluid.walls.view(),
+      displacement(fluid).view(), states,   weights,          {}};
+  PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_);
+  pushOf.weighted = weights;
+  const float volumeAtZero = c.particleVolume * c.kernel.value0;
+  Substitute<detail::AsStored> update{pushOf,
+                                      {},
+                                      1 / static_cast<float>(fluid.time.dt),
+                                      positions,
+                                      fluid.particles.velocities().view(),
+                                      displacement(fluid).view(),
+                                      states};
+  if (!begun && !searched) start(device, fluid);
   for (int k = 0; k < iterations; ++k) {
-    update.first = k == 0;
-    update.last = k + 1 == iterations;
-    if (update.first && searched)
-      parallelForEights(device, "density", count,
-                        FirstDerivative{c.particleVolume * c.kernel.value0, bulkEnergy_, tension, positions,
-                                        crowding, weighted(fluid).view()});
+    update.begins = k == 0;
+    update.ends = k + 1 == iterations;
+    if constexpr (std::is_same_v<Backend, CudaDevice>) {
+      if (update.begins && begun && bulkEnergy_.isQuadratic() && !update.ends) {
+        const float least = tension ? std::numeric_limits<float>::lowest() : 0.0f;
+        const detail::OfCrowding weight{volumeAtZero, least, bulkEnergy_.derivative(1.0f)};
+        parallelForSums(device, "substitute", count,
+                        Substitute<detail::OfCrowding>{pushOf, weight, update.inverseDt, positions,
+                                                       update.velocities, update.displacement, states});
+        continue;
+      }
+    }
+    if (update.begins && begun)
+      parallelFor(device, "density", count,
+                  detail::DerivativeOfPlace{volumeAtZero, bulkEnergy_, tension, weights});
+    else if (update.begins && searched)
+      parallelForEights(
+          device, "density", count,
+          detail::FirstDerivative{volumeAtZero, bulkEnergy_, tension, positions, crowding, weights});
     else
       parallelForSums(device, "density", count, derivative);
     parallelForSums(device, "substitute", count, update);
@@ -431,7 +447,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                               tension,
                               fluid.walls.view(),
                               displacement(fluid).view(),
-                              state_.view(),
+                              places(fluid),
                               weighted(fluid).view(),
                               excess_.view()};
   const Measure measure{bulkEnergy_,
@@ -447,7 +463,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                       controlled() ? control_.data() : nullptr,
                       predicted,
                       displacement(fluid).view(),
-                      state_.view(),
+                      places(fluid),
                       mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
@@ -490,12 +506,12 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     if (!accelerated()) continue;
     if (mixes())
       mixing_.mix(device, count, control_.data(),
-                  {displacement(fluid).view(), fluid.walls.view().share, predicted, state_.view()});
+                  {displacement(fluid).view(), fluid.walls.view().share, predicted, places(fluid)});
     else
       parallelFor(device, "extrapolate", count,
                   Extrapolate{control_.data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
-                              displacement(fluid).view(), fluid.walls.view().share, state_.view()});
+                              displacement(fluid).view(), fluid.walls.view().share, places(fluid)});
     contain(device, fluid, done);
   }
   endPass(pass);
@@ -507,7 +523,7 @@ void SemiImplicitSolver::contain(Backend& device, FluidStep& fluid, const int* d
   for (const Boundary* boundary : fluid.boundaries)
     parallelForEights(device, "contain", fluid.particles.count(),
                       Contain{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                              displacement(fluid).view(), state_.view(), done});
+                              displacement(fluid).view(), places(fluid), done});
 }
 
 template <class Backend>
@@ -521,7 +537,7 @@ void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
               detail::MoveBack{carried_->view(), displacement(fluid).view(),
-                               fluid.particles.positions().view(), state_.view()});
+                               fluid.particles.positions().view(), places(fluid)});
   if (fluid.walls.empty()) return;
   fluid.walls.base = std::as_const(*carried_).view();
   fluid.walls.keepLegal(fluid.particles.positions());

@@ -196,9 +196,7 @@ class SemiImplicitSolver final : public FluidModule {
 
   BulkEnergy bulkEnergy_;
   ObjectiveRecord objective_;
-  // The position of each particle, before the density pass. What that makes of it, and the displacement,
-  // stand in the particles' scratch memory.
-  Array<Vec4f> state_;
+  // Positions, what the density pass makes of them, and displacements stand in the particles' scratch memory.
   // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update, for
   // momentum.
   Array<float> excess_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -77,6 +78,95 @@ TEST_P(NeighborListTest, FindsAllPairsInCrowdedCells) {
   list.build(particles, kEverywhere);
   EXPECT_EQ(listedPairs(particles, list), allPairs(points, radius));
   EXPECT_EQ(list.eventsOnHost().truncated, 0);
+}
+
+TEST_P(NeighborListTest, AllAttributesTravelIntoTheOrderOfTheCells) {
+  const FreeMotion motion{{0, -9.8f, 1}, 0.01f};
+  const float radius = 0.05f;
+  const auto many = int(ParticleSet::kFew) + 1000;
+  // Few are sorted in another way than many. Some cells hold hundreds.
+  for (const int count : {1000, 20000, many}) {
+    std::vector<Vec3f> points = randomPoints(count, {0, 0, 0}, {2, 1, 1}, 5);
+    for (int i = 0; i < 500; ++i) points[std::size_t(i)] = {1.025f, 0.525f, 0.525f};
+    std::vector<Vec3f> velocities = randomPoints(count, {-1, -1, -1}, {1, 1, 1}, 6);
+    points.back() = {-7, 0, 0};  // where it is removed
+    ParticleSet particles(*device);
+    Array<float>& heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    ParticleBatch batch;
+    batch.assign(*device, points, velocities);
+    particles.append(batch);
+    std::vector<float> heats;
+    for (int i = 0; i < count; ++i) heats.push_back(float(i) + 0.5f);
+    device->upload(heat.data(), heats.data(), heats.size() * sizeof(float));
+    NeighborList list(*device);
+    list.configure(radius, 24);
+    list.fitGrid({{0, 0, 0}, {2, 1, 1}}, count);
+    particles.move(motion);
+    list.build(particles, {{-3, -3, -3}, {3, 3, 3}});
+    const std::int64_t n = particles.refreshCount();
+    ASSERT_EQ(n, count - 1);
+    const std::vector<int> ids = particles.ids().toHost(n);
+    const std::vector<Vec3f> p = particles.positions().toHost(n), v = particles.velocities().toHost(n);
+    const std::vector<float> h = heat.toHost(n);
+    std::vector<bool> there(points.size());
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const auto i = std::size_t(ids[k]);
+      ASSERT_FALSE(there[i]) << i;
+      there[i] = true;
+      const Vec3f faster = velocities[i] + motion.dt * motion.acceleration;
+      // Multiplication and addition may be rounded once or twice.
+      ASSERT_LE(length(v[k] - faster), 1e-6f) << i;
+      ASSERT_LE(length(p[k] - (points[i] + motion.dt * faster)), 1e-6f) << i;
+      ASSERT_EQ(h[k], heats[i]);
+    }
+    // Those in one cell keep their order.
+    const auto crowd = std::find(ids.begin(), ids.end(), 0);
+    ASSERT_GE(ids.end() - crowd, 1);
+    int last = -1;
+    for (const int id : ids) {
+      if (id >= 500) continue;
+      EXPECT_GT(id, last);
+      last = id;
+    }
+  }
+}
+
+TEST_P(NeighborListTest, PlacesHoldPositionAndCrowding) {
+  const float radius = 0.1f;
+  // Searched for by teams of threads, and by one each.
+  for (const int count : {1000, 40000}) {
+    const Vec3f size = (count > 1000 ? 4.0f : 1.0f) * Vec3f{1, 0.5f, 0.5f};
+    const std::vector<Vec3f> points = randomPoints(count, {}, size, 7);
+    ParticleSet particles = makeParticles(points);
+    NeighborList list(*device);
+    list.configure(radius, 64);
+    list.fitGrid({{}, size}, count);
+    list.build(particles, kEverywhere);
+    ASSERT_GE(list.crowding(particles).size, count);
+    EXPECT_EQ(list.places(particles).size, 0);
+    const bool onCuda = device->kind() == DeviceKind::kCuda;
+    particles.places();
+    list.build(particles, kEverywhere);
+    ASSERT_EQ(list.places(particles).size >= count, onCuda);
+    ASSERT_EQ(list.crowding(particles).size >= count, !onCuda);
+    if (!onCuda) continue;
+    std::vector<Vec4f> places(points.size());
+    device->download(places.data(), list.places(particles).data, places.size() * sizeof(Vec4f));
+    const std::vector<Vec3f> p = particles.positions().toHost(count);
+    const std::vector<std::vector<int>> lists = list.listsOnHost(count);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      EXPECT_EQ((Vec3f{places[i].x, places[i].y, places[i].z}), p[i]);
+      double crowding = 1;
+      for (const int j : lists[i]) {
+        const Vec3f d = p[std::size_t(j)] - p[i];
+        crowding += std::pow(1 - std::sqrt(double(dot(d, d))) / radius, 3);
+      }
+      ASSERT_NEAR(places[i].w, crowding, 1e-4 * crowding) << i;
+    }
+    // Whoever asks for the memory may have written there.
+    particles.places();
+    EXPECT_EQ(list.places(particles).size, 0);
+  }
 }
 
 TEST_P(NeighborListTest, FindsPairsFarFromTheOriginAndFarApart) {
