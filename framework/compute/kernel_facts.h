@@ -10,8 +10,8 @@ namespace weir::detail {
 
 /// Whether the device runs a kernel in clusters of so many blocks, of so many threads and so much shared
 /// memory each, beside what the kernel has by itself. Where it does, the kernel gets it from now on.
-inline bool mayCluster(const CudaDevice& device, const void* kernel, unsigned blocks, unsigned threads,
-                       unsigned bytes) {
+static inline bool mayCluster(const CudaDevice& device, const void* kernel, unsigned blocks, unsigned threads,
+                              unsigned bytes) {
   unsigned& known = device.launches().facts(kernel).sharedBytes;
   if (known != LaunchQueue::kUnknown) return bytes <= known;
   int can = 0, most = 0, together = 0;

@@ -103,6 +103,9 @@ class LaunchQueue {
   std::vector<std::pair<const void*, KernelFacts>> facts_;
 };
 
+// Each library has a CUDA runtime of its own, which knows the library's kernels alone. So what hands kernels
+// to the runtime is each library's own, hidden or static: else the linker would keep one for all of them.
+
 /// A kernel with its launch and its arguments.
 template <class... P>
 struct KernelCall {
@@ -113,7 +116,7 @@ struct KernelCall {
 };
 
 template <class... P>
-struct KernelCalls {
+struct [[gnu::visibility("hidden")]] KernelCalls {
   using Call = KernelCall<P...>;
 
   /// f(parameters for the runtime), where arguments are given by their addresses.
@@ -163,8 +166,8 @@ struct LaunchShape {
 };
 
 template <class... P>
-cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), const LaunchShape& shape,
-                         const std::type_identity_t<P>&... arguments) {
+static cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), const LaunchShape& shape,
+                                const std::type_identity_t<P>&... arguments) {
   // Calls are compared byte by byte; padding inside of arguments that happens to differ costs an update.
   alignas(KernelCall<P...>) unsigned char zeros[sizeof(KernelCall<P...>)] = {};
   auto& call =

@@ -27,8 +27,8 @@ inline void beginLaunch(const CudaDevice& device, std::string_view name) {
 /// Launches a kernel of kCudaBlock threads a block that begins by awaitWhatIsBefore(), now or with the batch
 /// that it is asked for in.
 template <class... P>
-void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
-            const std::type_identity_t<P>&... arguments) {
+static void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
+                   const std::type_identity_t<P>&... arguments) {
   beginLaunch(device, name);
   device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock, 0, true}, arguments...), name);
 }
