@@ -34,6 +34,10 @@ struct BoundaryHit {
 struct BoundaryView {
   const BoundaryPiece* pieces = nullptr;
   int count = 0;
+  // Of the first piece, mostly the only one, once more: a kernel has its parameters at hand, and waits for
+  // memory.
+  bool firstIsMesh = false;
+  Shape first;
 };
 
 /// The union of all pieces: the smallest distance. Without pieces, everything is far away.
@@ -61,7 +65,11 @@ struct Boundary {
   std::vector<std::shared_ptr<const MeshSdf>> meshes;  ///< kept alive for the pieces
   Array<BoundaryPiece> onDevice;
 
-  BoundaryView view() const { return {onDevice.data(), static_cast<int>(onDevice.size())}; }
+  BoundaryView view() const {
+    BoundaryView view{onDevice.data(), static_cast<int>(onDevice.size())};
+    if (view.count > 0) view.firstIsMesh = pieces.front().isMesh, view.first = pieces.front().shape;
+    return view;
+  }
 };
 
 }  // namespace weir
