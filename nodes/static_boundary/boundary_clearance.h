@@ -56,15 +56,10 @@ template <class T>
 WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   constexpr float kFar = 1e30f;
   T least = kFar;
-  if (boundary.count > 0) {
-    if (boundary.firstIsMesh || boundary.first.kind != ShapeKind::kBox) return T(-kFar);
-    least = boxClearance(boundary.first, p);
-  }
-  for (int k = 1; k < boundary.count; ++k) {
-    const BoundaryPiece& piece = boundary.pieces[k];
-    if (piece.isMesh || piece.shape.kind != ShapeKind::kBox) return T(-kFar);
-    least = detail::smaller(least, boxClearance(piece.shape, p));
-  }
+  forEachPiece(boundary, [&](const BoundaryPiece& piece) {
+    const bool isBox = !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
+    least = isBox ? detail::smaller(least, boxClearance(piece.shape, p)) : T(-kFar);
+  });
   return least;
 }
 
