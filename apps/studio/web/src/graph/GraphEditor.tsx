@@ -1,9 +1,10 @@
 // The graph of nodes and links, and all that is done to it by mouse and keyboard.
 import {
   Controls, ReactFlow, useReactFlow, useStore, ViewportPortal, type Connection, type Edge, type EdgeChange, type Node, type NodeChange,
-  type OnConnectEnd, type Viewport, type XYPosition,
+  type OnConnectEnd, type ReactFlowInstance, type Viewport, type XYPosition,
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { takeFiles } from "../files/dropped";
 import { addNote, moveAll, notesOf, withCarried } from "../model/notes";
 import {
   addGroupAround, addLink, addNode, copyNodes, freeNoteId, linkProblem, pasteNodes, removeLinks, removeNodes, toggleCollapsed,
@@ -15,7 +16,7 @@ import type { Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
 import { arrange } from "./arrange";
 import { Dots } from "./Dots";
-import { boundsOf, isFar, kLegible, placed, useFlow } from "./flow";
+import { boundsOf, isFar, kLegible, placed, sizeOf, useFlow } from "./flow";
 import { FarLinks, Link } from "./Link";
 import { NoteNode } from "./NoteNode";
 import { Overview } from "./Overview";
@@ -60,10 +61,18 @@ export function GraphEditor() {
   const pointer = useRef({ x: 300, y: 200 });
   const [menu, setMenu] = useState<{ x: number; y: number; dangling: Dangling | null } | null>(null);
   const [dragged, setDragged] = useState<{ [id: string]: XYPosition }>({});
-  const path = useStudio((s) => s.sceneState.path);
+  const opened = useStudio((s) => s.opened);
   const types = useStudio((s) => s.types);
 
-  useEffect(() => void setTimeout(() => flow.fitView({ padding: 0.15, maxZoom: 1, minZoom: kLegible }), kMounted), [flow, path, types]);
+  useEffect(() => void setTimeout(() => flow.fitView({ padding: 0.15, maxZoom: 1, minZoom: kLegible }), kMounted), [flow, opened, types]);
+
+  // What is chosen elsewhere, as by a message, a key or a drop, is brought into view.
+  const chosen = useStudio((s) => (s.selected.length === 1 ? s.selected[0]! : null));
+  useEffect(() => {
+    if (chosen === null) return;
+    const timer = setTimeout(() => bringIntoView(flow, surface.current!, chosen), kMounted);
+    return () => clearTimeout(timer);
+  }, [flow, chosen]);
 
   const openMenu = useCallback((x: number, y: number, dangling: Dangling | null = null) => {
     const box = surface.current!.getBoundingClientRect();
@@ -128,6 +137,12 @@ export function GraphEditor() {
     <div
       className="graph" ref={surface} data-far={far ? "" : undefined} tabIndex={0} role="application" aria-label="Node editor" onKeyDown={key}
       onPointerMove={(e) => (pointer.current = { x: e.clientX, y: e.clientY })}
+      onDrop={(e) => {
+        if (e.dataTransfer.files.length === 0) return;
+        e.preventDefault();
+        e.stopPropagation();
+        void takeFiles(e.dataTransfer.files, flow.screenToFlowPosition({ x: e.clientX, y: e.clientY }));
+      }}
       onDoubleClick={(e) => (e.target as Element).classList.contains("react-flow__pane") && openMenu(e.clientX, e.clientY)}
     >
       <FarLinks.Provider value={far ? farLinks : null}>
@@ -188,6 +203,17 @@ function connectEnded(
   const type = (side === "output" ? t?.outputs : t?.inputs)?.find((p) => p.name === from.id)?.type;
   const at = "changedTouches" in event ? event.changedTouches[0]! : event;
   if (type) openMenu(at.clientX, at.clientY, { node: fromNode.id, port: from.id, type, side });
+}
+
+/** Moves the graph where nothing of a node is seen. */
+function bringIntoView(flow: ReactFlowInstance, surface: Element, id: string): void {
+  const node = flow.getNode(id);
+  if (!node) return;
+  const { width, height } = surface.getBoundingClientRect();
+  const { x, y, zoom } = flow.getViewport();
+  const size = sizeOf(node), left = node.position.x * zoom + x, top = node.position.y * zoom + y;
+  if (left < width && top < height && left + size.width * zoom > 0 && top + size.height * zoom > 0) return;
+  void flow.setCenter(node.position.x + size.width / 2, node.position.y + size.height / 2, { zoom, duration: 200 });
 }
 
 /** What stands in the panel of properties is typed over. */
