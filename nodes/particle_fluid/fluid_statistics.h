@@ -15,8 +15,7 @@ struct FluidSums {
   Vec3d velocity, position;
   double speedSquared = 0, mostSpeedSquared = 0;
   double compression = 0, mostCompression = 0;  ///< of max(λ − 1, 0)
-  std::int64_t neighbors = 0;
-  int mostNeighbors = 0;
+  std::int64_t neighbors = 0, mostNeighbors = 0;
   Aabb box;
 };
 
