@@ -69,7 +69,7 @@ __global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
 }
 
 template <class F>
-__global__ void __launch_bounds__(kCudaBlock)
+__global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
     forEachWithScratchKernel(Count count, const __grid_constant__ F f) {
   awaitWhatIsBefore();
   extern __shared__ int scratch[];

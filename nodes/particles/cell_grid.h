@@ -36,10 +36,14 @@ struct CellGrid {
 
  private:
   WEIR_HD int wrapped(float x, int n) const {
+#ifdef __CUDA_ARCH__
+    const int c = __float2int_rd(x * inverseCellSize);  // of far-away particles the farthest int
+#else
     constexpr float kFarthest = 1e9f;  // cells; keeps the conversion to int defined for far-away particles
     float cell = floorf(x * inverseCellSize);
     cell = cell > kFarthest ? kFarthest : (cell < -kFarthest ? -kFarthest : cell);
     const int c = static_cast<int>(cell);
+#endif
     if (c >= 0 && c < n) return c;  // division takes long
     const int m = c % n;
     return m < 0 ? m + n : m;

@@ -93,8 +93,9 @@ std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
 double NeighborList::memoryFor(double particles) const {
   const double cells = std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells));
   constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
+  const double fine = needsFineCells(static_cast<std::int64_t>(particles)) ? particles + FineCell::kAhead : 0;
   const double bytes = bytesOfArrays(particles, counts_) +
-                       bytesOfArray(std::max(particles, cells / kStartsInOne + 1), sizeof(Vec4f));
+                       bytesOfArray(std::max(particles, (cells + fine) / kStartsInOne + 2), sizeof(Vec4f));
   // The columns of coordinates that the CPU reads, with what is behind their ends.
   if (!packs_)
     return bytes + bytesOfArrays((particles + kInterleaved) * room_, entries_) +

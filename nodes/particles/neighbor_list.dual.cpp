@@ -205,11 +205,19 @@ struct FindNeighborsInTeams {
 
 // Sorting and listing borrow memory that nobody needs meanwhile.
 
-/// Where each cell starts is asked until the lists are made.
-ArrayView<int> startsIn(ParticleSet& particles, std::int64_t cells) {
-  constexpr std::int64_t kInts = sizeof(Vec4f) / sizeof(int);
-  Array<Vec4f>& wide = particles.wideScratch((cells + kInts) / kInts);
-  return {reinterpret_cast<int*>(wide.data()), cells + 1};
+/// What is asked until the lists are made.
+struct Sorted {
+  ArrayView<int> cellStart;  // where each cell starts
+  FineCell* fine = nullptr;  // of the particles; null where nobody asks
+};
+
+Sorted sortedIn(ParticleSet& particles, std::int64_t cells, bool needsFine) {
+  constexpr std::int64_t kInOne = sizeof(Vec4f) / sizeof(int);
+  static_assert(sizeof(FineCell) == sizeof(int));
+  const std::int64_t starts = cells + 1, fine = needsFine ? particles.capacity() + FineCell::kAhead : 0;
+  Array<Vec4f>& wide = particles.wideScratch((starts + fine + kInOne - 1) / kInOne);
+  int* here = reinterpret_cast<int*>(wide.data());
+  return {{here, starts}, needsFine ? reinterpret_cast<FineCell*>(here + starts) : nullptr};
 }
 
 /// What is forgotten when lists go into its place.
@@ -238,7 +246,7 @@ template <class Backend>
 void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
                            ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
-  const ArrayView<int> cellStart = startsIn(particles, grid_.cellCount());
+  const auto [cellStart, fine] = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
   {
     const ProfileScope scope(device.profiler(), "sort");
     const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
@@ -246,7 +254,9 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
 #ifdef __CUDACC__
     // A particle moves when its place is known, which takes a kernel less.
     detail::Permutation permutation(particles);
-    const detail::Permute moved = permutation.next(memory.order);
+    detail::Permute moved = permutation.next(memory.order);
+    moved.fine = fine;
+    moved.inverseCellSize = grid_.inverseCellSize;
 #else
     const detail::KeepOrder moved;
 #endif
@@ -274,12 +284,13 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
     crowdingUse_ = 0;
   }
   const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles, cellStart, crowding.data, places);
+  listOn(device, particles, cellStart, fine, crowding.data, places);
 }
 
 template <class Backend>
 void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
-                          float* crowding, [[maybe_unused]] Vec4f* places) {
+                          [[maybe_unused]] const FineCell* fine, float* crowding,
+                          [[maybe_unused]] Vec4f* places) {
   const Count count = particles.count();
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
@@ -304,13 +315,12 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
       capacity_, room_,  entries_.data(), counts_.data(),
       crowding,  places, events_.data(),  {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
   const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
-  // Above this one thread a particle does as well.
-  constexpr TeamPlan kPlan{32, 1 << 15};
+  constexpr TeamPlan kPlan{32, kFewForTeams};
   static_assert(kPlan.few <= kAllInWindows);
-  if (packs_ && count.bound <= kPlan.few)
-    parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
+  if (fine != nullptr)
+    searchCodes(device, kName, count, capacity_, find, fine);
   else if (packs_)
-    searchCodes(device, kName, count, capacity_, find);
+    parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
   else
     parallelFor(device, kName, count, find);
 #endif

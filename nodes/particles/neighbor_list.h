@@ -7,6 +7,7 @@
 #include "framework/compute/cell_sort.h"
 #include "framework/compute/eight.h"
 #include "nodes/particles/cell_grid.h"
+#include "nodes/particles/fine_cell.h"
 #include "nodes/particles/packed_lists.h"
 #include "nodes/particles/particle_set.h"
 #include "nodes/sink/sink_region.h"
@@ -193,8 +194,13 @@ class NeighborList {
   template <class Backend>
   void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart, float* crowding,
-              Vec4f* places);
+  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
+              const FineCell* fine, float* crowding, Vec4f* places);
+  /// Of so many particles; a team of threads searches for each of fewer.
+  bool needsFineCells(std::int64_t particles) const { return packs_ && particles > kFewForTeams; }
+
+  /// More do as well with one thread each.
+  static constexpr std::int64_t kFewForTeams = 1 << 15;
 
   float radius_ = 0;
   int capacity_ = 0;

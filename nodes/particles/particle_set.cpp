@@ -167,13 +167,13 @@ detail::Permute detail::Permutation::next(ArrayView<const int> order) {
   // Where there are many particles, one attribute of each type at a time: the next of the type goes to where
   // the last one was.
   const std::size_t atOnce = particles_.hasFew() ? Permute::kMost : 1;
-  Permute permute{order, {}, 0, particles_.unmoved()};
+  Permute permute{.order = order, .unmoved = particles_.unmoved()};
   std::size_t used[kAttributeTypes] = {};
   std::erase_if(left_, [&](AttributeStorage* storage) {
     std::size_t& spare = used[static_cast<int>(storage->info().type)];
     if (permute.used == Permute::kMost || spare == atOnce) return false;
-    if (particles_.isToMove() && storage->info().name == "position") permute.position = permute.used;
-    if (particles_.isToMove() && storage->info().name == "velocity") permute.velocity = permute.used;
+    if (storage->info().name == "position") permute.position = permute.used;
+    if (storage->info().name == "velocity") permute.velocity = permute.used;
     permute.columns[permute.used++] = storage->beginPermutation(spare);
     begun_.emplace_back(storage, spare++);
     return true;

@@ -6,6 +6,7 @@
 
 #include "framework/compute/wide_access.h"
 #include "nodes/particles/attribute_storage.h"
+#include "nodes/particles/fine_cell.h"
 
 namespace weir::detail {
 
@@ -16,23 +17,29 @@ struct Permute {
   ArrayView<const int> order;
   PermutedColumn columns[kMost];
   int used = 0;
+  float inverseCellSize = 0;  // for `fine`
   // Where particles are to move on their way; `position` and `velocity` are columns, or none.
   ParticleSet::Unmoved unmoved;
   int position = -1, velocity = -1;
+  // Where the columns have positions, those in their new order, if anybody wants them.
+  FineCell* fine = nullptr;
 
   WEIR_HD void operator()(std::int64_t k) const { (*this)(k, order[k]); }
 
   /// Particle i becomes particle k.
   WEIR_HD void operator()(std::int64_t k, std::int64_t i) const {
+    const bool moves = unmoved.motion.dt != 0;
     for (int c = 0; c < used; ++c) {
       const PermutedColumn& column = columns[c];
-      if (column.words == 1)
+      if (column.words == 1) {
         column.to[k] = column.from[i];
-      else if (c == position || c == velocity)
-        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k], moved(i, c));
-      else
-        storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k],
-                   loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]));
+        continue;
+      }
+      const Vec3f value = moves && (c == position || c == velocity)
+                              ? moved(i, c)
+                              : loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]);
+      storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k], value);
+      if (c == position && fine != nullptr) fine[k] = FineCell::of(value, inverseCellSize);
     }
   }
 

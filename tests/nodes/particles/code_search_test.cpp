@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <random>
 
 #include "nodes/particles/neighbor_list.h"
@@ -11,11 +13,10 @@ namespace weir::test {
 namespace {
 
 constexpr Aabb kEverywhere{{-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}};
-constexpr float kRadius = 0.1f;
 
 class CodeSearchTest : public OnDevice {
  protected:
-  /// `count` particles in a block that begins at `lo`, about five to a cell, in the grid of another box.
+  /// `count` particles in a block that begins at `lo`, in the grid of another box.
   void search(int count, const Vec3f& lo, const Vec3f& size, const Aabb& gridBox, int capacity) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -23,18 +24,24 @@ class CodeSearchTest : public OnDevice {
     for (int i = 0; i < count; ++i)
       points.push_back(
           {lo.x + size.x * unit(random), lo.y + size.y * unit(random), lo.z + size.z * unit(random)});
+    search(points, gridBox, capacity);
+  }
+
+  void search(const std::vector<Vec3f>& points, const Aabb& gridBox, int capacity) {
+    const auto count = static_cast<std::int64_t>(points.size());
     ParticleBatch batch;
     batch.assign(*device, points, std::vector<Vec3f>(points.size()));
     particles = std::make_unique<ParticleSet>(*device);
     particles->append(batch);
     list = std::make_unique<NeighborList>(*device);
-    list->configure(kRadius, capacity);
+    list->configure(radius, capacity);
     list->fitGrid(gridBox, count);
     list->build(*particles, kEverywhere);
   }
 
-  /// Every 97th list, and those at the ends.
-  void expectLists() {
+  /// Every 97th list, and those at the ends. Where the grid does not wrap around within the fluid, neighbours
+  /// are in the order of their places, whichever search found them.
+  void expectLists(bool wraps = false) {
     const std::int64_t n = particles->refreshCount();
     const std::vector<Vec3f> at = particles->positions().toHost(n);
     const std::vector<std::vector<int>> lists = list->listsOnHost(n);
@@ -43,13 +50,14 @@ class CodeSearchTest : public OnDevice {
       std::vector<int> near, found = lists[std::size_t(i)];
       for (std::int64_t j = 0; j < n; ++j) {
         const Vec3f d = at[std::size_t(j)] - p;
-        if (j != i && dot(d, d) < kRadius * kRadius) near.push_back(int(j));
+        if (j != i && dot(d, d) < radius * radius) near.push_back(int(j));
       }
-      std::ranges::sort(found);
+      if (wraps) std::ranges::sort(found);
       ASSERT_EQ(found, near) << "of particle " << i;
     }
   }
 
+  float radius = 0.1f;
   std::unique_ptr<ParticleSet> particles;
   std::unique_ptr<NeighborList> list;
 };
@@ -67,14 +75,63 @@ TEST_P(CodeSearchTest, FindsAllThroughWindows) {
   search(70'001, lo, size, {lo, {1.7f, 2.4f, 1.6f}}, 96);
   EXPECT_EQ(list->eventsOnHost().truncated, 0);
   EXPECT_LT(list->eventsOnHost().wideGroups, 70'001 / kListGroup / 16);
-  expectLists();
+  expectLists(true);
 }
 
 TEST_P(CodeSearchTest, FindsAllWhereTheGridWrapsAroundWithinTheFluid) {
   const Vec3f size{3, 2, 2.3f};
   search(70'001, {0, 0, 0}, size, {{0, 0, 0}, {0.9f, 1.1f, 1}}, 96);
   EXPECT_EQ(list->eventsOnHost().truncated, 0);
+  expectLists(true);
+}
+
+TEST_P(CodeSearchTest, FindsAllInAGridOfThreeCellsAlongX) {
+  // All rows wrap around beside each particle, and what is behind a row is near, too.
+  const Vec3f size{0.9f, 3, 3};
+  search(40'001, {0.03f, 0, 0}, size, {{0, 0, 0}, {0, 5.7f, 5.7f}}, 96);
+  EXPECT_EQ(list->eventsOnHost().truncated, 0);
+  expectLists(true);
+}
+
+TEST_P(CodeSearchTest, FindsAllWhereRowsHaveManyCandidates) {
+  // About 40 in a cell, and in some rows no more than a word of answers has bits.
+  const Vec3f size{1, 1, 0.83f};
+  search(33'333, {0, 0, 0}, size, {{0, 0, 0}, size}, 256);
+  EXPECT_EQ(list->eventsOnHost().truncated, 0);
   expectLists();
+}
+
+TEST_P(CodeSearchTest, FindsAllFarFromTheOrigin) {
+  const Vec3f size{2, 2, 1.7f};
+  // Where fine cells are known, at the end of that, and beyond.
+  for (const float at : {-380.0f, 408.5f, 3000.0f}) {
+    const Vec3f lo{at, -at, at};
+    search(33'333, lo, size, {lo, lo + size}, 96);
+    EXPECT_EQ(list->eventsOnHost().truncated, 0);
+    expectLists(true);
+  }
+}
+
+TEST_P(CodeSearchTest, TellsWhatIsJustWithinTheRadius) {
+  // Neighbours of a lattice are the radius apart, or a float's last digit more or less; all are at the
+  // borders of cells.
+  radius = 0.125f;
+  std::mt19937 random(3);
+  std::vector<Vec3f> points;
+  const auto near = [&](int k) {
+    const float at = static_cast<float>(k - 9) * radius;
+    const int way = static_cast<int>(random() % 3);
+    return way == 0 ? at : std::nextafter(at, way == 1 ? -100.0f : 100.0f);
+  };
+  for (int z = 0; z < 33; ++z)
+    for (int y = 0; y < 33; ++y)
+      for (int x = 0; x < 33; ++x) points.push_back({near(x), near(y), near(z)});
+  search(points, {{-1.2f, -1.2f, -1.2f}, {3, 3, 3}}, 32);
+  expectLists(true);
+  const std::vector<int> counts = list->countsOnHost(static_cast<std::int64_t>(points.size()));
+  const double mean = std::accumulate(counts.begin(), counts.end(), 0.0) / static_cast<double>(counts.size());
+  EXPECT_GT(mean, 1);
+  EXPECT_LT(mean, 5);
 }
 
 TEST_P(CodeSearchTest, CutsOffLongListsAndCountsThem) {
