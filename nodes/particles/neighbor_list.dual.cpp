@@ -148,6 +148,7 @@ struct FindNeighbors {
 /// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
 /// device otherwise; all indices are codes there.
 struct FindNeighborsInTeams {
+  static constexpr Standing kLeaves = Standing::kCounts;
   FindNeighbors find;
 
   WEIR_HD void operator()(std::int64_t i, const Team& team) const {
@@ -308,7 +309,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
   constexpr TeamPlan kPlan{32, 1 << 15};
   static_assert(kPlan.few <= kAllInWindows);
   if (packs_ && count.bound <= kPlan.few)
-    parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
+    parallelForTeams<kPlan>(device, kName, count, FindNeighborsInTeams{find});
   else if (packs_)
     searchCodes(device, kName, count, capacity_, find);
   else
