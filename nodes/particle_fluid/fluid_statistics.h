@@ -1,5 +1,7 @@
-// Numbers that say how a fluid is doing, summed in double precision on the host.
+// Numbers that say how a fluid is doing, summed in double precision on its device.
 #pragma once
+
+#include <cstdint>
 
 #include "framework/base/value.h"
 #include "nodes/particle_fluid/fluid_constants.h"
@@ -8,10 +10,25 @@
 
 namespace weir {
 
+/// Sums and extremes over some particles; as it is, over none.
+struct FluidSums {
+  Vec3d velocity, position;
+  double speedSquared = 0, mostSpeedSquared = 0;
+  double compression = 0, mostCompression = 0;  ///< of max(λ − 1, 0)
+  std::int64_t neighbors = 0, mostNeighbors = 0;
+  Aabb box;
+};
+
+/// Writes those over all particles to *sums, on the device; its attribute "density" and the number of
+/// neighbours of each are as of the last frame. Extremes leave out what is no number.
+template <class Backend>
+void sumFluid(Backend& device, const ParticleSet& particles, const int* neighborCounts, double restDensity,
+              FluidSums* sums);
+
 /// Adds to `statistics`: particles, fluid_volume [m³] (particles times spacing cubed), neighbors {mean, max},
 /// compression {mean, max} of max(λ − 1, 0), linear_momentum [kg·m/s], kinetic_energy [J], potential_energy
 /// [J] (relative to the origin), center_of_mass [m], bounds [m], max_speed [m/s]. Expects neighbours and the
-/// attribute "density" as of the last frame. Waits for the device.
+/// attribute "density" as of the last frame, and the exact number of particles. Waits for the device.
 void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors,
                           const FluidConstants& constants, const Vec3f& gravity, Value& statistics);
 

@@ -51,12 +51,13 @@ Array<Vec3f>& ParticleSet::scratch() {
 }
 
 Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
+  ++uses_;
   wideScratch_.resizeDiscarding(std::max(least, capacity()));
   return wideScratch_;
 }
 
 Array<Vec4f>& ParticleSet::places() {
-  ++placesUses_;
+  ++placesUses_, ++uses_;
   places_.resizeDiscarding(capacity());
   return places_;
 }
@@ -80,7 +81,7 @@ std::vector<AttributeInfo> ParticleSet::attributes() const {
 
 template <class T>
 Array<T>& ParticleSet::add(const AttributeInfo& info) {
-  moved();
+  used();
   if (AttributeStorage* found = storage(info.name)) {
     auto* typed = dynamic_cast<TypedStorage<T>*>(found);
     if (typed == nullptr)
@@ -100,7 +101,7 @@ Array<T>& ParticleSet::add(const AttributeInfo& info) {
 
 template <class T>
 Array<T>& ParticleSet::get(std::string_view name) {
-  moved();
+  used();
   auto* typed = dynamic_cast<TypedStorage<T>*>(storage(name));
   WEIR_CHECK(typed != nullptr);
   return typed->values;
@@ -143,7 +144,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   if (bound_ + batch.count > std::numeric_limits<int>::max() ||
       nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
-  moved();
+  used();
   const std::int64_t need = bound_ + batch.count;
   makeRoom(need);
   for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
@@ -153,6 +154,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
 }
 
 void ParticleSet::permute(ArrayView<const int> order) {
+  ++uses_;
   dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
 }
 
@@ -186,7 +188,7 @@ void detail::Permutation::finish() {
 }
 
 void ParticleSet::move(const FreeMotion& motion) {
-  moved();
+  used();
   motion_ = motion;
   if (device_->kind() != DeviceKind::kCuda) moveNow();
 }
@@ -198,6 +200,7 @@ void ParticleSet::moveNow() {
 }
 
 void ParticleSet::clear() {
+  ++uses_;
   motion_.reset();
   counter_.fillZero();
   bound_ = 0;
@@ -212,6 +215,7 @@ void ParticleSet::save(const StateWriter& to) const {
 }
 
 void ParticleSet::restore(const StateReader& from) {
+  ++uses_;
   motion_.reset();
   from.get("count", bound_);
   from.get("next_id", nextId_);

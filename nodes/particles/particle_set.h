@@ -70,6 +70,15 @@ class ParticleSet {
   /// writes there, too (NeighborList::places); what stands in it lasts until someone asks for it again.
   Array<Vec4f>& places();
   bool hasPlaces() const { return places_.size() > 0; }
+  /// Whoever sums over velocities of neighbours may ask for codes of motion (motion_code.h) once, at its
+  /// reset. What writes positions and velocities last on CUDA leaves them then, in wideScratch() or places().
+  void askForMotionCodes() { asksForMotionCodes_ = true; }
+  bool asksForMotionCodes() const { return asksForMotionCodes_; }
+  void leaveMotionCodes(ArrayView<const Vec4f> codes) { motionCodes_ = codes, motionCodesUse_ = uses_; }
+  /// Empty if nobody has left them, or as soon as anyone may have changed motion or codes.
+  ArrayView<const Vec4f> motionCodes() const {
+    return motionCodesUse_ == uses_ ? motionCodes_ : ArrayView<const Vec4f>{};
+  }
   /// How often someone has asked for it.
   std::uint64_t placesUses() const { return placesUses_; }
   /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
@@ -89,8 +98,8 @@ class ParticleSet {
   const AttributeInfo* find(std::string_view name) const;
   std::vector<AttributeInfo> attributes() const;
 
-  Array<Vec3f>& positions() { return moved(), *positions_; }
-  Array<Vec3f>& velocities() { return moved(), *velocities_; }
+  Array<Vec3f>& positions() { return used(), *positions_; }
+  Array<Vec3f>& velocities() { return used(), *velocities_; }
   Array<int>& ids() { return *ids_; }
   const Array<Vec3f>& positions() const { return moved(), *positions_; }
   const Array<Vec3f>& velocities() const { return moved(), *velocities_; }
@@ -152,6 +161,8 @@ class ParticleSet {
     if (motion_) const_cast<ParticleSet*>(this)->moveNow();
   }
   void moveNow();
+  /// Someone may change attributes or memory for all particles.
+  void used() { ++uses_, moved(); }
   void makeRoom(std::int64_t particles);
   bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
   detail::AttributeStorage* storage(std::string_view name) const;
@@ -161,6 +172,9 @@ class ParticleSet {
   std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
   Array<Vec4f> wideScratch_, places_;
   std::uint64_t scratchUses_ = 0, placesUses_ = 0;
+  bool asksForMotionCodes_ = false;
+  ArrayView<const Vec4f> motionCodes_;
+  std::uint64_t uses_ = 0, motionCodesUse_ = 0;
   Array<Vec3f>* positions_ = nullptr;
   Array<Vec3f>* velocities_ = nullptr;
   Array<int>* ids_ = nullptr;

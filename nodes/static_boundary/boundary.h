@@ -34,17 +34,25 @@ struct BoundaryHit {
 struct BoundaryView {
   const BoundaryPiece* pieces = nullptr;
   int count = 0;
+  // Mostly the only one, once more: a kernel has its parameters at hand, and waits for memory.
+  BoundaryPiece first;
 };
+
+/// Calls f for every piece.
+template <class F>
+WEIR_HD inline void forEachPiece(const BoundaryView& boundary, const F& f) {
+  if (boundary.count > 0) f(boundary.first);
+  for (int k = 1; k < boundary.count; ++k) f(boundary.pieces[k]);
+}
 
 /// The union of all pieces: the smallest distance. Without pieces, everything is far away.
 WEIR_HD inline BoundaryHit boundaryQuery(const BoundaryView& boundary, const Vec3f& p) {
   constexpr float kFar = 1e30f;
   BoundaryHit hit{kFar, {0, 1, 0}, 0, 0};
-  for (int k = 0; k < boundary.count; ++k) {
-    const SignedDistance d = boundary.pieces[k].query(p);
-    if (d.distance < hit.distance)
-      hit = {d.distance, d.normal, boundary.pieces[k].restitution, boundary.pieces[k].friction};
-  }
+  forEachPiece(boundary, [&](const BoundaryPiece& piece) {
+    const SignedDistance d = piece.query(p);
+    if (d.distance < hit.distance) hit = {d.distance, d.normal, piece.restitution, piece.friction};
+  });
   return hit;
 }
 
@@ -61,7 +69,10 @@ struct Boundary {
   std::vector<std::shared_ptr<const MeshSdf>> meshes;  ///< kept alive for the pieces
   Array<BoundaryPiece> onDevice;
 
-  BoundaryView view() const { return {onDevice.data(), static_cast<int>(onDevice.size())}; }
+  BoundaryView view() const {
+    return {onDevice.data(), static_cast<int>(onDevice.size()),
+            pieces.empty() ? BoundaryPiece{} : pieces.front()};
+  }
 };
 
 }  // namespace weir

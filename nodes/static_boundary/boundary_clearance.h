@@ -38,25 +38,28 @@ WEIR_HD T magnitude(const T& a) {
 
 }  // namespace detail
 
-/// What bounds the distance of one or eight points from the solids, from below; boxes only, others count as
-/// near.
+/// What bounds the distance of one or eight points from a box, from below. The distance from the plane of a
+/// face bounds that from the box.
 template <class T>
-WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
+WEIR_HD T boxClearance(const Shape& shape, const Vec3<T>& p) {
   using namespace detail;
   constexpr float kRounding = 1e-4f;  // of the size
+  const Vec3<T> local = rotated(conjugate(shape.rotation), p - spread<T>(shape.position));
+  const Vec3f& half = shape.halfSize;
+  const T out =
+      larger(larger(magnitude(local.x) - half.x, magnitude(local.y) - half.y), magnitude(local.z) - half.z);
+  return (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z);
+}
+
+/// The same for all solids; what is no box counts as near.
+template <class T>
+WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   constexpr float kFar = 1e30f;
   T least = kFar;
-  for (int k = 0; k < boundary.count; ++k) {
-    const BoundaryPiece& piece = boundary.pieces[k];
-    const Shape& shape = piece.shape;
-    if (piece.isMesh || shape.kind != ShapeKind::kBox) return T(-kFar);
-    const Vec3<T> local = detail::rotated(conjugate(shape.rotation), p - spread<T>(shape.position));
-    const Vec3f& half = shape.halfSize;
-    // The distance from the plane of a face bounds that from the box.
-    const T out = larger(larger(detail::magnitude(local.x) - half.x, detail::magnitude(local.y) - half.y),
-                         detail::magnitude(local.z) - half.z);
-    least = smaller(least, (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z));
-  }
+  forEachPiece(boundary, [&](const BoundaryPiece& piece) {
+    const bool isBox = !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
+    least = isBox ? detail::smaller(least, boxClearance(piece.shape, p)) : T(-kFar);
+  });
   return least;
 }
 

@@ -28,6 +28,8 @@ std::string_view nameOf(HostState state) {
   switch (state) {
     case HostState::kEmpty:
       return "empty";
+    case HostState::kBuilding:
+      return "building";
     case HostState::kPaused:
       return "paused";
     case HostState::kPlaying:
@@ -140,6 +142,7 @@ void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& 
   listener_.leaving();
   frames_.reset();
   simulation_.reset();
+  tell(HostState::kBuilding);
   if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
   deviceName_ = device;
   deviceDescription_ = device_->description();  // which it asks the system for
@@ -151,6 +154,8 @@ void SimulationHost::resetNow() {
   if (!simulation_) return;
   problem_.reset();
   pauseAt_.reset();
+  // A fluid that comes to rest first takes its time.
+  if (state_ != HostState::kBuilding) tell(HostState::kBuilding);
   try {
     simulation_->reset();
   } catch (...) {

@@ -21,9 +21,9 @@
 
 namespace weir::studio {
 
-enum class HostState { kEmpty, kPaused, kPlaying, kFinished, kFailed };
+enum class HostState { kEmpty, kBuilding, kPaused, kPlaying, kFinished, kFailed };
 
-/// "empty", "paused", "playing", "finished" or "failed".
+/// "empty", "building", "paused", "playing", "finished" or "failed".
 std::string_view nameOf(HostState state);
 
 /// What is told, on the simulation's thread.

@@ -26,15 +26,20 @@ struct Collide {
 #ifdef __CUDA_ARCH__
     if (clearance(boundary, p) > radius) return;
 #endif
-    BoundaryHit hit = boundaryQuery(boundary, p);
-    // Few particles touch a wall, so velocities are not read before.
-    if (!(hit.distance < radius)) return;
-    Vec3f v = velocities[i];
-    for (int contacts = 0; contacts < kMostContacts && hit.distance < radius; ++contacts) {
+    Vec3f v;
+    int contacts = 0;
+#ifdef __CUDA_ARCH__
+#pragma unroll 1
+#endif
+    for (; contacts < kMostContacts; ++contacts) {
+      const BoundaryHit hit = boundaryQuery(boundary, p);
+      if (!(hit.distance < radius)) break;
+      // Few particles touch a wall, so velocities are not read before.
+      if (contacts == 0) v = velocities[i];
       p += (radius - hit.distance) * hit.normal;
       v = reflected(v, hit);
-      hit = boundaryQuery(boundary, p);
     }
+    if (contacts == 0) return;
     positions[i] = p;
     velocities[i] = v;
   }

@@ -8,6 +8,7 @@
 #include "nodes/particle_fluid/modules/semi_implicit_judge.h"
 #include "nodes/particle_fluid/modules/semi_implicit_passes.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
+#include "nodes/particles/motion_code.h"
 
 namespace weir {
 
@@ -114,7 +115,8 @@ struct Substitute {
   ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
-  bool begins = false, ends = false;
+  MotionCode code;
+  bool begins = false, ends = false, leavesCodes = false;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
@@ -138,7 +140,10 @@ struct Substitute {
     if (last) {
       write(positions, i, p);
       if constexpr (!kEarly) velocity = read(velocities, i);
-      write(velocities, i, velocity + inverseDt * moved);
+      const auto v = velocity + inverseDt * moved;
+      write(velocities, i, v);
+      if constexpr (std::is_same_v<Vector, Vec3f>)
+        if (leavesCodes) write(state, i, code.of(p, v));
     } else {
       write(displacement, i, moved);
       write(state, i, {p.x, p.y, p.z, 0});
@@ -422,7 +427,9 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
                                       positions,
                                       fluid.particles.velocities().view(),
                                       displacement(fluid).view(),
-                                      states};
+                                      states,
+                                      MotionCode(c.supportRadius)};
+  update.leavesCodes = fluid.particles.asksForMotionCodes() && fluid.device.kind() == DeviceKind::kCuda;
   if (!begun && !searched) start(device, fluid);
   for (int k = 0; k < iterations; ++k) {
     update.begins = k == 0;
@@ -431,9 +438,10 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
       if (update.begins && begun && bulkEnergy_.isQuadratic() && !update.ends) {
         const float least = tension ? std::numeric_limits<float>::lowest() : 0.0f;
         const detail::OfCrowding weight{volumeAtZero, least, bulkEnergy_.derivative(1.0f)};
-        parallelForSums(device, "substitute", count,
-                        Substitute<detail::OfCrowding>{pushOf, weight, update.inverseDt, positions,
-                                                       update.velocities, update.displacement, states});
+        parallelForSums(
+            device, "substitute", count,
+            Substitute<detail::OfCrowding>{pushOf, weight, update.inverseDt, positions, update.velocities,
+                                           update.displacement, states, update.code});
         continue;
       }
     }
@@ -448,6 +456,7 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
       parallelForSums(device, "density", count, derivative);
     parallelForSums(device, "substitute", count, update);
   }
+  if (update.leavesCodes) fluid.particles.leaveMotionCodes(states);
 }
 
 template <class Backend>

@@ -11,6 +11,10 @@ void Xsph::validate() const {
       .inParameter(other.name());
 }
 
+void Xsph::reset(FluidStep& fluid) {
+  if (form == XsphForm::kExplicit) fluid.particles.askForMotionCodes();
+}
+
 void Xsph::step(FluidStep& fluid) {
   if (form == XsphForm::kExplicit) {
     if (strength > 0) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });

@@ -2,6 +2,7 @@
 
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/scratch.h"
+#include "nodes/particles/motion_code.h"
 #include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
@@ -38,6 +39,29 @@ struct SmoothVelocity {
   }
 };
 
+/// The same from codes of the motion, on CUDA.
+struct SmoothCodedVelocity {
+  NeighborView neighbors;
+  SpikyKernel kernel;
+  float weight;  // c·V0
+  float unit;    // m, of decoded coordinates
+  ArrayView<const Vec4f> codes;
+  ArrayView<const Vec3f> velocities;
+  ArrayView<Vec3f> smoothed;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const Vec3f v = read(velocities, i);
+    const MotionCode::Sight sight(read(codes, i));
+    const auto difference = [&](int, const Vec4f& code) {
+      const MotionCode::Other other = sight(code);
+      const float w = kernel.value(unit * fastSqrt(dot(other.away, other.away)));
+      return Vec4f{w * other.faster.x, w * other.faster.y, w * other.faster.z, 0};
+    };
+    write(smoothed, i, v + weight * xyz(sumOverNeighbors<Vec4f>(i, neighbors, difference, codes)));
+  }
+};
+
 /// One Jacobi sweep.
 struct ApproachMean {
   NeighborView neighbors;
@@ -59,12 +83,25 @@ struct ApproachMean {
 
 template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
+  const ArrayView<const Vec4f> codes = fluid.particles.motionCodes();
   Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
-  parallelForSums(device, "smooth", fluid.particles.count(),
-                  SmoothVelocity{fluid.neighbors.view(), c.kernel, strength * c.particleVolume,
-                                 fluid.particles.positions().view(), fluid.particles.velocities().view(),
-                                 smoothed.view()});
+  const Count count = fluid.particles.count();
+  const float weight = strength * c.particleVolume;
+  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
+  bool done = false;
+  if constexpr (std::is_same_v<Backend, CudaDevice>) {
+    done = codes.size > 0;
+    if (done)
+      parallelForSums(
+          device, "smooth", count,
+          SmoothCodedVelocity{fluid.neighbors.view(), c.kernel, weight,
+                              MotionCode::Sight::unit(c.supportRadius), codes, velocities, smoothed.view()});
+  }
+  if (!done)
+    parallelForSums(device, "smooth", count,
+                    SmoothVelocity{fluid.neighbors.view(), c.kernel, weight,
+                                   fluid.particles.positions().view(), velocities, smoothed.view()});
   // Equal sizes; only the memory changes hands.
   smoothed.swap(fluid.particles.velocities());
 }

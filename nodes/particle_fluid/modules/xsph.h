@@ -16,6 +16,9 @@
 // mean over neighbours weighted by W: ν·H/13 (in m²/s) on a lattice with H = 1.5d, ν·H/28 in the limit of
 // many neighbours. Each sweep takes means with weights that add up to 1, so no b, however large, is unstable.
 // Momentum is conserved only as far as ΣW is the same for all particles.
+//
+// On CUDA the explicit form reads positions and velocities from codes (motion_code.h) where the solver has
+// just left them: weights are then right to 1e-4 of W(0), and velocities to 1e-5 of themselves.
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
@@ -63,6 +66,7 @@ class Xsph final : public FluidModule {
 
   /// A scene Error for a parameter that the form does not have.
   void validate() const override;
+  void reset(FluidStep& fluid) override;
   void step(FluidStep& fluid) override;
   double memory(const FluidRoom& room) const override;
 

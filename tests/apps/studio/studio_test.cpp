@@ -82,6 +82,20 @@ TEST_F(StudioTest, RunsASceneAndStreamsItsFrames) {
   EXPECT_LE(frames, 5);
 }
 
+TEST_F(StudioTest, TellsThatASceneIsBeingBuilt) {
+  const Socket socket = studio->socket();
+  for (int round = 0; round < 2; ++round) {
+    socket.sendText(R"({"id": 1, "do": "run.reset"})");
+    const Value building =
+        socket.event("status", [](const Value& data) { return data.find("state")->asString() != "paused"; });
+    EXPECT_EQ(building.find("state")->asString(), "building");
+    const Value built = socket.event(
+        "status", [](const Value& data) { return data.find("state")->asString() != "building"; });
+    EXPECT_EQ(built.find("state")->asString(), "paused");
+    EXPECT_EQ(built.find("frame")->asInt(), 0);
+  }
+}
+
 TEST_F(StudioTest, EachStepIsAFrameHoweverQuicklyTheyCome) {
   const Socket socket = studio->socket();
   socket.ask(R"({"id": 1, "do": "run.reset"})");

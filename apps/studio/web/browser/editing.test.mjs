@@ -143,6 +143,77 @@ step("nodes are chosen, folded, grouped and renamed by the keyboard alone", asyn
   assert.ok(await page.evaluate(() => document.activeElement.getAttribute("aria-label") !== "Node editor" && !document.querySelector(".add-menu")));
 });
 
+const noteTexts = () => page.locator(".note textarea").evaluateAll((notes) => notes.map((n) => n.value).sort());
+const placeOf = async (text) => {
+  const i = (await page.locator(".note textarea").evaluateAll((notes) => notes.map((n) => n.value))).indexOf(text);
+  return page.locator(".note").nth(i).boundingBox();
+};
+
+step("notes and groups are written, copied, moved and deleted with the nodes, and each is one step to undo", async () => {
+  const count = () => page.locator(".scene-node").count();
+  const add = async (kind, text) => {
+    await hands.pointAtGraph();
+    await hands.pressInGraph("Tab");
+    await page.getByRole("textbox", { name: "Search" }).waitFor();
+    await page.keyboard.type(kind);
+    await page.keyboard.press("Enter");
+    // It is there to be written on.
+    await page.waitForFunction(() => document.activeElement.matches(".note textarea"));
+    await page.keyboard.type(text);
+    await page.keyboard.press("Escape");
+  };
+  const nodes = await count();
+  await add("note", "Mind the gap");
+  await hands.pressInGraph("Control+a");
+  assert.equal(await page.locator(".react-flow__node.selected").count(), nodes + 1);
+  await hands.pressInGraph("g", "F2");
+  await page.waitForFunction(() => document.activeElement.matches(".note.frame textarea"));
+  await page.keyboard.type("All");
+  await page.keyboard.press("Escape");
+  assert.deepEqual(await noteTexts(), ["All", "Mind the gap"]);
+
+  await hands.pressInGraph("Control+a", "Control+c", "Control+v");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, 2 * nodes);
+  assert.deepEqual(await noteTexts(), ["All", "All", "Mind the gap", "Mind the gap"]);
+  await hands.pressInGraph("Control+v");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, 3 * nodes);
+  // Side by side, not upon each other.
+  await save((s) => assert.equal(new Set(s.layout.notes.map((n) => `${n.frame} ${n.x} ${n.y}`)).size, 6));
+  await hands.pressInGraph("Control+z", "Control+z");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, nodes);
+  assert.deepEqual(await noteTexts(), ["All", "Mind the gap"]);
+
+  await hands.pressInGraph("Control+a", "Control+d");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, 2 * nodes);
+  assert.equal(await page.locator(".react-flow__node.selected").count(), nodes + 2);
+  await hands.pressInGraph("Delete");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, nodes);
+  assert.deepEqual(await noteTexts(), ["All", "Mind the gap"]);
+  await hands.pressInGraph("Control+z", "Control+z");
+  await page.waitForFunction((n) => document.querySelectorAll(".scene-node").length === n, nodes);
+
+  // A group that is moved takes along what lies on it, as it is dragged and for good.
+  await hands.pressInGraph("f", "Escape");
+  await hands.stillness();
+  const before = { water: await hands.node("water").boundingBox(), note: await placeOf("Mind the gap"), group: await placeOf("All") };
+  await page.mouse.move(before.group.x + before.group.width / 2, before.group.y + before.group.height - 6);
+  await page.mouse.down();
+  await page.mouse.move(before.group.x + before.group.width / 2 - 30, before.group.y + before.group.height - 26, { steps: 4 });
+  const shift = async () => {
+    const now = { water: await hands.node("water").boundingBox(), note: await placeOf("Mind the gap"), group: await placeOf("All") };
+    return Object.keys(now).map((k) => [Math.round(now[k].x - before[k].x), Math.round(now[k].y - before[k].y)]);
+  };
+  const [one, ...others] = await shift();
+  assert.ok(one[0] < -20 && one[1] < -10, `${one}`);
+  for (const other of others) for (const axis of [0, 1]) assert.ok(Math.abs(other[axis] - one[axis]) <= 1, `${others} beside ${one}`);
+  await page.mouse.up();
+  for (const now of await shift()) for (const axis of [0, 1]) assert.ok(Math.abs(now[axis] - one[axis]) <= 2, `${now} beside ${one}`);
+  await hands.pressInGraph("Control+z");
+  for (const now of await shift()) for (const axis of [0, 1]) assert.ok(Math.abs(now[axis]) <= 1, `${now}`);
+  await hands.pressInGraph(...Array(4).fill("Control+z"));
+  await page.locator(".note").first().waitFor({ state: "detached" });
+});
+
 step("the list of nodes follows the keys", async () => {
   await hands.pointAtGraph();
   await hands.pressInGraph("Tab");

@@ -1,14 +1,13 @@
 // The whole page: bar, graph, view, properties, insight, transport.
 import { ReactFlowProvider } from "@xyflow/react";
 import { useEffect, useRef, useState } from "react";
-import { FileBar, save } from "./files/FileBar";
 import { Dialog } from "./files/Dialog";
+import { takeFiles } from "./files/dropped";
+import { FileBar, save } from "./files/FileBar";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
-import { client, edit, problemOf, request, resetRun, say, useStudio } from "./model/store";
-import { addNode, setParam, type Scene } from "./model/scene";
+import { client, problemOf, request, resetRun, useStudio } from "./model/store";
 import { Modules, PropertyPanel } from "./properties/PropertyPanel";
-import { upload } from "./protocol/client";
 import { Transport } from "./transport/Transport";
 import { Viewport } from "./viewport/Viewport";
 
@@ -74,31 +73,6 @@ function Inside() {
       <button data-first onClick={close}>Close</button>
     </Dialog>
   );
-}
-
-const kBelow = 160;
-
-/** Where nothing stands yet. */
-function placeBelow(scene: Scene): { x: number; y: number } {
-  const all = Object.values(scene.layout?.nodes ?? {});
-  if (all.length === 0) return { x: 0, y: 0 };
-  return { x: Math.min(...all.map((p) => p.x)), y: Math.max(...all.map((p) => p.y)) + kBelow };
-}
-
-/** Meshes that are dropped on the page are copied to the served folder, and become nodes. */
-async function takeFiles(files: FileList): Promise<void> {
-  for (const file of files)
-    try {
-      const path = `meshes/${file.name}`;
-      await upload(path, file);
-      edit((s) => {
-        const [next, name] = addNode(s, "MeshFile", placeBelow(s), file.name.replace(/\.[^.]*$/, ""));
-        useStudio.setState({ selected: [name] });
-        return setParam(next, { node: name }, ["file"], path);
-      });
-    } catch (e) {
-      say(e);
-    }
 }
 
 /** A bar between two panes that is dragged. */

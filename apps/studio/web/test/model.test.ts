@@ -2,8 +2,9 @@
 import { describe, expect, test } from "vitest";
 import { evaluate } from "../src/model/expression";
 import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
+import { addNote, moveAll, notesOf, withCarried } from "../src/model/notes";
 import {
-  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
+  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
   pipelineOf, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
 import { search } from "../src/model/search";
@@ -70,6 +71,38 @@ describe("a graph", () => {
     }
     const scene = linked();
     expect(addGroupAround(scene, "note-1", [])).toBe(scene);
+  });
+
+  const note = { text: "", width: 100, height: 50, frame: false };
+  /** A group with box_sampler, a note and a smaller group on it; particle_fluid and another note lie beside. */
+  function grouped(): Scene {
+    let scene = addNote(linked(), { ...note, id: "around", x: -20, y: -20, width: 250, height: 200, frame: true });
+    scene = addNote(scene, { ...note, id: "on", x: 0, y: 100 });
+    scene = addNote(scene, { ...note, id: "small", x: 10, y: 20, frame: true });
+    return addNote(scene, { ...note, id: "half", x: 200, y: 0 });
+  }
+  test("has groups that take along what lies on them, once", () => {
+    const scene = grouped();
+    const at = (s: Scene) => ({ ...s.layout!.nodes, ...Object.fromEntries(notesOf(s).map((n) => [n.id, { x: n.x, y: n.y }])) });
+    const moved = at(moveAll(scene, { around: { x: 80, y: -20 } }));
+    expect(moved).toEqual({
+      ...at(scene), around: { x: 80, y: -20 }, box_sampler: { x: 100, y: 0 }, on: { x: 100, y: 100 }, small: { x: 110, y: 20 },
+    });
+    // What is chosen too goes where it is put.
+    expect(withCarried(scene, { around: { x: 0, y: 0 }, box_sampler: { x: 5, y: 6 } })["box_sampler"]).toEqual({ x: 5, y: 6 });
+    expect(withCarried(scene, { on: { x: 9, y: 9 } })).toEqual({ on: { x: 9, y: 9 } });
+    expect(at(moveAll(scene, { particle_fluid: { x: 301.4, y: 2 } }))["particle_fluid"]).toEqual({ x: 301, y: 2 });
+  });
+  test("copies notes and groups with the nodes", () => {
+    const scene = grouped();
+    const [next, names] = pasteNodes(scene, copyNodes(scene, ["box_sampler", "around", "half"]), 40);
+    expect(names).toEqual(["note:1", "note:2", "box_sampler_2"]);
+    expect(notesOf(next).slice(4)).toEqual([
+      { ...notesOf(scene)[0], id: "note:1", x: 20, y: 20 }, { ...notesOf(scene)[3], id: "note:2", x: 240, y: 40 },
+    ]);
+    expect(notesOf(next).slice(0, 4)).toEqual(notesOf(scene));
+    expect(freeNoteId(next)).toBe("note:3");
+    expect(notesOf(removeNodes(next, names))).toEqual(notesOf(scene));
   });
 });
 

@@ -1,4 +1,4 @@
-// The dotted ground of the graph. It is a layer of its own that only shifts while the graph is panned, so nothing is drawn anew.
+// The dotted ground of the graph. It is a layer of its own that only shifts while the graph is panned, by whole pixels, so nothing is drawn anew.
 import { useStore } from "@xyflow/react";
 
 const kGap = 24;
@@ -13,7 +13,7 @@ export function Dots() {
   return (
     <div
       className="dots" aria-hidden
-      style={{ inset: -gap, backgroundSize: `${gap}px ${gap}px`, transform: `translate(${remainder(x, gap)}px, ${remainder(y, gap)}px)` }}
+      style={{ inset: -gap, backgroundSize: `${gap}px ${gap}px`, transform: `translate(${Math.round(remainder(x, gap))}px, ${Math.round(remainder(y, gap))}px)` }}
     />
   );
 }

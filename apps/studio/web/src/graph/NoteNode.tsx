@@ -1,16 +1,9 @@
 // A note, or a frame behind nodes.
 import { NodeResizer, type NodeProps } from "@xyflow/react";
 import { memo } from "react";
-import type { Note, Scene } from "../model/scene";
+import { changeNote } from "../model/notes";
+import type { Note } from "../model/scene";
 import { edit } from "../model/store";
-
-export const changeNote = (scene: Scene, id: string, change: Partial<Note>): Scene => ({
-  ...scene,
-  layout: {
-    ...scene.layout,
-    notes: (scene.layout?.notes ?? []).map((n) => (n.id === id ? { ...n, ...change } : n)),
-  },
-});
 
 export const NoteNode = memo(function NoteNode({ data, selected }: NodeProps & { data: { note: Note } }) {
   const { note } = data;
@@ -25,6 +18,7 @@ export const NoteNode = memo(function NoteNode({ data, selected }: NodeProps & {
       <textarea
         className="nodrag" aria-label="Note" defaultValue={note.text} key={note.text}
         placeholder={note.frame ? "Group" : "Note"}
+        onKeyDown={(e) => e.key === "Escape" && e.currentTarget.closest<HTMLElement>(".graph")?.focus()}
         onBlur={(e) => e.target.value !== note.text && edit((s) => changeNote(s, note.id, { text: e.target.value }))}
       />
     </div>

@@ -1,12 +1,13 @@
 // A node of the graph: its name and type, ports, how long it takes, and what is wrong with it.
-import { Handle, Position, type NodeProps } from "@xyflow/react";
-import { memo } from "react";
+import { Handle, Position, type HandleProps, type NodeProps } from "@xyflow/react";
+import { memo, useContext } from "react";
 import { Icon } from "../Icon";
 import { collapse } from "../model/scene";
 import { edit, useStudio } from "../model/store";
 import { inputFor, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
+import { FarLinks } from "./Link";
 import { portColor } from "./ports";
 
 export interface SceneNodeData extends Record<string, unknown> {
@@ -43,9 +44,16 @@ function Passages({ type }: { type: NodeType }) {
   );
 }
 
+/** Where links end. From far a port is only a place: one that can be dragged listens to all that happens in the graph. */
+function Port({ far, ...port }: HandleProps & { far: boolean; style: React.CSSProperties }) {
+  if (!far) return <Handle {...port} />;
+  return <div className={`react-flow__handle react-flow__handle-${port.position} ${port.type} ${port.className ?? ""}`} data-handleid={port.id} data-handlepos={port.position} style={port.style} />;
+}
+
 export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps & { data: SceneNodeData }) {
   const { name, typeName, type, collapsed, off, problem, wrongPort } = data;
   const time = useTime(name);
+  const far = useContext(FarLinks) !== null;
   const classes = ["scene-node", selected && "selected", off, problem && "wrong", collapsed && "collapsed"];
   return (
     <div className={classes.filter(Boolean).join(" ")} title={problem ?? type?.doc} data-node={name}>
@@ -66,8 +74,8 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
         <div>
           {type?.inputs.map((p) => (
             <div key={p.name} className={`port in${p.name === wrongPort ? " wrong" : ""}`} data-port={p.name} title={`${p.type}: ${p.doc}`}>
-              <Handle
-                type="target" position={Position.Left} id={p.name}
+              <Port
+                far={far} type="target" position={Position.Left} id={p.name}
                 className={p.many ? "many" : ""} style={{ background: portColor(p.type) }}
               />
               {!collapsed && <span className={p.required ? "required" : ""}>{p.name}</span>}
@@ -78,7 +86,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {type?.outputs.map((p) => (
             <div key={p.name} className={`port out${p.name === wrongPort ? " wrong" : ""}`} data-port={p.name} title={`${p.type}: ${p.doc}`}>
               {!collapsed && <span>{p.name}</span>}
-              <Handle type="source" position={Position.Right} id={p.name} style={{ background: portColor(p.type) }} />
+              <Port far={far} type="source" position={Position.Right} id={p.name} style={{ background: portColor(p.type) }} />
             </div>
           ))}
         </div>

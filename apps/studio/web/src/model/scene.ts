@@ -307,13 +307,15 @@ export function moveModule(scene: Scene, node: string, type: NodeType, module: s
   return setModule(scene, node, module, { ...rest, [by > 0 ? "after" : "before"]: neighbour.name });
 }
 
-/** Nodes with the links between them, to be pasted elsewhere. */
+/** Nodes with the links between them, notes and groups, to be pasted elsewhere. */
 export interface Clip {
   nodes: { [name: string]: NodeSpec };
   places: { [name: string]: Place };
   links: LinkEnds[];
+  notes: Note[];
 }
 
+/** What has these names, and the notes that have these ids. */
 export function copyNodes(scene: Scene, names: string[]): Clip {
   const chosen = new Set(names);
   const pick = <T>(o: { [k: string]: T }) => Object.fromEntries(Object.entries(o).filter(([n]) => chosen.has(n)));
@@ -321,10 +323,17 @@ export function copyNodes(scene: Scene, names: string[]): Clip {
     nodes: pick(scene.nodes),
     places: pick(scene.layout?.nodes ?? {}),
     links: linksOf(scene).filter((l) => chosen.has(l.from) && chosen.has(l.to)),
+    notes: (scene.layout?.notes ?? []).filter((n) => chosen.has(n.id)),
   };
 }
 
-/** Returns the names that the copies got. */
+/** An id that nobody has; no node can be called so. */
+export function freeNoteId(scene: Scene): string {
+  const taken = new Set((scene.layout?.notes ?? []).map((n) => n.id));
+  for (let i = 1; ; ++i) if (!taken.has(`note:${i}`)) return `note:${i}`;
+}
+
+/** Returns the names and ids that the copies got. */
 export function pasteNodes(scene: Scene, clip: Clip, offset: number): [Scene, string[]] {
   const names = new Map<string, string>();
   let next = scene;
@@ -336,5 +345,11 @@ export function pasteNodes(scene: Scene, clip: Clip, offset: number): [Scene, st
     next = withLayout(next, { nodes: { ...next.layout?.nodes, [free]: { ...at, x: at.x + offset, y: at.y + offset } } });
   }
   for (const l of clip.links) next = addLink(next, { ...l, from: names.get(l.from)!, to: names.get(l.to)! });
-  return [next, [...names.values()]];
+  const ids: string[] = [];
+  for (const note of clip.notes) {
+    const id = freeNoteId(next);
+    ids.push(id);
+    next = withLayout(next, { notes: [...(next.layout?.notes ?? []), { ...note, id, x: note.x + offset, y: note.y + offset }] });
+  }
+  return [next, [...ids, ...names.values()]];
 }

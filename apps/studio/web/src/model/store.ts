@@ -9,7 +9,7 @@ import { forRunner, fromFile } from "./switchedOff";
 import type { JsonObject, Problem, Types } from "./types";
 
 export interface Status {
-  state: "empty" | "paused" | "playing" | "finished" | "failed";
+  state: "empty" | "building" | "paused" | "playing" | "finished" | "failed";
   device?: string;
   frame?: number;
   frames?: number;
@@ -69,6 +69,8 @@ export interface Studio {
   device: string;
   version: string;
   sceneState: SceneState;
+  /** How many scenes were opened: those who look begin anew with each. */
+  opened: number;
   status: Status;
   /** Whether the server can draw pictures, and which videos it can write. */
   pictures: { problem?: Problem; videos: string[] };
@@ -106,6 +108,7 @@ export const useStudio = create<Studio>()(
       device: "auto",
       version: "",
       sceneState: { path: "", warnings: [] },
+      opened: 0,
       status: { state: "empty" },
       pictures: { videos: [] },
       video: { state: "none", path: "", frames: 0 },
@@ -188,6 +191,8 @@ interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" |
   scene: ServedScene;
 }
 
+const opened = () => ({ opened: get().opened + 1 });
+
 /** Shows what the server has; that is no edit. */
 function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState): void {
   applying = true;
@@ -216,7 +221,8 @@ async function greet(): Promise<void> {
       set({ ...hello, sceneState });
       return void send();
     }
-    take(scene, hello, sceneState);
+    const another = sceneState.path !== get().sceneState.path;
+    take(scene, { ...hello, ...(another && opened()) }, sceneState);
     if (hello.role === "writer") await offer(draft);
   } catch (e) {
     say(e);
@@ -235,7 +241,8 @@ function receive(name: string, data: unknown): void {
   if (name === "scene") {
     const { scene, draft: _, ...sceneState } = data as ServedScene;
     applying = true;
-    set({ scene: fromFile(scene), sceneState });
+    const another = sceneState.path !== get().sceneState.path;
+    set({ scene: fromFile(scene), sceneState, ...(another && opened()) });
     applying = false;
   }
 }
@@ -335,7 +342,7 @@ export async function openScene(where: { path: string } | { template: string }):
   const state = await request<ServedScene>("scene.open", where);
   if (!state) return;
   const { scene, draft, ...sceneState } = state;
-  take(scene, { selected: [], inside: null }, sceneState);
+  take(scene, { selected: [], inside: null, ...opened() }, sceneState);
   await offer(draft);
   await sending;
   await resetRun();
@@ -363,6 +370,6 @@ export async function saveScene(path: string): Promise<boolean> {
 export async function newScene(): Promise<void> {
   const sceneState = await request<SceneState>("scene.new");
   if (!sceneState) return;
-  set({ sceneState, selected: [], inside: null });
+  set({ sceneState, selected: [], inside: null, ...opened() });
   edit(() => emptyScene());
 }

@@ -38,7 +38,8 @@ export function Viewport({ dark }: { dark: boolean }) {
   const selected = useStudio((s) => s.selected);
   const attribute = useStudio((s) => s.attribute);
   const attributes = useStudio((s) => s.attributes);
-  const path = useStudio((s) => s.sceneState.path);
+  const opened = useStudio((s) => s.opened);
+  const building = useStudio((s) => s.status.state === "building");
   const render = scene["render"] as JsonObject | undefined;
   const color = render?.["color"] as JsonObject | undefined;
   const table = color?.["table"];
@@ -93,8 +94,8 @@ export function Viewport({ dark }: { dark: boolean }) {
     const camera = render?.["camera"] as JsonObject | undefined;
     if (view && Array.isArray(camera?.["eye"]) && Array.isArray(camera["target"]))
       view.setPose(camera["eye"] as number[], camera["target"] as number[], Number(camera["fov"] ?? 40));
-    else view?.fit();
-  }, [view, path, types]); // eslint-disable-line
+    else view?.fitAnew();
+  }, [view, opened, types]); // eslint-disable-line
 
   const show = (name: string, count: number) => {
     useStudio.setState({ attribute: name });
@@ -108,6 +109,7 @@ export function Viewport({ dark }: { dark: boolean }) {
 
   return (
     <div className="viewport" ref={element} aria-label="Simulation view">
+      {building && <p className="building">Building the scene…</p>}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
           aria-pressed={rendered} disabled={noPictures !== undefined} onClick={() => setRendered(!rendered)}

@@ -163,6 +163,12 @@ export class View {
     this.draw();
   }
 
+  /** Of a scene that is still to come: fits once more when its meshes are there. */
+  fitAnew(): void {
+    this.fit();
+    this.fitted = false;
+  }
+
   fit(preset?: Preset): void {
     const box = new THREE.Box3();
     for (const mesh of this.meshes.values()) box.expandByObject(mesh);

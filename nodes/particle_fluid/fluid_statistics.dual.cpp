@@ -1,0 +1,68 @@
+#include "nodes/particle_fluid/fluid_statistics.h"
+
+#include "framework/compute/parallel.h"
+
+namespace weir {
+
+namespace {
+
+WEIR_HD Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Whichever is larger; of a number and something that is none, the number.
+WEIR_HD double largest(double known, double other) {
+  return other > known ? other : known;
+}
+
+struct SumsOfOne {
+  ArrayView<const Vec3f> positions, velocities;
+  ArrayView<const float> densities;
+  const int* neighborCounts;
+  double restDensity;
+
+  WEIR_HD FluidSums operator()(std::int64_t i) const {
+    const Vec3d v = toDouble(velocities[i]);
+    const double speedSquared = dot(v, v), over = double(densities[i]) / restDensity - 1;
+    const int neighbors = neighborCounts[i];
+    FluidSums one{.velocity = v,
+                  .position = toDouble(positions[i]),
+                  .speedSquared = speedSquared,
+                  .mostSpeedSquared = largest(0, speedSquared),
+                  .compression = over < 0 ? 0 : over,
+                  .mostCompression = largest(0, over),
+                  .neighbors = neighbors,
+                  .mostNeighbors = neighbors};
+    one.box.extend(positions[i]);
+    return one;
+  }
+};
+
+struct AddSums {
+  WEIR_HD FluidSums operator()(const FluidSums& a, const FluidSums& b) const {
+    return {.velocity = a.velocity + b.velocity,
+            .position = a.position + b.position,
+            .speedSquared = a.speedSquared + b.speedSquared,
+            .mostSpeedSquared = largest(a.mostSpeedSquared, b.mostSpeedSquared),
+            .compression = a.compression + b.compression,
+            .mostCompression = largest(a.mostCompression, b.mostCompression),
+            .neighbors = a.neighbors + b.neighbors,
+            .mostNeighbors = a.mostNeighbors > b.mostNeighbors ? a.mostNeighbors : b.mostNeighbors,
+            .box = {min(a.box.lo, b.box.lo), max(a.box.hi, b.box.hi)}};
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void sumFluid(Backend& device, const ParticleSet& particles, const int* neighborCounts, double restDensity,
+              FluidSums* sums) {
+  reduce(device, "statistics", particles.count(), FluidSums{},
+         SumsOfOne{particles.positions().view(), particles.velocities().view(),
+                   particles.get<float>("density").view(), neighborCounts, restDensity},
+         AddSums{}, sums);
+}
+
+template void sumFluid(ThisBackend&, const ParticleSet&, const int*, double, FluidSums*);
+
+}  // namespace weir
