@@ -2,8 +2,9 @@
 // Included by cell_sort.inl where nvcc compiles.
 //
 // The passes are short where there are few particles, and six kernels, a copy and a fill take longer to start
-// than to run. Eight blocks that reach each other's shared memory have a thread for each particle, a barrier
-// of their own between passes, and what they leave for each other stands there.
+// than to run. So does a barrier of the cluster, which waits for all that its threads have written. Hence
+// each block finds the cells of a part of the particles, and tells them to all blocks; after the only barrier
+// each sorts all of them in its own shared memory, and moves those whose cells it has found.
 #pragma once
 
 #include "framework/compute/kernel_facts.h"
@@ -23,10 +24,24 @@ inline constexpr int kSortBlock = 1024;  // threads
 inline constexpr int kSortCluster = 8;   // blocks, as many as any such device allows
 inline constexpr int kFewToSort = kSortCluster * kSortBlock;
 
-/// What one has written to shared or global memory is there for all of the cluster from here on.
-__device__ inline void meetCluster() {
+// A barrier of the cluster in two halves.
+
+/// Shows the others that this block has begun, and nothing that it has written.
+__device__ inline void showBegun() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
-  asm volatile("barrier.cluster.arrive.release;\nbarrier.cluster.wait.acquire;" ::: "memory");
+  asm volatile("barrier.cluster.arrive.relaxed;" ::: "memory");
+#endif
+}
+/// Shows what has been written to shared memory, of other blocks, too.
+__device__ inline void showWritten() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  asm volatile("barrier.cluster.arrive.release;" ::: "memory");
+#endif
+}
+/// Waits until all have shown it.
+__device__ inline void awaitOthers() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  asm volatile("barrier.cluster.wait.acquire;" ::: "memory");
 #endif
 }
 
@@ -42,8 +57,8 @@ __device__ T* ofBlock(T* here, [[maybe_unused]] int block) {
 #endif
 }
 
-/// The sum of `value` over the threads before this one, and of all in `total`.
-__device__ inline int sumBefore(int value, int& total) {
+/// The sum of `value` over the threads before this one.
+__device__ inline int sumBefore(int value) {
   constexpr int kWarps = kSortBlock / kWarp;
   static_assert(kWarps == kWarp);
   __shared__ int sums[kWarps];
@@ -60,86 +75,110 @@ __device__ inline int sumBefore(int value, int& total) {
     const int left = __shfl_up_sync(~0u, ofWarps, step);
     if (lane >= step) ofWarps += left;
   }
-  total = __shfl_sync(~0u, ofWarps, kWarp - 1);
   const int before = __shfl_sync(~0u, ofWarps, warp > 0 ? warp - 1 : 0);
-  __syncthreads();
   return (warp > 0 ? before : 0) + inclusive - value;
 }
 
-/// An array in the shared memory of all blocks of the cluster, so much of it in each.
-struct ClusterArray {
-  int* here;
-  int inBlock;
+/// Numbers below 65536 in shared memory, two in a word. A thread scans an odd number of words, so that
+/// threads are in different banks.
+struct PackedCounts {
+  unsigned* words;
+  int ofThread;
 
-  __device__ int* at(int k) const { return ofBlock(here, k / inBlock) + k % inBlock; }
+  __device__ int operator[](int k) const { return static_cast<int>(words[k / 2] >> 16 * (k % 2) & 0xffffu); }
+  /// Returns what it was before.
+  __device__ int increase(int k) const {
+    return static_cast<int>(::atomicAdd(words + k / 2, 1u << 16 * (k % 2)) >> 16 * (k % 2) & 0xffffu);
+  }
+  /// Each becomes the sum of all before it.
+  __device__ void scan() const {
+    unsigned* const own = words + static_cast<int>(threadIdx.x) * ofThread;
+    unsigned sum = 0;
+    for (int k = 0; k < ofThread; ++k) sum += (own[k] & 0xffffu) + (own[k] >> 16);
+    unsigned before = static_cast<unsigned>(sumBefore(static_cast<int>(sum)));
+    for (int k = 0; k < ofThread; ++k) {
+      const unsigned low = own[k] & 0xffffu, high = own[k] >> 16;
+      own[k] = before | (before + low) << 16;
+      before += low + high;
+    }
+  }
 };
 
-/// Of the counts of `cells` cells and of the dropped, how many are in each block: in whole rows of its
-/// threads.
-WEIR_HD inline int countsInBlock(int cells) {
-  return (cells + kFewToSort) / kFewToSort * kSortBlock;
-}
+/// What a block holds: where cells begin, then for each particle its cell, and the particles cell by cell.
+struct SortInBlock {
+  static constexpr int kMostCells = 0xffff;  // and the dropped
 
-/// counts.at(c) becomes the sum of those of all cells before c.
-__device__ inline void scanCounts(const ClusterArray& counts) {
-  __shared__ int totals[kSortCluster];  // of the blocks
-  const int thread = static_cast<int>(threadIdx.x), block = static_cast<int>(blockIdx.x);
-  const int perThread = counts.inBlock / kSortBlock;
-  int* const own = counts.here + thread * perThread;
-  int sum = 0, total;
-  for (int k = 0; k < perThread; ++k) sum += own[k];
-  int before = sumBefore(sum, total);
-  if (thread < kSortCluster) *ofBlock(totals + block, thread) = total;
-  meetCluster();
-  for (int b = 0; b < block; ++b) before += totals[b];
-  for (int k = 0; k < perThread; ++k) {
-    const int here = own[k];
-    own[k] = before;
-    before += here;
+  WEIR_HD static int wordsOfThread(int cells) { return (cells / 2 + kSortBlock) / kSortBlock | 1; }
+  static unsigned bytes(int cells) {
+    return static_cast<unsigned>(wordsOfThread(cells)) * kSortBlock * sizeof(unsigned) +
+           2 * kFewToSort * sizeof(std::uint16_t);
   }
-  meetCluster();
-}
+
+  PackedCounts starts;
+  std::uint16_t *cell, *members;
+
+  __device__ SortInBlock(unsigned* memory, int cells) : starts{memory, wordsOfThread(cells)} {
+    cell = reinterpret_cast<std::uint16_t*>(memory + starts.ofThread * kSortBlock);
+    members = cell + kFewToSort;
+  }
+  __device__ void clear() const {
+    for (int k = 0; k < starts.ofThread; ++k) starts.words[k * kSortBlock + threadIdx.x] = 0;
+  }
+  /// By the cells of n particles; those of a cell are in no particular order.
+  __device__ void sort(int n) const {
+    constexpr int kTurns = kFewToSort / kSortBlock;
+    const int thread = static_cast<int>(threadIdx.x);
+    int rank[kTurns];
+#pragma unroll
+    for (int t = 0; t < kTurns; ++t)
+      if (const int i = t * kSortBlock + thread; i < n) rank[t] = starts.increase(cell[i]);
+    __syncthreads();
+    starts.scan();
+    __syncthreads();
+#pragma unroll
+    for (int t = 0; t < kTurns; ++t)
+      if (const int i = t * kSortBlock + thread; i < n)
+        members[starts[cell[i]] + rank[t]] = static_cast<std::uint16_t>(i);
+    __syncthreads();
+  }
+  /// Of particle i: behind those of its cell that have a lower index.
+  __device__ int place(int i, int begin, int end) const {
+    int place = begin;
+    for (int m = begin; m < end; ++m) place += members[m] < i ? 1 : 0;
+    return place;
+  }
+};
 
 template <class Key, class Moved>
 __global__ void WEIR_CLUSTER_OF(kSortCluster) __launch_bounds__(kSortBlock)
     sortInClusterKernel(Count count, const __grid_constant__ CountInCells<Key> counting,
                         const __grid_constant__ OrderInCells<Moved> ordering, int* kept) {
-  awaitWhatIsBefore();
-  extern __shared__ int memory[];
+  extern __shared__ unsigned memory[];
+  showBegun();
   const int thread = static_cast<int>(threadIdx.x), block = static_cast<int>(blockIdx.x);
-  const int i = block * kSortBlock + thread, cells = counting.cells, inBlock = countsInBlock(cells);
-  const ClusterArray counts{memory, inBlock}, provisional{memory + inBlock, kSortBlock};
-  for (int c = thread; c < inBlock; c += kSortBlock) counts.here[c] = 0;
-  const bool isThere = i < count.get();
+  const int cells = counting.cells;
+  const SortInBlock all(memory, cells);
+  all.clear();
+  awaitWhatIsBefore();
+  const int n = static_cast<int>(count.get()), inBlock = (n + kSortCluster - 1) / kSortCluster;
+  const int i = block * inBlock + thread;
+  const bool isThere = thread < inBlock && i < n;
   const int cell = isThere ? counting.cellOf(i) : 0;
-  meetCluster();
-  int rank = 0;
-  if (isThere) rank = ::atomicAdd(counts.at(cell), 1);
-  meetCluster();
-  scanCounts(counts);
-  int begin = 0;
+  awaitOthers();
+  if (isThere)
+    for (int b = 0; b < kSortCluster; ++b) *ofBlock(all.cell + i, b) = static_cast<std::uint16_t>(cell);
+  showWritten();
+  awaitOthers();
+  all.sort(n);
+  for (int c = block * kSortBlock + thread; c <= cells; c += kFewToSort) counting.counts[c] = all.starts[c];
+  if (block == 0 && thread == 0) *kept = all.starts[cells];
   if (isThere) {
-    begin = *counts.at(cell);
-    *provisional.at(begin + rank) = i;
-  }
-  for (int c = thread, first = block * inBlock; c < inBlock && first + c <= cells; c += kSortBlock)
-    counting.counts[first + c] = counts.here[c];
-  if (i == 0) *kept = *counts.at(cells);
-  meetCluster();
-  if (isThere && cell == cells) {
-    ordering.order[begin + rank] = i;
-  } else if (isThere) {
-    const int size = *counts.at(cell + 1) - begin;
-    if (size <= ordering.kCrowded) {
-      int place = begin;
-      for (int m = begin; m < begin + size; ++m) place += *provisional.at(m) < i ? 1 : 0;
+    const int place = all.place(i, all.starts[cell], cell < cells ? all.starts[cell + 1] : n);
+    if (cell < cells)
       ordering.put(place, i);
-    } else if (rank == 0) {
-      for (int m = begin; m < begin + size; ++m) ordering.order[m] = *provisional.at(m);
-      ordering.sortCell(begin, size);
-    }
+    else
+      ordering.order[place] = i;
   }
-  meetCluster();  // others may still read what is this block's
   letNextBegin();
 }
 
@@ -147,16 +186,16 @@ __global__ void WEIR_CLUSTER_OF(kSortCluster) __launch_bounds__(kSortBlock)
 template <class Key, class Moved>
 bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
              const OrderInCells<Moved>& ordering, int* kept) {
-  if (count.bound > kFewToSort) return false;
+  if (count.bound > kFewToSort || counting.cells > SortInBlock::kMostCells) return false;
   constexpr std::string_view kName = "sortInCluster";
-  const unsigned bytes = static_cast<unsigned>(countsInBlock(counting.cells) + kSortBlock) * sizeof(int);
+  const unsigned bytes = SortInBlock::bytes(counting.cells);
   beginLaunch(device, kName);
   const auto* kernel = reinterpret_cast<const void*>(sortInClusterKernel<Key, Moved>);
   if (!mayCluster(device, kernel, kSortCluster, kSortBlock, bytes)) return false;
   const KernelScope scope(device.profiler(), kName);
   device.check(
       submitKernel(device.launches(), sortInClusterKernel<Key, Moved>,
-                   {kSortCluster, kSortBlock, bytes, true}, steadyCount(count), counting, ordering, kept),
+                   {kSortCluster, kSortBlock, bytes, {true}}, steadyCount(count), counting, ordering, kept),
       kName);
   return true;
 }

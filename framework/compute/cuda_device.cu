@@ -92,6 +92,27 @@ __global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant_
   if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from.words[threadIdx.x];
 }
 
+// Within a graph, kernels overlap, and what else fills or copies does not.
+constexpr unsigned kFillBlock = 256;  // threads
+
+__global__ void fillKernel(uint4* to, std::int64_t pieces, int wordsLeft, unsigned word) {
+  detail::awaitWhatIsBefore();
+  const std::int64_t i = std::int64_t{blockIdx.x} * kFillBlock + threadIdx.x;
+  if (i < pieces)
+    to[i] = make_uint4(word, word, word, word);
+  else if (i - pieces < wordsLeft)
+    reinterpret_cast<unsigned*>(to + pieces)[i - pieces] = word;
+  detail::letNextBegin();
+}
+
+constexpr std::size_t kFewWords = 256;  // that one block copies
+
+__global__ void copyWordsKernel(unsigned* to, const unsigned* from, int words) {
+  detail::awaitWhatIsBefore();
+  if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from[threadIdx.x];
+  detail::letNextBegin();
+}
+
 /// Shows whether this build holds code that the device can run.
 __global__ void probeKernel() {}
 
@@ -203,7 +224,7 @@ void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
       SmallUpload piece{};
       const std::size_t size = std::min(kPiece, bytes - begin);
       std::memcpy(piece.words, static_cast<const char*>(fromHost) + begin, size);
-      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords, 0, true},
+      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords, 0, {true}},
                                  reinterpret_cast<unsigned*>(static_cast<char*>(to) + begin),
                                  static_cast<int>(size / sizeof(unsigned)), piece),
             "upload");
@@ -224,13 +245,33 @@ void CudaDevice::download(void* toHost, const void* from, std::size_t bytes) {
 void CudaDevice::copy(void* to, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "copy");
-  check(impl_->launches->submit(kCopy, nullptr, CopyCall{to, from, bytes}), "copy");
+  constexpr std::size_t kWord = sizeof(unsigned);
+  if (impl_->launches->gathering() && bytes <= kFewWords * kWord && bytes % kWord == 0) {
+    check(detail::submitKernel(launches(), copyWordsKernel, {1, kFewWords, 0, {true}},
+                               static_cast<unsigned*>(to), static_cast<const unsigned*>(from),
+                               static_cast<int>(bytes / kWord)),
+          "copy");
+    return;
+  }
+  check(launches().submit(kCopy, nullptr, CopyCall{to, from, bytes}), "copy");
 }
 
 void CudaDevice::fillBytes(void* to, int byte, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "fillBytes");
-  check(impl_->launches->submit(kFill, nullptr, FillCall{to, byte, bytes}), "fillBytes");
+  constexpr std::size_t kPiece = sizeof(uint4), kWord = sizeof(unsigned);
+  const bool whole = reinterpret_cast<std::uintptr_t>(to) % kPiece == 0 && bytes % kWord == 0;
+  if (impl_->launches->gathering() && whole) {
+    const auto pieces = static_cast<std::int64_t>(bytes / kPiece);
+    const int wordsLeft = static_cast<int>(bytes % kPiece / kWord);
+    const auto blocks = static_cast<unsigned>((pieces + wordsLeft + kFillBlock - 1) / kFillBlock);
+    check(
+        detail::submitKernel(launches(), fillKernel, {blocks, kFillBlock, 0, {true}}, static_cast<uint4*>(to),
+                             pieces, wordsLeft, static_cast<unsigned>(byte & 0xff) * 0x01010101u),
+        "fillBytes");
+    return;
+  }
+  check(launches().submit(kFill, nullptr, FillCall{to, byte, bytes}), "fillBytes");
 }
 
 void CudaDevice::synchronize() {

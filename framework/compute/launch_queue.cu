@@ -52,10 +52,10 @@ LaunchQueue::KernelFacts& LaunchQueue::facts(const void* kernel) {
   return facts_.emplace_back(kernel, KernelFacts{}).second;
 }
 
-void* LaunchQueue::note(const CallKind& kind, const void* what, std::size_t size) {
+void* LaunchQueue::note(const CallKind& kind, const void* what, Overlap overlap, std::size_t size) {
   const std::size_t begin = (now_.bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
   now_.bytes.resize(begin + size);
-  now_.list.push_back({&kind, what, begin, size});
+  now_.list.push_back({&kind, what, overlap, begin, size});
   return now_.bytes.data() + begin;
 }
 
@@ -148,6 +148,13 @@ cudaError_t LaunchQueue::build(Graph& graph) {
   return error;
 }
 
+/// Whether a call may be set up while the one before it ends.
+bool LaunchQueue::overlapsBefore(std::size_t call) const {
+  if (!overlaps_ || call == 0) return false;
+  const Noted &first = now_.list[call - 1], &next = now_.list[call];
+  return first.kind->isKernel && next.overlap.waits && next.overlap.readsAhead <= first.overlap.leaves;
+}
+
 /// One after the other: modules build upon each other.
 cudaError_t LaunchQueue::addNode(Graph& graph, std::size_t call) {
   const CallKind& kind = *now_.list[call].kind;
@@ -155,7 +162,7 @@ cudaError_t LaunchQueue::addNode(Graph& graph, std::size_t call) {
   const std::size_t afters = graph.nodes.empty() ? 0 : 1;
   cudaGraphNode_t node = nullptr;
   cudaError_t error = cudaSuccess;
-  if (overlaps_ && kind.waits && call > 0 && now_.list[call - 1].kind->isKernel) {
+  if (overlapsBefore(call)) {
     error = kind.add(now_.at(call), graph.graph, nullptr, 0, &node);
     if (error == cudaSuccess) error = addOverlap(graph.graph, *after, node);
   } else if (kind.add != nullptr) {

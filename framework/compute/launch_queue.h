@@ -19,7 +19,16 @@
 #include <utility>
 #include <vector>
 
+#include "framework/compute/standing.h"
+
 namespace weir::detail {
+
+/// How far a kernel of a graph overlaps with those beside it (kernel_overlap.h).
+struct Overlap {
+  bool waits = false;  ///< it begins by waiting for the one before it, but for what it reads ahead
+  Standing leaves = Standing::kNothing, readsAhead = Standing::kNothing;
+  bool operator==(const Overlap&) const = default;
+};
 
 /// How one kind of call is made. The CUDA runtime is linked into each library and knows the kernels of that
 /// one alone, so these functions belong to the library that owns the kernel.
@@ -31,7 +40,6 @@ struct CallKind {
   /// Gives a node of an instantiated graph new parameters; null if that cannot be.
   cudaError_t (*update)(const void* call, cudaGraphExec_t graph, cudaGraphNode_t node);
   bool isKernel = false;
-  bool waits = false;  ///< a kernel that begins by waiting for those before it (kernel_overlap.h)
 };
 
 class LaunchQueue {
@@ -45,10 +53,10 @@ class LaunchQueue {
   /// Issues the call, or notes it while calls are gathered. `what` tells kernels of one kind apart. Call is
   /// trivially destructible, and its bytes say all that it does.
   template <class Call>
-  cudaError_t submit(const CallKind& kind, const void* what, const Call& call) {
+  cudaError_t submit(const CallKind& kind, const void* what, const Call& call, Overlap overlap = {}) {
     static_assert(std::is_trivially_destructible_v<Call> && alignof(Call) <= kAlignment);
     if (!gathering_) return kind.issue(&call, stream_);
-    std::memcpy(note(kind, what, sizeof(Call)), &call, sizeof(Call));
+    std::memcpy(note(kind, what, overlap, sizeof(Call)), &call, sizeof(Call));
     return cudaSuccess;
   }
 
@@ -75,6 +83,7 @@ class LaunchQueue {
   struct Noted {
     const CallKind* kind;
     const void* what;
+    Overlap overlap;
     std::size_t begin, size;  // bytes of the call in Calls::bytes
     bool operator==(const Noted&) const = default;
   };
@@ -85,11 +94,12 @@ class LaunchQueue {
   };
   struct Graph;
 
-  void* note(const CallKind& kind, const void* what, std::size_t size);
+  void* note(const CallKind& kind, const void* what, Overlap overlap, std::size_t size);
   cudaError_t issueAll();
   cudaError_t launch();
   Graph* closest(std::size_t& differing);
   cudaError_t build(Graph& graph);
+  bool overlapsBefore(std::size_t call) const;
   cudaError_t addNode(Graph& graph, std::size_t call);
   cudaError_t update(Graph& graph);
 
@@ -154,15 +164,14 @@ struct [[gnu::visibility("hidden")]] KernelCalls {
     });
   }
 
-  static constexpr CallKind kKind{issue, add, update, true, false};
-  static constexpr CallKind kWaitingKind{issue, add, update, true, true};
+  static constexpr CallKind kKind{issue, add, update, true};
 };
 
 /// How a kernel is launched.
 struct LaunchShape {
   unsigned blocks, threads;
   unsigned sharedBytes = 0;
-  bool waits = false;  ///< as CallKind::waits
+  Overlap overlap{};
 };
 
 template <class... P>
@@ -172,8 +181,7 @@ static cudaError_t submitKernel(LaunchQueue& queue, void (*kernel)(P...), const 
   alignas(KernelCall<P...>) unsigned char zeros[sizeof(KernelCall<P...>)] = {};
   auto& call =
       *new (zeros) KernelCall<P...>{kernel, shape.blocks, shape.threads, shape.sharedBytes, {arguments...}};
-  const CallKind& kind = shape.waits ? KernelCalls<P...>::kWaitingKind : KernelCalls<P...>::kKind;
-  return queue.submit(kind, reinterpret_cast<const void*>(kernel), call);
+  return queue.submit(KernelCalls<P...>::kKind, reinterpret_cast<const void*>(kernel), call, shape.overlap);
 }
 
 }  // namespace weir::detail

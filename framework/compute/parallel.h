@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "framework/compute/array.h"
+#include "framework/compute/standing.h"
 
 namespace weir {
 
@@ -63,6 +64,7 @@ struct Team {
 
   int lane = 0, size = 1;  ///< this thread among them
   int first = 0;           ///< of them among the threads that run in step
+  bool spare = false;      ///< whether another team makes this call, too
 
   /// Σ value over the team, the same for all, in an order that depends on the size alone.
   WEIR_HD float sum(float value) const;
@@ -78,11 +80,12 @@ struct TeamPlan {
   std::int64_t few;  ///< launches with a larger bound have teams of one
 };
 
-/// Calls f(i, team) for every i in [0, count).
-template <class F>
-void parallelForTeams(CpuBackend& device, std::string_view name, Count count, TeamPlan plan, const F& f);
-template <class F>
-void parallelForTeams(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f);
+/// Calls f(i, team) for every i in [0, count). On CUDA, where F::kInStep is true, all teams of a warp call it
+/// together: those behind the last element get the last one with Team::spare set, and must not write.
+template <TeamPlan kPlan, class F>
+void parallelForTeams(CpuBackend& device, std::string_view name, Count count, const F& f);
+template <TeamPlan kPlan, class F>
+void parallelForTeams(CudaDevice& device, std::string_view name, Count count, const F& f);
 
 /// Writes op(identity, f(0), f(1), …) to *result (device memory). T is trivially copyable, op associative and
 /// commutative up to rounding, with identity its neutral element. The order of combination is fixed, so the

@@ -78,8 +78,8 @@ void parallelForWithScratch(CpuBackend& device, std::string_view name, Count cou
   });
 }
 
-template <class F>
-void parallelForTeams(CpuBackend& device, std::string_view name, Count count, TeamPlan, const F& f) {
+template <TeamPlan, class F>
+void parallelForTeams(CpuBackend& device, std::string_view name, Count count, const F& f) {
   parallelFor(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
 }
 

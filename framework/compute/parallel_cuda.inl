@@ -8,6 +8,7 @@
 
 #include "framework/compute/kernel_overlap.h"
 #include "framework/compute/launch_queue.h"
+#include "framework/compute/wide_access.h"
 
 namespace weir {
 namespace detail {
@@ -24,13 +25,37 @@ inline void beginLaunch(const CudaDevice& device, std::string_view name) {
   device.check(cudaSetDevice(device.index()), name);
 }
 
-/// Launches a kernel of kCudaBlock threads a block that begins by awaitWhatIsBefore(), now or with the batch
-/// that it is asked for in.
+/// Launches a kernel of kCudaBlock threads a block, now or with the batch that it is asked for in.
+template <class... P>
+static void launchOverlapping(CudaDevice& device, std::string_view name, Overlap overlap,
+                              void (*kernel)(P...), unsigned blocks,
+                              const std::type_identity_t<P>&... arguments) {
+  beginLaunch(device, name);
+  device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock, 0, overlap}, arguments...), name);
+}
+
+/// The same for one that begins by awaitWhatIsBefore().
 template <class... P>
 static void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
                    const std::type_identity_t<P>&... arguments) {
-  beginLaunch(device, name);
-  device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock, 0, true}, arguments...), name);
+  launchOverlapping(device, name, {true}, kernel, blocks, arguments...);
+}
+
+/// What a functor says of itself, as kLeaves and kReadsAhead.
+template <class F>
+constexpr Overlap overlapOf() {
+  Overlap overlap{true};
+  if constexpr (requires { F::kLeaves; }) overlap.leaves = F::kLeaves;
+  if constexpr (requires { F::kReadsAhead; }) overlap.readsAhead = F::kReadsAhead;
+  return overlap;
+}
+
+/// How many there are, read ahead if F says so.
+template <class F>
+__device__ std::int64_t countAhead(const Count& count) {
+  constexpr bool kAhead = overlapOf<F>().readsAhead != Standing::kNothing;
+  if constexpr (!kAhead) awaitWhatIsBefore();
+  return kAhead && count.exact != nullptr ? loadPastCache(*count.exact) : count.get();
 }
 
 /// Where the device knows how many there are, the bound decides on the size of a grid alone. It grows in
@@ -62,9 +87,10 @@ constexpr int blocksTogether() {
 template <class F>
 __global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
     forEachKernel(Count count, const __grid_constant__ F f) {
+  const std::int64_t n = countAhead<F>(count);
   awaitWhatIsBefore();
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
-  if (i < count.get()) f(i);
+  if (i < n) f(i);
   letNextBegin();
 }
 
@@ -78,14 +104,34 @@ __global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
   letNextBegin();
 }
 
+/// Whether a functor wants all teams of a warp to call it together.
 template <class F>
-__global__ void __launch_bounds__(kCudaBlock)
-    forEachInTeamsKernel(Count count, int size, const __grid_constant__ F f) {
-  awaitWhatIsBefore();
-  const std::int64_t thread = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
-  const std::int64_t i = thread / size;
-  const int lane = static_cast<int>(threadIdx.x) % size;
-  if (i < count.get()) f(i, Team{lane, size, static_cast<int>(threadIdx.x) % kWarp - lane});
+constexpr bool inStep() {
+  if constexpr (requires { F::kInStep; })
+    return F::kInStep;
+  else
+    return false;
+}
+
+template <int kSize, class F>
+__global__ void __launch_bounds__(kCudaBlock) forEachInTeamsKernel(Count count, const __grid_constant__ F f) {
+  constexpr bool kAwaits = overlapOf<F>().readsAhead == Standing::kLists;  // by itself
+  const std::int64_t n = countAhead<F>(count);
+  if constexpr (!kAwaits) awaitWhatIsBefore();
+  const unsigned thread = threadIdx.x % kWarp, lane = thread % kSize;
+  const std::int64_t ofWarp = (std::int64_t{blockIdx.x} * kCudaBlock + (threadIdx.x - thread)) / kSize;
+  const std::int64_t i = ofWarp + thread / kSize;
+  Team team{static_cast<int>(lane), kSize, static_cast<int>(thread - lane)};
+  if constexpr (inStep<F>()) {
+    team.spare = i >= n;
+    if (ofWarp < n)
+      f(team.spare ? n - 1 : i, team);
+    else if constexpr (kAwaits)
+      awaitWhatIsBefore();
+  } else {
+    static_assert(!kAwaits);
+    if (i < n) f(i, team);
+  }
   letNextBegin();
 }
 
@@ -200,7 +246,8 @@ void parallelFor(CudaDevice& device, std::string_view name, Count count, const F
   if (count.bound <= 0) return;
   const KernelScope scope(device.profiler(), name);
   const Count steady = detail::steadyCount(count);
-  detail::launch(device, name, detail::forEachKernel<F>, detail::blocksFor(steady.bound), steady, f);
+  detail::launchOverlapping(device, name, detail::overlapOf<F>(), detail::forEachKernel<F>,
+                            detail::blocksFor(steady.bound), steady, f);
 }
 
 template <class F>
@@ -216,19 +263,19 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
   detail::beginLaunch(device, name);
   device.check(detail::submitKernel(
                    device.launches(), detail::forEachWithScratchKernel<F>,
-                   {detail::blocksFor(steady.bound, threads), threads, threads * bytes, true}, steady, f),
+                   {detail::blocksFor(steady.bound, threads), threads, threads * bytes, {true}}, steady, f),
                name);
 }
 
-template <class F>
-void parallelForTeams(CudaDevice& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
-  static_assert(Team::kMost == detail::kWarp);
+template <TeamPlan kPlan, class F>
+void parallelForTeams(CudaDevice& device, std::string_view name, Count count, const F& f) {
+  static_assert(Team::kMost == detail::kWarp && detail::kWarp % kPlan.size == 0);
   if (count.bound <= 0) return;
-  if (count.bound > plan.few) return parallelFor(device, name, count, detail::CallAlone<F>{f});
+  if (count.bound > kPlan.few) return parallelFor(device, name, count, detail::CallAlone<F>{f});
   const KernelScope scope(device.profiler(), name);
   const Count steady = detail::steadyCount(count);
-  detail::launch(device, name, detail::forEachInTeamsKernel<F>, detail::blocksFor(plan.size * steady.bound),
-                 steady, plan.size, f);
+  detail::launchOverlapping(device, name, detail::overlapOf<F>(), detail::forEachInTeamsKernel<kPlan.size, F>,
+                            detail::blocksFor(kPlan.size * steady.bound), steady, f);
 }
 
 template <class T, class F, class Op>

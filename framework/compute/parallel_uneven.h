@@ -31,10 +31,10 @@ void parallelForUneven(Backend& device, std::string_view name, Count count, cons
     });
   }
 }
-template <class Backend, class F>
-void parallelForUneven(Backend& device, std::string_view name, Count count, TeamPlan plan, const F& f) {
+template <TeamPlan kPlan, class Backend, class F>
+void parallelForUneven(Backend& device, std::string_view name, Count count, const F& f) {
   if constexpr (std::is_same_v<Backend, CudaDevice>)
-    parallelForTeams(device, name, count, plan, f);
+    parallelForTeams<kPlan>(device, name, count, f);
   else
     parallelForUneven(device, name, count, [&f](std::int64_t i) { f(i, Team{}); });
 }

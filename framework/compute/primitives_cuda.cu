@@ -1,4 +1,8 @@
 // Scan and sort on CUDA, through CUB; here alone, because its headers are slow to compile.
+#include <cub/block/block_load.cuh>
+#include <cub/block/block_reduce.cuh>
+#include <cub/block/block_scan.cuh>
+#include <cub/block/block_store.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -40,6 +44,55 @@ constexpr detail::CallKind kScan{[](const void* pointer, cudaStream_t stream) {
                                  },
                                  nullptr, nullptr};
 
+// Few numbers are scanned in two kernels that overlap with those beside them. CUB's, of which the first only
+// prepares the second, do not.
+constexpr int kTile = 16 * detail::kCudaBlock;  // numbers that a block scans
+constexpr int kMostTiles = detail::kCudaBlock;
+
+__global__ void __launch_bounds__(detail::kCudaBlock) sumTilesKernel(const int* in, int n, int* sums) {
+  using Reduce = cub::BlockReduce<int, detail::kCudaBlock>;
+  __shared__ typename Reduce::TempStorage memory;
+  detail::awaitWhatIsBefore();
+  int sum = 0;
+  for (int k = 0; k < kTile; k += detail::kCudaBlock) {
+    const int i = static_cast<int>(blockIdx.x) * kTile + k + static_cast<int>(threadIdx.x);
+    sum += i < n ? in[i] : 0;
+  }
+  sum = Reduce(memory).Sum(sum);
+  if (threadIdx.x == 0) sums[blockIdx.x] = sum;
+  detail::letNextBegin();
+}
+
+__global__ void __launch_bounds__(detail::kCudaBlock)
+    scanTilesKernel(const int* in, int* out, int n, const int* sums) {
+  using Reduce = cub::BlockReduce<int, detail::kCudaBlock>;
+  using Scan = cub::BlockScan<int, detail::kCudaBlock>;
+  using Load = cub::BlockLoad<int, detail::kCudaBlock, kTile / detail::kCudaBlock, cub::BLOCK_LOAD_TRANSPOSE>;
+  using Store =
+      cub::BlockStore<int, detail::kCudaBlock, kTile / detail::kCudaBlock, cub::BLOCK_STORE_TRANSPOSE>;
+  __shared__ union {
+    typename Reduce::TempStorage reduce;
+    typename Scan::TempStorage scan;
+    typename Load::TempStorage load;
+    typename Store::TempStorage store;
+  } memory;
+  __shared__ int before;
+  detail::awaitWhatIsBefore();
+  const int begin = static_cast<int>(blockIdx.x) * kTile;
+  int numbers[kTile / detail::kCudaBlock];
+  const int ofOthers = threadIdx.x < blockIdx.x ? sums[threadIdx.x] : 0;
+  Load(memory.load).Load(in + begin, numbers, n - begin, 0);
+  __syncthreads();
+  const int sum = Reduce(memory.reduce).Sum(ofOthers);
+  if (threadIdx.x == 0) before = sum;
+  __syncthreads();
+  Scan(memory.scan).ExclusiveSum(numbers, numbers);
+  for (int& number : numbers) number += before;
+  __syncthreads();
+  Store(memory.store).Store(out + begin, numbers, n - begin);
+  detail::letNextBegin();
+}
+
 int checkedSize(std::int64_t n) {
   WEIR_CHECK(n <= std::numeric_limits<int>::max());
   return static_cast<int>(n);
@@ -77,6 +130,14 @@ void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> o
   WEIR_CHECK(out.size >= n);
   if (n <= 0) return;
   const KernelScope scope(device.profiler(), kName);
+  if (n <= std::int64_t{kTile} * kMostTiles) {
+    const int size = checkedSize(n);
+    const unsigned tiles = detail::blocksFor(n, kTile);
+    Array<int> sums(device, tiles);
+    detail::launch(device, kName, sumTilesKernel, tiles, in.data, size, sums.data());
+    detail::launch(device, kName, scanTilesKernel, tiles, in.data, out.data, size, sums.data());
+    return;
+  }
   detail::beginLaunch(device, kName);
   ScanCall call{in.data, out.data, checkedSize(n), nullptr, 0};
   device.check(scan(call, nullptr, call.scratchBytes, nullptr), kName);

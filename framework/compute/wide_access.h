@@ -35,6 +35,22 @@ WEIR_HD inline void storeWhole(Vec4f& element, const Vec4f& value) {
 
 #endif
 
+#ifdef __CUDACC__
+
+/// Elements past the multiprocessor's own cache, for what may be read before the kernel waits
+/// (kernel_overlap.h).
+__device__ inline int loadPastCache(const int& element) {
+  return __ldcg(&element);
+}
+__device__ inline std::uint16_t loadPastCache(const std::uint16_t& element) {
+  return __ldcg(&element);
+}
+__device__ inline Vec3f loadPastCache(const Vec3f& element) {
+  return {__ldcg(&element.x), __ldcg(&element.y), __ldcg(&element.z)};
+}
+
+#endif
+
 /// A Vec3f in two pieces: every second one begins at a multiple of eight bytes, the others end there. That
 /// takes more arithmetic, and pays where nothing but memory limits.
 WEIR_HD inline Vec3f loadInTwo(const Vec3f& element) {

@@ -18,8 +18,10 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Modules are timed in one of so many steps.
+// Modules are timed in one of so many steps at most, and not again for a while: a step in which they are is
+// launched kernel by kernel, and takes up to 0.1 ms longer.
 constexpr std::int64_t kStepsPerDetailed = 32;
+constexpr std::chrono::milliseconds kBetweenDetailed{20};
 
 }  // namespace
 
@@ -180,13 +182,20 @@ void Simulation::passStep(double dt) {
   ++stepsDone_;
 }
 
+bool Simulation::timesModules(WallClock::time_point start) {
+  // The first step is like no other, and may do much that comes once.
+  const bool now = stepsDone_ == 1 || timesModulesNext_ ||
+                   (++stepsUntimed_ >= kStepsPerDetailed && start - modulesTimedAt_ >= kBetweenDetailed);
+  if (now) timesModulesNext_ = false, stepsUntimed_ = 0, modulesTimedAt_ = start;
+  return now;
+}
+
 void Simulation::step() {
   WEIR_CHECK(stepIsLeft());
   fresh_ = false;
   const WallClock::time_point start = WallClock::now();
   Profiler& profiler = device_.profiler();
-  // The first step is like no other, and may do much that comes once.
-  const bool detailed = profiler.timesKernels() || stepsDone_ % kStepsPerDetailed == 1;
+  const bool detailed = profiler.timesKernels() || timesModules(start);
   profiler.beginStep(detailed);
   StepContext context = stepContext();
   if (stepsVary()) context.dt = chooseStep(context);

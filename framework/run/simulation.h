@@ -71,6 +71,8 @@ class Simulation {
   /// affair.
   void showAt(std::int64_t frame, double time);
   void step();  ///< one step; there must be one left
+  /// In the next step modules are timed, as they are now and then.
+  void timeModulesNext() { timesModulesNext_ = true; }
   /// Steps to the next frame. False if there is none, or if `stop` was set before it was reached; then it
   /// goes on from there when it is called again. `afterStep` is called after each step, if it is given.
   bool advanceFrame(const std::atomic<bool>& stop, const std::function<void()>& afterStep = {});
@@ -124,6 +126,8 @@ class Simulation {
   /// The length of the next step, where that follows the motion.
   double chooseStep(const StepContext& next);
   void passStep(double dt);
+  /// Whether modules are timed in a step that begins at `start`.
+  bool timesModules(WallClock::time_point start);
   bool finishSteps(const std::atomic<bool>& stop, const std::function<void()>& afterStep);
 
   std::unique_ptr<Scene> scene_;
@@ -139,6 +143,9 @@ class Simulation {
   bool fresh_ = false;  // whether the nodes' frame hooks have seen the last step
   WallClock::time_point resetAt_ = WallClock::now();
   double setupSeconds_ = 0, stepSeconds_ = 0;
+  bool timesModulesNext_ = false;
+  std::int64_t stepsUntimed_ = 0;  // since modules were timed
+  WallClock::time_point modulesTimedAt_;
   std::vector<OutputTime> outputTimes_;
 };
 

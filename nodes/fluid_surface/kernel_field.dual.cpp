@@ -184,8 +184,8 @@ void KernelField::sumOn(Backend& device, const ParticleKernels& kernels, std::in
   constexpr TeamPlan kTeams{32, std::numeric_limits<std::int64_t>::max()};
   parallelFor(device, "surface keys", grid_.blocks(),
               CopyKeys{std::as_const(keys_).view(), std::as_const(heads_).view(), grid_.keys().view()});
-  parallelForTeams(
-      device, "surface field", grid_.blocks(), kTeams,
+  parallelForTeams<kTeams>(
+      device, "surface field", grid_.blocks(),
       SumBlock{kernels.array().view(), grid_.cellSize(), grid_.view().keys, std::as_const(heads_).view(),
                std::as_const(particles_).view(), pairs, grid_.values().view()});
 }

@@ -49,8 +49,8 @@ template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForUneven(
-      device, "hidden neighbours", walls.nearCount(), kPlan,
+  parallelForUneven<kPlan>(
+      device, "hidden neighbours", walls.nearCount(),
       TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
                     std::as_const(walls.sides).view(), std::as_const(fluid.particles).positions().view(),
                     fluid.neighbors.editor()});

@@ -148,6 +148,7 @@ struct FindNeighbors {
 /// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
 /// device otherwise; all indices are codes there.
 struct FindNeighborsInTeams {
+  static constexpr Standing kLeaves = Standing::kCounts;
   FindNeighbors find;
 
   WEIR_HD void operator()(std::int64_t i, const Team& team) const {
@@ -320,7 +321,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
   if (fine != nullptr)
     searchCodes(device, kName, count, capacity_, find, fine);
   else if (packs_)
-    parallelForTeams(device, kName, count, kPlan, FindNeighborsInTeams{find});
+    parallelForTeams<kPlan>(device, kName, count, FindNeighborsInTeams{find});
   else
     parallelFor(device, kName, count, find);
 #endif

@@ -64,10 +64,35 @@ template <class T, class F, class... Element>
 
 /// The same by a team, all of which have the sum then. On CUDA only.
 template <class T, class F, class... Element>
+[[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(const detail::TeamList& list, const F& f,
+                                                         const ArrayView<const Element>&... elements) {
+  return detail::sumPackedInTeam<T>(list, f, elements.data...);
+}
+template <class T, class F, class... Element>
 [[gnu::always_inline]] WEIR_HD inline T sumOverNeighbors(const TeamIndex& at, const NeighborView& list,
                                                          const F& f,
                                                          const ArrayView<const Element>&... elements) {
-  return detail::sumPackedInTeam<T>(at, list.counts[at.i], list.packed, f, elements.data...);
+  return sumOverNeighbors<T>(detail::TeamList(at, list.counts, list.packed), f, elements...);
+}
+
+/// The neighbours of particle i, or of eight particles, for kernels that may read them ahead: a team does,
+/// others go on as above.
+template <class Index>
+struct NeighborsOf {
+  const Index& i;
+  const NeighborView& list;
+};
+template <class Index>
+WEIR_HD inline NeighborsOf<Index> neighborsAhead(const Index& i, const NeighborView& list) {
+  return {i, list};
+}
+WEIR_HD inline detail::TeamList neighborsAhead(const TeamIndex& at, const NeighborView& list) {
+  return {at, list.counts, list.packed};
+}
+template <class T, class Index, class F, class... Element>
+[[gnu::always_inline]] WEIR_HD inline auto sumOverNeighbors(const NeighborsOf<Index>& of, const F& f,
+                                                            const ArrayView<const Element>&... elements) {
+  return sumOverNeighbors<T>(of.i, of.list, f, elements...);
 }
 
 #ifdef WEIR_HAS_EIGHT

@@ -80,24 +80,32 @@ struct PackedLists {
   int capacity = 0;
 
   /// The first four codes of list i. The next four of the same list are kListGroup elements on.
-  WEIR_HD FourCodes* codesOf(std::int64_t i) const {
-    return codes + (i / kListGroup) * (capacity / kCodesTogether) * kListGroup + i % kListGroup;
-  }
+  WEIR_HD FourCodes* codesOf(std::int64_t i) const { return codesOfGroup(i) + place(i); }
   /// The k-th code of list i.
   WEIR_HD std::uint16_t* code(std::int64_t i, int k) const {
-    return reinterpret_cast<std::uint16_t*>(codesOf(i) + (k / kCodesTogether) * kListGroup) +
-           k % kCodesTogether;
+    const auto at = static_cast<std::uint32_t>(k);
+    return reinterpret_cast<std::uint16_t*>(codesOf(i) + at / kCodesTogether * kListGroup) +
+           at % kCodesTogether;
   }
   /// The first index of list i in a group with this `wide`. The next one is kListGroup elements on.
   WEIR_HD int* indicesOf(std::int64_t i, int wide) const {
-    int* group =
-        wide == 1
-            ? reinterpret_cast<int*>(codes + (i / kListGroup) * (capacity / kCodesTogether) * kListGroup)
-            : blocks + std::int64_t{wide - 2} * capacity * kListGroup;
-    return group + i % kListGroup;
+    int* group = wide == 1 ? reinterpret_cast<int*>(codesOfGroup(i))
+                           : blocks + std::int64_t{wide - 2} * capacity * kListGroup;
+    return group + place(i);
   }
   /// The most entries of a list in such a group.
   WEIR_HD int roomIn(int wide) const { return wide == 1 ? capacity / 2 : capacity; }
+
+  WEIR_HD ListGroup* groupOf(std::int64_t i) const { return groups + number(i); }
+
+ private:
+  // By numbers without signs, which are divided by shifts.
+  WEIR_HD static std::uint32_t number(std::int64_t i) { return static_cast<std::uint32_t>(i) / kListGroup; }
+  WEIR_HD static std::uint32_t place(std::int64_t i) { return static_cast<std::uint32_t>(i) % kListGroup; }
+  WEIR_HD FourCodes* codesOfGroup(std::int64_t i) const {
+    const std::uint32_t ofGroup = static_cast<std::uint32_t>(capacity) / kCodesTogether * kListGroup;
+    return codes + std::uint64_t{number(i)} * ofGroup;
+  }
 };
 
 }  // namespace weir

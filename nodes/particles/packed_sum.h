@@ -9,6 +9,8 @@
 
 namespace weir {
 
+inline constexpr int kSumTeam = 8;  // threads
+
 /// The index of an element that a team handles together (parallelForSums): all of its threads read it and sum
 /// over its neighbours, one writes.
 struct TeamIndex {
@@ -22,11 +24,40 @@ WEIR_HD std::remove_const_t<T> read(const ArrayView<T>& from, const TeamIndex& a
 }
 template <class T>
 WEIR_HD void write(const ArrayView<T>& to, const TeamIndex& at, const std::type_identity_t<T>& value) {
-  if (at.team.lane == 0) write(to, at.i, value);
+  if (at.team.lane == 0 && !at.team.spare) write(to, at.i, value);
 }
 WEIR_HD inline int asInt(const TeamIndex& at) {
   return asInt(at.i);
 }
+
+#ifdef __CUDACC__
+__device__ inline ListGroup loadPastCache(const ListGroup& group) {
+  const int4 v = __ldcg(reinterpret_cast<const int4*>(&group));
+  return {{v.x, v.y, v.z}, v.w};
+}
+#endif
+
+/// Something that the kernel before leaves alone, before awaitBefore(). Elsewhere kernels do not overlap.
+template <class T>
+WEIR_HD T readAhead(const T& element) {
+#ifdef __CUDA_ARCH__
+  return loadPastCache(element);
+#else
+  return element;
+#endif
+}
+template <class T>
+WEIR_HD std::remove_const_t<T> readAhead(const ArrayView<T>& from, const TeamIndex& at) {
+  return readAhead<std::remove_const_t<T>>(from[at.i]);
+}
+/// What the kernel before has written is there from here on (kernel_overlap.h).
+WEIR_HD inline void awaitBefore([[maybe_unused]] const TeamIndex& at) {
+#ifdef __CUDA_ARCH__
+  detail::awaitWhatIsBefore();
+#endif
+}
+template <class Index>
+WEIR_HD void awaitBefore(const Index&) {}
 
 namespace detail {
 
@@ -37,11 +68,30 @@ WEIR_HD inline void addTo(Vec4f& sum, const Vec4f& term) {
   sum = {sum.x + term.x, sum.y + term.y, sum.z + term.z, sum.w + term.w};
 }
 
-WEIR_HD inline float sumOf(const Team& team, float value) {
-  return team.sum(value);
+/// What a thread of its team adds, kSumTeam / 2, …, 2, 1 threads away. All teams of a warp ask together, so
+/// that the compiler need not find out who does: that took longer than the sum.
+WEIR_HD inline float sumInStep(float value, [[maybe_unused]] int away) {
+#ifdef __CUDA_ARCH__
+  value += __shfl_xor_sync(~0u, value, away);
+#endif
+  return value;
 }
-WEIR_HD inline Vec4f sumOf(const Team& team, const Vec4f& value) {
-  return {team.sum(value.x), team.sum(value.y), team.sum(value.z), team.sum(value.w)};
+
+/// Σ value over the team, the same for all.
+WEIR_HD inline float sumOfTeam(float sum) {
+#ifdef __CUDA_ARCH__
+#pragma unroll
+#endif
+  for (int away = kSumTeam / 2; away > 0; away /= 2) sum = sumInStep(sum, away);
+  return sum;
+}
+WEIR_HD inline Vec4f sumOfTeam(Vec4f sum) {
+#ifdef __CUDA_ARCH__
+#pragma unroll
+#endif
+  for (int away = kSumTeam / 2; away > 0; away /= 2)
+    sum = {sumInStep(sum.x, away), sumInStep(sum.y, away), sumInStep(sum.z, away), sumInStep(sum.w, away)};
+  return sum;
 }
 
 /// Adds f(j, elements[j]…) for the first `left` of four neighbours, all of them if kFull. All are loaded
@@ -94,42 +144,66 @@ WEIR_HD inline T sumPacked(std::int64_t i, int count, const PackedLists& lists, 
   return sum;
 }
 
+/// The list of a particle that a team sums over. Codes are there whatever their number: those of the first
+/// two neighbours of each thread are read along with the rest, and both neighbours at once.
+struct TeamList {
+  static constexpr int kAtOnce = 2;
+
+  const PackedLists& lists;
+  TeamIndex at;
+  int count;
+  ListGroup group;
+  int code[kAtOnce];
+
+  WEIR_HD TeamList(const TeamIndex& index, const int* counts, const PackedLists& all)
+      : lists(all), at(index) {
+    for (int l = 0; l < kAtOnce; ++l) {
+      const int k = at.team.lane + l * kSumTeam;
+      code[l] = k < lists.capacity ? readAhead(*lists.code(at.i, k)) : 0;
+    }
+    count = readAhead(counts[at.i]);
+    group = readAhead(*lists.groupOf(at.i));
+  }
+};
+
 /// The same by a team, each of which takes every n-th neighbour. The order depends on the team's size, too.
 template <class T, class F, class... Element>
-WEIR_HD inline T sumPackedInTeam(const TeamIndex& at, int count, const PackedLists& lists, const F& f,
-                                 const Element*... elements) {
-  // Codes are there whatever their number: those of the first two neighbours of each thread are read along
-  // with the rest, and both neighbours at once.
-  constexpr int kAtOnce = 2;
-  int code[kAtOnce];
-  for (int l = 0; l < kAtOnce; ++l) {
-    const int k = at.team.lane + l * at.team.size;
-    code[l] = k < lists.capacity ? *lists.code(at.i, k) : 0;
-  }
-  const ListGroup group = lists.groups[at.i / kListGroup];
+WEIR_HD inline T sumPackedInTeam(const TeamList& list, const F& f, const Element*... elements) {
+  constexpr int kAtOnce = TeamList::kAtOnce;
+  const PackedLists& lists = list.lists;
+  const TeamIndex& at = list.at;
+  const ListGroup& group = list.group;
+  const int count = list.count;
   T sum{};
   int k = at.team.lane;
   if (group.wide == 0) {
     std::tuple<Element...> rows[kAtOnce];
     for (int l = 0; l < kAtOnce; ++l)
-      if (k + l * at.team.size < count)
-        rows[l] = std::tuple<Element...>(loadWhole(elements[group.decode(code[l])])...);
-    for (int l = 0; l < kAtOnce; ++l, k += at.team.size)
+      if (k + l * kSumTeam < count)
+        rows[l] = std::tuple<Element...>(loadWhole(elements[group.decode(list.code[l])])...);
+    for (int l = 0; l < kAtOnce; ++l, k += kSumTeam)
       if (k < count)
-        addTo(sum, std::apply([&](const auto&... e) { return f(group.decode(code[l]), e...); }, rows[l]));
+        addTo(sum,
+              std::apply([&](const auto&... e) { return f(group.decode(list.code[l]), e...); }, rows[l]));
   }
   const int* index = group.wide == 0 ? nullptr : lists.indicesOf(at.i, group.wide);
-  for (; k < count; k += at.team.size) {
+  for (; k < count; k += kSumTeam) {
     const int j = index != nullptr ? index[k * kListGroup] : group.decode(*lists.code(at.i, k));
     addTo(sum, f(j, loadWhole(elements[j])...));
   }
-  return sumOf(at.team, sum);
+  return sumOfTeam(sum);
 }
 
 template <class F>
 struct CallWithTeamIndex {
+  static constexpr bool kInStep = true;
+#ifdef __CUDACC__
+  static constexpr Standing kLeaves = overlapOf<F>().leaves, kReadsAhead = overlapOf<F>().readsAhead;
+#endif
   F f;
-  WEIR_HD void operator()(std::int64_t i, const Team& team) const { f(TeamIndex{i, team}); }
+  WEIR_HD void operator()(std::int64_t i, const Team& team) const {
+    f(TeamIndex{i, team});
+  }
 };
 
 }  // namespace detail
@@ -139,9 +213,9 @@ struct CallWithTeamIndex {
 template <class Backend, class F>
 void parallelForSums(Backend& device, std::string_view name, Count count, const F& f) {
   if constexpr (std::is_same_v<Backend, CudaDevice>) {
-    constexpr TeamPlan kPlan{8, 1 << 15};
+    constexpr TeamPlan kPlan{kSumTeam, 1 << 15};
     if (count.bound <= kPlan.few)
-      return parallelForTeams(device, name, count, kPlan, detail::CallWithTeamIndex<F>{f});
+      return parallelForTeams<kPlan>(device, name, count, detail::CallWithTeamIndex<F>{f});
   }
   parallelForEights(device, name, count, f);
 }

@@ -36,7 +36,7 @@ UNITS = {"nsecond": 1e-9, "ns": 1e-9, "usecond": 1e-6, "us": 1e-6, "msecond": 1e
 def short_name(kernel):
     """FindNeighbors of void weir::detail::forEachKernel<weir::<unnamed>::FindNeighbors>(…)."""
     plain = re.sub(r"^void |<unnamed>::|\(anonymous namespace\)::|weir::|detail::|cub::", "", kernel)
-    found = re.search(r"[kK]ernel<(?:CallAlone<|CallWithTeamIndex<)*(\w+)", plain) or re.search(r"(Device\w+)", plain) or re.search(r"(\w+)", plain)
+    found = re.search(r"[kK]ernel<(?:(?:\(int\))?\d+, |CallAlone<|CallWithTeamIndex<)*(\w+)", plain) or re.search(r"(Device\w+)", plain) or re.search(r"(\w+)", plain)
     return found.group(1)
 
 

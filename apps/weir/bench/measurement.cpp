@@ -13,7 +13,7 @@ namespace weir::app {
 
 namespace {
 
-// Whole frames are made until there are so many. Modules are timed in one step of 32.
+// Whole frames are made until there are so many. Modules are timed in the first step, and now and then.
 constexpr std::int64_t kWarmSteps = 20;
 constexpr std::size_t kTimedSteps = 40;
 constexpr std::int64_t kBatchedSteps = 60;
@@ -56,6 +56,7 @@ class Stopwatch {
     moment.from = simulation_.time();
     Profiler& profiler = simulation_.device().profiler();
     profiler.clear();
+    simulation_.timeModulesNext();
     if (!timeSteps(moment) || !timeBatches(moment)) return {};
     moment.to = simulation_.time();
     const auto steps = static_cast<double>(moment.timedSteps + moment.batchedSteps);

@@ -16,6 +16,7 @@ namespace {
 
 /// Adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
 struct EnergyDerivative {
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
   NeighborView neighbors;
   SpikyKernel kernel;
   float particleVolume;
@@ -26,11 +27,9 @@ struct EnergyDerivative {
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
   ArrayView<float> excess;  // empty where nobody asks for it
-  const int* done = nullptr;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    if (done != nullptr && *done) return;
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
     const auto e = detail::excessOf(lambda, tension);
@@ -62,6 +61,8 @@ struct PushOf {
   // Inline, so that what is the same for all particles is prepared once for all.
   template <class Index, class Weight = detail::AsStored>
   [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
+    const auto list = neighborsAhead(i, neighbors);
+    awaitBefore(i);
     const auto s = read(weighted, i);
     const auto ownWeight = own * weight(s.w);
     const auto self = asInt(i);
@@ -75,7 +76,7 @@ struct PushOf {
       const T b = (ownWeight + others * weight(t.w)) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
-    const auto sum = sumOverNeighbors<Vec4f>(i, neighbors, pairPush, weighted);
+    const auto sum = sumOverNeighbors<Vec4f>(list, pairPush, weighted);
     Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
     if (!walls.empty()) addWalls(i, weight(s.w), total);
     return total;
@@ -104,6 +105,9 @@ struct PushOf {
 /// velocities, so that a step needs no other passes for these.
 template <class Weight>
 struct Substitute {
+  // The search for neighbours comes before the first, and a sum of densities before the others.
+  static constexpr Standing kLeaves = Standing::kLists,
+                            kReadsAhead = Weight::kFirst ? Standing::kCounts : Standing::kLists;
   static constexpr int kBlocksTogether = 6;
   PushOf pushOf;
   Weight weight;
@@ -122,9 +126,9 @@ struct Substitute {
     constexpr bool kEarly = std::is_same_v<Index, TeamIndex>;
     Vector u, predicted, velocity;
     if constexpr (kEarly) {
-      if (!first) u = read(displacement, i);
-      predicted = read(positions, i);
-      if (last) velocity = read(velocities, i);
+      if (!first) u = readAhead(displacement, i);
+      predicted = readAhead(positions, i);
+      if (last) velocity = readAhead(velocities, i);
     }
     const auto at = pushOf(i, weight);
     if constexpr (!kEarly)
@@ -148,6 +152,18 @@ struct Substitute {
 };
 
 // ---- What tolerance, acceleration and step-length search add
+
+/// f, unless the pass is done.
+template <class F>
+struct UnlessDone {
+  F f;
+  const int* done;  // null where nobody knows
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    if (done == nullptr || !*done) f(i);
+  }
+};
 
 using Control = SemiImplicitSolver::Control;
 using Sums = SemiImplicitSolver::Sums;
@@ -449,16 +465,10 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   const FluidConstants& c = fluid.constants;
   const ArrayView<const Vec3f> predicted = fluid.particles.positions().view();
   const PushOf pushOf = makePushOf(fluid, conservative, bulkEnergy_);
-  EnergyDerivative derivative{fluid.neighbors.view(),
-                              c.kernel,
-                              c.particleVolume,
-                              bulkEnergy_,
-                              tension,
-                              fluid.walls.view(),
-                              displacement(fluid).view(),
-                              places(fluid),
-                              weighted(fluid).view(),
-                              excess_.view()};
+  UnlessDone<EnergyDerivative> derivative{
+      {fluid.neighbors.view(), c.kernel, c.particleVolume, bulkEnergy_, tension, fluid.walls.view(),
+       displacement(fluid).view(), places(fluid), weighted(fluid).view(), excess_.view()},
+      nullptr};
   const Measure measure{bulkEnergy_,
                         stiffnessOf(fluid),
                         displacement(fluid).view(),

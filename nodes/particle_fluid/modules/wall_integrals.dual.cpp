@@ -216,7 +216,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
     forEachUnevenRange(device, kName, walls.nearCount(), FindIntegralsInLanes{find});
   else
 #endif
-    parallelForUneven(device, kName, walls.nearCount(), kPlan, find);
+    parallelForUneven<kPlan>(device, kName, walls.nearCount(), find);
   takeOutHiddenNeighbors(device, fluid);
 }
 

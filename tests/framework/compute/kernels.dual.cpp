@@ -8,6 +8,21 @@ struct WriteSquare {
   WEIR_HD void operator()(std::int64_t i) const { out[i] = i * i + 1; }
 };
 
+struct WriteSquareAhead : WriteSquare {
+  static constexpr Standing kReadsAhead = Standing::kCounts;
+};
+
+struct SetLate {
+  int value;
+  int* to;
+
+  WEIR_HD void operator()(std::int64_t) const {
+    unsigned x = static_cast<unsigned>(value) + 1;
+    for (int k = 0; k < 10000; ++k) x = x * 1664525u + 1013904223u;
+    *to = x == 1 ? value + 1 : value;
+  }
+};
+
 struct AddToCounter {
   ArrayView<const int> values;
   ArrayView<int> counters;
@@ -68,8 +83,28 @@ void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out) {
 }
 
 template <class Backend>
-void sumInTeams(Backend& device, Count count, TeamPlan plan, ArrayView<float> out, ArrayView<int> lanes) {
-  parallelForTeams(device, "sumInTeams", count, plan, SumInTeam{out, lanes});
+void writeSquaresOf(Backend& device, int value, int* count, ArrayView<std::int64_t> out) {
+  parallelFor(device, "setLate", 1, SetLate{value, count});
+  parallelFor(device, "writeSquares", {out.size, count}, WriteSquareAhead{out});
+}
+
+template <class Backend>
+void sumInTeams(Backend& device, Count count, int size, ArrayView<float> out, ArrayView<int> lanes) {
+  const auto launch = [&]<int kSize>(std::integral_constant<int, kSize>) {
+    parallelForTeams<TeamPlan{kSize, kFewTeams}>(device, "sumInTeams", count, SumInTeam{out, lanes});
+  };
+  switch (size) {
+    case 1:
+      return launch(std::integral_constant<int, 1>{});
+    case 2:
+      return launch(std::integral_constant<int, 2>{});
+    case 8:
+      return launch(std::integral_constant<int, 8>{});
+    case 32:
+      return launch(std::integral_constant<int, 32>{});
+    default:
+      WEIR_CHECK(size == 0);  // there is no test of others
+  }
 }
 
 template <class Backend>
@@ -104,7 +139,8 @@ void sortByCell(Backend& device, CellSort& sort, Count count, int cells, ArrayVi
   sort.sort(device, count, cells, Element<int>{keys}, kept);
 }
 
-template void sumInTeams(ThisBackend&, Count, TeamPlan, ArrayView<float>, ArrayView<int>);
+template void sumInTeams(ThisBackend&, Count, int, ArrayView<float>, ArrayView<int>);
+template void writeSquaresOf(ThisBackend&, int, int*, ArrayView<std::int64_t>);
 template void writeSquares(ThisBackend&, Count, ArrayView<std::int64_t>);
 template void addToCounters(ThisBackend&, Count, ArrayView<const int>, ArrayView<int>);
 template void sum(ThisBackend&, Count, ArrayView<const float>, float*);

@@ -11,14 +11,21 @@ namespace weir::test {
 template <class Backend>
 void writeSquares(Backend& device, Count count, ArrayView<std::int64_t> out);
 
+/// *count = value, in a kernel that takes a while; then out[i] = i*i + 1 for i < *count, in one that reads
+/// the count ahead.
+template <class Backend>
+void writeSquaresOf(Backend& device, int value, int* count, ArrayView<std::int64_t> out);
+
 /// counters[values[i] mod counters.size] grows by values[i].
 template <class Backend>
 void addToCounters(Backend& device, Count count, ArrayView<const int> values, ArrayView<int> counters);
 
-/// out[i] = Σ_k (i + k) for k < 100, by teams. lanes[i] has a bit for every thread of the team, or is 0 where
-/// Team::ask does not tell the even ones.
+inline constexpr std::int64_t kFewTeams = 1000;
+
+/// out[i] = Σ_k (i + k) for k < 100, by teams of 1, 2, 8 or 32 where there are at most kFewTeams. lanes[i]
+/// has a bit for every thread of the team, or is 0 where Team::ask does not tell the even ones.
 template <class Backend>
-void sumInTeams(Backend& device, Count count, TeamPlan plan, ArrayView<float> out, ArrayView<int> lanes);
+void sumInTeams(Backend& device, Count count, int size, ArrayView<float> out, ArrayView<int> lanes);
 
 template <class Backend>
 void sum(Backend& device, Count count, ArrayView<const float> values, float* result);

@@ -80,6 +80,44 @@ TEST_P(LaunchBatchTest, SmallUploadsHaveTheirPlaceInTheBatch) {
   }
 }
 
+// A kernel that reads the count before it waits for the kernel before it must not do so where that writes it.
+TEST_P(LaunchBatchTest, WhatTheKernelBeforeWritesIsNotReadAhead) {
+  constexpr int kMost = 3000;
+  Array<std::int64_t> squares(*device, kMost);
+  Array<int> count(*device, 1);
+  for (int step = 0; step < 8; ++step) {
+    const int present = step % 2 == 0 ? kMost - step : 100 + step;
+    squares.fillZero();
+    LaunchBatch batch(*device);
+    dispatch(*device, [&](auto& d) { writeSquaresOf(d, present, count.data(), squares.view()); });
+    batch.end();
+    const std::vector<std::int64_t> values = squares.toHost();
+    for (int i = 0; i < kMost; ++i)
+      ASSERT_EQ(values[std::size_t(i)], i < present ? std::int64_t{i} * i + 1 : 0)
+          << i << " in step " << step;
+  }
+}
+
+// What a batch fills and copies by kernels of its own: whole pieces of 16 bytes, and what is left.
+TEST_P(LaunchBatchTest, FillsAndCopiesOfAnySize) {
+  for (const int n : {1, 3, 4, 5, 63, 64, 255, 256, 257, 5000}) {
+    Array<int> values(*device, n + 1), copies(*device, n + 1);
+    for (int step = 0; step < 4; ++step) {
+      values.assign(std::vector<int>(std::size_t(n) + 1, 7 + step));
+      copies.fillZero();
+      LaunchBatch batch(*device);
+      device->fillBytes(values.data(), 0x11, (std::size_t(n) / 2) * sizeof(int));
+      device->copy(copies.data(), values.data(), std::size_t(n) * sizeof(int));
+      batch.end();
+      std::vector<int> expected(std::size_t(n) + 1, 7 + step);
+      std::fill_n(expected.begin(), n / 2, 0x11111111);
+      ASSERT_EQ(values.toHost(), expected) << n;
+      expected.back() = 0;
+      ASSERT_EQ(copies.toHost(), expected) << n;
+    }
+  }
+}
+
 TEST_P(LaunchBatchTest, WhatIsDroppedLeavesTheDeviceUsable) {
   Array<std::int64_t> squares(*device, 300);
   try {

@@ -13,8 +13,8 @@ namespace {
 using ParallelTest = OnDevice;
 WEIR_ON_EVERY_DEVICE(ParallelTest);
 
-const std::vector<int> kSizes{0,    1,    2,    31,   32,   33,    255,   256,   257,    1023,   1024,
-                              1025, 4095, 4096, 4097, 8191, 16384, 16385, 65537, 262145, 1000007};
+const std::vector<int> kSizes{0,    1,    2,    31,   32,   33,    255,   256,   257,    1023,    1024,
+                              1025, 4095, 4096, 4097, 8191, 16384, 16385, 65537, 262145, 1000007, 1048577};
 
 std::vector<int> randomInts(int n, int least, int most, unsigned seed = 1) {
   std::mt19937 random(seed);
@@ -62,15 +62,12 @@ float sumOf(Device& device, Count count, const Array<float>& values) {
 }
 
 TEST_P(ParallelTest, TeamsShareTheirCalls) {
-  constexpr std::int64_t kFew = 1000;
   for (const int size : {1, 2, 8, 32}) {
     for (const int n : {0, 1, 31, 1000, 1001}) {
       Array<float> out(*device, n);
       Array<int> lanes(*device, n);
-      dispatch(*device, [&](auto& backend) {
-        sumInTeams(backend, n, TeamPlan{size, kFew}, out.view(), lanes.view());
-      });
-      const bool teams = device->kind() == DeviceKind::kCuda && n <= kFew;
+      dispatch(*device, [&](auto& backend) { sumInTeams(backend, n, size, out.view(), lanes.view()); });
+      const bool teams = device->kind() == DeviceKind::kCuda && n <= kFewTeams;
       const int expected = !teams ? 1 : size == 32 ? -1 : (1 << size) - 1;
       const std::vector<float> sums = out.toHost();
       for (int i = 0; i < n; ++i) ASSERT_EQ(sums[std::size_t(i)], float(100 * i + 4950)) << size;

@@ -191,7 +191,8 @@ interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" |
   scene: ServedScene;
 }
 
-const opened = () => ({ opened: get().opened + 1 });
+/** Another scene is there, and nothing of the one before. */
+const opened = () => ({ opened: get().opened + 1, numbers: null, samples: [], picked: null });
 
 /** Shows what the server has; that is no edit. */
 function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState): void {

@@ -41,7 +41,7 @@ export function Transport() {
         {(status.time ?? 0).toFixed(3)} / {(status.duration ?? 0).toFixed(2)} s · frame {frame}/{frames}
       </span>
       <span className="load">
-        · {(status.particles ?? 0).toLocaleString("en")} particles{perStep !== null && ` · ${perStep.toPrecision(3)} ms a step`}
+        {(status.particles ?? 0).toLocaleString("en")} particles{perStep !== null && ` · ${perStep.toPrecision(3)} ms a step`}
       </span>
       <span className={`state ${status.state}`}>{status.state}</span>
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>
