@@ -261,9 +261,10 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
   while (threads * bytes > kSharedBytes) threads /= 2;
   const Count steady = detail::steadyCount(count);
   detail::beginLaunch(device, name);
-  device.check(detail::submitKernel(
-                   device.launches(), detail::forEachWithScratchKernel<F>,
-                   {detail::blocksFor(steady.bound, threads), threads, threads * bytes, {true}}, steady, f),
+  device.check(detail::submitKernel(device.launches(), detail::forEachWithScratchKernel<F>,
+                                    {detail::blocksFor(steady.bound, threads), threads, threads * bytes,
+                                     detail::overlapOf<F>()},
+                                    steady, f),
                name);
 }
 

@@ -1,8 +1,8 @@
 // The search for neighbours of many particles on CUDA: it writes the codes of packed lists at once.
 //
 // The general search (FindNeighbors) writes indices into scratch memory, looks which windows they need, and
-// encodes them. This one chooses windows first, around the cell of the group's first particle and those above
-// and below it, so that what it finds is a code already. A group with candidates beyond its windows is left
+// encodes them. This one chooses windows first, around the cells of the group's particles and those above and
+// below them, so that what it finds is a code already. A group with candidates beyond its windows is left
 // to the general search.
 //
 // It goes over the candidates twice. First it asks of each by its FineCell whether it may be near, and notes
@@ -47,6 +47,7 @@ struct CodeSearch {
   int words;  // of scratch memory for each thread, of four bytes
 
   static constexpr int kBlocksTogether = 5;
+  static constexpr Standing kLeaves = Standing::kCounts;
 
   /// For lists with room for `room`: codes, and more behind them that tell that a list is too long, and
   /// answers; or what the general search needs for lists of at most `capacity`. Pairs of words, an odd number
@@ -155,8 +156,9 @@ struct CodeSearch {
   __device__ ListGroup windowsAround(const Rows& rows, const GroupThreads& threads) const {
     ListGroup group;
     if (find.writer.packer.allInWindows) return group;
+    // The least, because where the first is in the lowest layer of the grid, what is below it is the highest.
     for (int w = 0; w < kWindows; ++w)
-      group.shift[w] = threads.ofFirst(rows(w, 1).begin) - kWindow / 2 - w * kWindow;
+      group.shift[w] = threads.least(rows(w, 1).begin) - kWindow / 2 - w * kWindow;
     return group;
   }
 

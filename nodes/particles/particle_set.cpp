@@ -52,7 +52,10 @@ Array<Vec3f>& ParticleSet::scratch() {
 
 Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
   ++uses_;
-  wideScratch_.resizeDiscarding(std::max(least, capacity()));
+  const std::int64_t size = std::max(least, capacity()), before = wideScratch_.capacity();
+  wideScratch_.resizeDiscarding(size);
+  // Searches read some fine cells that nobody writes, and forget what they said.
+  if (size > before) wideScratch_.fillZero();
   return wideScratch_;
 }
 
