@@ -31,7 +31,7 @@ void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neig
   if (n > 0) {
     Array<FluidSums> onDevice(particles.device(), 1);
     dispatch(particles.device(), [&](auto& device) {
-      sumFluid(device, particles, neighbors.view().counts, constants.restDensity, onDevice.data());
+      sumFluid(device, particles, neighbors.counts(), constants.restDensity, onDevice.data());
     });
     sums = onDevice.toHost().front();
   }

@@ -18,13 +18,13 @@ WEIR_HD double largest(double known, double other) {
 struct SumsOfOne {
   ArrayView<const Vec3f> positions, velocities;
   ArrayView<const float> densities;
-  const int* neighborCounts;
+  ArrayView<const int> neighborCounts;
   double restDensity;
 
   WEIR_HD FluidSums operator()(std::int64_t i) const {
     const Vec3d v = toDouble(velocities[i]);
     const double speedSquared = dot(v, v), over = double(densities[i]) / restDensity - 1;
-    const int neighbors = neighborCounts[i];
+    const int neighbors = i < neighborCounts.size ? neighborCounts[i] : 0;
     FluidSums one{.velocity = v,
                   .position = toDouble(positions[i]),
                   .speedSquared = speedSquared,
@@ -55,14 +55,14 @@ struct AddSums {
 }  // namespace
 
 template <class Backend>
-void sumFluid(Backend& device, const ParticleSet& particles, const int* neighborCounts, double restDensity,
-              FluidSums* sums) {
+void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
+              double restDensity, FluidSums* sums) {
   reduce(device, "statistics", particles.count(), FluidSums{},
          SumsOfOne{particles.positions().view(), particles.velocities().view(),
                    particles.get<float>("density").view(), neighborCounts, restDensity},
          AddSums{}, sums);
 }
 
-template void sumFluid(ThisBackend&, const ParticleSet&, const int*, double, FluidSums*);
+template void sumFluid(ThisBackend&, const ParticleSet&, ArrayView<const int>, double, FluidSums*);
 
 }  // namespace weir

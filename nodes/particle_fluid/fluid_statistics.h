@@ -19,11 +19,12 @@ struct FluidSums {
   Aabb box;
 };
 
-/// Writes those over all particles to *sums, on the device; its attribute "density" and the number of
-/// neighbours of each are as of the last frame. Extremes leave out what is no number.
+/// Writes those over all particles to *sums, on the device; its attribute "density" and the numbers of
+/// neighbours are as of the last frame, and there may be none yet where a run failed before its first search.
+/// Extremes leave out what is no number.
 template <class Backend>
-void sumFluid(Backend& device, const ParticleSet& particles, const int* neighborCounts, double restDensity,
-              FluidSums* sums);
+void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
+              double restDensity, FluidSums* sums);
 
 /// Adds to `statistics`: particles, fluid_volume [m³] (particles times spacing cubed), neighbors {mean, max},
 /// compression {mean, max} of max(λ − 1, 0), linear_momentum [kg·m/s], kinetic_energy [J], potential_energy

@@ -180,6 +180,8 @@ class NeighborList {
   }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
+  /// How many neighbours each has, for as many particles as there was room for in the last search.
+  ArrayView<const int> counts() const { return counts_.view(); }
   // Both wait for the device.
   NeighborEvents eventsOnHost();
   std::vector<int> countsOnHost(std::int64_t particles) const { return counts_.toHost(particles); }

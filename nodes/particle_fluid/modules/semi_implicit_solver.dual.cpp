@@ -275,10 +275,11 @@ struct Extrapolate {
 
   template <class T>
   WEIR_HD T extrapolated(T& before, const T& now) const {
-    const T last = before;
-    if (control->takesBack) return last;
+    if (control->takesBack) return before;
+    // Nothing is before the first.
+    const T moved = control->momentum == 0 ? now : now + control->momentum * (now - before);
     before = now;
-    return control->momentum == 0 ? now : now + control->momentum * (now - last);
+    return moved;
   }
 };
 

@@ -47,7 +47,7 @@ FluidSums sumsOn(Device& device, const Particles& given) {
   const Array<int> neighbors(device, std::span<const int>(given.neighbors));
   Array<FluidSums> sums(device, 1);
   dispatch(device, [&](auto& backend) {
-    sumFluid(backend, particles, std::as_const(neighbors).data(), kRestDensity, sums.data());
+    sumFluid(backend, particles, std::as_const(neighbors).view(), kRestDensity, sums.data());
   });
   return sums.toHost().front();
 }
