@@ -293,10 +293,12 @@ void CudaDevice::dropBatch() noexcept {
 }
 
 CUstream_st* CudaDevice::stream() const {
+  static_cast<CudaProfiler&>(*profiler_).noteWork();
   check(impl_->launches->flush(), "step");
   return impl_->stream;
 }
 detail::LaunchQueue& CudaDevice::launches() const {
+  static_cast<CudaProfiler&>(*profiler_).noteWork();
   return *impl_->launches;
 }
 int CudaDevice::index() const {

@@ -38,12 +38,12 @@ bool hasPassed(cudaEvent_t event) {
 CudaProfiler::~CudaProfiler() {
   static_cast<void>(cudaSetDevice(deviceIndex_));
   clear();
-  for (cudaEvent_t event : begun_) discard(event);
-  discard(stepBegun_);
+  begun_.clear();
+  stepBegun_ = stepEnded_ = nullptr;
   for (cudaEvent_t event : spare_) static_cast<void>(cudaEventDestroy(event));
 }
 
-cudaEvent_t CudaProfiler::recordEvent() {
+CudaProfiler::Event CudaProfiler::recordEvent() {
   if (cudaSetDevice(deviceIndex_) != cudaSuccess) return nullptr;
   cudaEvent_t event = nullptr;
   if (spare_.empty()) {
@@ -52,22 +52,12 @@ cudaEvent_t CudaProfiler::recordEvent() {
     event = spare_.back();
     spare_.pop_back();
   }
-  if (cudaEventRecord(event, stream_) == cudaSuccess) return event;
-  discard(event);
-  return nullptr;
+  Event held(event, [this](cudaEvent_t unused) { spare_.push_back(unused); });
+  return cudaEventRecord(event, stream_) == cudaSuccess ? held : nullptr;
 }
 
-void CudaProfiler::discard(cudaEvent_t event) {
-  if (event != nullptr) spare_.push_back(event);
-}
-
-void CudaProfiler::finish(int scope, cudaEvent_t begin) {
-  const cudaEvent_t end = begin != nullptr ? recordEvent() : nullptr;
-  if (end != nullptr) {
-    measuring_.push_back({scope, begin, end});
-  } else {
-    discard(begin);
-  }
+void CudaProfiler::finish(int scope, const Event& begin, const Event& end) {
+  if (begin != nullptr && end != nullptr) measuring_.push_back({scope, begin, end});
 }
 
 void CudaProfiler::push(std::string_view name) {
@@ -78,22 +68,23 @@ void CudaProfiler::push(std::string_view name) {
 
 void CudaProfiler::pop() {
   const int scope = scopes_.close();
-  finish(scope, begun_.back());
+  finish(scope, begun_.back(), begun_.back() != nullptr ? recordEvent() : nullptr);
   begun_.pop_back();
   endRange();
 }
 
 // A step that an error ended never reaches endStep, so beginning again is allowed.
 void CudaProfiler::beginStep(bool detailed) {
-  discard(stepBegun_);
-  stepBegun_ = recordEvent();
+  stepBegun_ = stepEnded_ != nullptr ? stepEnded_ : recordEvent();
+  stepEnded_ = nullptr;
   inStep_ = true;
   timesScopes_ = detailed;
 }
 
 void CudaProfiler::endStep() {
   WEIR_CHECK(inStep_);
-  finish(kStep, stepBegun_);
+  stepEnded_ = recordEvent();
+  finish(kStep, stepBegun_, stepEnded_);
   stepBegun_ = nullptr;
   inStep_ = false;
   ++steps_;
@@ -103,24 +94,22 @@ void CudaProfiler::endStep() {
 }
 
 void CudaProfiler::poll() {
-  while (!measuring_.empty() && hasPassed(measuring_.front().end)) {
+  while (!measuring_.empty() && hasPassed(measuring_.front().end.get())) {
     const Measurement done = measuring_.front();
     measuring_.pop_front();
     float ms = 0;
-    if (cudaEventElapsedTime(&ms, done.begin, done.end) == cudaSuccess) {
+    if (cudaEventElapsedTime(&ms, done.begin.get(), done.end.get()) == cudaSuccess) {
       if (done.scope == kStep) {
         stepMs_.push_back(ms);
       } else {
         scopes_.add(done.scope, ms);
       }
     }
-    discard(done.begin);
-    discard(done.end);
   }
 }
 
 void CudaProfiler::waitForAll() {
-  if (!measuring_.empty()) static_cast<void>(cudaEventSynchronize(measuring_.back().end));
+  if (!measuring_.empty()) static_cast<void>(cudaEventSynchronize(measuring_.back().end.get()));
   poll();
 }
 
@@ -135,10 +124,6 @@ std::vector<double> CudaProfiler::stepMs() {
 }
 
 void CudaProfiler::clear() {
-  for (const Measurement& measurement : measuring_) {
-    discard(measurement.begin);
-    discard(measurement.end);
-  }
   measuring_.clear();
   scopes_.clear();
   stepMs_.clear();

@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "framework/compute/scope_tree.h"
@@ -25,29 +26,38 @@ class CudaProfiler final : public Profiler {
   std::vector<double> stepMs() override;
   void clear() override;
 
+  /// The device is asked for something. What it is asked between two steps lies in neither of them; where
+  /// that is nothing, the second begins with the event that ended the first, as each holds up the device for
+  /// a microsecond.
+  void noteWork() {
+    if (!inStep_) stepEnded_ = nullptr;
+  }
+
  private:
   static constexpr int kStep = -1;  // stands for a scope in the measurement of a step
 
+  // Used again when nobody holds it.
+  using Event = std::shared_ptr<CUevent_st>;
+
   struct Measurement {
     int scope;
-    cudaEvent_t begin, end;
+    Event begin, end;
   };
 
-  cudaEvent_t recordEvent();
-  void discard(cudaEvent_t event);
-  void finish(int scope, cudaEvent_t begin);
+  Event recordEvent();
+  void finish(int scope, const Event& begin, const Event& end);
   void waitForAll();
 
   int deviceIndex_;
   cudaStream_t stream_;
   ScopeTree scopes_;
-  std::vector<cudaEvent_t> begun_;  // of the open scopes
-  cudaEvent_t stepBegun_ = nullptr;
+  std::vector<cudaEvent_t> spare_;  // outlives all that holds events
+  std::vector<Event> begun_;        // of the open scopes
+  Event stepBegun_, stepEnded_;
   bool inStep_ = false;
   bool timesScopes_ = true;
   std::int64_t steps_ = 0, detailedSteps_ = 0;
   std::deque<Measurement> measuring_;  // in the order of their ends on the stream
-  std::vector<cudaEvent_t> spare_;
   std::vector<double> stepMs_;
 };
 

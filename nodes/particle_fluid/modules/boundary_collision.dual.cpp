@@ -8,6 +8,7 @@ namespace weir {
 namespace {
 
 struct Collide {
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kCounts;
   BoundaryView boundary;
   float radius;
   ArrayView<Vec3f> positions, velocities;
