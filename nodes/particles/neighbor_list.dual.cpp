@@ -297,10 +297,11 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
 #ifdef WEIR_HAS_LANES
-  const detail::Columns columns(columns_, positions.size);
-  parallelForEights(device, "columns", count, detail::FillColumns{positions, columns});
+  const detail::ShortPlaces shortPlaces(columns_, positions.size);
+  parallelForEights(device, "columns", count,
+                    detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
   forEachRange(device, kName, count,
-               detail::LaneSearch{columns,
+               detail::LaneSearch{shortPlaces,
                                   positions,
                                   cellStart,
                                   grid_,
