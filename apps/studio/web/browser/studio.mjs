@@ -6,6 +6,7 @@ import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium, firefox } from "playwright-core";
+import { watch } from "./seen.mjs";
 
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
@@ -76,6 +77,7 @@ export async function openWindow(context, address, mistakes = []) {
   page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
   page.on("pageerror", (e) => mistakes.push(e.message));
   page.on("dialog", (d) => d.accept());
+  await watch(page, mistakes);
   await page.goto(address);
   await page.locator(".bar .title").waitFor();
   await page.getByLabel("title", { exact: true }).or(page.getByLabel("Name", { exact: true })).waitFor();
