@@ -68,8 +68,20 @@ async function save(check) {
 /** What the view shows. */
 const seen = async () => (await page.locator(".viewport").screenshot()).toString("base64");
 
-step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
+step("nodes stay where they are seen, whatever is brought into view", async () => {
   await open("blocks");
+  const moved = await page.evaluate(() =>
+    [...document.querySelectorAll(".scene-node")].flatMap((node) => {
+      const before = node.getBoundingClientRect();
+      node.scrollIntoView({ block: "center", inline: "center", behavior: "instant" });
+      const after = node.getBoundingClientRect();
+      return after.x === before.x && after.y === before.y ? [] : [`${node.dataset.node} by ${after.x - before.x}, ${after.y - before.y}`];
+    }),
+  );
+  assert.deepEqual(moved, []);
+});
+
+step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
   await hands.select("tank");
   await hands.pressInGraph("b");
   await page.locator('[data-node="tank"].bypassed').waitFor();
