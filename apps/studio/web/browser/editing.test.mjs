@@ -81,6 +81,21 @@ step("nodes stay where they are seen, whatever is brought into view", async () =
   assert.deepEqual(moved, []);
 });
 
+step("a hand that trembles chooses a node, and does not move it", async () => {
+  for (const by of [1, 2, 3]) {
+    await hands.pressInGraph("Escape");
+    const before = await hands.node("tank").boundingBox();
+    const title = await hands.node("tank").locator("strong").boundingBox();
+    const [x, y] = [title.x + title.width / 2, title.y + title.height / 2].map(Math.floor);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + by, y);
+    await page.mouse.up();
+    await page.locator('[data-node="tank"].selected').waitFor();
+    assert.deepEqual(await hands.node("tank").boundingBox(), before);
+  }
+});
+
 step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
   await hands.select("tank");
   await hands.pressInGraph("b");
