@@ -133,6 +133,21 @@ step("what is being typed is saved, too", async () => {
   await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
 });
 
+step("a run has what was edited before it was asked for, however late the server is", async () => {
+  await hands.pointAtGraph();
+  const world = await hands.open(page.locator('[data-param="world"]'));
+  const duration = world.getByLabel("duration", { exact: true });
+  await server.meanwhile(async () => {
+    for (const seconds of [3, 2]) await hands.type(duration, seconds);
+    await hands.pressInGraph("r");
+  });
+  await time("/ 2.00 s").waitFor();
+  await page.locator(".reset-hint").waitFor({ state: "hidden" });
+  await hands.type(duration, kScene.world.duration);
+  await hands.pressInGraph("r");
+  await time("/ 4.00 s").waitFor();
+});
+
 const chosen = () => page.locator(".scene-node.selected").evaluateAll((nodes) => nodes.map((n) => n.dataset.node));
 
 step("nodes are chosen, folded, grouped and renamed by the keyboard alone", async () => {

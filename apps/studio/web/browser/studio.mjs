@@ -28,7 +28,7 @@ async function addressOf(server) {
 
 /**
  * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
- * leaves the folder. `read` gives back what a JSON file in it holds.
+ * leaves the folder. `read` gives back what a JSON file in it holds. `meanwhile` does something while the server stands still.
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
@@ -46,7 +46,15 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
   };
   try {
     const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
-    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read };
+    const meanwhile = async (f) => {
+      server.kill("SIGSTOP");
+      try {
+        await f();
+      } finally {
+        server.kill("SIGCONT");
+      }
+    };
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read, meanwhile };
   } catch (e) {
     await close();
     throw e;

@@ -318,11 +318,19 @@ function send(): Promise<void> {
 }
 
 async function sendAll(): Promise<void> {
-  while (again) {
-    again = false;
-    const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
-    if (state) set({ sceneState: state });
-  }
+  while (again) await sendNow();
+}
+
+async function sendNow(): Promise<void> {
+  again = false;
+  const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
+  if (state) set({ sceneState: state });
+}
+
+/** Asks for something of the run, of the scene as it is edited: an edit that waits for the answer to an earlier one goes first. */
+export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset", fields: object = {}): Promise<T | null> {
+  if (again) void sendNow();
+  return request<T>(`run.${what}`, fields);
 }
 
 const step = (which: "undo" | "redo") => () => {
@@ -351,7 +359,7 @@ export async function openScene(where: { path: string } | { template: string }):
 
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
 export async function resetRun(device?: string): Promise<void> {
-  const state = await request<SceneState & { device: string }>("run.reset", device === undefined ? {} : { device });
+  const state = await askRun<SceneState & { device: string }>("reset", device === undefined ? {} : { device });
   if (!state) return;
   const { device: _, ...sceneState } = state;
   set({ sceneState });
