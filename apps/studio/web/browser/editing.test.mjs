@@ -133,6 +133,19 @@ step("what is being typed is saved, too", async () => {
   await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
 });
 
+step("what a field refused is gone after an undo", async () => {
+  await hands.select("tank");
+  await hands.type(hands.aside().getByLabel("max y", { exact: true }), "0.4");
+  const field = hands.aside().getByLabel("max x", { exact: true });
+  await hands.type(field, "wide");
+  await hands.aside().getByRole("alert").filter({ hasText: "a number" }).waitFor();
+  assert.equal(await field.inputValue(), "wide");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await hands.aside().getByRole("alert").waitFor({ state: "detached" });
+  assert.equal(await field.inputValue(), "0.6");
+  assert.equal(await hands.aside().getByLabel("max y", { exact: true }).inputValue(), "0.5");
+});
+
 step("a run has what was edited before it was asked for, however late the server is", async () => {
   await hands.pointAtGraph();
   const world = await hands.open(page.locator('[data-param="world"]'));

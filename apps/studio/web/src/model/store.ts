@@ -71,6 +71,8 @@ export interface Studio {
   sceneState: SceneState;
   /** How many scenes were opened: those who look begin anew with each. */
   opened: number;
+  /** How often something was undone, or done again. */
+  undone: number;
   status: Status;
   /** Whether the server can draw pictures, and which videos it can write. */
   pictures: { problem?: Problem; videos: string[] };
@@ -109,6 +111,7 @@ export const useStudio = create<Studio>()(
       version: "",
       sceneState: { path: "", warnings: [] },
       opened: 0,
+      undone: 0,
       status: { state: "empty" },
       pictures: { videos: [] },
       video: { state: "none", path: "", frames: 0 },
@@ -336,6 +339,7 @@ export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset"
 const step = (which: "undo" | "redo") => () => {
   lastPart = null;
   useStudio.temporal.getState()[which]();
+  set({ undone: get().undone + 1 });
 };
 export const undo = step("undo");
 export const redo = step("redo");
