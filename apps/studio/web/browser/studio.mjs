@@ -6,6 +6,7 @@ import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium, firefox } from "playwright-core";
+import { watch } from "./seen.mjs";
 
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
@@ -27,7 +28,7 @@ async function addressOf(server) {
 
 /**
  * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
- * leaves the folder. `read` gives back what a JSON file in it holds.
+ * leaves the folder. `read` gives back what a JSON file in it holds. `meanwhile` does something while the server stands still.
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
@@ -45,7 +46,15 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
   };
   try {
     const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
-    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read };
+    const meanwhile = async (f) => {
+      server.kill("SIGSTOP");
+      try {
+        await f();
+      } finally {
+        server.kill("SIGCONT");
+      }
+    };
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read, meanwhile };
   } catch (e) {
     await close();
     throw e;
@@ -76,6 +85,7 @@ export async function openWindow(context, address, mistakes = []) {
   page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
   page.on("pageerror", (e) => mistakes.push(e.message));
   page.on("dialog", (d) => d.accept());
+  await watch(page, mistakes);
   await page.goto(address);
   await page.locator(".bar .title").waitFor();
   await page.getByLabel("title", { exact: true }).or(page.getByLabel("Name", { exact: true })).waitFor();

@@ -108,7 +108,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   };
 
   return (
-    <div className="viewport" ref={element} aria-label="Simulation view">
+    <div className={rendered ? "viewport pictured" : "viewport"} aria-label="Simulation view">
       {building && <p className="building">Building the scene…</p>}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
@@ -137,8 +137,8 @@ export function Viewport({ dark }: { dark: boolean }) {
           {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
+      <div className="stage" ref={element}>{rendered && view && <Rendered view={view} onFailed={stopRendered} />}</div>
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
-      {rendered && view && <Rendered view={view} onFailed={stopRendered} />}
       {key && !rendered && (
         <div className="color-key">
           <span>{shortText(key.low)}</span>
