@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "framework/compute/device.h"

@@ -11,6 +11,7 @@ import { watch } from "./seen.mjs";
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
 const kRestMs = 300;
+const kRestFrames = 10;
 // Far more than an idle machine needs.
 const kPatience = 60_000;
 // As where there is no graphics card: the page is drawn by the processor, WebGL too.
@@ -160,13 +161,18 @@ export class Hands {
     await this.stillness();
   }
 
-  /** Waits until the graph has come to rest. */
+  /** Waits until the graph has come to rest: for some time, and for as many frames as a move needs to begin where they are slow. */
   async stillness() {
-    await this.page.waitForFunction((rest) => {
-      const now = { at: performance.now(), transform: document.querySelector(".react-flow__viewport").style.transform };
-      if (window.seen?.transform !== now.transform) window.seen = now;
-      return now.at - window.seen.at > rest;
-    }, kRestMs);
+    await this.page.evaluate(async ([rest, frames]) => {
+      const place = () => document.querySelector(".react-flow__viewport").style.transform;
+      const moves = () => document.querySelector(".graph").dataset.moving !== undefined;
+      let last = place(), since = performance.now(), still = 0;
+      while (still < frames || performance.now() - since < rest) {
+        await new Promise(requestAnimationFrame);
+        if (place() === last && !moves()) ++still;
+        else [last, since, still] = [place(), performance.now(), 0];
+      }
+    }, [kRestMs, kRestFrames]);
   }
 
   async select(name) {
