@@ -150,7 +150,19 @@ void CpuBackend::copy(void* to, const void* from, std::size_t bytes) {
 }
 
 void CpuBackend::fillBytes(void* to, int byte, std::size_t bytes) {
-  if (bytes > 0) std::memset(to, byte, bytes);
+  // One thread alone writes a fraction of what the memory takes.
+  constexpr std::int64_t kGrain = std::int64_t{1} << 17;
+  struct Fill {
+    char* to;
+    int byte;
+  } fill{static_cast<char*>(to), byte};
+  forRanges(
+      static_cast<std::int64_t>(bytes), kGrain,
+      [](void* context, std::int64_t begin, std::int64_t end) {
+        const Fill& f = *static_cast<const Fill*>(context);
+        std::memset(f.to + begin, f.byte, static_cast<std::size_t>(end - begin));
+      },
+      &fill);
 }
 
 void CpuBackend::forRanges(std::int64_t n, std::int64_t grain,

@@ -6,6 +6,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <optional>
@@ -32,9 +33,12 @@ CpuThreads::~CpuThreads() = default;
 void CpuThreads::runUnordered(std::int64_t n, void (*task)(void* context, std::int64_t k), void* context) {
   using Range = tbb::blocked_range<std::int64_t>;
   impl_->arena.execute([=] {
-    tbb::parallel_for(Range(0, n), [=](const Range& range) {
-      for (std::int64_t k = range.begin(); k < range.end(); ++k) task(context, k);
-    });
+    tbb::parallel_for(
+        Range(0, n),
+        [=](const Range& range) {
+          for (std::int64_t k = range.begin(); k < range.end(); ++k) task(context, k);
+        },
+        tbb::simple_partitioner());
   });
 }
 

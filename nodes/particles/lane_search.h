@@ -1,122 +1,25 @@
-// The search for neighbours on the CPU, which tests eight candidates at a time.
+// The search for neighbours on the CPU, which tests 16 candidates at a time and then eight lists at once.
 //
-// The particles of a cell share their candidates. These are copied from the nine rows of cells around it into
-// one table, so that a particle's loop over them has no ends of rows, where a processor would guess wrong.
-// The lists of eight particles are interleaved when all of them are found.
+// The particles of some cells that stand side by side share their candidates. These are copied from the nine
+// rows of cells around them into one table, so that a particle's loop over them has no ends of rows, where a
+// processor would guess wrong. Coordinates of 16 bits say who may be near (candidates.h). Distances are asked
+// for where the lists of eight particles are walked to sum their crowding.
 #pragma once
 
 #include <algorithm>
 
-#include "framework/compute/eight.h"
+#include "nodes/particles/candidates.h"
 #include "nodes/particles/cell_grid.h"
 #include "nodes/particles/crowding.h"
-#include "nodes/particles/neighbor_sum.h"
+#include "nodes/particles/neighbor_list.h"
 
 #ifdef WEIR_HAS_LANES
 
 namespace weir::detail {
 
-/// The coordinates of particles in columns. Behind each column there is room for eight more.
-struct Columns {
-  float* x;
-  float* y;
-  float* z;
-
-  Columns(Array<float>& memory, std::int64_t particles) {
-    const std::int64_t height = (particles + 2 * Lanes::kCount - 1) / Lanes::kCount * Lanes::kCount;
-    memory.resizeDiscarding(3 * height);
-    x = memory.data(), y = x + height, z = y + height;
-  }
-};
-
-struct FillColumns {
-  ArrayView<const Vec3f> positions;
-  Columns columns;
-
-  template <class Index>
-  void operator()(Index i) const {
-    const auto p = read(positions, i);
-    write(ArrayView<float>{columns.x, positions.size}, i, p.x);
-    write(ArrayView<float>{columns.y, positions.size}, i, p.y);
-    write(ArrayView<float>{columns.z, positions.size}, i, p.z);
-  }
-};
-
-/// Places [begin, end) of sorted particles.
-struct PlaceRange {
-  int begin, end;
-};
-
-/// Those who may be near the particles of a cell.
-class Candidates {
- public:
-  static constexpr int kMost = 1024;
-
-  void clear() { size_ = 0; }
-
-  /// There must be room for all.
-  void add(const Columns& columns, const PlaceRange& places) {
-    int at = size_;
-    size_ += places.end - places.begin;
-    // Nearly always one turn; of an empty range, too, because a wrong guess costs more.
-    int j = places.begin;
-    do {
-      Lanes::load(columns.x + j).store(x_ + at);
-      Lanes::load(columns.y + j).store(y_ + at);
-      Lanes::load(columns.z + j).store(z_ + at);
-      LaneInts::from(j).store(index_ + at);
-      j += Lanes::kCount, at += Lanes::kCount;
-    } while (j < places.end);
-  }
-
-  /// What stands behind the last is made to be near nobody.
-  void close() { Lanes(kFar).store(x_ + size_); }
-
-  /// Writes those that are near p, but for `self`, behind the first `found` ones of a list that keeps at most
-  /// `room` and has space for eight more. Returns how many have been found then.
-  int near(const Vec3f& p, float radiusSquared, int self, int* list, int found, int room) const {
-    for (int k = 0; k < size_; k += Lanes::kCount) {
-      const Vec3<Lanes> d{Lanes::load(x_ + k) - p.x, Lanes::load(y_ + k) - p.y, Lanes::load(z_ + k) - p.z};
-      const LaneInts index = LaneInts::load(index_ + k);
-      const LaneMask near = (dot(d, d) < Lanes(radiusSquared)) & (index != self);
-      found += storeChosen(list + (found < room ? found : room), index, near.bits());
-    }
-    return found;
-  }
-
- private:
-  static constexpr float kFar = 1e30f;
-
-  int size_ = 0;
-  // With room for a turn more.
-  alignas(32) float x_[kMost + Lanes::kCount];
-  alignas(32) float y_[kMost + Lanes::kCount];
-  alignas(32) float z_[kMost + Lanes::kCount];
-  alignas(32) int index_[kMost + Lanes::kCount];
-};
-
-/// Eight rows of eight become columns.
-inline void transpose(LaneInts::Vector rows[kEight]) {
-  LaneInts::Vector pairs[kEight], fours[kEight];
-  for (int r = 0; r < kEight; r += 2) {
-    pairs[r] = __builtin_shufflevector(rows[r], rows[r + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-    pairs[r + 1] = __builtin_shufflevector(rows[r], rows[r + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-  }
-  for (int r = 0; r < kEight; r += 4)
-    for (int half = 0; half < 2; ++half) {
-      const LaneInts::Vector a = pairs[r + half], b = pairs[r + 2 + half];
-      fours[r + 2 * half] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
-      fours[r + 2 * half + 1] = __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-  for (int c = 0; c < kEight / 2; ++c) {
-    rows[c] = __builtin_shufflevector(fours[c], fours[c + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-    rows[c + 4] = __builtin_shufflevector(fours[c], fours[c + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-  }
-}
-
 /// Finds the lists of ranges of particles.
 struct LaneSearch {
-  Columns columns;
+  ShortPlaces places;
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
@@ -130,145 +33,198 @@ struct LaneSearch {
 
   /// From `begin`, a multiple of eight, on.
   void operator()(std::int64_t begin, std::int64_t end) const {
-    Group group{*this};
-    for (std::int64_t i = begin; i < end; i += kEight) {
-      const auto size = static_cast<int>(end - i < kEight ? end - i : kEight);
-      group.find(static_cast<int>(i), size);
-      group.interleave(static_cast<int>(i), size);
-      sumCrowding(i, size);
+    // A copy whose address nobody has, see parallelFor.
+    const LaneSearch search = *this;
+    Collector collector(search);
+    // A processor hands on what it has just stored in the same pieces only. So lists are read in others while
+    // those of the next eight particles are found.
+    Group groups[2];
+    int now = 0;
+    for (std::int64_t i = begin; i < end; i += kEight, now = 1 - now) {
+      collector.find(groups[now], static_cast<int>(i),
+                     static_cast<int>(std::min<std::int64_t>(end - i, kEight)));
+      if (i > begin) search.write(groups[1 - now]);
     }
+    search.write(groups[1 - now]);
   }
 
  private:
-  /// The places of the 27 cells around one, those that stand side by side together.
-  struct Rows {
-    int count = 0;
-    int places = 0;  // in all of them
-    PlaceRange at[27];
-
-    void clear() { count = places = 0; }
-    void add(int begin, int end) {
-      at[count++] = {begin, end};
-      places += end - begin;
-    }
+  /// Eight particles side by side, or fewer, and who may be near them.
+  struct Group {
+    int first = 0, size = 0;
+    alignas(32) int self[kEight];
+    alignas(32) int found[kEight];
+    // Interleaved like those that are to be made. What stands behind their ends are indices as well.
+    alignas(32) int lists[(kMostScratch + Candidates::kWrittenBehind) * kEight] = {};
   };
 
-  /// Eight particles side by side.
-  struct Group {
+  /// Finds who may be near.
+  struct Collector {
     const LaneSearch& search;
-    int cellEnd = 0;   // the place where the present cell ends
-    bool fits = true;  // all its candidates into the table
-    Rows rows;
+    int rowsEnd = 0;  // the place where the cells end that the rows are around
+    int shift = 0;    // from the index of one of their particles to its place in the table
+    bool fits = true;
+    // The places of the cells around them, those that stand side by side together.
+    PlaceRange rows[27];
+    int rowCount = 0;
     Candidates candidates;
-    int kept[kEight] = {};
-    int lists[kEight][kMostScratch + 3 * kEight];
+    alignas(32) int reach[kEight];
 
-    explicit Group(const LaneSearch& of) : search(of) {}
+    explicit Collector(const LaneSearch& of) : search(of) {}
 
-    void find(int first, int size) {
-      for (int i = first; i < first + size; ++i) {
-        if (i >= cellEnd) collect(i);
-        finish(i, i - first, fits ? append(i, i - first, 0) : appendByParts(i, i - first));
-      }
+    void find(Group& group, int first, int size) {
+      prefetchPlacesOfLists(first);
+      group.first = first, group.size = size;
+      LaneInts::from(first).store(group.self);
+      for (int l = size; l < kEight; ++l) group.self[l] = first;
+      const Vec3<Lanes> p = gatherLanes(search.positions.data, group.self);
+      const Lanes across = larger(abs(p.x), larger(abs(p.y), abs(p.z)));
+      LaneInts{__builtin_convertvector(reachOf(search.grid.inverseCellSize * across).v, LaneInts::Vector)}
+          .store(reach);
+      for (int l = 0; l < size; ++l) group.found[l] = append(first + l, reach[l], group.lists + l);
+      for (int l = size; l < kEight; ++l) group.found[l] = 0;
     }
 
-    /// The candidates of the cell of i.
-    void collect(int i) {
-      const Columns& columns = search.columns;
-      const Vec3i cell = search.grid.cellOf({columns.x[i], columns.y[i], columns.z[i]});
-      cellEnd = search.cellStart[search.grid.index(cell) + 1];
-      search.findRows(cell, rows);
-      fits = rows.places <= Candidates::kMost;
-      if (!fits) return;
-      candidates.clear();
-      for (int r = 0; r < rows.count; ++r) candidates.add(columns, rows.at[r]);
-      candidates.close();
+    /// There are gaps between lists, which hardware does not foresee. Mostly they are no longer than this.
+    void prefetchPlacesOfLists(int first) {
+      constexpr int kAhead = 2, kLongest = 14, kInLine = 16, kToWrite = 1;
+      const int* ahead = search.entries + listPlace(first, search.room) + kAhead * kEight * search.room;
+      for (int k = 0; k < kLongest * kEight; k += kInLine) __builtin_prefetch(ahead + k, kToWrite);
+    }
+
+    static Lanes larger(const Lanes& a, const Lanes& b) { return select(a > b, a, b); }
+
+    /// The list of those that may be near, or that are where these are too many.
+    int append(int i, int within, int* list) {
+      if (i >= rowsEnd) collect(i);
+      const int size = fits ? candidates.near(search.places[i], within, static_cast<unsigned>(i + shift),
+                                              list, 0, search.capacity)
+                            : appendByParts(i, within, list);
+      return size <= search.capacity ? size : appendNear(i, list);
     }
 
     /// Where they are too many for one table.
-    int appendByParts(int i, int lane) {
-      int found = 0;
-      for (int r = 0; r < rows.count; ++r) {
-        for (PlaceRange part = rows.at[r]; part.begin < rows.at[r].end; part.begin = part.end) {
-          part.end = std::min(part.begin + Candidates::kMost, rows.at[r].end);
+    [[gnu::noinline]] int appendByParts(int i, int within, int* list) {
+      int size = 0;
+      for (int r = 0; r < rowCount; ++r)
+        for (PlaceRange part = rows[r]; part.begin < rows[r].end && size <= search.capacity;
+             part.begin = part.end) {
+          part.end = std::min(part.begin + Candidates::kMost, rows[r].end);
           candidates.clear();
-          candidates.add(search.columns, part);
+          candidates.add(search.places, part);
           candidates.close();
-          found = append(i, lane, found);
+          const unsigned own = part.begin <= i && i < part.end ? i - part.begin : Candidates::kNone;
+          size = candidates.near(search.places[i], within, own, list, size, search.capacity);
         }
-      }
-      return found;
+      return size;
     }
 
-    int append(int i, int lane, int found) {
-      const Columns& c = search.columns;
-      return candidates.near({c.x[i], c.y[i], c.z[i]}, search.radiusSquared, i, lists[lane], found,
-                             search.room);
+    /// One by one.
+    [[gnu::noinline]] int appendNear(int i, int* list) {
+      int size = 0;
+      for (int r = 0; r < rowCount; ++r)
+        for (int j = rows[r].begin; j < rows[r].end; ++j) {
+          if (j == i || !search.isNear(i, j)) continue;
+          if (size < search.capacity) list[size * kEight] = j;
+          ++size;
+        }
+      if (size > search.capacity) atomicAdd(search.truncated, 1);
+      return std::min(size, search.capacity);
     }
 
-    void finish(int i, int lane, int found) {
-      kept[lane] = found < search.capacity ? found : search.capacity;
-      if (found > search.capacity) atomicAdd(search.truncated, 1);
-      search.counts[i] = kept[lane];
-    }
-
-    /// Writes the lists. Behind the ends of the shorter ones stand the particles themselves.
-    void interleave(int first, int size) {
-      int longest = 0;
-      for (int l = 0; l < size; ++l) longest = kept[l] > longest ? kept[l] : longest;
-      for (int l = 0; l < kEight; ++l) {
-        const LaneInts self{LaneInts::Vector{} + (l < size ? first + l : first)};
-        for (int k = l < size ? kept[l] : 0; k < longest; k += kEight) self.store(lists[l] + k);
+    /// The candidates of the cell of i, and of three more where all four hold few. A candidate is less than
+    /// five cells away along the row then, and counts as more than three if it is more than four.
+    [[gnu::noinline]] void collect(int i) {
+      const CellGrid& grid = search.grid;
+      const Vec3i cell = grid.cellOf(search.positions[i]);
+      const int* start = search.cellStart.data;
+      const int own = grid.index(cell);
+      constexpr int kTogether = 4, kFew = 24;
+      const bool holdFew =
+          cell.x > 0 && cell.x + kTogether < grid.cells.x && start[own + kTogether] - start[own] <= kFew;
+      const int cells = holdFew ? kTogether : 1;
+      rowsEnd = start[own + cells];
+      rowCount = 0;
+      int inAll = 0;
+      const auto add = [&](int begin, int end) {
+        rows[rowCount++] = {begin, end};
+        inAll += end - begin;
+      };
+      const int y[] = {CellGrid::step(cell.y, -1, grid.cells.y), cell.y,
+                       CellGrid::step(cell.y, 1, grid.cells.y)};
+      const int z[] = {CellGrid::step(cell.z, -1, grid.cells.z), cell.z,
+                       CellGrid::step(cell.z, 1, grid.cells.z)};
+      if (cell.x > 0 && cell.x + cells < grid.cells.x) {
+        // The cells of a row stand side by side.
+        for (const int layer : z)
+          for (const int row : y) {
+            const int* at = start + grid.index({cell.x, row, layer});
+            add(at[-1], at[cells + 1]);
+          }
+      } else {
+        for (const int layer : z)
+          for (const int row : y)
+            for (int dx = -1; dx <= 1; ++dx) {
+              const int* at = start + grid.index({CellGrid::step(cell.x, dx, grid.cells.x), row, layer});
+              add(at[0], at[1]);
+            }
       }
-      int* to = search.entries + listPlace(first, search.room);
-      for (int k = 0; k < longest; k += kEight, to += kEight * kInterleaved) {
-        LaneInts::Vector block[kEight];
-        for (int l = 0; l < kEight; ++l) block[l] = LaneInts::load(lists[l] + k).v;
-        transpose(block);
-        for (int c = 0; c < kEight; ++c) LaneInts{block[c]}.store(to + c * kInterleaved);
-      }
+      fits = inAll <= Candidates::kMost;
+      if (!fits) return;
+      candidates.clear();
+      int r = 0;
+      for (; r < rowCount / 2; ++r) candidates.add(search.places, rows[r]);
+      shift = candidates.add(search.places, rows[r++]);
+      for (; r < rowCount; ++r) candidates.add(search.places, rows[r]);
+      candidates.close();
     }
   };
 
-  /// The places of all cells around one.
-  void findRows(const Vec3i& cell, Rows& rows) const {
-    const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
-    rows.clear();
-    for (int dz = -1; dz <= 1; ++dz) {
-      const int z = CellGrid::step(cell.z, dz, grid.cells.z);
-      for (int dy = -1; dy <= 1; ++dy) {
-        const int y = CellGrid::step(cell.y, dy, grid.cells.y);
-        const int row = (z * grid.cells.y + y) * grid.cells.x;
-        if (inside) {
-          // The cells of a row stand side by side.
-          rows.add(cellStart[row + cell.x - 1], cellStart[row + cell.x + 2]);
-          continue;
-        }
-        for (int dx = -1; dx <= 1; ++dx) {
-          const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
-          rows.add(cellStart[c], cellStart[c + 1]);
-        }
-      }
+  /// Writes the lists and the crowding of a group. Behind the ends of the shorter lists stand any particles.
+  void write(Group& group) const {
+    const LaneInts kept = LaneInts::load(group.found);
+    const Vec3<Lanes> p = gatherLanes(positions.data, group.self);
+    const int longest = largest(kept);
+    const int* from = group.lists;
+    int* to = entries + listPlace(group.first, room);
+    Lanes crowd;
+    LaneMask tooFar{};
+    for (int k = 0; k < longest; ++k, from += kEight, to += kInterleaved) {
+      const LaneMask listed = kept > k;
+      LaneInts::load(from).store(to);
+      const Vec3<Lanes> q = gatherLanes(positions.data, from);
+      const Vec3<Lanes> d{q.x - p.x, q.y - p.y, q.z - p.z};
+      const Lanes squared = dot(d, d);
+      const LaneMask near = listed & (squared < Lanes(radiusSquared));
+      tooFar = tooFar | (listed & !near);
+      crowd += keptWhere(near, crowdingAt(squared, grid));
+    }
+    const Lanes sum = 1 + crowd;
+    for (unsigned bits = tooFar.bits(); bits != 0; bits &= bits - 1) removeFar(group, std::countr_zero(bits));
+    if (group.size == kEight) {
+      LaneInts::load(group.found).store(counts + group.first);
+      sum.store(crowding.data + group.first);
+    } else {
+      for (int l = 0; l < group.size; ++l) counts[group.first + l] = group.found[l];
+      for (int l = 0; l < group.size; ++l) crowding[group.first + l] = sum.v[l];
     }
   }
 
-  /// The lists are still in the cache.
-  void sumCrowding(std::int64_t first, int size) const {
-#ifdef WEIR_HAS_EIGHT
-    if (size == kEight) return sumCrowding(Eight{first});
-#endif
-    for (std::int64_t i = first; i < first + size; ++i) sumCrowding(i);
+  void removeFar(Group& group, int lane) const {
+    const int i = group.first + lane;
+    int* list = entries + listPlace(i, room);
+    int kept = 0;
+    for (int k = 0; k < group.found[lane]; ++k) {
+      const int j = list[k * kInterleaved];
+      list[kept * kInterleaved] = j;
+      kept += isNear(i, j) ? 1 : 0;
+    }
+    group.found[lane] = kept;
   }
 
-  template <class Index>
-  void sumCrowding(Index i) const {
-    const auto p = read(positions, i);
-    const auto term = [&]<class T>(const auto&, const Vec3<T>& q) {
-      const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
-      return crowdingAt(dot(d, d), grid);
-    };
-    const NeighborView list{entries, counts, room, {}};
-    write(crowding, i, 1 + sumOverNeighbors<float>(i, list, term, positions));
+  bool isNear(int i, int j) const {
+    const Vec3f d = positions[j] - positions[i];
+    return dot(d, d) < radiusSquared;
   }
 };
 

@@ -96,10 +96,11 @@ double NeighborList::memoryFor(double particles) const {
   const double fine = needsFineCells(static_cast<std::int64_t>(particles)) ? particles + FineCell::kAhead : 0;
   const double bytes = bytesOfArrays(particles, counts_) +
                        bytesOfArray(std::max(particles, (cells + fine) / kStartsInOne + 2), sizeof(Vec4f));
-  // The columns of coordinates that the CPU reads, with what is behind their ends.
+  // The columns of coordinates that the CPU reads, two in a float, with what is behind their ends.
+  constexpr double kFloats = 1.5, kBehind = 64;
   if (!packs_)
     return bytes + bytesOfArrays((particles + kInterleaved) * room_, entries_) +
-           bytesOfArrays(3 * (particles + 2 * kEight), columns_);
+           bytesOfArrays(kFloats * (particles + kBehind), columns_);
   const double groups = std::ceil(particles / kListGroup);
   const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
   const double entries =

@@ -1,5 +1,7 @@
 #include "nodes/particles/neighbor_list.h"
 
+#include <algorithm>
+
 #include "framework/compute/wide_access.h"
 #include "nodes/particles/cell_rows.h"
 #include "nodes/particles/code_search.h"
@@ -38,6 +40,63 @@ struct CellKey {
     return grid.index(grid.cellOf(p));
   }
 };
+
+#ifdef WEIR_HAS_EIGHT
+
+/// The keys of eight particles at once if nothing unusual is to be said of any.
+struct WriteKeys {
+  CellKey key;
+  ArrayView<int> keys;
+
+  void operator()(std::int64_t i) const { keys[i] = key(i); }
+  void operator()(Eight i) const {
+    if (!areUsual(i)) forEachOf(i, *this);
+  }
+
+ private:
+  /// Writes the keys if the particles are all to be kept, in the box of the grid or not far from it.
+  bool areUsual(Eight i) const {
+    if (i.first == 0 || key.sinks.size > 0) return false;  // the first one does more
+    const FreeMotion& motion = key.at.motion;
+    const Vec3<Lanes> v = moved(read(key.at.velocities, i), motion.acceleration, motion.dt);
+    const Vec3<Lanes> p = moved(read(key.at.positions, i), v, motion.dt);
+    LaneMask usual = isFiniteEach(p) & isFiniteEach(v);
+    const Aabb& box = key.domain;
+    const CellGrid& grid = key.grid;
+    const auto alongAxis = [&](const Lanes& at, float low, float high, int cells) {
+      const auto most = static_cast<float>(cells);
+      const Lanes cell = Lanes::Vector(_mm256_floor_ps((grid.inverseCellSize * at).v));
+      usual = usual & !(at < Lanes(low)) & !(at > Lanes(high)) & !(cell < Lanes(-most)) &
+              (cell < Lanes(2 * most));
+      const LaneInts::Vector c = __builtin_convertvector(cell.v, LaneInts::Vector);
+      return c + ((c < 0) & cells) - ((c >= cells) & cells);
+    };
+    const LaneInts::Vector x = alongAxis(p.x, box.lo.x, box.hi.x, grid.cells.x),
+                           y = alongAxis(p.y, box.lo.y, box.hi.y, grid.cells.y),
+                           z = alongAxis(p.z, box.lo.z, box.hi.z, grid.cells.z);
+    constexpr int kExact = 1 << 23;  // cells, numbers of which are floats
+    if (any(!usual) || std::max({grid.cells.x, grid.cells.y, grid.cells.z}) > kExact) return false;
+    LaneInts{(z * grid.cells.y + y) * grid.cells.x + x}.store(keys.data + i.first);
+    return true;
+  }
+
+  /// As FreeMotion does it.
+  template <class By>
+  static Vec3<Lanes> moved(const Vec3<Lanes>& from, const Vec3<By>& by, float dt) {
+    return {from.x + Lanes(dt * by.x), from.y + Lanes(dt * by.y), from.z + Lanes(dt * by.z)};
+  }
+  static LaneMask isFiniteEach(const Vec3<Lanes>& a) {
+    return a.x * 0.0f + a.y * 0.0f + a.z * 0.0f == Lanes(0.0f);
+  }
+};
+
+/// What has been written.
+struct WrittenKey {
+  ArrayView<const int> keys;
+  int operator()(std::int64_t i) const { return keys[i]; }
+};
+
+#endif
 
 /// Calls f(begin, end, layer) for ranges of sorted places that hold all particles near a point, in the layers
 /// -1, 0 and 1 of cells from its own.
@@ -261,9 +320,14 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
 #else
     const detail::KeepOrder moved;
 #endif
-    sortByCell(device, count, grid_.cellCount(),
-               CellKey{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3},
-               particles.counter(), memory, moved);
+    const CellKey key{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3};
+#ifdef WEIR_HAS_EIGHT
+    // Where they are written once more.
+    parallelForEights(device, "keys", count, WriteKeys{key, memory.cell});
+    sortByCell(device, count, grid_.cellCount(), WrittenKey{memory.cell}, particles.counter(), memory, moved);
+#else
+    sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory, moved);
+#endif
 #ifdef __CUDACC__
     permutation.finish();
     for (; permutation.isLeft(); permutation.finish())
@@ -297,10 +361,11 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
 #ifdef WEIR_HAS_LANES
-  const detail::Columns columns(columns_, positions.size);
-  parallelForEights(device, "columns", count, detail::FillColumns{positions, columns});
+  const detail::ShortPlaces shortPlaces(columns_, positions.size);
+  parallelForEights(device, "columns", count,
+                    detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
   forEachRange(device, kName, count,
-               detail::LaneSearch{columns,
+               detail::LaneSearch{shortPlaces,
                                   positions,
                                   cellStart,
                                   grid_,

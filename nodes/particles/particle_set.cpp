@@ -193,7 +193,6 @@ void detail::Permutation::finish() {
 void ParticleSet::move(const FreeMotion& motion) {
   used();
   motion_ = motion;
-  if (device_->kind() != DeviceKind::kCuda) moveNow();
 }
 
 void ParticleSet::moveNow() {

@@ -1,5 +1,6 @@
 #include "nodes/particles/particle_set.h"
 
+#include "framework/compute/eight.h"
 #include "nodes/particles/permutation.h"
 
 namespace weir {
@@ -41,6 +42,35 @@ struct AppendBatch {
   }
 };
 
+#ifndef __CUDACC__
+
+/// Column after column, so that a loop has nothing to ask.
+struct PermuteRange {
+  detail::Permute permute;
+
+  void operator()(std::int64_t begin, std::int64_t end) const {
+    const detail::Permute p = permute;
+    const bool moves = p.unmoved.motion.dt != 0;
+    for (int c = 0; c < p.used; ++c) {
+      const detail::PermutedColumn column = p.columns[c];
+      const auto fill = [&](auto* to, const auto& from) {
+        for (std::int64_t k = begin; k < end; ++k) to[k] = from(p.order[k]);
+      };
+      auto* const vectors = reinterpret_cast<Vec3f*>(column.to);
+      if (column.words == 1)
+        fill(column.to, [&](int i) { return column.from[i]; });
+      else if (moves && c == p.position)
+        fill(vectors, [&](int i) { return p.unmoved.position(i); });
+      else if (moves && c == p.velocity)
+        fill(vectors, [&](int i) { return p.unmoved.velocity(i); });
+      else
+        fill(vectors, [&](int i) { return reinterpret_cast<const Vec3f*>(column.from)[i]; });
+    }
+  }
+};
+
+#endif
+
 struct Advance {
   int* count;
   Count amount;
@@ -76,7 +106,11 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
 template <class Backend>
 void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
   for (detail::Permutation permutation(*this); permutation.isLeft(); permutation.finish())
+#ifdef __CUDACC__
     parallelFor(device, "permute", count(), permutation.next(order));
+#else
+    forEachRange(device, "permute", count(), PermuteRange{permutation.next(order)});
+#endif
 }
 
 template <class Backend>

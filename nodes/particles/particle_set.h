@@ -118,8 +118,8 @@ class ParticleSet {
   /// There will be no more particles than this, so no room is made for more as long as that holds.
   void expectAtMost(std::int64_t particles) { most_ = particles; }
 
-  /// All particles move. On CUDA it is put off until someone asks for positions or velocities, or the
-  /// particles are put into another order, which then moves them on its way.
+  /// All particles move. It is put off until someone asks for positions or velocities, or the particles are
+  /// put into another order, which then moves them on its way.
   void move(const FreeMotion& motion);
   /// What particles have, and how they are to move yet; dt is 0 where they are not.
   struct Unmoved {

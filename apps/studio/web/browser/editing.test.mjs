@@ -68,8 +68,35 @@ async function save(check) {
 /** What the view shows. */
 const seen = async () => (await page.locator(".viewport").screenshot()).toString("base64");
 
-step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
+step("nodes stay where they are seen, whatever is brought into view", async () => {
   await open("blocks");
+  const moved = await page.evaluate(() =>
+    [...document.querySelectorAll(".scene-node")].flatMap((node) => {
+      const before = node.getBoundingClientRect();
+      node.scrollIntoView({ block: "center", inline: "center", behavior: "instant" });
+      const after = node.getBoundingClientRect();
+      return after.x === before.x && after.y === before.y ? [] : [`${node.dataset.node} by ${after.x - before.x}, ${after.y - before.y}`];
+    }),
+  );
+  assert.deepEqual(moved, []);
+});
+
+step("a hand that trembles chooses a node, and does not move it", async () => {
+  for (const by of [1, 2, 3]) {
+    await hands.pressInGraph("Escape");
+    const before = await hands.node("tank").boundingBox();
+    const title = await hands.node("tank").locator("strong").boundingBox();
+    const [x, y] = [title.x + title.width / 2, title.y + title.height / 2].map(Math.floor);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + by, y);
+    await page.mouse.up();
+    await page.locator('[data-node="tank"].selected').waitFor();
+    assert.deepEqual(await hands.node("tank").boundingBox(), before);
+  }
+});
+
+step("a bypassed node passes on what comes in, a muted one nothing, and both can be edited", async () => {
   await hands.select("tank");
   await hands.pressInGraph("b");
   await page.locator('[data-node="tank"].bypassed').waitFor();
@@ -104,6 +131,35 @@ step("what is being typed is saved, too", async () => {
   await page.keyboard.press("Control+A");
   await page.keyboard.type("0.6");
   await save((s) => assert.equal(s.nodes.tank.params.max[0], 0.6));
+});
+
+step("what a field refused is gone after an undo", async () => {
+  await hands.select("tank");
+  // Not of the parameter that was changed last: that could be one step with it.
+  await hands.type(hands.aside().getByLabel("min y", { exact: true }), "-0.1");
+  const field = hands.aside().getByLabel("max x", { exact: true });
+  await hands.type(field, "wide");
+  await hands.aside().getByRole("alert").filter({ hasText: "a number" }).waitFor();
+  assert.equal(await field.inputValue(), "wide");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await hands.aside().getByRole("alert").waitFor({ state: "detached" });
+  assert.equal(await field.inputValue(), "0.6");
+  assert.equal(await hands.aside().getByLabel("min y", { exact: true }).inputValue(), "0");
+});
+
+step("a run has what was edited before it was asked for, however late the server is", async () => {
+  await hands.pointAtGraph();
+  const world = await hands.open(page.locator('[data-param="world"]'));
+  const duration = world.getByLabel("duration", { exact: true });
+  await server.meanwhile(async () => {
+    for (const seconds of [3, 2]) await hands.type(duration, seconds);
+    await hands.pressInGraph("r");
+  });
+  await time("/ 2.00 s").waitFor();
+  await page.locator(".reset-hint").waitFor({ state: "hidden" });
+  await hands.type(duration, kScene.world.duration);
+  await hands.pressInGraph("r");
+  await time("/ 4.00 s").waitFor();
 });
 
 const chosen = () => page.locator(".scene-node.selected").evaluateAll((nodes) => nodes.map((n) => n.dataset.node));

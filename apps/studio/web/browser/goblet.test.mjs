@@ -185,6 +185,8 @@ step("the server draws pictures, and records a video from the view's camera", as
   if (!types.sections.render) return;
   await page.getByRole("button", { name: "Rendered" }).click();
   await page.waitForFunction(() => document.querySelector("img.rendered")?.naturalWidth > 100);
+  const [tools, picture] = await Promise.all([".view-tools", "img.rendered"].map((part) => page.locator(part).boundingBox()));
+  assert.ok(tools.y + tools.height <= picture.y, "the tools cover the picture's title");
   await page.getByRole("button", { name: "Rendered" }).click();
   await page.getByRole("button", { name: "Record", exact: true }).click();
   await page.getByLabel("Video size").focus();

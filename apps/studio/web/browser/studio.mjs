@@ -6,10 +6,12 @@ import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium, firefox } from "playwright-core";
+import { watch } from "./seen.mjs";
 
 const kWeir = process.env.WEIR ?? "weir";
 const kLong = 60;
 const kRestMs = 300;
+const kRestFrames = 10;
 // Far more than an idle machine needs.
 const kPatience = 60_000;
 // As where there is no graphics card: the page is drawn by the processor, WebGL too.
@@ -27,7 +29,7 @@ async function addressOf(server) {
 
 /**
  * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
- * leaves the folder. `read` gives back what a JSON file in it holds.
+ * leaves the folder. `read` gives back what a JSON file in it holds. `meanwhile` does something while the server stands still.
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
@@ -45,7 +47,15 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
   };
   try {
     const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
-    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read };
+    const meanwhile = async (f) => {
+      server.kill("SIGSTOP");
+      try {
+        await f();
+      } finally {
+        server.kill("SIGCONT");
+      }
+    };
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read, meanwhile };
   } catch (e) {
     await close();
     throw e;
@@ -76,6 +86,7 @@ export async function openWindow(context, address, mistakes = []) {
   page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
   page.on("pageerror", (e) => mistakes.push(e.message));
   page.on("dialog", (d) => d.accept());
+  await watch(page, mistakes);
   await page.goto(address);
   await page.locator(".bar .title").waitFor();
   await page.getByLabel("title", { exact: true }).or(page.getByLabel("Name", { exact: true })).waitFor();
@@ -150,13 +161,18 @@ export class Hands {
     await this.stillness();
   }
 
-  /** Waits until the graph has come to rest. */
+  /** Waits until the graph has come to rest: for some time, and for as many frames as a move needs to begin where they are slow. */
   async stillness() {
-    await this.page.waitForFunction((rest) => {
-      const now = { at: performance.now(), transform: document.querySelector(".react-flow__viewport").style.transform };
-      if (window.seen?.transform !== now.transform) window.seen = now;
-      return now.at - window.seen.at > rest;
-    }, kRestMs);
+    await this.page.evaluate(async ([rest, frames]) => {
+      const place = () => document.querySelector(".react-flow__viewport").style.transform;
+      const moves = () => document.querySelector(".graph").dataset.moving !== undefined;
+      let last = place(), since = performance.now(), still = 0;
+      while (still < frames || performance.now() - since < rest) {
+        await new Promise(requestAnimationFrame);
+        if (place() === last && !moves()) ++still;
+        else [last, since, still] = [place(), performance.now(), 0];
+      }
+    }, [kRestMs, kRestFrames]);
   }
 
   async select(name) {

@@ -25,6 +25,8 @@ import { SceneNode, type SceneNodeData } from "./SceneNode";
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kEdgeTypes = { default: Link };
 const kPasteOffset = 40;
+/** Pixels that a hand may tremble in a click: no more than that, and a node is chosen, not moved. */
+const kTremble = 3;
 /** ms after which what was added is on the page */
 const kMounted = 50;
 // The same objects each time: other ones would have all nodes rendered again.
@@ -152,6 +154,7 @@ export function GraphEditor() {
         onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectEnd={connectEnd}
         onNodeDoubleClick={openInside}
         onMoveStart={moves} onMoveEnd={moved}
+        nodeDragThreshold={kTremble} nodeClickDistance={kTremble} paneClickDistance={kTremble}
         deleteKeyCode={null} multiSelectionKeyCode={kSelectMore} selectionKeyCode="Shift" minZoom={0.05}
         zoomOnDoubleClick={false} elevateNodesOnSelect={false} onlyRenderVisibleElements={!far} proOptions={kNoMark}
       >

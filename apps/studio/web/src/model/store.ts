@@ -71,6 +71,8 @@ export interface Studio {
   sceneState: SceneState;
   /** How many scenes were opened: those who look begin anew with each. */
   opened: number;
+  /** How often something was undone, or done again. */
+  undone: number;
   status: Status;
   /** Whether the server can draw pictures, and which videos it can write. */
   pictures: { problem?: Problem; videos: string[] };
@@ -109,6 +111,7 @@ export const useStudio = create<Studio>()(
       version: "",
       sceneState: { path: "", warnings: [] },
       opened: 0,
+      undone: 0,
       status: { state: "empty" },
       pictures: { videos: [] },
       video: { state: "none", path: "", frames: 0 },
@@ -318,16 +321,25 @@ function send(): Promise<void> {
 }
 
 async function sendAll(): Promise<void> {
-  while (again) {
-    again = false;
-    const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
-    if (state) set({ sceneState: state });
-  }
+  while (again) await sendNow();
+}
+
+async function sendNow(): Promise<void> {
+  again = false;
+  const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
+  if (state) set({ sceneState: state });
+}
+
+/** Asks for something of the run, of the scene as it is edited: an edit that waits for the answer to an earlier one goes first. */
+export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset", fields: object = {}): Promise<T | null> {
+  if (again) void sendNow();
+  return request<T>(`run.${what}`, fields);
 }
 
 const step = (which: "undo" | "redo") => () => {
   lastPart = null;
   useStudio.temporal.getState()[which]();
+  set({ undone: get().undone + 1 });
 };
 export const undo = step("undo");
 export const redo = step("redo");
@@ -351,7 +363,7 @@ export async function openScene(where: { path: string } | { template: string }):
 
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
 export async function resetRun(device?: string): Promise<void> {
-  const state = await request<SceneState & { device: string }>("run.reset", device === undefined ? {} : { device });
+  const state = await askRun<SceneState & { device: string }>("reset", device === undefined ? {} : { device });
   if (!state) return;
   const { device: _, ...sceneState } = state;
   set({ sceneState });

@@ -4,6 +4,7 @@ import { evaluate } from "../model/expression";
 import type { Json } from "../model/types";
 import type { FieldProps } from "./fields";
 import { PointPlot, type Point } from "./PointPlot";
+import { useDraft } from "./useDraft";
 
 const pointsOf = (v: Json): Point[] =>
   Array.isArray(v) ? v.filter((p): p is Json[] => Array.isArray(p) && p.length === 2).map((p) => [Number(p[0]), Number(p[1])]) : [];
@@ -23,10 +24,7 @@ export function readPoints(text: string): Point[] | string {
 
 function PointsText({ points, label, onChange }: { points: Point[]; label: string; onChange(points: Point[]): void }) {
   const shown = points.map((p) => p.join(" ")).join("\n");
-  const [text, setText] = useState(shown);
-  const [before, setBefore] = useState(shown);
-  const [problem, setProblem] = useState<string | null>(null);
-  if (before !== shown) (setBefore(shown), setText(shown), setProblem(null));
+  const { text, setText, problem, setProblem } = useDraft(shown);
   const take = () => {
     const read = readPoints(text);
     if (typeof read === "string") return setProblem(read);

@@ -1,8 +1,8 @@
 // Lists: of colours as a ramp from low to high values, of numbers or words as text.
-import { useEffect, useState } from "react";
 import { evaluate } from "../model/expression";
 import type { Json } from "../model/types";
 import { hexOf, type FieldProps } from "./fields";
+import { useDraft } from "./useDraft";
 
 const kBegin = ["#124a94", "#f0f8fd"];
 
@@ -39,9 +39,7 @@ export function RampField({ value, onChange, label }: FieldProps) {
 /** Parted by commas. Numbers may be expressions. */
 export function WordsField({ parameter, value, onChange, label }: FieldProps) {
   const shown = Array.isArray(value) ? value.join(", ") : "";
-  const [text, setText] = useState(shown);
-  const [problem, setProblem] = useState<string | null>(null);
-  useEffect(() => (setText(shown), setProblem(null)), [shown]);
+  const { text, setText, problem, setProblem } = useDraft(shown);
   const isText = parameter.elements === "string";
   const take = () => {
     const words = text.split(/[,;]/).map((w) => w.trim()).filter(Boolean);

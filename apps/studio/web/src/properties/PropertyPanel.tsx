@@ -1,5 +1,5 @@
 // What is selected: its name, its parameters and its modules; or the scene's own settings.
-import { useEffect, useState } from "react";
+import { useState } from "react";
 import {
   enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
 } from "../model/scene";
@@ -7,11 +7,11 @@ import { edit, useStudio } from "../model/store";
 import { offOf, setOff, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import { Parameters } from "./Parameters";
+import { useDraft } from "./useDraft";
 
 function NameField({ name }: { name: string }) {
   const scene = useStudio((s) => s.scene);
-  const [text, setText] = useState(name);
-  useEffect(() => setText(name), [name]);
+  const { text, setText } = useDraft(name);
   const problem = nameProblem(scene, text, name);
   const take = () => {
     if (problem || text === name) return setText(name);

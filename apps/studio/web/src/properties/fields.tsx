@@ -1,10 +1,11 @@
 // One editor for each kind of parameter value, made from the parameter's description alone.
-import { useEffect, useRef, useState } from "react";
+import { useRef, useState } from "react";
 import { evaluate, numberText } from "../model/expression";
 import { fetchFiles, type ServedFile } from "../protocol/client";
 import type { Json, Parameter } from "../model/types";
 import { CurveField } from "./CurveField";
 import { RampField, WordsField } from "./ListField";
+import { useDraft } from "./useDraft";
 
 export interface FieldProps {
   parameter: Parameter;
@@ -31,10 +32,8 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
   refuse?(v: number): string | null;
 }) {
   const shown = typeof value === "number" ? numberText(value) : "";
-  const [text, setText] = useState(shown);
-  const [problem, setProblem] = useState<string | null>(null);
+  const { text, setText, problem, setProblem } = useDraft(shown);
   const drag = useRef<{ x: number; from: number } | null>(null);
-  useEffect(() => (setText(shown), setProblem(null)), [shown]);
 
   const take = (t: string) => {
     const v = evaluate(t);
@@ -154,8 +153,7 @@ function BoolField({ value, onChange, label }: FieldProps) {
 
 function TextField({ value, onChange, label }: FieldProps) {
   const shown = typeof value === "string" ? value : "";
-  const [text, setText] = useState(shown);
-  useEffect(() => setText(shown), [shown]);
+  const { text, setText } = useDraft(shown);
   const take = () => text !== shown && onChange(text);
   return <input aria-label={label} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
 }
@@ -192,19 +190,17 @@ function PathField(props: FieldProps) {
 /** What has no editor of its own, as JSON. */
 export function JsonField({ value, onChange, label }: FieldProps) {
   const shown = JSON.stringify(value);
-  const [text, setText] = useState(shown);
-  const [wrong, setWrong] = useState(false);
-  useEffect(() => setText(shown), [shown]);
+  const { text, setText, problem, setProblem } = useDraft(shown);
   const take = () => {
     try {
       const v = JSON.parse(text) as Json;
-      setWrong(false);
+      setProblem(null);
       if (text !== shown) onChange(v);
-    } catch {
-      setWrong(true);
+    } catch (e) {
+      setProblem((e as Error).message);
     }
   };
-  return <input aria-label={label} aria-invalid={wrong} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
+  return <input aria-label={label} aria-invalid={problem !== null} title={problem ?? undefined} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
 }
 
 export function ValueField(props: FieldProps) {

@@ -1,7 +1,7 @@
 // Play, pause, step, reset, and a slider through the frames that were recorded.
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
-import { request, resetRun, useStudio } from "../model/store";
+import { askRun, request, resetRun, useStudio } from "../model/store";
 
 export function Transport() {
   const status = useStudio((s) => s.status);
@@ -27,11 +27,11 @@ export function Transport() {
     <footer className="transport" role="toolbar" aria-label="Run">
       <button disabled={!writer} onClick={() => void resetRun(device)} title="Build the scene again, and go to time 0 (R)" className={reset ? "wanted" : ""}><Icon name="reset" /> Reset</button>
       {playing ? (
-        <button disabled={!writer} onClick={() => void request("run.pause")} title="Pause (Space)"><Icon name="pause" /> Pause</button>
+        <button disabled={!writer} onClick={() => void askRun("pause")} title="Pause (Space)"><Icon name="pause" /> Pause</button>
       ) : (
-        <button disabled={!writer || problem !== undefined} onClick={() => void request("run.play")} title="Play (Space)"><Icon name="play" /> Play</button>
+        <button disabled={!writer || problem !== undefined} onClick={() => void askRun("play")} title="Play (Space)"><Icon name="play" /> Play</button>
       )}
-      <button disabled={!writer || playing} onClick={() => void request("run.step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
+      <button disabled={!writer || playing} onClick={() => void askRun("step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
       <input
         type="range" aria-label="Frame" min={0} max={Math.max(frame, 1)} value={seek ?? frame} disabled={frame === 0}
         onChange={(e) => go(Number(e.target.value))}

@@ -3,7 +3,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { setParam } from "../model/scene";
 import { edit, last, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
-import { forRunner } from "../model/switchedOff";
+import { forRunner, offOf } from "../model/switchedOff";
 import type { JsonObject } from "../model/types";
 import { gradient, isColorMap, kColorMaps, type Ramp } from "./colorMaps";
 import { hexOf } from "../properties/fields";
@@ -83,9 +83,11 @@ export function Viewport({ dark }: { dark: boolean }) {
   useEffect(() => view?.choose(picked), [view, picked]);
   useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
   useEffect(() => view?.setColors(ramp, range), [view, ramp, range]);
+  // Of the layout only what is switched off: a node that is dragged in the graph stays as it is here.
+  const off = Object.keys(scene.nodes).filter((n) => offOf(scene, n)).join();
   useEffect(() => {
     if (view && types) view.setOutlines(outlinesOf(forRunner(scene, types), types));
-  }, [view, scene.nodes, scene.layout, types]); // eslint-disable-line
+  }, [view, scene.nodes, off, types]); // eslint-disable-line
   useEffect(() => {
     const one = selected.length === 1 ? selected[0]! : null;
     view?.hold(one && types && handleOf(scene, types, one) ? one : null, mode);
@@ -108,7 +110,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   };
 
   return (
-    <div className="viewport" ref={element} aria-label="Simulation view">
+    <div className={rendered ? "viewport pictured" : "viewport"} aria-label="Simulation view">
       {building && <p className="building">Building the scene…</p>}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
@@ -137,8 +139,8 @@ export function Viewport({ dark }: { dark: boolean }) {
           {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
+      <div className="stage" ref={element}>{rendered && view && <Rendered view={view} onFailed={stopRendered} />}</div>
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
-      {rendered && view && <Rendered view={view} onFailed={stopRendered} />}
       {key && !rendered && (
         <div className="color-key">
           <span>{shortText(key.low)}</span>
