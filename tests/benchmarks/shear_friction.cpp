@@ -19,9 +19,9 @@
 // Particles, one in each d³ = 1 cm³ of water, are in a periodic cube of 10 spacings, whose images above and
 // below move along (Lees and Edwards, The computer simulation of transport processes under extreme
 // conditions, 1972). A step is that of SemiImplicitSolver in double precision: predict, find neighbours,
-// iterate Eq. 14. The stress is the virial one of the pairs, σ = −(1/V)·½·Σ_ij K·V0²·(Ḃ_i + Ḃ_j)·|W'|/r·(r ⊗
-// r)/2, after 1.5 of shear and up to
-// 5. Agitation is the root of the mean square of velocities beside those of the shear.
+// iterate Eq. 14. The stress is the virial one of the pairs, from a shear of 1.5 to one of 5:
+// σ = −(1/V)·½·Σ_ij K·V0²·(Ḃ_i + Ḃ_j)·|W'|/r·(r ⊗ r)/2.
+// Agitation is the root of the mean square of velocities beside those of the shear.
 //
 // With `relief`, S_i being a particle's part of σ and m_i = ⅓·Σ_j V0·|W'|·r, velocities change by
 // relief·(dt/ρ0)·Σ_j V0·(D_i + D_j)·|W'|/r·r_ij, where D_i is the deviator of −S_i/m_i: of a uniform D that
