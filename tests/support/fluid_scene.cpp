@@ -16,7 +16,9 @@ FluidScene::FluidScene(Device& device, std::vector<Vec3f> positions, std::vector
   given->velocities.resize(given->positions.size());
   graph_.add(std::move(given), "given");
   fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::make_unique<ParticleFluid>(), "water"));
-  fluid_->assignAll(parameters, {"test", "", ""});
+  Value all = parameters;
+  if (!all.find("support_ratio")) all["support_ratio"] = 1.5;
+  fluid_->assignAll(all, {"test", "", ""});
   fluid_->pipeline()->assign(modules, registry_, {"test", "", ""});
   graph_.link(SceneGraph::parseLink("given.particles -> water.initial"));
 }

@@ -17,9 +17,9 @@ namespace {
 constexpr float kSpacing = 0.02f;
 constexpr double kDt = 0.001;
 
-/// How near to a wall a particle of a fluid with default parameters comes.
+/// How near to a wall a particle of FluidScene's fluid comes.
 double contact() {
-  return contactRatio(ParticleFluid().supportRatio, Calibration::kPacking) * kSpacing;
+  return contactRatio(1.5f, Calibration::kPacking) * kSpacing;
 }
 
 Value vector(double x, double y, double z) {
