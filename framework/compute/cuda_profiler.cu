@@ -75,7 +75,8 @@ void CudaProfiler::pop() {
 
 // A step that an error ended never reaches endStep, so beginning again is allowed.
 void CudaProfiler::beginStep(bool detailed) {
-  stepBegun_ = stepEnded_ != nullptr ? stepEnded_ : recordEvent();
+  const bool follows = stepEnded_ != nullptr && !hasPassed(stepEnded_.get());
+  stepBegun_ = follows ? stepEnded_ : recordEvent();
   stepEnded_ = nullptr;
   inStep_ = true;
   timesScopes_ = detailed;

@@ -26,9 +26,9 @@ class CudaProfiler final : public Profiler {
   std::vector<double> stepMs() override;
   void clear() override;
 
-  /// The device is asked for something. What it is asked between two steps lies in neither of them; where
-  /// that is nothing, the second begins with the event that ended the first, as each holds up the device for
-  /// a microsecond.
+  /// The device is asked for something. What it is asked between two steps lies in neither of them, nor does
+  /// a pause. Where there is neither, the second begins with the event that ended the first, as each holds up
+  /// the device for a microsecond.
   void noteWork() {
     if (!inStep_) stepEnded_ = nullptr;
   }
