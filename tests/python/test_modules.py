@@ -181,6 +181,7 @@ def test_the_fluid_of_a_step_ends_with_it():
             assert fluid.gravity[1] == pytest.approx(-9.8)
 
     scene = dam_break()
+    scene.water.support_ratio = 1.5
     keep = scene.water.modules.insert("keep", Keep(), after="solver")
     sim = weir.Simulation(scene, device="cpu")
     sim.step()
