@@ -83,7 +83,7 @@ class ParticleSet {
   std::uint64_t placesUses() const { return placesUses_; }
   /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
   /// memory for all of them twice.
-  static constexpr std::int64_t kFew = 1 << 17;
+  static constexpr std::int64_t kFew = 1 << 20;
 
   /// Adds an attribute with value 0 for all particles, now and when they are born; or finds the one of that
   /// name, which must have the same type (a scene Error otherwise). T is float, Vec3f or int. The reference

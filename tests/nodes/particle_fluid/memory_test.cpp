@@ -154,7 +154,7 @@ TEST_P(FluidMemoryOn, ADamBreakOfManyTakesLittleForEach) {
   SimulatedScene scene(*device, R"({"weir": 1, "world": {"dt": 0.001, "frame_rate": 500, "duration": 0.004},
         "nodes": {
           "block": {"type": "BoxSampler",
-                    "params": {"min": [0, 0, 0], "max": [0.53, 0.53, 0.53], "arrangement": "lattice"}},
+                    "params": {"min": [0, 0, 0], "max": [1.06, 1.02, 0.99], "arrangement": "lattice"}},
           "tank": {"type": "StaticBoundary",
                    "params": {"shape": "box", "min": [0, 0, 0], "max": [2, 2, 1], "inverted": true}},
           "water": {"type": "ParticleFluid", "params": {"spacing": 0.01, "support_ratio": 1.2}}},
