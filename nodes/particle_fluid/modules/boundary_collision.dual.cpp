@@ -8,7 +8,6 @@ namespace weir {
 namespace {
 
 struct Collide {
-  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kCounts;
   BoundaryView boundary;
   float radius;
   ArrayView<Vec3f> positions, velocities;

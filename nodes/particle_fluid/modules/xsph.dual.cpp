@@ -41,7 +41,6 @@ struct SmoothVelocity {
 
 /// The same from codes of the motion, on CUDA.
 struct SmoothCodedVelocity {
-  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
   NeighborView neighbors;
   SpikyKernel kernel;
   float weight;  // c·V0
@@ -52,8 +51,6 @@ struct SmoothCodedVelocity {
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    const auto list = neighborsAhead(i, neighbors);
-    awaitBefore(i);
     const Vec3f v = read(velocities, i);
     const MotionCode::Sight sight(read(codes, i));
     const auto difference = [&](int, const Vec4f& code) {
@@ -61,7 +58,7 @@ struct SmoothCodedVelocity {
       const float w = kernel.value(unit * fastSqrt(dot(other.away, other.away)));
       return Vec4f{w * other.faster.x, w * other.faster.y, w * other.faster.z, 0};
     };
-    write(smoothed, i, v + weight * xyz(sumOverNeighbors<Vec4f>(list, difference, codes)));
+    write(smoothed, i, v + weight * xyz(sumOverNeighbors<Vec4f>(i, neighbors, difference, codes)));
   }
 };
 
