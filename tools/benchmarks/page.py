@@ -66,9 +66,15 @@ def growth(results):
     for case, moment in (("dam", "late"), ("dam-3-sweeps", "late")):
         series = results.series(case, moment)
         power = benchmarks.exponent(series)
-        if power is not None:
-            lines.append(f"From {min(n for n, _ in series if n >= 135_000):,} to {series[-1][0]:,} particles, the time of "
-                         f"`{case}`, {moment}, grows like the {power:.3f}th power of their number.")
+        if power is None:
+            continue
+        line = (f"From {min(n for n, _ in series if n >= 135_000):,} to {series[-1][0]:,} particles, the time of "
+                f"`{case}`, {moment}, grows like the {power:.3f}th power of their number")
+        batches = [pair for pair in results.series(case, moment, "batch_step_ms_mean") if pair[0] >= 135_000]
+        if len(batches) > 1:
+            line += (f"; in batches like the {benchmarks.exponent(batches):.3f}th, "
+                     f"and the {benchmarks.exponent([batches[0], batches[-1]]):.3f}th by the first and the last of these sizes")
+        lines.append(line + ".")
     return lines
 
 

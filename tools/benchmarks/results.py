@@ -57,11 +57,10 @@ class Results:
         words = "".join(c.lower() if c.isalnum() else " " for c in self.device).split()
         return "_".join(words)
 
-    def series(self, case, moment):
+    def series(self, case, moment, of="step_ms_median"):
         """(particles, ms) of all sizes that have a time, in order."""
-        pairs = [(row.particles, row.ms(moment)) for row in self.rows
-                 if row.case == case and row.size and row.ms(moment)]
-        return sorted(pairs)
+        pairs = [(row.particles, (row.moment(moment) or {}).get(of)) for row in self.rows if row.case == case and row.size]
+        return sorted(pair for pair in pairs if pair[1])
 
 
 def row_of(entry):

@@ -120,6 +120,14 @@ class Pages(Folder):
         # PeriDyNo's 1.42 ms over 0.2 ms.
         self.assertIn("| 135,252 | 0.100, 0.200 | 0.780, 1.42 | 0.083, 0.128 | – | – | 7.1 |", text)
 
+    def test_batches_grow_with_a_power_of_their_own(self):
+        rows = [entry("dam", size, 1.0) for size in (200_000, 2_000_000, 2_000_000_000)]
+        for row, batch in zip(rows, (0.1, 1.0, 100.0)):
+            row["moments"][1]["batch_step_ms_mean"] = batch
+        text = page.markdown([self.read(written(rows))], runner.read_peers(), None)
+        # In powers of ten: times 0, 1, 3 at sizes 0, 1, 4. The best line rises by 57/78, the one through the ends by 3/4.
+        self.assertIn("0.000th power of their number; in batches like the 0.731th, and the 0.750th by the first and the last", text)
+
     def test_a_cpu_is_not_compared_with_a_gpu(self):
         text = page.markdown([self.read(written(SWEEPS, back_end="cpu"))], runner.read_peers(), None)
         self.assertNotIn("times faster", text)
