@@ -51,19 +51,47 @@ WEIR_HD T boxClearance(const Shape& shape, const Vec3<T>& p) {
   return (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z);
 }
 
+WEIR_HD inline bool isBox(const BoundaryPiece& piece) {
+  return !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
+}
+
 /// The same for all solids; what is no box counts as near.
 template <class T>
 WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   constexpr float kFar = 1e30f;
   T least = kFar;
   forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-    const bool isBox = !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
-    least = isBox ? detail::smaller(least, boxClearance(piece.shape, p)) : T(-kFar);
+    least = isBox(piece) ? detail::smaller(least, boxClearance(piece.shape, p)) : T(-kFar);
   });
   return least;
 }
 
 #ifdef WEIR_HAS_EIGHT
+
+struct EightDistances {
+  Lanes distance;
+  Vec3<Lanes> normal;
+};
+
+/// signedDistance() of eight points from a box, in the same operations.
+inline EightDistances boxDistance(const Shape& box, const Vec3<Lanes>& at) {
+  using namespace detail;
+  const Lanes zero(0.0f), one(1.0f);
+  const Vec3<Lanes> p = rotated(conjugate(box.rotation), at - spread<Lanes>(box.position));
+  const Vec3<Lanes> q{abs(p.x) - box.halfSize.x, abs(p.y) - box.halfSize.y, abs(p.z) - box.halfSize.z};
+  const Vec3<Lanes> sign{select(p.x < zero, -one, one), select(p.y < zero, -one, one),
+                         select(p.z < zero, -one, one)};
+  const Vec3<Lanes> out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};
+  const Lanes beyond = sqrtf(dot(out, out));
+  const LaneMask outside = beyond > zero, x = !(q.x < q.y) & !(q.x < q.z), y = !x & !(q.y < q.z);
+  const auto along = [&](const LaneMask& nearest, const Lanes& part, const Lanes& axis) {
+    return select(outside, axis * (part / beyond), keptWhere(nearest, axis));
+  };
+  const Vec3<Lanes> n{along(x, out.x, sign.x), along(y, out.y, sign.y), along(!x & !y, out.z, sign.z)};
+  const Vec3<Lanes> normal = rotated(box.rotation, n);
+  const Lanes distance = select(outside, beyond, select(x, q.x, select(y, q.y, q.z)));
+  return box.inverted ? EightDistances{-distance, -normal} : EightDistances{distance, normal};
+}
 
 /// Calls f(k) for the indices k among the eight, with positions p, that may be nearer to a boundary than
 /// `radius`.

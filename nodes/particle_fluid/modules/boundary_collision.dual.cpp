@@ -8,6 +8,9 @@ namespace weir {
 namespace {
 
 struct Collide {
+  // In a corner, leaving one wall may mean entering another.
+  static constexpr int kMostContacts = 4;
+
   BoundaryView boundary;
   float radius;
   ArrayView<Vec3f> positions, velocities;
@@ -15,13 +18,50 @@ struct Collide {
 #ifdef WEIR_HAS_EIGHT
   /// Most particles are far from all walls.
   void operator()(Eight i) const {
-    forEachNear(boundary, radius, i, read(positions, i), *this);
+    const Vec3<Lanes> p = read(positions, i);
+    if (boundary.count == 1 && isBox(boundary.first))
+      collideWithBox(i, p, !(clearance(boundary, p) > Lanes(radius)));
+    else
+      forEachNear(boundary, radius, i, p, *this);
+  }
+
+  /// Those `near`; the same operations as for one particle.
+  void collideWithBox(Eight i, Vec3<Lanes> p, const LaneMask& near) const {
+    const BoundaryPiece& box = boundary.first;
+    const auto chosen = [](const LaneMask& which, const Vec3<Lanes>& a, const Vec3<Lanes>& b) {
+      return Vec3<Lanes>{select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
+    };
+    Vec3<Lanes> v;
+    LaneMask touching = near;
+    int contacts = 0;
+    for (; contacts < kMostContacts && any(touching); ++contacts) {
+      const EightDistances hit = boxDistance(box.shape, p);
+      touching = touching & (hit.distance < Lanes(radius));
+      if (!any(touching)) break;
+      if (contacts == 0) v = read(velocities, i);
+      p = chosen(touching, p + (radius - hit.distance) * hit.normal, p);
+      v = chosen(touching, reflected(v, hit.normal, box.restitution, box.friction), v);
+    }
+    if (contacts == 0) return;
+    write(positions, i, p);
+    write(velocities, i, v);
+  }
+
+  static Vec3<Lanes> reflected(const Vec3<Lanes>& v, const Vec3<Lanes>& normal, float restitution,
+                               float friction) {
+    const Lanes zero(0.0f), normalSpeed = dot(v, normal);
+    const Lanes change = -(1 + restitution) * normalSpeed;
+    const Vec3<Lanes> tangential = v - normalSpeed * normal;
+    const Lanes slip = sqrtf(dot(tangential, tangential));
+    const Lanes kept = select(slip > zero, 1 - friction * change / slip, zero);
+    const Vec3<Lanes> bounced =
+        (normalSpeed + change) * normal + select(kept > zero, kept, zero) * tangential;
+    const LaneMask leaves = (normalSpeed > zero) | (normalSpeed == zero);
+    return {select(leaves, v.x, bounced.x), select(leaves, v.y, bounced.y), select(leaves, v.z, bounced.z)};
   }
 #endif
 
   WEIR_HD void operator()(std::int64_t i) const {
-    // In a corner, leaving one wall may mean entering another.
-    constexpr int kMostContacts = 4;
     Vec3f p = positions[i];
 #ifdef __CUDA_ARCH__
     if (clearance(boundary, p) > radius) return;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "tests/support/devices.h"
@@ -128,6 +129,42 @@ TEST_P(Walls, AFullTankKeepsAllItsParticles) {
 }
 
 WEIR_ON_EVERY_DEVICE(Walls);
+
+/// Positions and velocities after three steps of particles too far apart to meet, on both sides of the walls
+/// of a box, at its faces, edges and corners.
+std::vector<Vec3f> motionAtABox(CpuIsa isa, bool inverted) {
+  CpuDevice device(2, isa);
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> jitter(-0.02f, 0.02f), speed(-3, 3);
+  std::vector<Vec3f> positions, velocities;
+  for (int k = 0; k < 11 * 11 * 11; ++k) {
+    const Vec3f at{float(k % 11), float(k / 11 % 11), float(k / 121)};
+    positions.push_back(0.1f * at + Vec3f{jitter(random), jitter(random), jitter(random)});
+    velocities.push_back({speed(random), speed(random), speed(random)});
+  }
+  FluidScene scene(device, positions, velocities, object({{"spacing", kSpacing}}));
+  addBoundary(scene, object({{"shape", "box"},
+                             {"min", vector(0.2, 0.1, 0.2)},
+                             {"max", vector(0.9, 0.8, 0.7)},
+                             {"rotation", vector(10, 20, 5)},
+                             {"restitution", 0.4},
+                             {"friction", 0.3},
+                             {"inverted", inverted}}));
+  scene.reset(kDt);
+  scene.step(3);
+  std::vector<Vec3f> motion = scene.positions();
+  const std::vector<Vec3f> after = scene.velocities();
+  motion.insert(motion.end(), after.begin(), after.end());
+  return motion;
+}
+
+TEST(StaticBoundaryNode, ABoxActsBitwiseTheSameForAllInstructionsOfTheCpu) {
+  for (const bool inverted : {false, true}) {
+    const std::vector<Vec3f> expected = motionAtABox(CpuIsa::kBaseline, inverted);
+    for (const CpuIsa isa : usableCpuIsas())
+      EXPECT_EQ(motionAtABox(isa, inverted), expected) << cpuIsaName(isa) << ", inverted " << inverted;
+  }
+}
 
 TEST(StaticBoundaryNode, RefusesWhatMeansNothing) {
   StaticBoundary node;
