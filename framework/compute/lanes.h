@@ -39,6 +39,12 @@ WEIR_HD inline double keptWhere(bool condition, double a) {
 WEIR_HD inline bool any(bool condition) {
   return condition;
 }
+/// For what is rarely to be done, and does nothing where the condition does not hold: false if it holds for
+/// none of the lanes, which saves them the work. Always true for one number, where a select costs no more
+/// than a branch.
+WEIR_HD inline bool mayHold(bool) {
+  return true;
+}
 
 /// t where it is above zero, otherwise (also where it is no number) zero.
 WEIR_HD inline float positivePart(float t) {
@@ -83,6 +89,7 @@ struct LaneMask {
   friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return {a.v | b.v}; }
   friend LaneMask operator!(const LaneMask& a) { return {~a.v}; }
   friend bool any(const LaneMask& a) { return a.bits() != 0; }
+  friend bool mayHold(const LaneMask& a) { return __builtin_expect(any(a), false); }
 
   /// Bit l is that of lane l.
   unsigned bits() const {
@@ -113,6 +120,10 @@ struct LaneInts {
   /// To any address. By a type of its own, because a copy of bytes goes through memory or in halves.
   void store(int* to) const { *reinterpret_cast<Anywhere*>(to) = v; }
 
+  LaneInts& operator-=(int b) {
+    v -= b;
+    return *this;
+  }
   friend LaneMask operator<(const LaneInts& a, int b) { return {a.v < b}; }
   friend LaneMask operator>(const LaneInts& a, int b) { return {a.v > b}; }
   friend LaneMask operator>(const LaneInts& a, const LaneInts& b) { return {a.v > b.v}; }
@@ -278,6 +289,10 @@ inline int largest(const LaneInts& a) {
   const Half two = four > swapped ? four : swapped;
   return two[0] > two[1] ? two[0] : two[1];
 }
+/// The smallest of the lanes, which are above -2³¹.
+inline int smallest(const LaneInts& a) {
+  return -largest(LaneInts{-a.v});
+}
 
 namespace detail {
 
@@ -297,13 +312,21 @@ inline HalfLanes rowOf(const Vec3f& element) {
 #endif
 }
 
+/// Two rows, one behind the other.
+template <class Element>
+[[gnu::always_inline]] inline Lanes::Vector rowsOf(const Element& low, const Element& high) {
+#ifdef __AVX2__
+  // By name, so that the second row comes from memory into its place: compilers load it and move it there.
+  return Lanes::Vector(_mm256_insertf128_ps(_mm256_castps128_ps256(rowOf(low)), rowOf(high), 1));
+#else
+  return __builtin_shufflevector(rowOf(low), rowOf(high), 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+}
+
 /// The rows of eight elements as columns: two 4 by 4 matrices, side by side, are transposed.
 template <class Element>
 [[gnu::always_inline]] inline Vec4<Lanes> transposed(const Element* elements, const int* index) {
-  const auto rows = [&](int l) {
-    return __builtin_shufflevector(rowOf(elements[index[l]]), rowOf(elements[index[l + 4]]), 0, 1, 2, 3, 4, 5,
-                                   6, 7);
-  };
+  const auto rows = [&](int l) { return rowsOf(elements[index[l]], elements[index[l + 4]]); };
   const Lanes::Vector a = rows(0), b = rows(1), c = rows(2), d = rows(3);
   const Lanes::Vector abLow = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
   const Lanes::Vector abHigh = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);

@@ -16,16 +16,21 @@ struct SumOfEight;
 template <>
 struct SumOfEight<float> {
   Lanes total;
-  void add(const LaneMask& counted, const Lanes& term) { total += keptWhere(counted, term); }
+  void add(const Lanes& term) { total += term; }
+  void add(const LaneMask& counted, const Lanes& term) { add(keptWhere(counted, term)); }
 };
 template <>
 struct SumOfEight<Vec4f> {
   Vec4<Lanes> total;
+  void add(const Vec4<Lanes>& term) {
+    total.x += term.x;
+    total.y += term.y;
+    total.z += term.z;
+    total.w += term.w;
+  }
   void add(const LaneMask& counted, const Vec4<Lanes>& term) {
-    total.x += keptWhere(counted, term.x);
-    total.y += keptWhere(counted, term.y);
-    total.z += keptWhere(counted, term.z);
-    total.w += keptWhere(counted, term.w);
+    add({keptWhere(counted, term.x), keptWhere(counted, term.y), keptWhere(counted, term.z),
+         keptWhere(counted, term.w)});
   }
 };
 
@@ -101,14 +106,20 @@ template <class T, class Index, class F, class... Element>
 template <class T, class F, class... Element>
 [[gnu::always_inline]] inline auto sumOverNeighbors(Eight i, const NeighborView& list, const F& f,
                                                     const ArrayView<const Element>&... elements) {
-  const LaneInts counts = LaneInts::load(list.counts + i.first);
-  const int longest = largest(counts);
+  LaneInts left = LaneInts::load(list.counts + i.first);
   const int* entry = list.list(i.first);
+  const int shortest = smallest(left);
+  const int* shortestEnd = entry + kEight * std::int64_t{shortest};
+  const int* end = entry + kEight * std::int64_t{largest(left)};
   detail::prefetchLists(entry, list.capacity);
   detail::SumOfEight<T> sum;
-  // What stands behind the shorter lists may be followed as well.
-  for (int k = 0; k < longest; ++k, entry += kEight)
-    sum.add(counts > k, f(LaneInts::load(entry), gatherLanes(elements.data, entry)...));
+  const auto term = [&]() __attribute__((always_inline)) {
+    return f(LaneInts::load(entry), gatherLanes(elements.data, entry)...);
+  };
+  // As long as all lists go on there is nothing to leave out. What stands behind the shorter ones may be
+  // followed as well.
+  for (; entry != shortestEnd; entry += kEight) sum.add(term());
+  for (left -= shortest; entry != end; entry += kEight, left -= 1) sum.add(left > 0, term());
   return sum.total;
 }
 

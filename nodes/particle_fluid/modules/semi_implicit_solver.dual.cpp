@@ -70,8 +70,10 @@ struct PushOf {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
       T r = fastSqrt(dot(d, d));
       // Particles in one place would stay there for ever; the sign makes the two directions opposite.
-      d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
-      r = select(r < T(shortest), T(shortest), r);
+      if (mayHold(r < T(shortest))) {
+        d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
+        r = select(r < T(shortest), T(shortest), r);
+      }
       const T a = fastDivide(stiffness * kernel.slope(r), r);
       const T b = (ownWeight + others * weight(t.w)) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};

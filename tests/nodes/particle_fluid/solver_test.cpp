@@ -185,6 +185,28 @@ TEST(SemiImplicitSolver, CoincidentParticlesSeparate) {
   }
 }
 
+// Eight particles at a time, of which some share a place.
+TEST(SemiImplicitSolver, CoincidentParticlesAmongManySeparateAlikeWithAllInstructionsOfTheCpu) {
+  std::vector<Vec3f> start;
+  for (int i = 0; i < 45; ++i)
+    for (int copy = 0; copy < 1 + i % 3; ++copy)
+      start.push_back({0.01f * float(i % 5), 0.01f * float(i / 5 % 3), 0.01f * float(i / 15)});
+  std::vector<Vec3f> expected;
+  for (const CpuIsa isa : usableCpuIsas()) {
+    CpuDevice device(2, isa);
+    FluidScene scene(device, start, {}, object({{"spacing", 0.01}}));
+    scene.gravity = {};
+    scene.reset(1e-3);
+    scene.step(20);
+    const std::vector<Vec3f> p = scene.positions();
+    if (expected.empty()) expected = p;
+    EXPECT_EQ(p, expected) << cpuIsaName(isa);
+    for (std::size_t a = 0; a < p.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        EXPECT_GT(length(p[a] - p[b]), 1e-4f) << cpuIsaName(isa) << ", particles " << b << " and " << a;
+  }
+}
+
 TEST(FluidConstants, LatticeCalibration) {
   EXPECT_NEAR(latticeCalibration(1.2), 0.35213, 5e-6);
   EXPECT_NEAR(latticeCalibration(1.5), 0.57728, 5e-6);

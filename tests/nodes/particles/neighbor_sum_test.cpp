@@ -15,13 +15,32 @@ namespace {
 constexpr int kParticles = 41;
 constexpr int kRoom = 48;
 
-/// Particle i has i neighbours, some of them in its own place; all other entries are its own index.
+/// Particle i has i neighbours.
+std::vector<int> eachOneMore() {
+  std::vector<int> counts;
+  for (int i = 0; i < kParticles; ++i) counts.push_back(i);
+  return counts;
+}
+
+/// Of eight particles side by side all have as many, none has any, only the last one has some, all but one
+/// have as many as there can be, and only the first one has none.
+std::vector<int> unevenEights() {
+  std::vector<int> counts;
+  for (int i = 0; i < kParticles; ++i) {
+    const bool first = i % kEight == 0, last = i % kEight == kEight - 1;
+    const int of[] = {7, 0, last ? 33 : 0, last ? 1 : 40, first ? 0 : 9, 5};
+    counts.push_back(of[i / kEight]);
+  }
+  return counts;
+}
+
+/// Neighbours of particles, some of them in their own place; all other entries are a particle's own index.
 struct Lists {
   std::vector<Vec4f> weighted;
   std::vector<Vec3f> positions;
   std::vector<int> entries = std::vector<int>(kParticles * kRoom), counts;
 
-  Lists() {
+  explicit Lists(const std::vector<int>& lengths) : counts(lengths) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> number(-1, 1);
     for (int i = 0; i < kParticles; ++i) {
@@ -29,9 +48,9 @@ struct Lists {
       const Vec3f p = i % 2 == 1 ? positions.back() : Vec3f{number(random), number(random), number(random)};
       positions.push_back(p);
       weighted.push_back({p.x, p.y, p.z, number(random)});
-      counts.push_back(i);
+      const int count = counts[static_cast<std::size_t>(i)];
       for (int k = 0; k < kRoom; ++k)
-        entries[static_cast<std::size_t>(i * kRoom + k)] = k < i ? (i + 1 + k) % kParticles : i;
+        entries[static_cast<std::size_t>(i * kRoom + k)] = k < count ? (i + 1 + k) % kParticles : i;
     }
   }
 
@@ -74,7 +93,7 @@ struct Lists {
 
   std::array<double, 4> expected(int i) const {
     std::array<double, 4> sum{};
-    for (int k = 0; k < i; ++k) {
+    for (int k = 0; k < counts[static_cast<std::size_t>(i)]; ++k) {
       const auto a = static_cast<std::size_t>(i);
       const auto j = static_cast<std::size_t>((i + 1 + k) % kParticles);
       double d[3];
@@ -89,28 +108,31 @@ struct Lists {
 };
 
 TEST(NeighborSum, IsThatOfDoublePrecisionForListsOfAnyLength) {
-  const Lists lists;
-  for (const std::string& name : availableDevices()) {
-    const auto device = openDevice(name);
-    const std::vector<Vec4f> sums = lists.sums(*device);
-    for (int i = 0; i < kParticles; ++i) {
-      const auto expected = lists.expected(i);
-      const Vec4f& sum = sums[static_cast<std::size_t>(i)];
-      EXPECT_NEAR(sum.x, expected[0], 1e-5) << name << ", " << i << " neighbours";
-      EXPECT_NEAR(sum.y, expected[1], 1e-5) << name << ", " << i << " neighbours";
-      EXPECT_NEAR(sum.z, expected[2], 1e-5) << name << ", " << i << " neighbours";
-      EXPECT_NEAR(sum.w, expected[3], 2e-5) << name << ", " << i << " neighbours";
+  for (const Lists& lists : {Lists(eachOneMore()), Lists(unevenEights())}) {
+    for (const std::string& name : availableDevices()) {
+      const auto device = openDevice(name);
+      const std::vector<Vec4f> sums = lists.sums(*device);
+      for (int i = 0; i < kParticles; ++i) {
+        const auto expected = lists.expected(i);
+        const Vec4f& sum = sums[static_cast<std::size_t>(i)];
+        const int count = lists.counts[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(sum.x, expected[0], 1e-5) << name << ", " << i << ", " << count << " neighbours";
+        EXPECT_NEAR(sum.y, expected[1], 1e-5) << name << ", " << i << ", " << count << " neighbours";
+        EXPECT_NEAR(sum.z, expected[2], 1e-5) << name << ", " << i << ", " << count << " neighbours";
+        EXPECT_NEAR(sum.w, expected[3], 2e-5) << name << ", " << i << ", " << count << " neighbours";
+      }
     }
   }
 }
 
 TEST(NeighborSum, IsBitwiseTheSameForAllInstructionsOfTheCpu) {
-  const Lists lists;
-  CpuDevice baseline(1, CpuIsa::kBaseline);
-  const std::vector<Vec4f> expected = lists.sums(baseline);
-  for (const CpuIsa isa : usableCpuIsas()) {
-    CpuDevice device(2, isa);
-    EXPECT_EQ(lists.sums(device), expected) << cpuIsaName(isa);
+  for (const Lists& lists : {Lists(eachOneMore()), Lists(unevenEights())}) {
+    CpuDevice baseline(1, CpuIsa::kBaseline);
+    const std::vector<Vec4f> expected = lists.sums(baseline);
+    for (const CpuIsa isa : usableCpuIsas()) {
+      CpuDevice device(2, isa);
+      EXPECT_EQ(lists.sums(device), expected) << cpuIsaName(isa);
+    }
   }
 }
 
