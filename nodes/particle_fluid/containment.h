@@ -9,9 +9,11 @@
 
 namespace weir {
 
+/// In a corner, leaving one wall may mean entering another.
+inline constexpr int kMostContacts = 4;
+
 /// p, moved out of solids that are nearer than `radius`.
 WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f p) {
-  constexpr int kMostContacts = 4;  // in a corner, leaving one wall may mean entering another
   for (int contacts = 0; contacts < kMostContacts; ++contacts) {
     const BoundaryHit hit = boundaryQuery(boundary, p);
     if (!(hit.distance < radius)) break;
@@ -19,6 +21,18 @@ WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f 
   }
   return p;
 }
+
+#ifdef WEIR_HAS_EIGHT
+/// The same of those `near` a box among eight.
+inline Vec3<Lanes> movedOut(const Shape& box, float radius, Vec3<Lanes> p, LaneMask near) {
+  for (int contacts = 0; contacts < kMostContacts && any(near); ++contacts) {
+    const EightDistances hit = boxDistance(box, p);
+    near = near & (hit.distance < Lanes(radius));
+    p = select(near, p + (radius - hit.distance) * hit.normal, p);
+  }
+  return p;
+}
+#endif
 
 /// Changes displacements so that no particle is nearer to a solid than `radius`.
 struct Contain {
@@ -34,7 +48,16 @@ struct Contain {
 #ifdef WEIR_HAS_EIGHT
   void operator()(Eight i) const {
     if (done != nullptr && *done != 0) return;
-    forEachNear(boundary, radius, i, xyz(read(state, i)), *this);
+    const Vec4<Lanes> before = read(state, i);
+    const Vec3<Lanes> p = xyz(before);
+    if (boundary.count != 1 || !isBox(boundary.first)) return forEachNear(boundary, radius, i, p, *this);
+    const LaneMask near = !(clearance(boundary, p) > Lanes(radius));
+    if (!any(near)) return;
+    const Vec3<Lanes> q = movedOut(boundary.first.shape, radius, p, near);
+    const LaneMask moved = !((p.x == q.x) & (p.y == q.y) & (p.z == q.z));
+    if (!any(moved)) return;
+    write(displacement, i, select(moved, q - read(predicted, i), read(displacement, i)));
+    write(state, i, {q.x, q.y, q.z, keptWhere(!moved, before.w)});
   }
 #endif
 

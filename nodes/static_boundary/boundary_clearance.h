@@ -68,6 +68,11 @@ WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
 
 #ifdef WEIR_HAS_EIGHT
 
+inline Vec3<Lanes> select(const LaneMask& condition, const Vec3<Lanes>& ifTrue, const Vec3<Lanes>& ifFalse) {
+  return {select(condition, ifTrue.x, ifFalse.x), select(condition, ifTrue.y, ifFalse.y),
+          select(condition, ifTrue.z, ifFalse.z)};
+}
+
 struct EightDistances {
   Lanes distance;
   Vec3<Lanes> normal;

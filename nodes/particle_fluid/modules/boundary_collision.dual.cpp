@@ -28,9 +28,6 @@ struct Collide {
   /// Those `near`; the same operations as for one particle.
   void collideWithBox(Eight i, Vec3<Lanes> p, const LaneMask& near) const {
     const BoundaryPiece& box = boundary.first;
-    const auto chosen = [](const LaneMask& which, const Vec3<Lanes>& a, const Vec3<Lanes>& b) {
-      return Vec3<Lanes>{select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
-    };
     Vec3<Lanes> v;
     LaneMask touching = near;
     int contacts = 0;
@@ -39,8 +36,8 @@ struct Collide {
       touching = touching & (hit.distance < Lanes(radius));
       if (!any(touching)) break;
       if (contacts == 0) v = read(velocities, i);
-      p = chosen(touching, p + (radius - hit.distance) * hit.normal, p);
-      v = chosen(touching, reflected(v, hit.normal, box.restitution, box.friction), v);
+      p = select(touching, p + (radius - hit.distance) * hit.normal, p);
+      v = select(touching, reflected(v, hit.normal, box.restitution, box.friction), v);
     }
     if (contacts == 0) return;
     write(positions, i, p);
@@ -56,8 +53,7 @@ struct Collide {
     const Lanes kept = select(slip > zero, 1 - friction * change / slip, zero);
     const Vec3<Lanes> bounced =
         (normalSpeed + change) * normal + select(kept > zero, kept, zero) * tangential;
-    const LaneMask leaves = (normalSpeed > zero) | (normalSpeed == zero);
-    return {select(leaves, v.x, bounced.x), select(leaves, v.y, bounced.y), select(leaves, v.z, bounced.z)};
+    return select((normalSpeed > zero) | (normalSpeed == zero), v, bounced);
   }
 #endif
 
