@@ -160,7 +160,8 @@ std::vector<Vec3f> motionAtABox(CpuIsa isa, bool inverted, const Value& modules)
 
 TEST(StaticBoundaryNode, ABoxActsBitwiseTheSameForAllInstructionsOfTheCpu) {
   // With a tolerance, walls hold particles in every iteration.
-  const Value tolerance = object({{"solver", object({{"tolerance", 0.001}, {"iterations", 5}})}});
+  const Value tolerance =
+      object({{"solver", object({{"params", object({{"tolerance", 0.001}, {"iterations", 5}})}})}});
   for (const Value& modules : {Value::object(), tolerance})
     for (const bool inverted : {false, true}) {
       const std::vector<Vec3f> expected = motionAtABox(CpuIsa::kBaseline, inverted, modules);
