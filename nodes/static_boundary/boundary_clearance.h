@@ -1,5 +1,5 @@
 // A bound of the distance from walls that costs little: mostly no particle is near, and walls need not be
-// asked for more.
+// asked for more. Where they must be and are one box, as tanks mostly are, eight points ask it at once.
 #pragma once
 
 #include <bit>
