@@ -1,8 +1,8 @@
 // A box as a triangle mesh: a block, a wall, a paddle, or a tank where it is linked as a container.
 #pragma once
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
 
 namespace weir {
 

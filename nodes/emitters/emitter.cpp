@@ -10,7 +10,7 @@
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 #include "framework/graph/state.h"
-#include "nodes/particles/flight.h"
+#include "framework/particles/flight.h"
 
 namespace weir {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "framework/graph/node.h"
-#include "nodes/particles/particle_batch.h"
+#include "framework/particles/particle_batch.h"
 
 namespace weir {
 

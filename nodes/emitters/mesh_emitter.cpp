@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/base/random.h"
-#include "nodes/geometry/surface_points.h"
+#include "framework/geometry/surface_points.h"
 
 namespace weir {
 

@@ -4,8 +4,8 @@
 // apart along the normals as well.
 #pragma once
 
+#include "framework/geometry/triangle_mesh.h"
 #include "nodes/emitters/emitter.h"
-#include "nodes/geometry/triangle_mesh.h"
 
 namespace weir {
 

@@ -9,8 +9,8 @@
 // fluid at rest, where layers of lattices would be too dense and spray.
 #pragma once
 
+#include "framework/particles/arrangement.h"
 #include "nodes/emitters/emitter.h"
-#include "nodes/particles/arrangement.h"
 
 namespace weir {
 

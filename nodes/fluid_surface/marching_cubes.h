@@ -7,9 +7,9 @@
 // triangle is without area.
 #pragma once
 
+#include "framework/geometry/dynamic_mesh.h"
 #include "nodes/fluid_surface/cube_table.h"
 #include "nodes/fluid_surface/sparse_grid.h"
-#include "nodes/geometry/dynamic_mesh.h"
 
 namespace weir {
 

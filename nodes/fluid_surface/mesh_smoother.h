@@ -6,7 +6,7 @@
 #pragma once
 
 #include "framework/compute/cell_sort.h"
-#include "nodes/geometry/dynamic_mesh.h"
+#include "framework/geometry/dynamic_mesh.h"
 
 namespace weir {
 

@@ -18,7 +18,7 @@
 #pragma once
 
 #include "framework/compute/cell_sort.h"
-#include "nodes/particles/cell_grid.h"
+#include "framework/neighbors/cell_grid.h"
 
 namespace weir {
 

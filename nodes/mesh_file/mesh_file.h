@@ -1,8 +1,8 @@
 // A triangle mesh from a file, scaled and placed.
 #pragma once
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
 
 namespace weir {
 

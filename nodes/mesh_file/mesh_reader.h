@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/triangle_mesh.h"
 
 namespace weir {
 

@@ -7,8 +7,8 @@
 #pragma once
 
 #include "framework/graph/node.h"
+#include "framework/particles/particle_batch.h"
 #include "nodes/particle_file/particle_reader.h"
-#include "nodes/particles/particle_batch.h"
 
 namespace weir {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <concepts>
 
+#include "framework/neighbors/neighbor_sum.h"
 #include "nodes/particle_fluid/fluid_constants.h"
-#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 

@@ -16,9 +16,9 @@
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
 #include "framework/graph/state.h"
+#include "framework/neighbors/neighbor_list.h"
+#include "framework/particles/particle_set.h"
 #include "nodes/particle_fluid/fluid_constants.h"
-#include "nodes/particles/neighbor_list.h"
-#include "nodes/particles/particle_set.h"
 
 namespace weir {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "framework/base/value.h"
+#include "framework/neighbors/neighbor_list.h"
+#include "framework/particles/particle_set.h"
 #include "nodes/particle_fluid/fluid_constants.h"
-#include "nodes/particles/neighbor_list.h"
-#include "nodes/particles/particle_set.h"
 
 namespace weir {
 

@@ -1,7 +1,7 @@
 #include "nodes/particle_fluid/hidden_neighbors.h"
 
 #include "framework/compute/parallel_uneven.h"
-#include "nodes/geometry/segment_hit.h"
+#include "framework/geometry/segment_hit.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {

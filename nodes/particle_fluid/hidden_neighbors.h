@@ -16,8 +16,8 @@
 // thicker than H and flat or concave, nobody sees a back, and nothing is asked.
 #pragma once
 
+#include "framework/solids/seen_sides.h"
 #include "nodes/particle_fluid/fluid_module.h"
-#include "nodes/solids/seen_sides.h"
 
 namespace weir {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/particles/flight.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
@@ -16,7 +17,6 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/rest_state.h"
-#include "nodes/particles/flight.h"
 
 namespace weir {
 

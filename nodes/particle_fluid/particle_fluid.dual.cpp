@@ -1,6 +1,6 @@
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "framework/solids/carve.h"
 #include "nodes/particle_fluid/density.h"
-#include "nodes/solids/carve.h"
 
 namespace weir {
 

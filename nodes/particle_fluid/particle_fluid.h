@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "framework/graph/node.h"
+#include "framework/particles/particle_batch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
-#include "nodes/particles/particle_batch.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
@@ -57,9 +57,11 @@ class ParticleFluid final : public Node {
       2,
       {.min = 1.1,
        .max = 3,
-       .doc = "Radius in which particles interact, in spacings. 1.2 is the paper's, and 1.5 takes half the time "
-              "of 2; below 1.8, fluid with few neighbours resists where it is squeezed through a narrow: jets are "
-              "up to a tenth too slow."}};
+       .doc =
+           "Radius in which particles interact, in spacings. 1.2 is the paper's, and 1.5 takes half the time "
+           "of 2; below 1.8, fluid with few neighbours resists where it is squeezed through a narrow: jets "
+           "are "
+           "up to a tenth too slow."}};
   Param<float> restDensity{
       *this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest."}};
   Param<float> bulkModulus{

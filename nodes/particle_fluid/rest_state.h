@@ -14,8 +14,8 @@
 #include <functional>
 #include <vector>
 
+#include "framework/particles/particle_batch.h"
 #include "nodes/particle_fluid/fluid_module.h"
-#include "nodes/particles/particle_batch.h"
 
 namespace weir {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framework/compute/parallel.h"
-#include "nodes/geometry/sweep.h"
+#include "framework/geometry/sweep.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 

@@ -14,9 +14,9 @@
 
 #include "framework/compute/eight.h"
 #include "framework/compute/parallel.h"
+#include "framework/particles/particle_set.h"
+#include "framework/solids/solid.h"
 #include "nodes/particle_fluid/displacement.h"
-#include "nodes/particles/particle_set.h"
-#include "nodes/solids/solid.h"
 
 namespace weir {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/geometry/mesh_query.h"
+#include "framework/geometry/mesh_query.h"
 
 namespace weir {
 

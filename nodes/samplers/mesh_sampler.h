@@ -1,7 +1,7 @@
 // The inside of a mesh full of particles.
 #pragma once
 
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "nodes/samplers/sampler.h"
 
 namespace weir {

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "framework/graph/node.h"
-#include "nodes/particles/arrangement.h"
-#include "nodes/particles/particle_batch.h"
+#include "framework/particles/arrangement.h"
+#include "framework/particles/particle_batch.h"
 #include "nodes/samplers/lattice.h"
 #include "nodes/static_boundary/boundary.h"
 

@@ -7,10 +7,10 @@
 #include <limits>
 #include <numbers>
 
+#include "framework/geometry/simplified_mesh.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/state.h"
-#include "nodes/geometry/simplified_mesh.h"
-#include "nodes/particles/flight.h"
+#include "framework/particles/flight.h"
 
 namespace weir {
 

@@ -1,7 +1,7 @@
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 
 #include "framework/compute/parallel.h"
-#include "nodes/solids/carve.h"
+#include "framework/solids/carve.h"
 
 namespace weir {
 

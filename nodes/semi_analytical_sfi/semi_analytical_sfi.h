@@ -13,10 +13,10 @@
 #include <memory>
 #include <vector>
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/solids/solid.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/solid.h"
 
 namespace weir {
 

@@ -6,9 +6,9 @@
 
 #include <optional>
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
-#include "nodes/sink/sink_region.h"
+#include "framework/particles/sink_region.h"
 
 namespace weir {
 

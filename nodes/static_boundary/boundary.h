@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "framework/compute/array.h"
-#include "nodes/static_boundary/mesh_sdf.h"
-#include "nodes/static_boundary/shapes.h"
+#include "framework/geometry/mesh_sdf.h"
+#include "framework/geometry/shapes.h"
 
 namespace weir {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string_view>
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {

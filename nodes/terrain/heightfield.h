@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/triangle_mesh.h"
 
 namespace weir {
 

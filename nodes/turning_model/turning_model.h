@@ -1,8 +1,8 @@
 // A body turned on a lathe: a profile that goes round the node's y axis.
 #pragma once
 
+#include "framework/geometry/surface_of_revolution.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/surface_of_revolution.h"
 
 namespace weir {
 

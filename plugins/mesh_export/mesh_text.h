@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "nodes/geometry/dynamic_mesh_copy.h"
+#include "framework/geometry/dynamic_mesh_copy.h"
 
 namespace weir {
 

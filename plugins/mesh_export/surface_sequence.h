@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/port.h"
 #include "framework/run/output_kind.h"
-#include "nodes/geometry/dynamic_mesh.h"
 #include "plugins/mesh_export/frame_files.h"
 
 namespace weir {

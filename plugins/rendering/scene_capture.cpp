@@ -4,9 +4,9 @@
 
 #include "framework/base/text.h"
 #include "framework/graph/outputs_of.h"
+#include "framework/solids/motion_of.h"
 #include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/motion_of.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"

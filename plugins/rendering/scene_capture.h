@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "framework/compute/frame_copy.h"
+#include "framework/geometry/dynamic_mesh_copy.h"
+#include "framework/geometry/shapes.h"
+#include "framework/particles/particle_set.h"
 #include "framework/run/observer.h"
-#include "nodes/geometry/dynamic_mesh_copy.h"
-#include "nodes/particles/particle_set.h"
-#include "nodes/solids/solid.h"
-#include "nodes/static_boundary/shapes.h"
+#include "framework/solids/solid.h"
 #include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/view.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/geometry/surface_of_revolution.h"
+#include "framework/geometry/surface_of_revolution.h"
 
 namespace weir::rendering {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "nodes/geometry/triangle_mesh.h"
-#include "nodes/static_boundary/shapes.h"
+#include "framework/geometry/shapes.h"
+#include "framework/geometry/triangle_mesh.h"
 
 namespace weir::rendering {
 

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/graph/port.h"
 #include "framework/run/output_kind.h"
-#include "nodes/geometry/dynamic_mesh_copy.h"
 #include "plugins/vtkhdf/vtkhdf_writer.h"
 
 namespace weir {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/particles/particle_set.h"
+#include "framework/particles/particle_set.h"
 #include "python/src/python_scene.h"
 
 namespace weir::python {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "framework/base/log.h"
+#include "framework/particles/particle_set.h"
 #include "framework/run/simulation.h"
 #include "framework/scene/scene.h"
-#include "nodes/particles/particle_set.h"
 #include "python/src/library.h"
 
 namespace weir::python {

@@ -1,8 +1,8 @@
 // A node that puts out the mesh it is given.
 #pragma once
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
 
 namespace weir::test {
 

@@ -1,7 +1,7 @@
 // Small meshes that several tests use, and what is known of them by other means.
 #pragma once
 
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/triangle_mesh.h"
 
 namespace weir::test {
 

@@ -9,10 +9,10 @@
 #include "framework/compute/array.h"
 #include "framework/compute/host_copy.h"
 #include "framework/compute/readback.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/outputs_of.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/solids/motion_of.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/motion_of.h"
 
 namespace weir::studio {
 

@@ -7,16 +7,16 @@
 //   v ← v + clamp(w(t) − v, ±a·dt),     w(t) = (wanted(t + dt) − x)/dt
 //
 // so that the state depends on the steps that were made, whatever their lengths. Solids in motion are taken
-// care of by the fluid itself (nodes/solids).
+// care of by the fluid itself (framework/solids).
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/solids/solid.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/solid.h"
 
 namespace wave_paddle {
 

@@ -2,13 +2,13 @@
 
 #include <limits>
 
+#include "framework/neighbors/motion_code.h"
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/modules/first_derivative.h"
 #include "nodes/particle_fluid/modules/semi_implicit_judge.h"
 #include "nodes/particle_fluid/modules/semi_implicit_passes.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
-#include "nodes/particles/motion_code.h"
 
 namespace weir {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "framework/compute/parallel_uneven.h"
-#include "nodes/geometry/box_blocks.h"
+#include "framework/geometry/box_blocks.h"
+#include "framework/solids/solid_integrals.h"
+#include "framework/solids/triangle_pairs.h"
 #include "nodes/particle_fluid/hidden_neighbors.h"
-#include "nodes/solids/solid_integrals.h"
-#include "nodes/solids/triangle_pairs.h"
 
 namespace weir {
 

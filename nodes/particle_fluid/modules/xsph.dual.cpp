@@ -1,9 +1,9 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 
+#include "framework/neighbors/motion_code.h"
+#include "framework/neighbors/neighbor_sum.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/scratch.h"
-#include "nodes/particles/motion_code.h"
-#include "nodes/particles/neighbor_sum.h"
 
 namespace weir {
 

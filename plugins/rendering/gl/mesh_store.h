@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "nodes/geometry/dynamic_mesh_copy.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/dynamic_mesh_copy.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "plugins/rendering/gl/resources.h"
 #include "plugins/rendering/view.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "framework/compute/device.h"
-#include "nodes/geometry/dynamic_mesh_copy.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/dynamic_mesh_copy.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/geometry/surface_points.h"
+#include "framework/geometry/surface_points.h"
 #include "tests/nodes/emitters/jet.h"
 #include "tests/support/meshes.h"
 

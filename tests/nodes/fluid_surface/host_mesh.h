@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
-#include "nodes/geometry/dynamic_mesh.h"
-#include "nodes/geometry/triangle_mesh.h"
+#include "framework/geometry/dynamic_mesh.h"
+#include "framework/geometry/triangle_mesh.h"
 
 namespace weir::test {
 

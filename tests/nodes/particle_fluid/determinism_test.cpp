@@ -6,8 +6,8 @@
 #include <cstring>
 #include <map>
 
+#include "framework/solids/solid.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/solids/solid.h"
 #include "tests/support/devices.h"
 #include "tests/support/simulated_scene.h"
 

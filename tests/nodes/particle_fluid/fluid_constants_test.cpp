@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/compute/cpu_threads.h"
-#include "nodes/particles/relaxed_tile.h"
+#include "framework/particles/relaxed_tile.h"
 
 namespace weir::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "nodes/particle_fluid/modules/wall_integrals.h"
+#include "tests/framework/neighbors/listed_pairs.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
-#include "tests/nodes/particles/listed_pairs.h"
 #include "tests/support/meshes.h"
 
 namespace weir::test {

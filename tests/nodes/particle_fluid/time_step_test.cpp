@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "framework/particles/flight.h"
 #include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/particles/flight.h"
 #include "tests/support/devices.h"
 #include "tests/support/simulated_scene.h"
 

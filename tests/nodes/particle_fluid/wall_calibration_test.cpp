@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "nodes/particle_fluid/fluid_constants.h"
-#include "tests/support/resting_tanks.h"
+#include "tools/calibration/resting_tanks.h"
 
 namespace weir::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "nodes/geometry/surface_of_revolution.h"
+#include "framework/geometry/surface_of_revolution.h"
 #include "tests/nodes/samplers/sampled.h"
 #include "tests/support/given_mesh.h"
 

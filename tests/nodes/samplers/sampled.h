@@ -9,7 +9,7 @@
 
 #include "framework/graph/registry.h"
 #include "framework/graph/scene_graph.h"
-#include "nodes/particles/particle_batch.h"
+#include "framework/particles/particle_batch.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fluid_scene.h"

@@ -1,0 +1,165 @@
+#include "framework/neighbors/neighbor_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/graph/memory_estimate.h"
+
+namespace weir {
+
+static_assert(sizeof(NeighborEvents) == 4 * sizeof(int));
+
+namespace {
+
+// About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
+constexpr std::int64_t kCellsPerParticle = 4;
+constexpr std::int64_t kFewestCells = 1 << 12;
+constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
+// A block for every so many groups of lists, and a few. At rows of cells that the grid wraps around, and
+// where few particles lie above many, groups are wide; blocks are for those with long lists among them.
+constexpr std::int64_t kGroupsPerBlock = 64;
+constexpr std::int64_t kFewestBlocks = 16;
+
+}  // namespace
+
+NeighborList::NeighborList(Device& device)
+    : packs_(device.kind() == DeviceKind::kCuda),
+      entries_(device),
+      counts_(device),
+      groups_(device),
+      blocks_(device),
+      columns_(device),
+      events_(device) {
+  events_.resize(4);
+  events_.fillZero();
+}
+
+void NeighborList::configure(float radius, int capacity) {
+  WEIR_CHECK(radius > 0);
+  WEIR_CHECK(capacity > 0);
+  WEIR_CHECK(capacity <= kMostScratch);
+  radius_ = radius;
+  capacity_ = capacity;
+  const int piece = packs_ ? kCodesTogether : kInterleaved;
+  room_ = (capacity + piece - 1) / piece * piece;
+  grid_ = chooseCellGrid({}, radius, 0);
+}
+
+void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean) {
+  box_ = box;
+  // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
+  // different places that share storage do not hold many particles.
+  constexpr std::int64_t kParticlesPerCell = 4;
+  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells),
+                         particles / kParticlesPerCell, mean);
+  fittedFor_ = particles;
+}
+
+void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
+  if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
+  makeRoom(particles.capacity());
+  dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain, sinks); });
+}
+
+void NeighborList::makeRoom(std::int64_t particles) {
+  counts_.resizeDiscarding(particles);
+  if (!packs_) {
+    entries_.resizeDiscarding((particles + kInterleaved - 1) / kInterleaved * kInterleaved * room_);
+    return;
+  }
+  const std::int64_t groups = groupsOf(particles);
+  const std::int64_t entries =
+      std::max(groups * kListGroup * room_ / kCodesInInt, CellSort::kPerParticle * particles);
+  const bool fresh = entries_.capacity() < entries;
+  entries_.resizeDiscarding(entries);
+  // Codes are read four at a time, those behind a list's end with them.
+  if (fresh) entries_.fillZero();
+  groups_.resizeDiscarding(groups);
+  const std::int64_t indices = blocksFor(particles) * room_ * kListGroup;
+  const bool freshBlocks = blocks_.capacity() < indices;
+  blocks_.resizeDiscarding(indices);
+  if (freshBlocks) blocks_.fillZero();
+}
+
+std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
+  if (particles <= kAllInWindows) return 0;
+  const std::int64_t groups = groupsOf(particles);
+  // A window holds two rows of cells and what is between them.
+  constexpr int kRows = 4;
+  if (std::int64_t{kRows} * grid_.cells.x > kWindow) return groups;
+  return std::min(groups, std::max(groups / kGroupsPerBlock + kFewestBlocks, grownSize(blocksWanted_, 0)));
+}
+
+double NeighborList::memoryFor(double particles) const {
+  const double cells = std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells));
+  constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
+  const double fine = needsFineCells(static_cast<std::int64_t>(particles)) ? particles + FineCell::kAhead : 0;
+  const double bytes = bytesOfArrays(particles, counts_) +
+                       bytesOfArray(std::max(particles, (cells + fine) / kStartsInOne + 2), sizeof(Vec4f));
+  // The columns of coordinates that the CPU reads, two in a float, with what is behind their ends.
+  constexpr double kFloats = 1.5, kBehind = 64;
+  if (!packs_)
+    return bytes + bytesOfArrays((particles + kInterleaved) * room_, entries_) +
+           bytesOfArrays(kFloats * (particles + kBehind), columns_);
+  const double groups = std::ceil(particles / kListGroup);
+  const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
+  const double entries =
+      std::max(groups * kListGroup * room_ / kCodesInInt, CellSort::kPerParticle * particles);
+  return bytes + bytesOfArrays(entries, entries_) + bytesOfArrays(groups, groups_) +
+         bytesOfArrays(blocks * room_ * kListGroup, blocks_);
+}
+
+void NeighborList::save(const StateWriter& to) const {
+  to.put("grid", grid_);
+  to.put("box", box_);
+  to.put("fitted_for", fittedFor_);
+  to.put("events", events_, events_.size());
+}
+
+void NeighborList::restore(const StateReader& from) {
+  from.get("grid", grid_);
+  from.get("box", box_);
+  from.get("fitted_for", fittedFor_);
+  from.get("events", events_);
+}
+
+PackedLists NeighborList::packed() {
+  if (!packs_) return {};
+  return {reinterpret_cast<FourCodes*>(entries_.data()), groups_.data(), blocks_.data(),
+          static_cast<int>(blocks_.size() / (std::int64_t{room_} * kListGroup)), room_};
+}
+
+NeighborView NeighborList::view() const {
+  // Of a view, nobody writes to the lists.
+  return {entries_.data(), counts_.data(), room_, const_cast<NeighborList*>(this)->packed()};
+}
+
+NeighborEditor NeighborList::editor() {
+  return {entries_.data(), counts_.data(), room_, packed()};
+}
+
+NeighborEvents NeighborList::eventsOnHost() {
+  const std::vector<int> values = events_.toHost();
+  blocksWanted_ = values[3];
+  return {values[0], values[1], values[2], values[3]};
+}
+
+std::vector<std::vector<int>> NeighborList::listsOnHost(std::int64_t particles) const {
+  const std::vector<int> counts = countsOnHost(particles);
+  std::vector<int> entries = entries_.toHost(), blocks = blocks_.toHost();
+  std::vector<ListGroup> groups = groups_.toHost(packs_ ? groupsOf(particles) : 0);
+  NeighborView lists = view();
+  lists.entries = entries.data();
+  lists.counts = counts.data();
+  if (packs_) {
+    lists.packed.codes = reinterpret_cast<FourCodes*>(entries.data());
+    lists.packed.groups = groups.data();
+    lists.packed.blocks = blocks.data();
+  }
+  std::vector<std::vector<int>> all(static_cast<std::size_t>(particles));
+  for (std::int64_t i = 0; i < particles; ++i)
+    forEachNeighbor(i, lists, [&](int j) { all[static_cast<std::size_t>(i)].push_back(j); });
+  return all;
+}
+
+}  // namespace weir

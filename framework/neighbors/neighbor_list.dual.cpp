@@ -1,0 +1,397 @@
+#include "framework/neighbors/neighbor_list.h"
+
+#include <algorithm>
+
+#include "framework/compute/wide_access.h"
+#include "framework/neighbors/cell_rows.h"
+#include "framework/neighbors/code_search.h"
+#include "framework/neighbors/crowding.h"
+#include "framework/neighbors/group_threads.h"
+#include "framework/neighbors/lane_search.h"
+#include "framework/neighbors/list_packer.h"
+#include "framework/particles/permutation.h"
+
+namespace weir {
+
+namespace {
+
+/// The cell of a particle, or -1 if it is to be removed.
+struct CellKey {
+  ParticleSet::Unmoved at;
+  CellGrid grid;
+  Aabb domain;
+  ArrayView<const SinkPiece> sinks;
+  int* escaped;
+  int* nonFinite;
+  int* blocksWanted;  // by the lists to come
+
+  WEIR_HD int operator()(std::int64_t i) const {
+    if (i == 0) *blocksWanted = 0;
+    const Vec3f v = at.velocity(i), p = at.motion.position(at.positions[i], v);
+    if (!isFinite(p) || !isFinite(v)) {
+      atomicAdd(nonFinite, 1);
+      return -1;
+    }
+    if (!domain.contains(p)) {
+      atomicAdd(escaped, 1);
+      return -1;
+    }
+    if (removedBySinks(sinks, p)) return -1;
+    return grid.index(grid.cellOf(p));
+  }
+};
+
+#ifdef WEIR_HAS_EIGHT
+
+/// The keys of eight particles at once if nothing unusual is to be said of any.
+struct WriteKeys {
+  CellKey key;
+  ArrayView<int> keys;
+
+  void operator()(std::int64_t i) const { keys[i] = key(i); }
+  void operator()(Eight i) const {
+    if (!areUsual(i)) forEachOf(i, *this);
+  }
+
+ private:
+  /// Writes the keys if the particles are all to be kept, in the box of the grid or not far from it.
+  bool areUsual(Eight i) const {
+    if (i.first == 0 || key.sinks.size > 0) return false;  // the first one does more
+    const FreeMotion& motion = key.at.motion;
+    const Vec3<Lanes> v = moved(read(key.at.velocities, i), motion.acceleration, motion.dt);
+    const Vec3<Lanes> p = moved(read(key.at.positions, i), v, motion.dt);
+    LaneMask usual = isFiniteEach(p) & isFiniteEach(v);
+    const Aabb& box = key.domain;
+    const CellGrid& grid = key.grid;
+    const auto alongAxis = [&](const Lanes& at, float low, float high, int cells) {
+      const auto most = static_cast<float>(cells);
+      const Lanes cell = Lanes::Vector(_mm256_floor_ps((grid.inverseCellSize * at).v));
+      usual = usual & !(at < Lanes(low)) & !(at > Lanes(high)) & !(cell < Lanes(-most)) &
+              (cell < Lanes(2 * most));
+      const LaneInts::Vector c = __builtin_convertvector(cell.v, LaneInts::Vector);
+      return c + ((c < 0) & cells) - ((c >= cells) & cells);
+    };
+    const LaneInts::Vector x = alongAxis(p.x, box.lo.x, box.hi.x, grid.cells.x),
+                           y = alongAxis(p.y, box.lo.y, box.hi.y, grid.cells.y),
+                           z = alongAxis(p.z, box.lo.z, box.hi.z, grid.cells.z);
+    constexpr int kExact = 1 << 23;  // cells, numbers of which are floats
+    if (any(!usual) || std::max({grid.cells.x, grid.cells.y, grid.cells.z}) > kExact) return false;
+    LaneInts{(z * grid.cells.y + y) * grid.cells.x + x}.store(keys.data + i.first);
+    return true;
+  }
+
+  /// As FreeMotion does it.
+  template <class By>
+  static Vec3<Lanes> moved(const Vec3<Lanes>& from, const Vec3<By>& by, float dt) {
+    return {from.x + Lanes(dt * by.x), from.y + Lanes(dt * by.y), from.z + Lanes(dt * by.z)};
+  }
+  static LaneMask isFiniteEach(const Vec3<Lanes>& a) {
+    return a.x * 0.0f + a.y * 0.0f + a.z * 0.0f == Lanes(0.0f);
+  }
+};
+
+/// What has been written.
+struct WrittenKey {
+  ArrayView<const int> keys;
+  int operator()(std::int64_t i) const { return keys[i]; }
+};
+
+#endif
+
+/// Calls f(begin, end, layer) for ranges of sorted places that hold all particles near a point, in the layers
+/// -1, 0 and 1 of cells from its own.
+template <class Rows, class F>
+WEIR_HD void forEachRangeNear(const Vec3f& p, const CellGrid& grid, const ArrayView<const int>& cellStart,
+                              const Rows& rows, const F& f) {
+  const Vec3i cell = grid.cellOf(p);
+  const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
+  for (int dz = -1; dz <= 1; ++dz) {
+    const int z = CellGrid::step(cell.z, dz, grid.cells.z);
+    for (int dy = -1; dy <= 1; ++dy) {
+      const RowPart part = rows(dy, dz);
+      if (part.last < part.first) continue;
+      const int y = CellGrid::step(cell.y, dy, grid.cells.y);
+      const int row = (z * grid.cells.y + y) * grid.cells.x;
+      if (inside) {
+        // The cells of a row stand side by side.
+        f(cellStart[row + cell.x + part.first], cellStart[row + cell.x + part.last + 1], dz);
+      } else {
+        for (int dx = part.first; dx <= part.last; ++dx) {
+          const int c = row + CellGrid::step(cell.x, dx, grid.cells.x);
+          f(cellStart[c], cellStart[c + 1], dz);
+        }
+      }
+    }
+  }
+}
+
+/// Where lists go.
+struct ListWriter {
+  int capacity;
+  int room;
+  int* entries;
+  int* counts;
+  float* crowding;
+  Vec4f* places;  // null for `crowding`
+  int* truncated;
+  ListPacker packer;  // on CUDA
+
+  WEIR_HD int* list(std::int64_t i) const { return entries + listPlace(i, room); }
+  WEIR_HD void finish(std::int64_t i, int found, int kept) const {
+    if (found > kept) atomicAdd(truncated, 1);
+    counts[i] = kept;
+  }
+  WEIR_HD void crowd(std::int64_t i, const Vec3f& p, float crowd) const {
+    if (places != nullptr)
+      storeWhole(places[i], Vec4f{p.x, p.y, p.z, crowd});
+    else
+      crowding[i] = crowd;
+  }
+};
+
+struct FindNeighbors {
+  ArrayView<const Vec3f> positions;
+  ArrayView<const int> cellStart;
+  CellGrid grid;
+  float radiusSquared;
+  ListWriter writer;
+
+  Count count;
+
+  /// Straight into the list.
+  WEIR_HD void operator()(std::int64_t i) const {
+    FoundNeighbors to{Scratch{writer.list(i), kInterleaved}};
+    const int found = find(i, to);
+    writer.finish(i, found, to.kept);
+  }
+
+  /// By way of scratch memory, from which neighbouring threads write whole lines.
+  WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
+    FoundNeighbors to{scratch};
+    const int found = find(i, to);
+    writer.finish(i, found, writer.packer.pack(i, to, GroupThreads(i, count.get())));
+  }
+
+  /// Returns how many there are.
+  WEIR_HD int find(std::int64_t i, FoundNeighbors& to) const {
+    const Scratch& list = to.index;
+    float crowd = 0;
+    const Vec3f p = positions[i];
+    const int self = static_cast<int>(i);
+    int found = 0;
+    int own = 0, above = 0;
+    forEachRangeNear(p, grid, cellStart, RowsWithinReach(p, grid), [&](int begin, int end, int layer) {
+#ifdef __CUDA_ARCH__
+#pragma unroll 2  // so that several positions are under way at once
+#endif
+      for (int j = begin; j < end; ++j) {
+        const Vec3f d = positions[j] - p;
+        const float squared = dot(d, d);
+        // Beyond the radius it adds 0, which costs less than to ask.
+        crowd += crowdingAt(squared, grid);
+        if (squared >= radiusSquared || j == self) continue;
+        if (found < writer.capacity) list[found] = j;
+        ++found;
+      }
+      if (layer < 0) own = found;
+      if (layer <= 0) above = found;
+    });
+    writer.crowd(i, p, crowd);
+    to.kept = found < writer.capacity ? found : writer.capacity;
+    to.own = own < to.kept ? own : to.kept;
+    to.above = above < to.kept ? above : to.kept;
+    return found;
+  }
+};
+
+/// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
+/// device otherwise; all indices are codes there.
+struct FindNeighborsInTeams {
+  static constexpr Standing kLeaves = Standing::kCounts;
+  FindNeighbors find;
+
+  WEIR_HD void operator()(std::int64_t i, const Team& team) const {
+    const int self = static_cast<int>(i);
+    const Vec3f p = find.positions[i];
+    const PackedLists& lists = find.writer.packer.lists;
+    const RowsWithinReach rows(p, find.grid);
+    const Vec3i own = find.grid.cellOf(p);
+    constexpr int kCells = 27;
+    int found = 0;
+    float crowd = 0;
+    for (int start = 0; start < kCells; start += team.size) {
+      const int c = start + team.lane;
+      int begin = 0, end = 0;
+      if (c < kCells) range(own, c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1, rows, begin, end);
+      for (; team.ask(begin < end) != 0; begin += kTogether) {
+        Vec3f at[kTogether];
+        for (int l = 0; l < kTogether; ++l)
+          if (begin + l < end) at[l] = find.positions[begin + l];
+        for (int l = 0; l < kTogether; ++l) {
+          const int j = begin + l;
+          const Vec3f d = at[l] - p;
+          const float squared = dot(d, d);
+          if (j < end) crowd += crowdingAt(squared, find.grid);
+          const bool near = j < end && squared < find.radiusSquared && j != self;
+          const unsigned all = team.ask(near);
+          const int place = found + countBits(all & ((1u << team.lane) - 1));
+          if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
+          found += countBits(all);
+        }
+      }
+    }
+    crowd = team.sum(crowd);
+    if (team.lane != 0) return;
+    if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
+    find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
+    find.writer.crowd(i, p, crowd);
+  }
+
+ private:
+  static constexpr int kTogether = 4;  // candidates of a cell
+
+  WEIR_HD void range(const Vec3i& own, int dx, int dy, int dz, const RowsWithinReach& rows, int& begin,
+                     int& end) const {
+    const CellGrid& grid = find.grid;
+    const RowPart part = rows(dy, dz);
+    if (dx < part.first || dx > part.last) return;
+    const int c =
+        grid.index({CellGrid::step(own.x, dx, grid.cells.x), CellGrid::step(own.y, dy, grid.cells.y),
+                    CellGrid::step(own.z, dz, grid.cells.z)});
+    begin = find.cellStart[c];
+    end = find.cellStart[c + 1];
+  }
+};
+
+// Sorting and listing borrow memory that nobody needs meanwhile.
+
+/// What is asked until the lists are made.
+struct Sorted {
+  ArrayView<int> cellStart;  // where each cell starts
+  FineCell* fine = nullptr;  // of the particles; null where nobody asks
+};
+
+Sorted sortedIn(ParticleSet& particles, std::int64_t cells, bool needsFine) {
+  constexpr std::int64_t kInOne = sizeof(Vec4f) / sizeof(int);
+  static_assert(sizeof(FineCell) == sizeof(int));
+  const std::int64_t starts = cells + 1, fine = needsFine ? particles.capacity() + FineCell::kAhead : 0;
+  Array<Vec4f>& wide = particles.wideScratch((starts + fine + kInOne - 1) / kInOne);
+  int* here = reinterpret_cast<int*>(wide.data());
+  return {{here, starts}, needsFine ? reinterpret_cast<FineCell*>(here + starts) : nullptr};
+}
+
+/// What is forgotten when lists go into its place.
+CellSortMemory sortMemory(ParticleSet& particles, ArrayView<int> start, Array<int>& entries) {
+  const std::int64_t count = particles.bound();
+#ifdef __CUDACC__
+  // Particles move to their spare memory meanwhile.
+  WEIR_CHECK(entries.size() >= CellSort::kPerParticle * count);
+  int* here = entries.data();
+  return {start, {here, count}, {here + count, count}, {here + 2 * count, count}};
+#else
+  // Cells are forgotten when velocities go into that place.
+  int* words = reinterpret_cast<int*>(particles.scratch().data());
+  return {start, {words, count}, {words + count, count}, {entries.data(), count}};
+#endif
+}
+
+ArrayView<float> crowdingIn(ParticleSet& particles) {
+  Array<Vec3f>& scratch = particles.scratch();
+  return {reinterpret_cast<float*>(scratch.data()), scratch.size()};
+}
+
+}  // namespace
+
+template <class Backend>
+void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
+                           ArrayView<const SinkPiece> sinks) {
+  int* events = events_.data();
+  const auto [cellStart, fine] = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
+  {
+    const ProfileScope scope(device.profiler(), "sort");
+    const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
+    const Count count = particles.count();
+#ifdef __CUDACC__
+    // A particle moves when its place is known, which takes a kernel less.
+    detail::Permutation permutation(particles);
+    detail::Permute moved = permutation.next(memory.order);
+    moved.fine = fine;
+    moved.inverseCellSize = grid_.inverseCellSize;
+#else
+    const detail::KeepOrder moved;
+#endif
+    const CellKey key{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3};
+#ifdef WEIR_HAS_EIGHT
+    // Where they are written once more.
+    parallelForEights(device, "keys", count, WriteKeys{key, memory.cell});
+    sortByCell(device, count, grid_.cellCount(), WrittenKey{memory.cell}, particles.counter(), memory, moved);
+#else
+    sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory, moved);
+#endif
+#ifdef __CUDACC__
+    permutation.finish();
+    for (; permutation.isLeft(); permutation.finish())
+      parallelFor(device, "permute", particles.count(), permutation.next(memory.order));
+#else
+    particles.permute(memory.order);
+#endif
+  }
+  const ArrayView<float> crowding = crowdingIn(particles);
+  crowding_ = crowding;
+  crowdingUse_ = particles.scratchUses();
+  Vec4f* places = nullptr;
+  placesUse_ = 0;
+  if (packs_ && particles.hasPlaces()) {
+    Array<Vec4f>& to = particles.places();
+    places = to.data();
+    places_ = to.view();
+    placesUse_ = particles.placesUses();
+    crowdingUse_ = 0;
+  }
+  const ProfileScope scope(device.profiler(), "list");
+  listOn(device, particles, cellStart, fine, crowding.data, places);
+}
+
+template <class Backend>
+void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
+                          [[maybe_unused]] const FineCell* fine, float* crowding,
+                          [[maybe_unused]] Vec4f* places) {
+  const Count count = particles.count();
+  const ArrayView<const Vec3f> positions = particles.positions().view();
+  const float radiusSquared = radius_ * radius_;
+  constexpr std::string_view kName = "find neighbours";
+#ifdef WEIR_HAS_LANES
+  const detail::ShortPlaces shortPlaces(columns_, positions.size);
+  parallelForEights(device, "columns", count,
+                    detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
+  forEachRange(device, kName, count,
+               detail::LaneSearch{shortPlaces,
+                                  positions,
+                                  cellStart,
+                                  grid_,
+                                  radiusSquared,
+                                  capacity_,
+                                  room_,
+                                  entries_.data(),
+                                  counts_.data(),
+                                  {crowding, positions.size},
+                                  events_.data()});
+#else
+  const ListWriter writer{
+      capacity_, room_,  entries_.data(), counts_.data(),
+      crowding,  places, events_.data(),  {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
+  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
+  constexpr TeamPlan kPlan{32, kFewForTeams};
+  static_assert(kPlan.few <= kAllInWindows);
+  if (fine != nullptr)
+    searchCodes(device, kName, count, capacity_, find, fine);
+  else if (packs_)
+    parallelForTeams<kPlan>(device, kName, count, FindNeighborsInTeams{find});
+  else
+    parallelFor(device, kName, count, find);
+#endif
+}
+
+template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);
+
+}  // namespace weir

@@ -1,0 +1,32 @@
+// How the particles of a source lie before the fluid moves them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "framework/graph/param_types.h"
+#include "framework/particles/particle_batch.h"
+#include "framework/particles/relaxed_tile.h"
+
+namespace weir {
+
+class Device;
+
+enum class Arrangement { kRelaxed, kLattice };
+template <>
+struct EnumNames<Arrangement> {
+  static constexpr std::array<EnumName, 2> kNames{EnumName{"relaxed", "Disordered, as in fluid at rest."},
+                                                  EnumName{"lattice", "A cubic lattice."}};
+};
+
+/// Whether a source shall use a tile: as it is told, or else as its fluid's rest state is.
+bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Request& request);
+
+/// Particles along the tile of sources.
+inline constexpr int kTileSide = 12;
+
+/// The tile of sources: small and quickly made, as more of either changes nothing that can be seen.
+RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device);
+
+}  // namespace weir

@@ -1,0 +1,126 @@
+#include "framework/particles/particle_set.h"
+
+#include "framework/compute/eight.h"
+#include "framework/particles/permutation.h"
+
+namespace weir {
+
+namespace {
+
+struct Move {
+  FreeMotion motion;
+  ArrayView<Vec3f> positions, velocities;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f v = motion.velocity(velocities[i]);
+    velocities[i] = v;
+    positions[i] = motion.position(positions[i], v);
+  }
+};
+
+template <class T>
+struct ZeroBehind {
+  ArrayView<T> values;
+  const int* count;
+  WEIR_HD void operator()(std::int64_t k) const { values[*count + k] = T{}; }
+};
+
+struct AppendBatch {
+  ArrayView<const Vec3f> newPositions;
+  ParticleBatch::VelocityView newVelocities;
+  ArrayView<const int> order;  // empty for all
+  int firstId;
+  const int* count;
+  ArrayView<Vec3f> positions, velocities;
+  ArrayView<int> ids;
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = *count + k;
+    const int from = order.size > 0 ? order[k] : static_cast<int>(k);
+    positions[i] = newPositions[from];
+    velocities[i] = newVelocities[from];
+    ids[i] = firstId + from;
+  }
+};
+
+#ifndef __CUDACC__
+
+/// Column after column, so that a loop has nothing to ask.
+struct PermuteRange {
+  detail::Permute permute;
+
+  void operator()(std::int64_t begin, std::int64_t end) const {
+    const detail::Permute p = permute;
+    const bool moves = p.unmoved.motion.dt != 0;
+    for (int c = 0; c < p.used; ++c) {
+      const detail::PermutedColumn column = p.columns[c];
+      const auto fill = [&](auto* to, const auto& from) {
+        for (std::int64_t k = begin; k < end; ++k) to[k] = from(p.order[k]);
+      };
+      auto* const vectors = reinterpret_cast<Vec3f*>(column.to);
+      if (column.words == 1)
+        fill(column.to, [&](int i) { return column.from[i]; });
+      else if (moves && c == p.position)
+        fill(vectors, [&](int i) { return p.unmoved.position(i); });
+      else if (moves && c == p.velocity)
+        fill(vectors, [&](int i) { return p.unmoved.velocity(i); });
+      else
+        fill(vectors, [&](int i) { return reinterpret_cast<const Vec3f*>(column.from)[i]; });
+    }
+  }
+};
+
+#endif
+
+struct Advance {
+  int* count;
+  Count amount;
+  WEIR_HD void operator()(std::int64_t) const { *count += static_cast<int>(amount.get()); }
+};
+
+}  // namespace
+
+namespace detail {
+
+template <class T>
+template <class Backend>
+void TypedStorage<T>::zeroBehindOn(Backend& device, const int* count, std::int64_t amount) {
+  parallelFor(device, "zero", amount, ZeroBehind<T>{values.view(), count});
+}
+
+template void TypedStorage<float>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+template void TypedStorage<Vec3f>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
+
+}  // namespace detail
+
+template <class Backend>
+void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected) {
+  const Count count{batch.count, selected.kept};
+  parallelFor(
+      device, "append", count,
+      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
+                  counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
+  parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
+}
+
+template <class Backend>
+void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
+  for (detail::Permutation permutation(*this); permutation.isLeft(); permutation.finish())
+#ifdef __CUDACC__
+    parallelFor(device, "permute", count(), permutation.next(order));
+#else
+    forEachRange(device, "permute", count(), PermuteRange{permutation.next(order)});
+#endif
+}
+
+template <class Backend>
+void ParticleSet::moveOn(Backend& device, const FreeMotion& motion) {
+  parallelFor(device, "move", count(), Move{motion, positions_->view(), velocities_->view()});
+}
+
+template void ParticleSet::moveOn(ThisBackend&, const FreeMotion&);
+
+template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);
+template void ParticleSet::appendOn(ThisBackend&, const ParticleBatch&, const BatchSelection&);
+
+}  // namespace weir

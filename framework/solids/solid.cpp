@@ -1,0 +1,47 @@
+#include "framework/solids/solid.h"
+
+#include "framework/graph/state.h"
+
+namespace weir {
+
+Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
+             float detail)
+    : tree_(device, mesh),
+      clearance_(device, tree_.view(), 0.5f * detail),
+      surface_(surface),
+      motion_(&motion),
+      impulse_(device, 1),
+      carved_(device, 1) {
+  carved_.fillZero();
+  impulse_.fillZero();
+}
+
+double Solid::mostMemory(const TriangleMesh& mesh) {
+  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
+}
+
+void Solid::save(const StateWriter& to) const {
+  to.put("carved", carved_, carved_.size());
+  to.put("impulse", impulse_, impulse_.size());
+}
+
+void Solid::restore(const StateReader& from) {
+  from.get("carved", carved_);
+  from.get("impulse", impulse_);
+}
+
+SolidView Solid::view(double time, double dt) {
+  const Pose end = motion_->poseAt(time + dt);
+  return {.tree = tree_.view(),
+          .clearance = clearance_.view(),
+          .begin = dt > 0 ? motion_->poseAt(time) : end,
+          .end = end,
+          .inverseDt = dt > 0 ? static_cast<float>(1 / dt) : 0.0f,
+          .kind = surface_.kind,
+          .approximate = surface_.approximate,
+          .friction = surface_.friction,
+          .carved = carved_.data(),
+          .noSlip = surface_.noSlip};
+}
+
+}  // namespace weir

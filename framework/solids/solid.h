@@ -1,0 +1,93 @@
+// A rigid triangle mesh that fluids meet: what their kernels see of it, and what it feels of them.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "framework/geometry/clearance_grid.h"
+#include "framework/graph/param_types.h"
+#include "framework/solids/pose.h"
+
+namespace weir {
+
+class StateReader;
+class StateWriter;
+
+/// Where the matter of a solid is.
+enum class SolidKind { kSolid, kContainer, kSheet };
+
+/// A solid during one step, for kernels.
+struct SolidView {
+  TriangleTreeView tree;    ///< in the solid's own frame
+  ClearanceView clearance;  ///< there, too
+  Pose begin, end;          ///< at the beginning and the end of the step
+  float inverseDt = 0;      ///< 1/s
+  SolidKind kind = SolidKind::kSolid;
+  bool approximate = false;  ///< the integrals of Chang et al. 2020 in place of exact ones
+  float friction = 0;        ///< Coulomb's coefficient
+  int* carved = nullptr;     ///< counts the particles that were born where there is no room
+  float noSlip = 0;          ///< 1/s: rate at which fluid in contact takes the solid's velocity
+
+  /// Mean velocity over the step, m/s, of the solid's point that ends at p.
+  WEIR_HD Vec3f velocityAt(const Vec3f& p) const { return inverseDt * (p - begin.toWorld(end.toBody(p))); }
+};
+
+/// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
+struct SolidImpulse {
+  Vec3d linear, angular;
+
+  WEIR_HD SolidImpulse& operator+=(const SolidImpulse& b) {
+    linear += b.linear;
+    angular += b.angular;
+    return *this;
+  }
+};
+
+/// What moves a solid.
+class RigidMotion {
+ public:
+  virtual ~RigidMotion() = default;
+  virtual Pose poseAt(double time) const = 0;    ///< s
+  virtual Vec3f pivotAt(double time) const = 0;  ///< m, the point about which torques are counted
+};
+
+struct SolidSurface {
+  SolidKind kind = SolidKind::kSolid;
+  bool approximate = false;
+  float friction = 0;
+  float noSlip = 0;  ///< 1/s
+};
+
+class Solid {
+ public:
+  /// The mesh in its own frame; the motion must outlive the solid. `detail` (m, above 0) is the size of what
+  /// meets it, such as the spacing of particles; it decides what look-ups cost, but no result.
+  Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
+        float detail);
+
+  /// Bytes on the device that the solid of such a mesh takes at most.
+  static double mostMemory(const TriangleMesh& mesh);
+  /// What it counts and sums.
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
+
+  /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
+  SolidView view(double time, double dt);
+  Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
+  const SolidSurface& surface() const { return surface_; }
+
+  /// One sum, on the device, to which fluids add what they do in each step.
+  Array<SolidImpulse>& impulse() { return impulse_; }
+  /// Particles that were left out at birth, as this solid left them no room. Waits for the device.
+  std::int64_t carvedOnHost() const { return carved_.toHost().front(); }
+
+ private:
+  TriangleTree tree_;
+  ClearanceGrid clearance_;
+  SolidSurface surface_;
+  const RigidMotion* motion_;
+  Array<SolidImpulse> impulse_;
+  Array<int> carved_;  // one
+};
+
+}  // namespace weir

@@ -1,0 +1,104 @@
+// Putting particles into another order, few of them and so many that attributes go one after another.
+#include "framework/particles/particle_set.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/devices.h"
+
+namespace weir::test {
+namespace {
+
+using ParticleSetTest = OnDevice;
+WEIR_ON_EVERY_DEVICE(ParticleSetTest);
+
+/// Values that tell the particle, its attribute and its component.
+Vec3f vectorOf(int i, float attribute) {
+  return {float(i), attribute, float(i % 1000) + 0.25f};
+}
+
+TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
+  for (const std::int64_t count : {std::int64_t{1000}, ParticleSet::kFew + 1000}) {
+    ParticleSet particles(*device);
+    Array<Vec3f>& carried = particles.add<Vec3f>({.name = "carried", .unit = "", .doc = ""});
+    Array<float>& share = particles.add<float>({.name = "share", .unit = "", .doc = ""});
+    Array<float>& heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    particles.add<float>({.name = "derived", .unit = "", .doc = "", .derived = true});
+    const auto n = static_cast<std::size_t>(count);
+    std::vector<Vec3f> positions, velocities, third;
+    std::vector<float> shares, heats;
+    for (int i = 0; i < count; ++i) {
+      positions.push_back(vectorOf(i, 1));
+      velocities.push_back(vectorOf(i, 2));
+      third.push_back(vectorOf(i, 3));
+      shares.push_back(float(i) + 0.5f);
+      heats.push_back(-float(i));
+    }
+    ParticleBatch batch;
+    batch.assign(*device, positions, velocities);
+    particles.append(batch);
+    ASSERT_EQ(particles.capacity() > ParticleSet::kFew, count > ParticleSet::kFew);
+    device->upload(carried.data(), third.data(), n * sizeof(Vec3f));
+    device->upload(share.data(), shares.data(), n * sizeof(float));
+    device->upload(heat.data(), heats.data(), n * sizeof(float));
+
+    std::vector<int> order(n);
+    for (std::size_t k = 0; k < n; ++k) order[k] = static_cast<int>((k * 7 + 3) % n);
+    const Array<int> onDevice(*device, order);
+    for (int times = 0; times < 2; ++times) {
+      particles.permute(onDevice.view());
+      // What is in the scratch memory does not matter.
+      particles.scratch().fillZero();
+    }
+    const std::vector<int> ids = particles.ids().toHost(count);
+    const auto found = [&](const auto& values, const auto& expected) {
+      const auto ordered = values.toHost(count);
+      for (std::size_t k = 0; k < n; ++k)
+        if (!(ordered[k] == expected[static_cast<std::size_t>(ids[k])])) return false;
+      return true;
+    };
+    EXPECT_EQ(ids[5], order[static_cast<std::size_t>(order[5])]);
+    EXPECT_TRUE(found(particles.positions(), positions));
+    EXPECT_TRUE(found(particles.velocities(), velocities));
+    EXPECT_TRUE(found(carried, third));
+    EXPECT_TRUE(found(share, shares));
+    EXPECT_TRUE(found(heat, heats));
+  }
+}
+
+TEST_P(ParticleSetTest, MovesWhoeverAsksAndWhateverComesFirst) {
+  const FreeMotion motion{{0, -9.8f, 1}, 0.01f};
+  for (const int count : {1000, int(ParticleSet::kFew) + 1000}) {
+    std::vector<Vec3f> at, velocities, moved, faster;
+    for (int i = 0; i < count; ++i) {
+      at.push_back(vectorOf(i, 1));
+      velocities.push_back(vectorOf(i % 7, 2));
+      faster.push_back(velocities.back() + motion.dt * motion.acceleration);
+      moved.push_back(at.back() + motion.dt * faster.back());
+    }
+    ParticleBatch batch;
+    batch.assign(*device, at, velocities);
+    std::vector<int> order(at.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = int((k * 7 + 3) % order.size());
+    const Array<int> onDevice(*device, order);
+    for (const bool permuted : {false, true}) {
+      ParticleSet particles(*device);
+      particles.append(batch);
+      particles.move(motion);
+      if (permuted) particles.permute(onDevice.view());
+      const std::vector<Vec3f> p = particles.positions().toHost(count),
+                               v = particles.velocities().toHost(count);
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        const std::size_t i = permuted ? std::size_t(order[k]) : k;
+        // Multiplication and addition may be rounded once or twice.
+        ASSERT_LE(length(v[k] - faster[i]), 1e-6f * length(faster[i])) << i;
+        ASSERT_LE(length(p[k] - moved[i]), 1e-6f * length(moved[i])) << i;
+      }
+      // Once.
+      EXPECT_FALSE(particles.isToMove());
+      EXPECT_EQ(particles.positions().toHost(count), p);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace weir::test
