@@ -80,7 +80,7 @@ done
 cmp "$folder/my_force.txt" "$folder/baseline.txt" || fail "the instruction set changes results"
 
 say "A plugin for another Weir is refused"
-digest=$weir/include/weir/framework/graph/interface_digest.h
+digest=$weir/include/weir/detail/framework/graph/interface_digest.h
 cp "$digest" "$folder/digest.h"
 cp "$folder/my_force/build/plugins/weir_my_force.so" "$folder/right.so"
 sed -i -E 's/headers [0-9a-f]{16}/headers 0123456789abcdef/' "$digest"
