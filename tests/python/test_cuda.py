@@ -1,6 +1,8 @@
-"""Particles on a GPU, shared with PyTorch, CuPy and Numba. Skipped where there is no GPU, or no such library."""
+"""Particles on a GPU, shared with PyTorch, CuPy and Numba. Skipped where there is no GPU, unless WEIR_REQUIRE_DEVICES names
+cuda, or no such library."""
 
 import gc
+import os
 
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ import pytest
 import weir
 from conftest import dam_break, falling_drop
 
-pytestmark = pytest.mark.skipif(not any(name.startswith("cuda") for name, _ in weir.devices()),
+required = "cuda" in os.environ.get("WEIR_REQUIRE_DEVICES", "").split(",")
+pytestmark = pytest.mark.skipif(not required and not any(name.startswith("cuda") for name, _ in weir.devices()),
                                 reason="there is no CUDA device that works")
 
 

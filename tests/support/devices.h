@@ -12,17 +12,13 @@
 
 namespace weir::test {
 
-/// "cpu", and "cuda" where a CUDA device can be opened.
-inline std::vector<std::string> availableDevices() {
-  std::vector<std::string> names{"cpu"};
-  try {
-    openDevice("cuda");
-    names.emplace_back("cuda");
-  } catch (const Error&) {
-    // No CUDA in the build or no device that works: the CPU alone is tested.
-  }
-  return names;
-}
+/// "cpu", and "cuda" where a CUDA device can be opened. `required`, such as "cpu,cuda", names devices that
+/// must be there: throws a weir::Error where one of them cannot be opened.
+std::vector<std::string> testedDevices(const std::string& required);
+
+/// The same for the environment variable WEIR_REQUIRE_DEVICES, which is empty where it is not set. Ends the
+/// program, with a message, where a required device is missing, so that none is left out in silence.
+const std::vector<std::string>& availableDevices();
 
 /// A test that runs once on each device:
 ///   using MyTest = OnDevice;
