@@ -143,6 +143,13 @@ TEST_F(Assimp, ReadsTheSameBoxFromSeveralFormats) {
   expectBox(reader->read(write("BOX WITH SPACES é.OBJ", objBox())), "a strange name");
 }
 
+TEST_F(Assimp, TheDuckOfTheResourcesIsClosedAndFacesOutward) {
+  const TriangleMesh mesh = cleaned(reader->read(resourcesFolder() + "/meshes/duck.obj"));
+  EXPECT_GT(mesh.triangles.size(), 5000u);
+  EXPECT_EQ(diagnose(mesh).message(), "");
+  EXPECT_GT(mesh.volume(), 0);
+}
+
 TEST_F(Assimp, KnowsTheEndingsWithTheDotInLowerCase) {
   const std::vector<std::string> endings = reader->extensions();
   for (const char* ending : {".obj", ".stl", ".ply", ".3ds", ".dae", ".glb"})
