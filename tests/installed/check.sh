@@ -47,6 +47,9 @@ for library in framework nodes; do
   if readelf -d "$weir/lib/libweir_$library.so" | grep -F -e "$build"; then fail "libweir_$library.so names the build folder"; fi
 done
 
+say "No library comes from the current folder"
+python3 "$source/tests/tools/elf/check_elf.py" --build "$build" "$weir"
+
 say "Running an installed scene, with all of its plugins"
 "$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
   --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
