@@ -1,6 +1,5 @@
 #include "apps/weir/studio_command.h"
 
-#include <fmt/format.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 
 #include "apps/weir/describe.h"
 #include "apps/weir/interruption.h"
+#include "apps/weir/standard_streams.h"
 #include "framework/base/text.h"
 #ifdef WEIR_HAS_STUDIO
 #include "apps/studio/session/studio.h"
@@ -92,9 +92,9 @@ int StudioCommand::run() {
   shown = &studio;
   if (!scene_.empty())
     studio.open(fs::absolute(scene).lexically_relative(fs::canonical(options.folder)).string());
-  fmt::print("{}\n", studio.address());
-  for (const std::string& address : studio.furtherAddresses()) fmt::print("{}\n", address);
-  std::fflush(stdout);
+  print(studio.address() + "\n");
+  for (const std::string& address : studio.furtherAddresses()) print(address + "\n");
+  finishPrinting();
   if (!stay_) openBrowser(studio.address());
 
   const Interruption interruption;

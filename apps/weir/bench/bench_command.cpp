@@ -8,6 +8,7 @@
 #include "apps/weir/bench/copy_bandwidth.h"
 #include "apps/weir/bench/machine.h"
 #include "apps/weir/interruption.h"
+#include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 
@@ -16,6 +17,8 @@ namespace weir::app {
 namespace {
 
 constexpr int kMostThreads = 1024;
+constexpr std::int64_t kFewestParticles = 64,
+                       kMostParticles = 2'000'000'000;  // what memory holds is asked at the reset
 // Without --sizes; more would take hours on a CPU.
 constexpr std::int64_t kMostOnCpu = 600'000;
 constexpr std::int64_t kMostQuick = 64'000;
@@ -56,15 +59,15 @@ std::string allNames(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void print(const std::string& text) {
-  fmt::print("{}", text);
-  std::fflush(stdout);  // someone watches; main() tells of what cannot be written
+void show(const std::string& text) {
+  print(text);
+  finishPrinting();  // someone watches
 }
 
 std::string aboutCases() {
   std::string text = "Cases:\n";
   for (const BenchCase& c : benchCases()) text += fmt::format("  {:<13} {}\n", c.name, c.about);
-  return text + "Sizes of the cases dam…: " + allNames(namesOf(blockSizes())) +
+  return text + "Usual sizes of the cases dam…: " + allNames(namesOf(blockSizes())) +
          "\nWithout --sizes: all on CUDA, those below 600,000 on the CPU.";
 }
 
@@ -82,9 +85,12 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
   command_->add_option("--cases", cases_, "What to run, separated by commas; all if it is left out")
       ->type_name("CASES")
       ->delimiter(',');
-  command_->add_option("--sizes", sizes_, "Numbers of particles of the dam break, separated by commas")
+  command_
+      ->add_option("--sizes", sizes_,
+                   "Numbers of particles of the dam break, separated by commas; the nearest block is taken")
       ->type_name("SIZES")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->check(CLI::Range(kFewestParticles, kMostParticles));
   command_
       ->add_option("--late-after", lateAfter_,
                    "Simulated seconds before developed flow is timed; "
@@ -100,7 +106,7 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
   command_->add_flag("--quick", quick_, "A look at whether all works: sizes up to 64,000, late after 0.1 s");
   command_->add_flag(
       "--deterministic", deterministic_,
-      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
+      "End the run where results could differ from run to run: if neighbour lists overflow on CUDA");
   command_->footer(aboutCases());
 }
 
@@ -109,8 +115,10 @@ std::vector<BenchCase> BenchCommand::chosenCases() const {
 }
 
 std::vector<BlockSize> BenchCommand::chosenSizes(bool onCpu) const {
-  std::vector<BlockSize> sizes = choose(blockSizes(), sizes_, "--sizes");
-  if (!sizes_.empty()) return sizes;
+  std::vector<BlockSize> sizes;
+  for (const std::int64_t particles : sizes_) sizes.push_back(blockOf(particles));
+  if (!sizes.empty()) return sizes;
+  sizes = blockSizes();
   std::erase_if(sizes, [&](const BlockSize& size) {
     return (quick_ && size.particles() > kMostQuick) || (onCpu && size.particles() > kMostOnCpu);
   });
@@ -185,18 +193,17 @@ int BenchCommand::run(const std::string& commandLine) {
     machine_ = machineValue(*device);
     bandwidth_ = copyBandwidth(*device);
   }
-  print(fmt::format("weir {} ({}, {}) on {}\ncopy: {:.4g} GB/s, read and written\n\n{}",
-                    machine_.find("version")->asString(), machine_.find("commit")->asString(),
-                    machine_.find("build_type")->asString(),
-                    machine_.find("device")->find("description")->asString(), 1e-9 * bandwidth_,
-                    tableHead()));
+  show(fmt::format("weir {} ({}, {}) on {}\ncopy: {:.4g} GB/s, read and written\n\n{}",
+                   machine_.find("version")->asString(), machine_.find("commit")->asString(),
+                   machine_.find("build_type")->asString(),
+                   machine_.find("device")->find("description")->asString(), 1e-9 * bandwidth_, tableHead()));
 
   const Interruption interruption;
   std::vector<BenchResult> results;
   std::string_view end = "finished";
   for (Job& job : jobs) {
     results.push_back(runJob(job, interruption.asked()));
-    print(tableLines(results.back(), bandwidth_));
+    show(tableLines(results.back(), bandwidth_));
     if (results.back().measurement.interrupted) {
       end = "interrupted";
       break;
@@ -204,9 +211,9 @@ int BenchCommand::run(const std::string& commandLine) {
     save(results, "running");
   }
   save(results, end);
-  print("\nms a step in each module:\n");
-  for (const BenchResult& result : results) print(moduleLines(result));
-  if (!json_.empty()) print(json_ + "\n");
+  show("\nms a step in each module:\n");
+  for (const BenchResult& result : results) show(moduleLines(result));
+  if (!json_.empty()) show(json_ + "\n");
   if (end == "interrupted") return kInterrupted;
   const bool isBad = std::any_of(results.begin(), results.end(), [](const auto& r) { return r.isBad(); });
   return isBad ? kSimulationFailed : kDone;
