@@ -22,6 +22,8 @@ let server, browser, context, page, hands;
 before(async () => {
   server = await startServer();
   for (const name of ["blocks", "other"]) await writeFile(join(server.folder, `${name}.json`), JSON.stringify(kScene));
+  const unshaped = { ...kScene, nodes: { ...kScene.nodes, tank: { type: "StaticBoundary" } } };
+  await writeFile(join(server.folder, "unshaped.json"), JSON.stringify(unshaped));
   await show();
 });
 after(async () => {
@@ -39,11 +41,11 @@ const dialog = (name) => page.getByRole("dialog", { name });
 const offer = () => dialog("Changes that were not saved");
 const spacing = () => hands.aside().getByLabel("spacing", { exact: true });
 
-async function open(name) {
+async function open(name, reached = "paused") {
   await page.getByRole("button", { name: "Open", exact: true }).click();
   await page.getByRole("dialog").getByRole("button", { name }).click();
   await hands.node("water").waitFor();
-  await state("paused");
+  await state(reached);
   await hands.arrange();
 }
 
@@ -91,7 +93,7 @@ step("saving under the name of another scene asks", async () => {
 step("Play begins anew at the end, and by Space after a click on a button", async () => {
   await page.getByRole("button", { name: "Play" }).click();
   await state("finished");
-  await page.getByRole("button", { name: "Reset" }).click();
+  await page.getByRole("button", { name: "Reset", exact: true }).click();
   await state("paused");
   await page.keyboard.press(" ");
   await state("finished");
@@ -112,15 +114,15 @@ step("Space plays after a scene was chosen", async () => {
 });
 
 step("a failure is shown until the scene is another one, and Play tries again", async () => {
-  await hands.select("tank");
-  await hands.set(hands.aside(), "shape", "enum", "none");
-  await page.getByRole("button", { name: "Play" }).click();
-  await state("failed");
+  await open("unshaped", "failed");
   await page.locator(".problem-line").waitFor();
+  await hands.select("tank");
   await hands.set(hands.aside(), "shape", "enum", "box");
   await page.locator(".problem-line").waitFor({ state: "detached" });
+  await hands.set(hands.aside(), "inverted", "bool", true);
   await page.getByRole("button", { name: "Play" }).click();
   await state("finished");
+  await page.locator(".problem-line").waitFor({ state: "detached" });
 });
 
 step("New takes the old world away, and can be undone", async () => {
@@ -128,7 +130,7 @@ step("New takes the old world away, and can be undone", async () => {
   await page.getByRole("button", { name: "New", exact: true }).click();
   await state("empty");
   await page.locator(".load").filter({ hasText: /^0 particles/ }).waitFor();
-  await page.keyboard.press("Control+z");
+  await hands.pressInGraph("Control+z");
   await hands.node("water").waitFor();
 });
 
