@@ -5,7 +5,9 @@ long it takes to stop.
     tests/benchmarks/studio_flood.py build/cpu/bin/weir [SECONDS]
 
 Four windows, of which none or one has the pen, send a command up to 100,000 times a second together, as far as the server
-takes it from them, in turns of SECONDS (5) with as many of quiet before and after. Needs nothing but Python 3.
+takes it from them, in turns of SECONDS (5) with as many of quiet before and after. Needs nothing but Python 3. Steps a second
+mean something on a machine with nothing else at work; the share of the time that the simulation spends in steps, and what the
+server's thread takes of a core, on any.
 """
 import base64
 import json
@@ -66,7 +68,7 @@ class Window:
         self.stream = self.socket.makefile("rb")
         while self.stream.readline() != b"\r\n":
             pass
-        self.steps = self.received = 0
+        self.steps, self.stepping, self.received = 0, 0.0, 0
         threading.Thread(target=self.read, daemon=True).start()
 
     def send(self, message):
@@ -83,33 +85,41 @@ class Window:
                 if first & 15 == 9:  # a ping
                     self.socket.sendall(b"\x8a\x80\0\0\0\0")
                 if b'"event":"status"' in data[:40].replace(b" ", b""):
-                    self.steps = json.loads(data)["data"].get("steps", 0)
+                    status = json.loads(data)["data"]
+                    self.stepping, self.steps = status.get("stepping_seconds", 0), status.get("steps", 0)
         except (OSError, ValueError):
             pass
 
     def close(self):
-        self.socket.close()
+        self.socket.shutdown(socket.SHUT_RDWR)
 
 
-def flood(window, message, stop, sent):
+def flood(window, message, stop):
     one = frame(json.dumps({"id": 1, **message}))
     batch = one * int(PER_CLIENT * SLICE)
     try:
         while not stop.is_set():
             start = time.monotonic()
             window.socket.sendall(batch)
-            sent.append(int(PER_CLIENT * SLICE))
             time.sleep(max(0, SLICE - (time.monotonic() - start)))
     except OSError:
         pass
 
 
-def rate(window, seconds):
-    """Steps a second."""
+def serving(pid):
+    """Seconds of a core that the server's thread, the main one, has taken."""
+    with open(f"/proc/{pid}/task/{pid}/stat") as stat:
+        words = stat.read().rsplit(")", 1)[1].split()
+    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def rates(window, pid, seconds):
+    """Steps, seconds in steps, and of a core for the server's thread, a second."""
     time.sleep(0.3)
-    steps, start = window.steps, time.monotonic()
+    before, start = (window.steps, window.stepping, serving(pid)), time.monotonic()
     time.sleep(seconds)
-    return (window.steps - steps) / (time.monotonic() - start)
+    after, took = (window.steps, window.stepping, serving(pid)), time.monotonic() - start
+    return [(b - a) / took for a, b in zip(before, after)]
 
 
 def memory(pid, name):
@@ -130,26 +140,27 @@ def main():
     watcher.send({"id": 1, "do": "run.play"})
     while watcher.steps == 0:
         time.sleep(0.1)
-    print("| command | steps/s, quiet | steps/s, flood | ratio | messages taken/s | memory, MB |\n|---|---|---|---|---|---|")
+    print("| command | steps/s, quiet | flood | ratio | time in steps, quiet | flood | server's thread, quiet | flood | answers/s | peak, MB |")
+    print("|---" * 10 + "|")
     for command in COMMANDS:
-        before = rate(watcher, seconds)
-        stop, sent = threading.Event(), []
+        before = rates(watcher, server.pid, seconds)
+        stop = threading.Event()
         windows = [Window(address) for _ in range(CLIENTS)]
         for window in windows:
-            threading.Thread(target=flood, args=(window, command, stop, sent), daemon=True).start()
-        during = rate(watcher, seconds)
-        taken = sum(sent) / seconds
+            threading.Thread(target=flood, args=(window, command, stop), daemon=True).start()
+        during = rates(watcher, server.pid, seconds)
         stop.set()
+        answers = sum(window.received for window in windows) / seconds
         for window in windows:
             window.close()
         watcher.send({"id": 2, "do": "role.claim"})
         watcher.send({"id": 3, "do": "run.play"})
-        quiet = (before + rate(watcher, seconds)) / 2
-        print(f"| `{command['do']}` | {quiet:.0f} | {during:.0f} | {during / quiet:.2f} | {taken:.0f} "
-              f"| {memory(server.pid, 'VmHWM'):.0f} |", flush=True)
+        quiet = [(b + a) / 2 for b, a in zip(before, rates(watcher, server.pid, seconds))]
+        print(f"| `{command['do']}` | {quiet[0]:.0f} | {during[0]:.0f} | {during[0] / quiet[0]:.2f} | {quiet[1]:.0%} | {during[1]:.0%} "
+              f"| {quiet[2]:.1%} | {during[2]:.1%} | {answers:.0f} | {memory(server.pid, 'VmHWM'):.0f} |", flush=True)
     windows = [Window(address) for _ in range(CLIENTS)]
     for window in windows:
-        threading.Thread(target=flood, args=(window, COMMANDS[4], threading.Event(), []), daemon=True).start()
+        threading.Thread(target=flood, args=(window, COMMANDS[4], threading.Event()), daemon=True).start()
     time.sleep(1)
     start = time.monotonic()
     server.send_signal(signal.SIGINT)

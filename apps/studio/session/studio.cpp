@@ -208,8 +208,9 @@ void Studio::closed(ClientId client) {
   host_.forget(client);
   if (writer_ != client) return;
   writer_.reset();
-  if (!clients_.empty()) writer_ = clients_.begin()->first;
-  tellRoles();
+  if (clients_.empty()) return;
+  writer_ = clients_.begin()->first;
+  tellRole(*writer_);
 }
 
 const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
@@ -280,13 +281,11 @@ void Studio::tell(const std::string& event, Value data, std::optional<ClientId> 
     if (client != except) server_.sendText(client, text);
 }
 
-void Studio::tellRoles() {
-  for (const auto& [client, unused] : clients_) {
-    Value message = Value::object();
-    message["event"] = "role";
-    message["data"] = writer_ == client ? "writer" : "viewer";
-    server_.sendText(client, writeJsonLine(message));
-  }
+void Studio::tellRole(ClientId client) {
+  Value message = Value::object();
+  message["event"] = "role";
+  message["data"] = writer_ == client ? "writer" : "viewer";
+  server_.sendText(client, writeJsonLine(message));
 }
 
 void Studio::requireWriter(ClientId client) const {
@@ -322,8 +321,9 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
 
 void Studio::claim(ClientId client, const Value&, Value&) {
   if (writer_ == client) return;
-  writer_ = client;
-  tellRoles();
+  const std::optional<ClientId> before = std::exchange(writer_, client);
+  if (before) tellRole(*before);
+  tellRole(client);
 }
 
 // The scene

@@ -121,7 +121,7 @@ class Studio final : private ServerEvents, private HostListener {
   Value sceneState() const;  ///< all but the scene itself
   Value sceneValue() const;
   void tell(const std::string& event, Value data, std::optional<ClientId> except = {});
-  void tellRoles();
+  void tellRole(ClientId client);
   void sendFrame(ClientId id, Client& client, const Packet& packet);
 
   StudioOptions options_;

@@ -418,6 +418,9 @@ step("what was not saved is offered after a crash", async () => {
   const before = await server.read("blocks.json");
   assert.equal(before.nodes.tank.params.max[0], 0.6);
   await restart(join(server.folder, "blocks.json"));
+  const offer = page.getByRole("dialog", { name: "Changes that were not saved" });
+  await offer.getByText(/node/).waitFor();
+  await offer.getByRole("button", { name: "Restore" }).click();
   await hands.select("tank");
   assert.equal(await hands.aside().getByLabel("max x", { exact: true }).inputValue(), "0.7");
   assert.equal((await server.read("blocks.json")).nodes.tank.params.max[0], 0.6);

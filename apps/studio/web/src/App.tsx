@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "react";
 import { Dialog } from "./files/Dialog";
 import { takeFiles } from "./files/dropped";
 import { FileBar, save } from "./files/FileBar";
+import { Offer } from "./files/Offer";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
 import { askRun, client, problemOf, resetRun, useStudio } from "./model/store";
@@ -35,6 +36,32 @@ function useGlobalKeys(): void {
     };
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
+  }, []);
+}
+
+/** There is nobody at the other end. */
+function Lost() {
+  const connected = useStudio((s) => s.connected);
+  const strange = useStudio((s) => s.strange);
+  const greeted = useStudio((s) => s.server !== "");
+  if (connected || !greeted) return null;
+  return (
+    <div className="banner" role="alert">
+      {strange ? "The studio was started again: open the address that it printed. " : "There is no connection to the studio. "}
+      What you change is kept in this window until there is.
+    </div>
+  );
+}
+
+/** A button that the pointer has pressed gives the keyboard away: Space plays, and does not press it again. */
+function useReleasedButtons(): void {
+  useEffect(() => {
+    const release = (e: MouseEvent) => {
+      const button = (e.target as Element).closest?.("button");
+      if (e.detail > 0 && button && !button.closest("[role=dialog]")) button.blur();
+    };
+    addEventListener("click", release, true);
+    return () => removeEventListener("click", release, true);
   }, []);
 }
 
@@ -103,6 +130,7 @@ export function App() {
     localStorage.setItem(kThemeKey, dark ? "dark" : "light");
   }, [dark]);
   useGlobalKeys();
+  useReleasedButtons();
   return (
     <div
       className="app" style={{ gridTemplateColumns: `minmax(0, 1fr) 5px ${side}px` }}
@@ -122,6 +150,8 @@ export function App() {
       </aside>
       <div className="bottom"><Problem /><Transport /></div>
       <Inside />
+      <Offer />
+      <Lost />
       <Message />
     </div>
   );

@@ -10,7 +10,9 @@ import {
 import { search } from "../src/model/search";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { NodeType, Types } from "../src/model/types";
+import { fileNameOf, withNumber } from "../src/model/names";
 import { readPacket } from "../src/protocol/packets";
+import { writeMessage } from "../src/protocol/message";
 
 const fluid: NodeType = {
   doc: "", source: "weir", parameters: [], family: "FluidModule",
@@ -40,6 +42,37 @@ describe("expressions", () => {
   });
   test("that mean nothing are nothing", () => {
     for (const text of ["", "1+", "alert(1)", "1/0", "2 3", "(1", "--", "1e999"]) expect(evaluate(text)).toBeNull();
+  });
+});
+
+describe("messages", () => {
+  test("have numbers that the server can read", () => {
+    for (const v of [-1e20, 9.3e18, 2 ** 63, 123456789012345680000]) {
+      const text = writeMessage({ id: 1, scene: { world: { gravity: [0, v, 0] } } });
+      expect(text).toMatch(/e\+\d/);
+      expect(JSON.parse(text).scene.world.gravity[1]).toBe(v);
+    }
+  });
+  test("are else as JSON has them", () => {
+    const message = { id: 1, a: 2 ** 53, b: 0.1, c: 'a "1e20" in a text', d: [1e21, 1e-9, -0.5], e: null, f: "\uE0F7" };
+    expect(JSON.parse(writeMessage(message))).toEqual(message);
+    expect(writeMessage({ a: 2 ** 53, b: "x" })).toBe('{"a":9007199254740992,"b":"x"}');
+  });
+});
+
+describe("names of files", () => {
+  test("come from titles", () => {
+    expect(fileNameOf("A jet fills a goblet!")).toBe("a_jet_fills_a_goblet");
+    expect(fileNameOf(undefined)).toBe("scene");
+    expect(fileNameOf("…")).toBe("scene");
+  });
+  test("are numbered where they are taken", () => {
+    const taken = new Set(["a.mp4", "a_001.mp4", "meshes/b.tar.gz", "c"]);
+    const free = (path: string) => withNumber(path, (p) => taken.has(p));
+    expect(free("x.mp4")).toBe("x.mp4");
+    expect(free("a.mp4")).toBe("a_002.mp4");
+    expect(free("c")).toBe("c_001");
+    expect(free("meshes/b.tar.gz")).toBe("meshes/b.tar_001.gz");
   });
 });
 

@@ -20,6 +20,7 @@ export function FileBar({ dark, onDark }: { dark: boolean; onDark(): void }) {
   const changed = useStudio((s) => s.sceneState.changed);
   const title = useStudio((s) => s.scene.title);
   const connected = useStudio((s) => s.connected);
+  const taken = useStudio((s) => s.taken);
   const role = useStudio((s) => s.role);
   const { past, future } = useHistory();
   const close = () => setShown(null);
@@ -35,7 +36,7 @@ export function FileBar({ dark, onDark }: { dark: boolean; onDark(): void }) {
       <span className="gap" />
       <button onClick={undo} disabled={!past} title="Ctrl+Z" aria-label="Undo">↶</button>
       <button onClick={redo} disabled={!future} title="Ctrl+Shift+Z" aria-label="Redo">↷</button>
-      <span className="title">{title ?? "Untitled"} <small>{path ? `${path}${changed ? " · changed" : ""}` : "not saved"}</small></span>
+      <span className="title">{title ?? "Untitled"} <small>{path ? `${path}${changed ? " · changed" : ""}` : "not saved"}</small>{!taken && <small className="waits" role="status"> · not yet at the server</small>}</span>
       {!connected && <span className="lost" role="alert">no connection</span>}
       {connected && role === "viewer" && <button className="wanted" onClick={() => void request("role.claim")} title="Another window makes changes; take that over">Take the pen</button>}
       <button onClick={onDark} aria-pressed={dark} aria-label="Dark colours" title="Light or dark">{dark ? "☀" : "☾"}</button>

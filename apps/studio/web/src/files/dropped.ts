@@ -1,7 +1,7 @@
 // Files that are dropped on the page.
 import { addNode, setParam, type Scene } from "../model/scene";
 import { edit, say, useStudio } from "../model/store";
-import { upload } from "../protocol/client";
+import { freePath, upload } from "../protocol/client";
 
 const kBelow = 160;
 const kBeside = 40;
@@ -17,7 +17,7 @@ function placeBelow(scene: Scene): { x: number; y: number } {
 export async function takeFiles(files: FileList, at?: { x: number; y: number }): Promise<void> {
   for (const [i, file] of [...files].entries())
     try {
-      const path = `meshes/${file.name}`;
+      const path = await freePath(`meshes/${file.name}`);
       await upload(path, file);
       edit((s) => {
         const place = at ? { x: at.x + i * kBeside, y: at.y + i * kBeside } : placeBelow(s);

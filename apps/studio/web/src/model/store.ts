@@ -1,7 +1,7 @@
 // All state of the page: the scene with its history, what the server says of it, the run, and what is selected.
 import { temporal } from "zundo";
 import { create, useStore } from "zustand";
-import { Client, fetchTypes, Refusal } from "../protocol/client";
+import { Client, fetchTypes, isKnown, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Scene } from "./scene";
@@ -92,8 +92,25 @@ export interface Studio {
   /** The particle that was clicked. */
   picked: { node: string; id: number } | null;
   message: string | null;
+  /** Whether the server has the scene as it is edited here. */
+  taken: boolean;
+  /** Tells one run of the server from the next. */
+  server: string;
+  /** Changes that nobody has decided about: of an earlier run of the server, or of this window. */
+  offer: Offered | null;
+  /** What was built or run when that failed. */
+  failed: Scene | null;
+  /** There is a server, but it does not know this window: it was started again. */
+  strange: boolean;
   /** What is asked or shown above the page. */
   dialog: "save" | "help" | null;
+}
+
+interface Offered {
+  scene: Scene;
+  from: "draft" | "window";
+  /** Seconds since 1970. */
+  written?: number | undefined;
 }
 
 const kMostSamples = 4000;
@@ -127,15 +144,23 @@ export const useStudio = create<Studio>()(
       fluids: [],
       picked: null,
       message: null,
+      taken: true,
+      server: "",
+      offer: null,
+      failed: null,
+      strange: false,
       dialog: null,
     }),
     { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
   ),
 );
 
-/** What is wrong: with the scene, or else with the run that failed. */
+/** Whether two scenes differ in more than their layout. */
+const differ = (a: Scene, b: Scene | null): boolean => a.nodes !== b?.nodes || a.links !== b.links || a.world !== b.world;
+
+/** What is wrong: with the scene, or else with the run that failed, until the scene is another one. */
 export const problemOf = (s: Studio): Problem | undefined =>
-  s.sceneState.problem ?? (s.status.state === "failed" ? s.status.problem : undefined);
+  s.sceneState.problem ?? (s.status.state === "failed" && !differ(s.scene, s.failed) ? s.status.problem : undefined);
 
 const set = useStudio.setState;
 const get = useStudio.getState;
@@ -145,14 +170,16 @@ export const viewers = {
   frame: (_: FramePacket): void => {},
   geometry: (_: GeometryPacket): void => {},
   picture: (_: PicturePacket): void => {},
+  clear: (): void => {},
 };
 /** Kept for a viewport that appears later. */
 export const last: { frame: FramePacket | null; geometry: GeometryPacket | null } = { frame: null, geometry: null };
 
 export const client = new Client({
   connected: (on) => {
-    set({ connected: on });
+    set({ connected: on, ...(on && { strange: false }) });
     if (on) void greet();
+    else void isKnown().then((known) => set({ strange: !known && !get().connected }), () => {});
   },
   event: receive,
   frame: (packet) => {
@@ -188,9 +215,9 @@ export async function request<T = JsonObject>(what: string, fields: object = {})
 }
 
 /** A scene as the server has it; `draft` is what was made of its file and not saved, in an earlier run. */
-type ServedScene = SceneState & { scene: Scene; draft?: Scene };
+type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_written?: number };
 
-interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
+interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: ServedScene;
 }
 
@@ -198,43 +225,92 @@ interface Hello extends Pick<Studio, "role" | "devices" | "device" | "version" |
 const opened = () => ({ opened: get().opened + 1, numbers: null, samples: [], picked: null });
 
 /** Shows what the server has; that is no edit. */
-function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState): void {
+function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState, keepHistory = false): void {
   applying = true;
-  set({ ...more, scene: placeAll(fromFile(scene), get().types), sceneState });
+  set({ ...more, scene: placeAll(fromFile(scene), get().types), sceneState, taken: true });
   applying = false;
-  useStudio.temporal.getState().clear();
+  if (!keepHistory) useStudio.temporal.getState().clear();
 }
 
-/** Asks whether changes are wanted that an earlier run of the server had and that nobody saved. */
-async function offer(draft: Scene | undefined): Promise<void> {
-  if (!draft) return;
-  if (confirm("There are changes to this scene that were not saved. Take them up again?"))
-    edit(() => placeAll(fromFile(draft), get().types));
-  else await request("draft.drop");
+/** Offers what an earlier run of the server was left with. */
+function offerDraft({ draft, draft_written }: { draft?: Scene | undefined; draft_written?: number | undefined }): void {
+  if (draft) set({ offer: { scene: fromFile(draft), from: "draft", written: draft_written } });
 }
+
+/** Takes up what is offered, keeps it for later, or drops it for good. */
+export function answerOffer(answer: "restore" | "later" | "delete"): void {
+  const { offer } = get();
+  set({ offer: null });
+  if (!offer) return;
+  if (answer === "restore") void restore(offer.scene);
+  else if (answer === "delete") void (offer.from === "draft" ? request("draft.drop") : forgetUnsent());
+}
+
+async function restore(scene: Scene): Promise<void> {
+  if (get().role !== "writer" && !(await request("role.claim"))) return;
+  set({ role: "writer" });
+  edit(() => placeAll(scene, get().types));
+  await sending;
+  if (get().status.state !== "empty") await resetRun();
+}
+
+/** Of this window, at this address: outlives it until the server has it. */
+const kUnsentKey = "weir-unsent";
+
+function keepUnsent(what: Omit<Offered, "from">): void {
+  try {
+    localStorage.setItem(kUnsentKey, JSON.stringify(what));
+  } catch {
+    // There is no room for it: the window itself still has it.
+  }
+}
+
+function forgetUnsent(): void {
+  localStorage.removeItem(kUnsentKey);
+}
+
+function readUnsent(): Omit<Offered, "from"> | null {
+  try {
+    return JSON.parse(localStorage.getItem(kUnsentKey) ?? "null") as Omit<Offered, "from"> | null;
+  } catch {
+    return null;
+  }
+}
+
+const sameScene = (a: Scene, b: Scene): boolean => JSON.stringify(forRunner(a, get().types)) === JSON.stringify(forRunner(b, get().types));
 
 async function greet(): Promise<void> {
   try {
     if (!get().types) set({ types: await fetchTypes() });
     const { scene: served, ...hello } = await client.ask<Hello>("hello");
-    const { scene, draft, ...sceneState } = served;
+    const { scene, draft, draft_written, ...sceneState } = served;
+    const before = get();
+    const restarted = before.server !== "" && before.server !== hello.server;
     // What was edited while there was no connection is kept where nobody else has made changes meanwhile.
-    const keep = unsent && hello.role === "writer" && sceneState.revision === get().sceneState.revision;
+    const keep = unsent && !restarted && hello.role === "writer" && sceneState.revision === before.sceneState.revision;
+    const lost = !keep && (unsent || restarted) && Object.keys(before.scene.nodes).length > 0 ? before.scene : null;
     unsent = false;
     if (keep) {
       set({ ...hello, sceneState });
       return void send();
     }
-    const another = sceneState.path !== get().sceneState.path;
-    take(scene, { ...hello, ...(another && opened()) }, sceneState);
-    if (hello.role === "writer") await offer(draft);
+    const another = restarted || sceneState.path !== before.sceneState.path;
+    take(scene, { ...hello, ...(another && opened()) }, sceneState, lost !== null);
+    if (hello.status.state === "failed") set({ failed: get().scene });
+    if (hello.status.state === "empty") clearView();
+    const left = lost ? { scene: lost, written: Date.now() / 1000 } : before.server === "" ? readUnsent() : null;
+    if (left && !sameScene(left.scene, get().scene)) {
+      keepUnsent(left);
+      return set({ offer: { ...left, from: "window" } });
+    }
+    if (hello.role === "writer") offerDraft({ draft, draft_written });
   } catch (e) {
     say(e);
   }
 }
 
 function receive(name: string, data: unknown): void {
-  if (name === "status") set({ status: data as Status });
+  if (name === "status") takeStatus(data as Status);
   if (name === "video") set({ video: data as Video });
   if (name === "role") set({ role: data as Studio["role"] });
   if (name === "numbers") takeNumbers(data as JsonObject);
@@ -249,6 +325,21 @@ function receive(name: string, data: unknown): void {
     set({ scene: fromFile(scene), sceneState, ...(another && opened()) });
     applying = false;
   }
+}
+
+function takeStatus(status: Status): void {
+  const { state: before } = get().status;
+  if (status.state === "failed" && before !== "failed") set({ failed: get().scene });
+  if (status.state === "empty" && before !== "empty") clearView();
+  set({ status });
+}
+
+/** There is no run any more: nothing of it is shown. */
+function clearView(): void {
+  last.frame = null;
+  last.geometry = null;
+  set({ fluids: [], samples: [], numbers: null, picked: null });
+  viewers.clear();
 }
 
 function takeNumbers(numbers: JsonObject): void {
@@ -310,9 +401,26 @@ useStudio.subscribe((now, before) => {
 
 useStudio.subscribe((now, before) => {
   if (now.scene === before.scene || applying) return;
+  set({ taken: false });
+  keepUnsentSoon();
   if (!now.connected) unsent = true;
   else if (now.role === "writer") void send();
 });
+
+const kKeepMs = 500;
+let keeping: ReturnType<typeof setTimeout> | undefined;
+/** The browser keeps what this window has edited, and not what is offered for later. */
+let kept = false;
+
+/** An edit that the server has not taken up soon is kept by the browser. */
+function keepUnsentSoon(): void {
+  clearTimeout(keeping);
+  keeping = setTimeout(() => {
+    if (get().taken) return;
+    kept = true;
+    keepUnsent({ scene: get().scene, written: Date.now() / 1000 });
+  }, kKeepMs);
+}
 
 /** Sends the scene as it is; resolves when the server has judged it. */
 function send(): Promise<void> {
@@ -324,10 +432,25 @@ async function sendAll(): Promise<void> {
   while (again) await sendNow();
 }
 
+const kAgainMs = 1000;
+
 async function sendNow(): Promise<void> {
   again = false;
-  const state = await request<SceneState>("scene.set", { scene: forRunner(get().scene, get().types) });
-  if (state) set({ sceneState: state });
+  const { scene } = get();
+  try {
+    const sceneState = await client.askSoon<SceneState>("scene.set", { scene: forRunner(scene, get().types) });
+    const taken = scene === get().scene;
+    set({ sceneState, taken });
+    if (taken && kept) forgetUnsent();
+    if (taken) kept = false;
+  } catch (e) {
+    say(e);
+    if (e instanceof Refusal) return;
+    // It did not come there, or nobody knows: it is sent again, with what was edited meanwhile.
+    if (!get().connected) return void (unsent = true);
+    again = true;
+    await new Promise((resolve) => setTimeout(resolve, kAgainMs));
+  }
 }
 
 /** Asks for something of the run, of the scene as it is edited: an edit that waits for the answer to an earlier one goes first. */
@@ -354,10 +477,11 @@ export const useHistory = (): { past: boolean; future: boolean } => ({
 export async function openScene(where: { path: string } | { template: string }): Promise<void> {
   const state = await request<ServedScene>("scene.open", where);
   if (!state) return;
-  const { scene, draft, ...sceneState } = state;
+  const { scene, draft, draft_written, ...sceneState } = state;
   take(scene, { selected: [], inside: null, ...opened() }, sceneState);
-  await offer(draft);
-  await sending;
+  offerDraft({ draft, draft_written });
+  // Not the button that asked for it, which Space would press again.
+  document.querySelector<HTMLElement>(".graph")?.focus({ preventScroll: true });
   await resetRun();
 }
 
@@ -369,15 +493,21 @@ export async function resetRun(device?: string): Promise<void> {
   set({ sceneState });
 }
 
-export async function saveScene(path: string): Promise<boolean> {
+/** Writes the scene to a file; one of another scene is replaced only with `overwrite`. */
+export async function saveScene(path: string, overwrite = false): Promise<"saved" | "exists" | "failed"> {
   // What is being typed counts, and what is on its way.
   const field = document.activeElement as HTMLElement | null;
   field?.blur();
   field?.focus();
   await sending;
-  const sceneState = await request<SceneState>("scene.save", { path });
-  if (sceneState) set({ sceneState });
-  return sceneState !== null;
+  try {
+    set({ sceneState: await client.askSoon<SceneState>("scene.save", { path, ...(overwrite && { overwrite }) }) });
+    return "saved";
+  } catch (e) {
+    if (e instanceof Refusal && e.problem.exists) return "exists";
+    say(e);
+    return "failed";
+  }
 }
 
 export async function newScene(): Promise<void> {

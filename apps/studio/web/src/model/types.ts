@@ -77,4 +77,6 @@ export interface Problem {
   pointer?: string;
   node?: string;
   parameter?: string;
+  /** A file would be replaced. */
+  exists?: boolean;
 }

@@ -1,4 +1,6 @@
 // The connection to the server: questions with answers, events, packets. It comes back by itself when it breaks.
+import { withNumber } from "../model/names";
+import { writeMessage } from "./message";
 import type { JsonObject, Problem } from "../model/types";
 import { readPacket, type FramePacket, type GeometryPacket, type PicturePacket } from "./packets";
 
@@ -18,6 +20,8 @@ export interface ClientEvents {
 }
 
 const kRetryMs = 1000;
+/** A server that is asked for no more than a judgement has given it long before. */
+const kPatienceMs = 30_000;
 
 export class Client {
   private socket: WebSocket | null = null;
@@ -35,13 +39,22 @@ export class Client {
     this.socket = socket;
   }
 
+  /** The same for what is answered soon: rejects, too, if there is no answer. */
+  askSoon<T = JsonObject>(what: string, fields: object = {}): Promise<T> {
+    let timer: ReturnType<typeof setTimeout>;
+    const late = new Promise<never>((_, reject) => {
+      timer = setTimeout(() => reject(new Error("the server does not answer")), kPatienceMs);
+    });
+    return Promise.race([this.ask<T>(what, fields), late]).finally(() => clearTimeout(timer));
+  }
+
   /** Asks the server; rejects with a Refusal, or where the connection breaks. */
   ask<T = JsonObject>(what: string, fields: object = {}): Promise<T> {
     const id = ++this.lastId;
     return new Promise<T>((resolve, reject) => {
       if (this.socket?.readyState !== WebSocket.OPEN) return reject(new Error("there is no connection to the server"));
       this.waiting.set(id, { resolve: resolve as (v: never) => void, reject });
-      this.socket.send(JSON.stringify({ id, do: what, ...fields }));
+      this.socket.send(writeMessage({ id, do: what, ...fields }));
     });
   }
 
@@ -81,6 +94,12 @@ async function fetched(address: string, init?: RequestInit): Promise<Response> {
   return answer;
 }
 
+/** Whether the server lets this window in; rejects where there is none. */
+export const isKnown = async (): Promise<boolean> => {
+  const kUnauthorized = 401;
+  return (await fetch("/api/files")).status !== kUnauthorized;
+};
+
 export interface ServedFile {
   path: string;
   folder: boolean;
@@ -103,5 +122,13 @@ export const fetchTypes = async () => (await fetched("/api/types")).json();
 export const fetchTemplates = async (): Promise<Template[]> => (await fetched("/api/templates")).json();
 export const fetchFiles = async (folder: string): Promise<ServedFile[]> =>
   (await fetched(`/api/files?folder=${encodeURIComponent(folder)}`)).json();
+/** Copies a file to the served folder; refused where there is one of that name already. */
 export const upload = (path: string, file: File) =>
-  fetched(addressOfFile(path), { method: "PUT", body: file });
+  fetched(`${addressOfFile(path)}?new`, { method: "PUT", body: file });
+
+/** The path, or where there is such a file, one with a number: "a_001.mp4". */
+export async function freePath(path: string): Promise<string> {
+  const folder = path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "";
+  const taken = new Set((await fetchFiles(folder).catch(() => [])).map((f) => f.path));
+  return withNumber(path, (p) => taken.has(p));
+}

@@ -1,21 +1,20 @@
 // Records a video with the view's camera, on the server.
 import { useEffect, useState } from "react";
 import { Dialog } from "../files/Dialog";
+import { fileNameOf } from "../model/names";
 import { client, request, useStudio } from "../model/store";
-import { addressOfFile } from "../protocol/client";
+import { addressOfFile, freePath } from "../protocol/client";
 import type { View } from "./view";
 
 const kSizes: [number, number][] = [[1280, 720], [1920, 1080], [3840, 2160], [720, 720]];
 const kCameraMs = 80;
 
-/** "a_jet_fills_goblet.mp4" */
-const nameOf = (title: string | undefined, ending: string): string =>
-  `${(title ?? "scene").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_|_$/g, "") || "scene"}${ending}`;
-
 function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
   const title = useStudio((s) => s.scene.title);
   const endings = useStudio((s) => s.pictures.videos);
-  const [path, setPath] = useState(() => nameOf(title, endings[0] ?? ".mp4"));
+  const [path, setPath] = useState(() => `${fileNameOf(title)}${endings[0] ?? ".mp4"}`);
+  // No video takes the place of an earlier one.
+  useEffect(() => void freePath(path).then((free) => setPath((now) => (now === path ? free : now))), []);
   const [size, setSize] = useState(0);
   const wrong = !endings.some((e) => path.endsWith(e));
   const start = async () => {

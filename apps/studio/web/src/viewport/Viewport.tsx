@@ -71,10 +71,11 @@ export function Viewport({ dark }: { dark: boolean }) {
     setView(made);
     viewers.frame = (p) => made.frame(p);
     viewers.geometry = (p) => made.geometry(p);
+    viewers.clear = () => (made.clear(), setKey(null));
     if (last.geometry) made.geometry(last.geometry);
     if (last.frame) made.frame(last.frame);
     return () => {
-      viewers.frame = viewers.geometry = () => {};
+      viewers.frame = viewers.geometry = viewers.clear = () => {};
       made.dispose();
     };
   }, []);

@@ -109,6 +109,14 @@ export class View {
     this.draw();
   }
 
+  /** Shows nothing of a run. */
+  clear(): void {
+    this.frame({ kind: "frame", frame: 0, time: 0, fluids: [], poses: {} });
+    this.geometry({ kind: "geometry", meshes: [] });
+    this.shown = null;
+    this.draw();
+  }
+
   geometry(packet: GeometryPacket): void {
     for (const mesh of this.meshes.values()) {
       this.scene.remove(mesh);

@@ -1,0 +1,31 @@
+// Offers changes that would else be lost: of an earlier run of the server, or of this window.
+import { answerOffer, useStudio } from "../model/store";
+import { Dialog } from "./Dialog";
+
+const kUnits: [Intl.RelativeTimeFormatUnit, number][] = [["day", 86_400], ["hour", 3600], ["minute", 60], ["second", 1]];
+
+/** "5 minutes ago" */
+export function ageOf(written: number, now = Date.now() / 1000): string {
+  const seconds = Math.max(0, now - written);
+  const [unit, length] = kUnits.find(([, l]) => seconds >= l) ?? kUnits.at(-1)!;
+  return new Intl.RelativeTimeFormat("en", { numeric: "auto" }).format(-Math.floor(seconds / length), unit);
+}
+
+export function Offer() {
+  const offer = useStudio((s) => s.offer);
+  if (!offer) return null;
+  const nodes = Object.keys(offer.scene.nodes).length;
+  const later = () => answerOffer("later");
+  return (
+    <Dialog title="Changes that were not saved" onClose={later}>
+      <h2>Changes that were not saved</h2>
+      <p>
+        {offer.from === "draft" ? "There are changes to this scene that were not saved" : "This window has changes that the server does not have"}
+        {offer.written !== undefined && `, made ${ageOf(offer.written)}`}: <b>{offer.scene.title ?? "Untitled"}</b>, {nodes} {nodes === 1 ? "node" : "nodes"}.
+      </p>
+      <button data-first className="wanted" onClick={() => answerOffer("restore")}>Restore</button>{" "}
+      <button onClick={later} title="They are kept">Not now</button>{" "}
+      <button onClick={() => answerOffer("delete")}>Delete</button>
+    </Dialog>
+  );
+}
