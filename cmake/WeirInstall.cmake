@@ -1,15 +1,22 @@
-# What an installation holds beside programs and libraries: headers with the include paths that they have here,
-# the CMake package, scenes, and the template of `weir new-plugin`. Everything finds everything else by relative
+# What an installation holds beside programs and libraries: the public headers, with what they include below
+# include/weir/detail, the CMake package, scenes, meshes, and the template of `weir new-plugin`. Everything finds everything else by relative
 # paths, so the tree can be moved.
 include(CMakePackageConfigHelpers)
 
 set(weir_package lib/cmake/Weir)
-foreach(room framework nodes)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION include/weir
-          FILES_MATCHING PATTERN "*.h" PATTERN "*.inl")
+weir_public_headers(${PROJECT_SOURCE_DIR} weir_headers)
+foreach(header ${weir_headers})
+  get_filename_component(folder ${header} DIRECTORY)
+  if(folder STREQUAL "include/weir")
+    install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION include/weir)
+  else()
+    install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION include/weir/detail/${folder})
+  endif()
 endforeach()
-install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h DESTINATION include/weir/framework/graph)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/templates
+install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h
+        DESTINATION include/weir/detail/framework/graph)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/meshes
+                  ${PROJECT_SOURCE_DIR}/resources/templates
         DESTINATION share/weir)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/paraview DESTINATION share/weir FILES_MATCHING PATTERN "*.py")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/doc/weir)
@@ -25,6 +32,6 @@ install(EXPORT Weir NAMESPACE Weir:: FILE WeirTargets.cmake DESTINATION ${weir_p
 
 # The build tree is laid out alike.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/weir)
-foreach(folder scenes templates)
+foreach(folder scenes meshes templates)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/resources/${folder} ${PROJECT_BINARY_DIR}/share/weir/${folder} SYMBOLIC)
 endforeach()

@@ -1,12 +1,17 @@
 # Writes a header with a digest of all headers that plugins may include, so that the host can refuse a plugin that
-# was compiled against others. A script: cmake -DROOT=… -DVERSION=… -DOUTPUT=… -P WeirInterfaceDigest.cmake
+# was compiled against others. Comments and blank lines do not count. A script:
+# cmake -DROOT=… -DVERSION=… -DOUTPUT=… -P WeirInterfaceDigest.cmake
 
-file(GLOB_RECURSE headers RELATIVE ${ROOT} ${ROOT}/framework/*.h ${ROOT}/framework/*.inl ${ROOT}/nodes/*.h
-     ${ROOT}/nodes/*.inl)
-list(SORT headers)
+include(${CMAKE_CURRENT_LIST_DIR}/WeirPublicHeaders.cmake)
+weir_public_headers(${ROOT} headers)
 set(all "")
 foreach(header ${headers})
-  file(SHA256 ${ROOT}/${header} digest)
+  file(READ ${ROOT}/${header} text)
+  string(REGEX REPLACE "/\\*([^*]|\\*+[^*/])*\\*+/" " " text "${text}")
+  string(REGEX REPLACE "//[^\n]*" "" text "${text}")
+  string(REGEX REPLACE "[ \t\n]+" " " text "${text}")
+  string(STRIP "${text}" text)
+  string(SHA256 digest "${text}")
   string(APPEND all "${header} ${digest}\n")
 endforeach()
 string(SHA256 digest "${all}")

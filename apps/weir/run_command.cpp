@@ -100,7 +100,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
   command_->add_flag(
       "--deterministic", deterministic_,
-      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
+      "End the run where results could differ from run to run: if neighbour lists overflow on CUDA");
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads));

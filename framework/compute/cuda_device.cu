@@ -285,7 +285,7 @@ void CudaDevice::beginBatch() {
 
 void CudaDevice::endBatch() {
   check(impl_->makeCurrent(), "step");
-  check(impl_->launches->end(), "step");
+  checkBatch(impl_->launches->end());
 }
 
 void CudaDevice::dropBatch() noexcept {
@@ -294,11 +294,13 @@ void CudaDevice::dropBatch() noexcept {
 
 CUstream_st* CudaDevice::stream() const {
   static_cast<CudaProfiler&>(*profiler_).noteWork();
-  check(impl_->launches->flush(), "step");
+  checkBatch(impl_->launches->flush());
   return impl_->stream;
 }
 detail::LaunchQueue& CudaDevice::launches() const {
-  static_cast<CudaProfiler&>(*profiler_).noteWork();
+  auto& profiler = static_cast<CudaProfiler&>(*profiler_);
+  profiler.noteWork();
+  impl_->launches->setAsker(profiler.currentScope());
   return *impl_->launches;
 }
 int CudaDevice::index() const {
@@ -309,13 +311,22 @@ int CudaDevice::multiprocessors() const {
 }
 
 void CudaDevice::check(int cudaError, std::string_view what) const {
+  if (cudaError != cudaSuccess) fail(cudaError, what, profiler_->currentPath());
+}
+
+void CudaDevice::checkBatch(int cudaError) const {
   if (cudaError == cudaSuccess) return;
-  const std::string path = profiler_->currentPath();
-  const std::string node = path.substr(0, path.find('/'));
+  const auto& profiler = static_cast<const CudaProfiler&>(*profiler_);
+  fail(cudaError, "step", profiler.pathOf(impl_->launches->failedAsker()));
+}
+
+void CudaDevice::fail(int cudaError, std::string_view what, const std::string& path) const {
   std::string message = describeError(static_cast<cudaError_t>(cudaError)) + " on " + name() + " in '";
   message.append(what).append("'");
   if (!path.empty()) message += ", at " + path;
-  throw simulationError(std::move(message)).inNode(node);
+  // What kernels do wrong shows up when somebody waits for them.
+  const char* hint = path.empty() ? "run it with WEIR_CUDA_SERIAL=1, which names the module that failed" : "";
+  throw simulationError(std::move(message), {}, hint).inNode(path.substr(0, path.find('/')));
 }
 
 bool builtWithCuda() {

@@ -19,6 +19,9 @@ class CudaProfiler final : public Profiler {
   void push(std::string_view name) override;
   void pop() override;
   std::string currentPath() const override { return scopes_.currentPath(); }
+  int currentScope() const { return scopes_.current(); }
+  /// "" for -1.
+  std::string pathOf(int scope) const { return scopes_.pathOf(scope); }
   void beginStep(bool detailed) override;
   void endStep() override;
   void poll() override;

@@ -97,7 +97,7 @@ class Device {
  private:
   DeviceKind kind_;
   std::string name_;
-  bool deterministic_ = true;
+  bool deterministic_ = false;
 };
 
 /// What all kernels on the CPU share, whatever instructions they are compiled for. Runs on the host's cores
@@ -190,6 +190,9 @@ class CudaDevice final : public Device {
 
  private:
   struct Impl;
+  /// The same for what was gathered, where a call may have been noted by another module.
+  void checkBatch(int cudaError) const;
+  [[noreturn]] void fail(int cudaError, std::string_view what, const std::string& path) const;
   std::unique_ptr<Impl> impl_;
 };
 

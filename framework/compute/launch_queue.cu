@@ -1,6 +1,8 @@
 #include "framework/compute/launch_queue.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 #include <utility>
 
 namespace weir::detail {
@@ -41,9 +43,15 @@ bool canOverlap() {
   return known && major >= kFirst;
 }
 
+bool isSerial() {
+  const char* value = std::getenv("WEIR_CUDA_SERIAL");
+  return value != nullptr && std::string_view(value) == "1";
+}
+
 }  // namespace
 
-LaunchQueue::LaunchQueue(cudaStream_t stream) : stream_(stream), overlaps_(canOverlap()) {}
+LaunchQueue::LaunchQueue(cudaStream_t stream)
+    : stream_(stream), overlaps_(canOverlap()), serial_(isSerial()) {}
 LaunchQueue::~LaunchQueue() = default;
 
 LaunchQueue::KernelFacts& LaunchQueue::facts(const void* kernel) {
@@ -56,13 +64,24 @@ void* LaunchQueue::note(const CallKind& kind, const void* what, Overlap overlap,
   const std::size_t begin = (now_.bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
   now_.bytes.resize(begin + size);
   now_.list.push_back({&kind, what, overlap, begin, size});
+  askers_.push_back(asker_);
   return now_.bytes.data() + begin;
+}
+
+cudaError_t LaunchQueue::issueNow(const CallKind& kind, const void* call) const {
+  const cudaError_t error = kind.issue(call, stream_);
+  return error == cudaSuccess && serial_ ? cudaStreamSynchronize(stream_) : error;
+}
+
+cudaError_t LaunchQueue::failed(std::size_t call, cudaError_t error) {
+  if (error != cudaSuccess) failedAsker_ = askers_[call];
+  return error;
 }
 
 cudaError_t LaunchQueue::issueAll() {
   cudaError_t error = cudaSuccess;
   for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i)
-    error = now_.list[i].kind->issue(now_.at(i), stream_);
+    error = failed(i, now_.list[i].kind->issue(now_.at(i), stream_));
   return error;
 }
 
@@ -70,10 +89,12 @@ void LaunchQueue::drop() {
   gathering_ = false;
   now_.list.clear();
   now_.bytes.clear();
+  askers_.clear();
 }
 
 cudaError_t LaunchQueue::flush() {
   if (!gathering_) return cudaSuccess;
+  failedAsker_ = -1;
   const cudaError_t error = issueAll();
   drop();
   return error;
@@ -81,6 +102,7 @@ cudaError_t LaunchQueue::flush() {
 
 cudaError_t LaunchQueue::end() {
   if (!gathering_) return cudaSuccess;
+  failedAsker_ = -1;
   const cudaError_t error = now_.list.empty() ? cudaSuccess : launch();
   drop();
   return error;
@@ -142,7 +164,8 @@ LaunchQueue::Graph* LaunchQueue::closest(std::size_t& differing) {
 
 cudaError_t LaunchQueue::build(Graph& graph) {
   cudaError_t error = cudaGraphCreate(&graph.graph, 0);
-  for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i) error = addNode(graph, i);
+  for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i)
+    error = failed(i, addNode(graph, i));
   if (error == cudaSuccess) error = cudaGraphInstantiate(&graph.executable, graph.graph, 0);
   graph.calls = now_;
   return error;
@@ -185,7 +208,7 @@ cudaError_t LaunchQueue::update(Graph& graph) {
   for (std::size_t i = 0; i < now_.list.size() && error == cudaSuccess; ++i) {
     const std::size_t size = now_.list[i].size;
     if (std::memcmp(graph.calls.at(i), now_.at(i), size) == 0) continue;
-    error = now_.list[i].kind->update(now_.at(i), graph.executable, graph.nodes[i]);
+    error = failed(i, now_.list[i].kind->update(now_.at(i), graph.executable, graph.nodes[i]));
   }
   std::swap(graph.calls, now_);
   return error;

@@ -44,7 +44,9 @@ struct CallKind {
 
 class LaunchQueue {
  public:
-  /// Of the current device.
+  /// Of the current device. With the environment variable WEIR_CUDA_SERIAL=1 nothing is gathered, and each
+  /// call ends before the next begins: errors then name the kernel that made them, and a run must have the
+  /// same bits as one in which kernels overlap.
   explicit LaunchQueue(cudaStream_t stream);
   ~LaunchQueue();
   LaunchQueue(const LaunchQueue&) = delete;
@@ -55,12 +57,12 @@ class LaunchQueue {
   template <class Call>
   cudaError_t submit(const CallKind& kind, const void* what, const Call& call, Overlap overlap = {}) {
     static_assert(std::is_trivially_destructible_v<Call> && alignof(Call) <= kAlignment);
-    if (!gathering_) return kind.issue(&call, stream_);
+    if (!gathering_) return issueNow(kind, &call);
     std::memcpy(note(kind, what, overlap, sizeof(Call)), &call, sizeof(Call));
     return cudaSuccess;
   }
 
-  void begin() { gathering_ = true; }
+  void begin() { gathering_ = !serial_; }
   /// Launches what was gathered, as a graph if a step asked for the like before.
   cudaError_t end();
   /// Issues what was gathered one by one; calls are issued at once from now on until the next begin().
@@ -68,6 +70,11 @@ class LaunchQueue {
   /// Forgets what was gathered.
   void drop();
   bool gathering() const { return gathering_; }
+
+  /// Who asks for the calls that are noted from now on: a number of the caller's choice.
+  void setAsker(int asker) { asker_ = asker; }
+  /// Who asked for the noted call that failed; -1 if nobody knows.
+  int failedAsker() const { return failedAsker_; }
 
   static constexpr unsigned kUnknown = ~0u;
   /// What is known of a kernel; the library that owns it finds it out (kernel_facts.h).
@@ -94,6 +101,8 @@ class LaunchQueue {
   };
   struct Graph;
 
+  cudaError_t issueNow(const CallKind& kind, const void* call) const;
+  cudaError_t failed(std::size_t call, cudaError_t error);
   void* note(const CallKind& kind, const void* what, Overlap overlap, std::size_t size);
   cudaError_t issueAll();
   cudaError_t launch();
@@ -105,8 +114,11 @@ class LaunchQueue {
 
   cudaStream_t stream_;
   bool overlaps_;  // kernels in graphs
+  bool serial_;    // each call ends before the next begins, see the constructor
   bool gathering_ = false;
   Calls now_;
+  std::vector<int> askers_;  // of each call in now_
+  int asker_ = -1, failedAsker_ = -1;
   std::vector<Noted> before_;  // of the last step
   std::vector<std::unique_ptr<Graph>> graphs_;
   std::uint64_t launches_ = 0;

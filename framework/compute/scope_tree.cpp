@@ -35,8 +35,8 @@ void ScopeTree::add(int scope, double ms) {
   totals.totalMs += ms;
 }
 
-std::string ScopeTree::currentPath() const {
-  return current_ < 0 ? std::string() : scopes_[static_cast<std::size_t>(current_)].totals.path;
+std::string ScopeTree::pathOf(int scope) const {
+  return scope < 0 ? std::string() : scopes_[static_cast<std::size_t>(scope)].totals.path;
 }
 
 std::vector<ProfileEntry> ScopeTree::entries(double scale) const {

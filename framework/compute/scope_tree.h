@@ -18,7 +18,11 @@ class ScopeTree {
   /// Adds one finished measurement.
   void add(int scope, double ms);
 
-  std::string currentPath() const;
+  /// The number of the innermost open scope; -1 if none is open.
+  int current() const { return current_; }
+  /// Of the scope of that number, "water/solver/density"; "" for -1.
+  std::string pathOf(int scope) const;
+  std::string currentPath() const { return pathOf(current_); }
   /// The scopes that were measured, in order of first appearance, with `scale` times their totals.
   std::vector<ProfileEntry> entries(double scale = 1) const;
   /// Forgets the totals; open scopes stay open.

@@ -1,5 +1,7 @@
 #include "framework/graph/node.h"
 
+#include "framework/base/random.h"
+
 namespace weir {
 
 namespace {
@@ -17,6 +19,13 @@ InputPort* Node::findInput(std::string_view name) const {
 
 OutputPort* Node::findOutput(std::string_view name) const {
   return findByName(outputs_, name);
+}
+
+std::uint64_t randomSeed(const Node& node, const SetupContext& context,
+                         const std::optional<std::int64_t>& own) {
+  if (own) return static_cast<std::uint64_t>(*own);
+  const std::string key = std::string(node.info().type) + "#" + std::to_string(node.ordinal());
+  return static_cast<std::uint64_t>(context.seed) ^ hashOf(key);
 }
 
 }  // namespace weir

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,6 +77,9 @@ class Node : public Configurable {
 
   const std::string& name() const { return name_; }
   void setName(std::string name) { name_ = std::move(name); }
+  /// How many nodes of its type stand before it in the scene.
+  int ordinal() const { return ordinal_; }
+  void setOrdinal(int ordinal) { ordinal_ = ordinal; }
   /// The library that its type comes from, see Registry::setSource.
   const std::string& source() const { return source_; }
   void setSource(std::string source) { source_ = std::move(source); }
@@ -119,9 +123,15 @@ class Node : public Configurable {
   friend class InputPort;
   friend class OutputPort;
   std::string name_;
+  int ordinal_ = 0;
   std::string source_{kOwnSource};
   std::vector<InputPort*> inputs_;
   std::vector<OutputPort*> outputs_;
 };
+
+/// The seed of a node's random numbers: its own if it has one; otherwise the scene's, with the node's type
+/// and its ordinal, so that two nodes draw different numbers and a new name changes none.
+std::uint64_t randomSeed(const Node& node, const SetupContext& context,
+                         const std::optional<std::int64_t>& own);
 
 }  // namespace weir

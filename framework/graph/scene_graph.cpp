@@ -63,6 +63,9 @@ Node& SceneGraph::add(std::unique_ptr<Node> node, const std::string& name) {
   if (find(name) != nullptr)
     throw sceneError("there are two nodes '" + name + "'", "a name of its own for each");
   node->setName(name);
+  node->setOrdinal(static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [&](const auto& other) {
+    return other->info().type == node->info().type;
+  })));
   nodes_.push_back(std::move(node));
   return *nodes_.back();
 }
@@ -126,13 +129,16 @@ void SceneGraph::validate() const {
 }
 
 std::vector<Node*> SceneGraph::order() const {
-  std::map<std::string, Node*> ready;  // by name: the order where the links leave it free
-  std::map<const Node*, std::size_t> waitingFor;
+  // By their places in the scene, where the links leave the order free: names must not change a run.
+  std::map<const Node*, std::size_t> place, waitingFor;
+  std::map<std::size_t, Node*> ready;
   for (const auto& node : nodes_) {
     std::size_t links = 0;
     for (const InputPort* input : node->inputs()) links += input->links().size();
+    const std::size_t at = place.size();
+    place[node.get()] = at;
     waitingFor[node.get()] = links;
-    if (links == 0) ready[node->name()] = node.get();
+    if (links == 0) ready[at] = node.get();
   }
   std::vector<Node*> order;
   while (!ready.empty()) {
@@ -141,7 +147,7 @@ std::vector<Node*> SceneGraph::order() const {
     order.push_back(node);
     for (const OutputPort* output : node->outputs())
       for (const InputPort* input : output->links())
-        if (--waitingFor[&input->node()] == 0) ready[input->node().name()] = &input->node();
+        if (--waitingFor[&input->node()] == 0) ready[place.at(&input->node())] = &input->node();
   }
   WEIR_CHECK(order.size() == nodes_.size());  // link() refuses cycles
   return order;

@@ -42,7 +42,7 @@ class SceneGraph {
   /// Checks what can only be checked when all is there: required inputs.
   void validate() const;
 
-  /// Every node behind the nodes it reads from; by name where order is free.
+  /// Every node behind the nodes it reads from; in the order of the scene where links leave it free.
   std::vector<Node*> order() const;
 
   // The life of a simulation. Parameters that keyframes give take their values of the time first. An Error

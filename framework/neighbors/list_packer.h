@@ -17,6 +17,7 @@ struct FoundNeighbors {
 struct ListPacker {
   PackedLists lists;
   int* blocksWanted = nullptr;  // by the groups so far
+  int* blocksShort = nullptr;   // by how many groups in vain, since the reset
   bool allInWindows = false;    // every index is below kAllInWindows
 
   /// Writes list i and returns how many of `found` there was room for. All threads of the group must come
@@ -59,7 +60,9 @@ struct ListPacker {
     constexpr int kInPlace = 1, kFirstBlock = 2;
     if (threads.all(found.kept <= lists.roomIn(kInPlace))) return kInPlace;
     const int block = threads.ofFirst(i % kListGroup == 0 ? atomicAdd(blocksWanted, 1) : 0);
-    return block < lists.blockCount ? kFirstBlock + block : kInPlace;
+    if (block < lists.blockCount) return kFirstBlock + block;
+    if (i % kListGroup == 0) atomicAdd(blocksShort, 1);
+    return kInPlace;
   }
 
   WEIR_HD void writeCodes(std::int64_t i, const FoundNeighbors& found, const ListGroup& group) const {

@@ -7,7 +7,8 @@
 
 namespace weir {
 
-static_assert(sizeof(NeighborEvents) == 4 * sizeof(int));
+constexpr std::int64_t kEvents = 5;
+static_assert(sizeof(NeighborEvents) == kEvents * sizeof(int));
 
 namespace {
 
@@ -30,7 +31,7 @@ NeighborList::NeighborList(Device& device)
       blocks_(device),
       columns_(device),
       events_(device) {
-  events_.resize(4);
+  events_.resize(kEvents);
   events_.fillZero();
 }
 
@@ -141,7 +142,7 @@ NeighborEditor NeighborList::editor() {
 NeighborEvents NeighborList::eventsOnHost() {
   const std::vector<int> values = events_.toHost();
   blocksWanted_ = values[3];
-  return {values[0], values[1], values[2], values[3]};
+  return {values[0], values[1], values[2], values[3], values[4]};
 }
 
 std::vector<std::vector<int>> NeighborList::listsOnHost(std::int64_t particles) const {

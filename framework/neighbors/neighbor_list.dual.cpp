@@ -378,8 +378,10 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                                   events_.data()});
 #else
   const ListWriter writer{
-      capacity_, room_,  entries_.data(), counts_.data(),
-      crowding,  places, events_.data(),  {packed(), events_.data() + 3, count.bound <= kAllInWindows}};
+      capacity_,       room_,
+      entries_.data(), counts_.data(),
+      crowding,        places,
+      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, count.bound <= kAllInWindows}};
   const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
   constexpr TeamPlan kPlan{32, kFewForTeams};
   static_assert(kPlan.few <= kAllInWindows);

@@ -141,6 +141,9 @@ struct NeighborEvents {
   int nonFinite = 0;  ///< particles with a position or velocity that is no number, removed
   /// Not since the reset: groups of the last search that asked for a block (see packed_lists.h).
   int wideGroups = 0;
+  /// Groups of lists that were cut off because no block was left. Which ones those are depends on the order
+  /// in which threads come, so results may differ from run to run.
+  int cutOffByOrder = 0;
 };
 
 /// Sorts particles by cell and builds the lists.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/base/random.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 #include "framework/graph/state.h"
@@ -93,7 +92,7 @@ void Emitter::reset(const SetupContext& context) {
   spacing_ = request->spacing;
   checkLayerSize(context);
   warnOfSettings(context);
-  seed_ = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
+  seed_ = seedFor(context);
   const Layer layer = makeLayer(context, spacing_);
   points_ = Array<Vec3f>(context.device, layer.points);
   directions_ = Array<Vec3f>(context.device, layer.directions);

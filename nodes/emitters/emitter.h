@@ -39,7 +39,14 @@ class Emitter : public Node {
                       {.min = 0,
                        .max = 0.5,
                        .doc = "Moves each particle at random by up to this share of the spacing along each "
-                              "axis. The scene's seed decides how."}};
+                              "axis."}};
+  Param<std::optional<std::int64_t>> seed{
+      *this,
+      "seed",
+      std::nullopt,
+      {.min = 0,
+       .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
+              "place among nodes of that type decide."}};
 
   Output<ParticleBatch> particles{*this, "particles", "The particles born in this step."};
 
@@ -75,6 +82,7 @@ class Emitter : public Node {
   virtual Frame axes() const { return {}; }
   /// Of the fluid below; there is one when makeLayer() is called.
   ParticleBatch::Request request() const { return *particles.requested(); }
+  std::uint64_t seedFor(const SetupContext& context) const { return randomSeed(*this, context, seed); }
   virtual double mostInLayer() const { return 1e7; }
 
  private:

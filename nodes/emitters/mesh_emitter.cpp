@@ -27,8 +27,8 @@ double MeshEmitter::layerSize(float spacing) const {
 }
 
 Emitter::Layer MeshEmitter::makeLayer(const SetupContext& context, float spacing) const {
-  const std::uint64_t seed = static_cast<std::uint64_t>(context.seed) ^ hashOf(name() + ".surface");
-  SurfacePoints spread = spreadOverSurface(*surface, static_cast<std::size_t>(layerSize(spacing)), seed);
+  const std::uint64_t number = seedFor(context) ^ hashOf("surface");
+  SurfacePoints spread = spreadOverSurface(*surface, static_cast<std::size_t>(layerSize(spacing)), number);
   return {std::move(spread.positions), std::move(spread.normals)};
 }
 

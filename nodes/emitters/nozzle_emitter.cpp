@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "framework/base/random.h"
-
 namespace weir {
 
 Emitter::Layer NozzleEmitter::layersOf(const SetupContext& context, const std::vector<Vec3f>& nodes) const {
@@ -11,8 +9,7 @@ Emitter::Layer NozzleEmitter::layersOf(const SetupContext& context, const std::v
   layer.points = nodes;
   if (isRelaxed(arrangement, request())) {
     const float spacing = request().spacing;
-    const std::uint64_t seed = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
-    const RelaxedTile tile = tileOfSource(request(), seed, context.device);
+    const RelaxedTile tile = tileOfSource(request(), seedFor(context), context.device);
     // Nodes are at whole multiples of the spacing or halfway between them.
     const auto index = [spacing](float x) { return std::llround(std::floor(x / spacing + 0.25f)); };
     layer.layers = tile.side();

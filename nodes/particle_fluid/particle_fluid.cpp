@@ -260,6 +260,13 @@ void ParticleFluid::checkEvents() {
         fmt::format("the simulation diverged: {} particles have positions or velocities that are no numbers",
                     state.events.nonFinite),
         {}, "use a smaller world.dt, a smaller bulk_modulus, or more solver iterations");
+  if (state.particles.device().deterministic() && state.events.cutOffByOrder > 0)
+    throw simulationError(
+        fmt::format(
+            "{} times neighbour lists were cut off in an order that may differ from run to run, which "
+            "--deterministic forbids",
+            kListGroup * std::int64_t{state.events.cutOffByOrder}),
+        {}, "use a smaller support_ratio or spread the fluid less, or run without --deterministic");
 }
 
 void ParticleFluid::report(NodeReport& report) {

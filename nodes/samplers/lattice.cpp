@@ -15,11 +15,11 @@ namespace weir {
 namespace {
 
 Lattice centredAt(const Vec3d& center, const Vec3d& count, double spacing) {
-  if (!(count.x * count.y * count.z <= Lattice::kMostNodes))
+  if (!(count.x * count.y * count.z <= Lattice::kMaxNodes))
     throw sceneError(
         fmt::format("a spacing of {:.6g} m makes a lattice of {:.7g} x {:.7g} x {:.7g} = {:.3g} nodes",
                     spacing, count.x, count.y, count.z, count.x * count.y * count.z),
-        fmt::format("at most {:.0f} million", Lattice::kMostNodes * 1e-6),
+        fmt::format("at most {:.0f}, the largest number of particles", Lattice::kMaxNodes),
         "make the fluid's spacing larger or the region smaller");
   const Vec3d ones{1, 1, 1};
   return {center - 0.5 * spacing * (count - ones),

@@ -18,12 +18,12 @@ struct Lattice {
   /// Centred in the box, with size/spacing nodes along each axis, rounded, but at least one. In a box whose
   /// sides are whole multiples of the spacing, the outer nodes are half a spacing from the faces; no node of
   /// the lattice's endless continuation is in the box but these. Throws a scene Error for more than
-  /// kMostNodes nodes.
+  /// kMaxNodes nodes.
   static Lattice inBox(const Aabb& box, float spacing);
   /// With one node at `center`, and all others no farther than `reach` from it along each axis.
   static Lattice around(const Vec3f& center, float reach, float spacing);
 
-  static constexpr double kMostNodes = 2e8;
+  static constexpr double kMaxNodes = 2147483647;  // particles are counted by ints
 
   std::int64_t size() const { return count.x * count.y * count.z; }
   Vec3f node(std::int64_t x, std::int64_t y, std::int64_t z) const;

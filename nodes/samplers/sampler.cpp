@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "framework/base/random.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 
@@ -26,16 +25,17 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
                    const std::function<bool(const Vec3f&)>& inside) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
   const int threads = cpu ? cpu->threads() : 0;
-  const std::uint64_t seed = static_cast<std::uint64_t>(context.seed) ^ hashOf(name());
+  const std::uint64_t number = randomSeed(*this, context, seed);
   std::optional<RelaxedTile> tile;
   Displacement displacement;
   if (relaxed()) {
-    tile.emplace(tileOfSource(*particles.requested(), seed, context.device));
+    tile.emplace(tileOfSource(*particles.requested(), number, context.device));
     displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
       return tile->displacement(x, y, z);
     };
   }
-  const std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, seed}, threads, inside, displacement);
+  const std::vector<Vec3f> positions =
+      sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
   if (positions.empty())
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
                      "a region that is several spacings thick");

@@ -35,6 +35,13 @@ class Sampler : public Node {
       "arrangement",
       std::nullopt,
       {.doc = "If it is left out: relaxed for fluids with the calibration `packing`, else lattice."}};
+  Param<std::optional<std::int64_t>> seed{
+      *this,
+      "seed",
+      std::nullopt,
+      {.min = 0,
+       .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
+              "place among nodes of that type decide."}};
   Param<StartPressure> pressure;
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/base/random.h"
-
 namespace weir {
 
 void Terrain::validate() const {
@@ -42,7 +40,7 @@ void Terrain::reset(const SetupContext& context) {
                            .rocks = rocks,
                            .rockSize = rockSize,
                            .rockRange = rockRange.get().value_or(Vec2f{-0.5f * size->x, 0.5f * size->x}),
-                           .seed = static_cast<std::uint64_t>(context.seed) ^ hashOf(name())});
+                           .seed = randomSeed(*this, context, seed)});
   const float cell = std::max(size->x, size->y) / static_cast<float>(cells.get());
   const auto along = [&](float length) { return std::max(1, static_cast<int>(std::lround(length / cell))); };
   *surface = field.solid(along(size->x), along(size->y), thickness);

@@ -58,6 +58,13 @@ class Terrain final : public Node {
       "rock_range",
       std::nullopt,
       {.unit = "m", .doc = "Least and largest x of rocks; anywhere if it is left out."}};
+  Param<std::optional<std::int64_t>> seed{
+      *this,
+      "seed",
+      std::nullopt,
+      {.min = 0,
+       .doc = "Of the bumps and the rocks. If it is left out, the scene's seed, the node's type and its "
+              "place among nodes of that type decide."}};
   Param<float> thickness{
       *this,
       "thickness",
@@ -68,7 +75,6 @@ class Terrain final : public Node {
   Output<TriangleMesh> surface{*this, "surface", "The ground as a closed solid."};
 
   void validate() const override;
-  /// The scene's seed and the node's name decide the noise and the rocks.
   /// Makes the mesh, as others tell by it what they need.
   void estimate(const SetupContext& context, MemoryNeeds&) override { reset(context); }
   void reset(const SetupContext& context) override;

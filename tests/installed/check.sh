@@ -54,6 +54,10 @@ say "Running an installed scene, with all of its plugins"
 "$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
   --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
 [ -s "$folder/dam.vtkhdf" ] || fail "there is no export"
+if [ -e "$weir/lib/weir/plugins/weir_assimp.so" ]; then
+  "$weir/bin/weir" run "$weir/share/weir/scenes/mesh_in_tank.json" --set mesh.file="$weir/share/weir/meshes/duck.obj" \
+    --set water.spacing=0.05 --frames 1 --quiet
+fi
 
 say "A new plugin"
 "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force" >/dev/null
@@ -83,7 +87,7 @@ done
 cmp "$folder/my_force.txt" "$folder/baseline.txt" || fail "the instruction set changes results"
 
 say "A plugin for another Weir is refused"
-digest=$weir/include/weir/framework/graph/interface_digest.h
+digest=$weir/include/weir/detail/framework/graph/interface_digest.h
 cp "$digest" "$folder/digest.h"
 cp "$folder/my_force/build/plugins/weir_my_force.so" "$folder/right.so"
 sed -i -E 's/headers [0-9a-f]{16}/headers 0123456789abcdef/' "$digest"

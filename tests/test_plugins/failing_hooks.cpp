@@ -2,13 +2,12 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "framework/base/check.h"
-#include "framework/graph/plugin.h"
-#include "framework/run/checkpoint.h"
-#include "framework/run/output_kind.h"
-#include "nodes/particle_file/recording.h"
-#include "nodes/particle_fluid/fluid_module.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include <weir/error.h>
+#include <weir/fluid_module.h>
+#include <weir/output.h>
+#include <weir/particle_fluid.h>
+#include <weir/plugin.h>
+#include <weir/readers.h>
 
 namespace {
 

@@ -1,7 +1,8 @@
 // A plugin as a user would write it: a module for the pipeline of a fluid.
-#include "framework/compute/parallel.h"
-#include "framework/graph/plugin.h"
-#include "nodes/particle_fluid/fluid_module.h"
+
+#include <weir/fluid_module.h>
+#include <weir/parallel.h>
+#include <weir/plugin.h>
 
 namespace {
 

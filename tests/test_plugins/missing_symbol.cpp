@@ -1,5 +1,6 @@
 // Calls what no library has.
-#include "framework/graph/plugin.h"
+
+#include <weir/plugin.h>
 
 void nobodyHasThis();
 

@@ -1,6 +1,7 @@
 // Writes behind the end of an array of its own: for builds with the address sanitizer, which must say so.
-#include "framework/graph/plugin.h"
-#include "nodes/particle_fluid/fluid_module.h"
+
+#include <weir/fluid_module.h>
+#include <weir/plugin.h>
 
 namespace {
 

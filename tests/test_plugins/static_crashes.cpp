@@ -1,7 +1,7 @@
 // Its static object crashes while the library is loaded.
 #include <csignal>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

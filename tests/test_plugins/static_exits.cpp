@@ -1,7 +1,7 @@
 // Its static object ends the program while the library is loaded.
 #include <cstdlib>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

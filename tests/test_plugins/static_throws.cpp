@@ -1,7 +1,7 @@
 // Its static object throws while the library is loaded, before anyone can ask what it is.
 #include <stdexcept>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

@@ -1,6 +1,7 @@
 // A module with attributes of its own, which must travel with their particles.
-#include "framework/graph/plugin.h"
-#include "nodes/particle_fluid/fluid_module.h"
+
+#include <weir/fluid_module.h>
+#include <weir/plugin.h>
 
 namespace {
 

@@ -1,5 +1,7 @@
 // Registers a type under the name of another one.
-#include "framework/graph/plugin.h"
+
+#include <weir/plugin.h>
+
 #include "tests/support/test_nodes.h"
 
 namespace {

@@ -1,7 +1,8 @@
 // Adds a type and then fails; the registry must be as before.
 #include <stdexcept>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
+
 #include "tests/support/test_nodes.h"
 
 WEIR_PLUGIN("throws", "Fails to register.", registry) {

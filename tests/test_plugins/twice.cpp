@@ -1,5 +1,7 @@
 // Registers one name twice.
-#include "framework/graph/plugin.h"
+
+#include <weir/plugin.h>
+
 #include "tests/support/test_nodes.h"
 
 WEIR_PLUGIN("twice", "Registers one name twice.", registry) {

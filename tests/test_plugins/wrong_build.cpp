@@ -1,7 +1,7 @@
 // Says that it was built by another compiler; must be refused before it is called.
 #include <cstdlib>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

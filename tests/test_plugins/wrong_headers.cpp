@@ -1,7 +1,7 @@
 // Says that it was compiled against other headers of Weir; must be refused before it is called.
 #include <cstdlib>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

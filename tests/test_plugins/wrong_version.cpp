@@ -1,7 +1,7 @@
 // Says that it was built for another version of the plugin interface; must be refused before it is called.
 #include <cstdlib>
 
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 namespace {
 

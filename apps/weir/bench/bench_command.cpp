@@ -17,6 +17,8 @@ namespace weir::app {
 namespace {
 
 constexpr int kMostThreads = 1024;
+constexpr std::int64_t kFewestParticles = 64,
+                       kMostParticles = 2'000'000'000;  // what memory holds is asked at the reset
 // Without --sizes; more would take hours on a CPU.
 constexpr std::int64_t kMostOnCpu = 600'000;
 constexpr std::int64_t kMostQuick = 64'000;
@@ -65,7 +67,7 @@ void show(const std::string& text) {
 std::string aboutCases() {
   std::string text = "Cases:\n";
   for (const BenchCase& c : benchCases()) text += fmt::format("  {:<13} {}\n", c.name, c.about);
-  return text + "Sizes of the cases dam…: " + allNames(namesOf(blockSizes())) +
+  return text + "Usual sizes of the cases dam…: " + allNames(namesOf(blockSizes())) +
          "\nWithout --sizes: all on CUDA, those below 600,000 on the CPU.";
 }
 
@@ -83,9 +85,12 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
   command_->add_option("--cases", cases_, "What to run, separated by commas; all if it is left out")
       ->type_name("CASES")
       ->delimiter(',');
-  command_->add_option("--sizes", sizes_, "Numbers of particles of the dam break, separated by commas")
+  command_
+      ->add_option("--sizes", sizes_,
+                   "Numbers of particles of the dam break, separated by commas; the nearest block is taken")
       ->type_name("SIZES")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->check(CLI::Range(kFewestParticles, kMostParticles));
   command_
       ->add_option("--late-after", lateAfter_,
                    "Simulated seconds before developed flow is timed; "
@@ -101,7 +106,7 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
   command_->add_flag("--quick", quick_, "A look at whether all works: sizes up to 64,000, late after 0.1 s");
   command_->add_flag(
       "--deterministic", deterministic_,
-      "Promise that results are bitwise the same from run to run. They always are, so this costs nothing");
+      "End the run where results could differ from run to run: if neighbour lists overflow on CUDA");
   command_->footer(aboutCases());
 }
 
@@ -110,8 +115,10 @@ std::vector<BenchCase> BenchCommand::chosenCases() const {
 }
 
 std::vector<BlockSize> BenchCommand::chosenSizes(bool onCpu) const {
-  std::vector<BlockSize> sizes = choose(blockSizes(), sizes_, "--sizes");
-  if (!sizes_.empty()) return sizes;
+  std::vector<BlockSize> sizes;
+  for (const std::int64_t particles : sizes_) sizes.push_back(blockOf(particles));
+  if (!sizes.empty()) return sizes;
+  sizes = blockSizes();
   std::erase_if(sizes, [&](const BlockSize& size) {
     return (quick_ && size.particles() > kMostQuick) || (onCpu && size.particles() > kMostOnCpu);
   });

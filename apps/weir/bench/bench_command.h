@@ -48,7 +48,7 @@ class BenchCommand {
 
   std::string device_ = "auto";
   std::vector<std::string> cases_;
-  std::vector<std::string> sizes_;
+  std::vector<std::int64_t> sizes_;
   std::vector<std::string> set_;
   std::string json_;
   std::optional<double> lateAfter_;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace weir::app {
 
 namespace {
@@ -52,6 +55,14 @@ std::vector<BenchCase> benchCases() {
 std::vector<BlockSize> blockSizes() {
   return {{{16, 16, 16}},    {{40, 40, 40}},    {{51, 52, 51}},    {{81, 81, 81}},   {{94, 94, 94}},
           {{126, 126, 126}}, {{284, 285, 284}}, {{369, 369, 369}}, {{464, 464, 464}}};
+}
+
+BlockSize blockOf(std::int64_t particles) {
+  for (const BlockSize& size : blockSizes())
+    if (size.particles() == particles) return size;
+  const auto side = std::max<std::int64_t>(1, std::llround(std::cbrt(static_cast<double>(particles))));
+  const std::int64_t layer = side * side;
+  return {{side, std::max<std::int64_t>(1, (particles + layer / 2) / layer), side}};
 }
 
 std::vector<std::string> settingsOf(const BlockSize& size) {

@@ -37,6 +37,10 @@ std::vector<BenchCase> benchCases();
 /// Those that are compared with other programs, and two beyond them.
 std::vector<BlockSize> blockSizes();
 
+/// One of blockSizes() if it has exactly so many particles; otherwise the block of about so many that is
+/// nearest to a cube: its base is a square, and its height takes up the rest.
+BlockSize blockOf(std::int64_t particles);
+
 /// What makes the cube of benchmark_dam_break.json, 0.81 m wide, of so many particles.
 std::vector<std::string> settingsOf(const BlockSize& size);
 

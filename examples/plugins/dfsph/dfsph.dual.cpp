@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "nodes/particle_fluid/density.h"
-#include "nodes/particle_fluid/displacement.h"
-#include "nodes/particle_fluid/wall_field.h"
+#include <weir/density.h>
 
 namespace dfsph {
 

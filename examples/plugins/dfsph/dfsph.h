@@ -21,7 +21,7 @@
 // solver are where the next step begins.
 #pragma once
 
-#include "nodes/particle_fluid/fluid_module.h"
+#include <weir/fluid_module.h>
 
 namespace dfsph {
 

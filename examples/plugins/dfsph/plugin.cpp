@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 #include "dfsph.h"
 

@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 #include "vortex_force.h"
 

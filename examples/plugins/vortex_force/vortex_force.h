@@ -7,7 +7,7 @@
 // like a rigid body.
 #pragma once
 
-#include "nodes/particle_fluid/fluid_module.h"
+#include <weir/fluid_module.h>
 
 namespace vortex_force {
 

@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include <weir/plugin.h>
 
 #include "wave_paddle.h"
 

@@ -13,10 +13,10 @@
 #include <memory>
 #include <vector>
 
-#include "framework/geometry/triangle_mesh.h"
-#include "framework/graph/node.h"
-#include "framework/solids/solid.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include <weir/mesh.h>
+#include <weir/node.h>
+#include <weir/particle_fluid.h>
+#include <weir/solid.h>
 
 namespace wave_paddle {
 

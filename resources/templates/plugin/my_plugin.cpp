@@ -1,5 +1,6 @@
 // What this plugin adds to Weir.
-#include "framework/graph/plugin.h"
+
+#include <weir/plugin.h>
 
 #include "probe.h"
 #include "pull.h"

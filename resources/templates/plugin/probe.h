@@ -1,8 +1,8 @@
 // Counts the particles of a fluid in a box at every frame.
 #pragma once
 
-#include "framework/graph/node.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include <weir/node.h>
+#include <weir/particle_fluid.h>
 
 namespace my_plugin {
 

@@ -3,7 +3,7 @@
 // The centre of mass of a fluid on which nothing else acts then swings with the angular frequency `rate`.
 #pragma once
 
-#include "nodes/particle_fluid/fluid_module.h"
+#include <weir/fluid_module.h>
 
 namespace my_plugin {
 

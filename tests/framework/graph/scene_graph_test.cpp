@@ -110,7 +110,7 @@ TEST_F(SceneGraphTest, RequiredInputsMustBeLinked) {
   EXPECT_NO_THROW(graph.validate());
 }
 
-TEST_F(SceneGraphTest, OrderFollowsLinksThenNames) {
+TEST_F(SceneGraphTest, OrderFollowsLinksThenTheScene) {
   for (const char* name : {"d", "b"}) add<test::Source>(name);
   for (const char* name : {"a", "c"}) add<test::Relay>(name);
   add<test::Sum>("e");
@@ -118,7 +118,7 @@ TEST_F(SceneGraphTest, OrderFollowsLinksThenNames) {
   link("b.number -> c.in");
   link("c.out -> e.terms");
   link("a.out -> e.terms");
-  EXPECT_EQ(order(), (std::vector<std::string>{"b", "c", "d", "a", "e"}));
+  EXPECT_EQ(order(), (std::vector<std::string>{"d", "b", "a", "c", "e"}));
 }
 
 TEST_F(SceneGraphTest, OrderOfRandomGraphsPutsEveryNodeBehindItsSources) {

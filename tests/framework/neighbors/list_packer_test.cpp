@@ -56,7 +56,8 @@ class Packed {
         codes_(groups_.size() * kListGroup * static_cast<std::size_t>(capacity) / kCodesTogether),
         blocks_(static_cast<std::size_t>(blocks * capacity * kListGroup)),
         counts_(particles),
-        packer_{{codes_.data(), groups_.data(), blocks_.data(), blocks, capacity}, &wanted_, false} {}
+        packer_{{codes_.data(), groups_.data(), blocks_.data(), blocks, capacity}, &wanted_, &short_, false} {
+  }
 
   void pack(const std::vector<Found>& lists) {
     for (std::size_t first = 0; first < particles_; first += kListGroup) {
@@ -86,6 +87,7 @@ class Packed {
   NeighborEditor editor() { return {plain_.data(), counts_.data(), packer_.lists.capacity, packer_.lists}; }
   int wide(std::size_t group) const { return groups_[group].wide; }
   int wanted() const { return wanted_; }
+  int inVain() const { return short_; }
 
  private:
   std::size_t particles_;
@@ -93,7 +95,7 @@ class Packed {
   std::vector<FourCodes> codes_;
   std::vector<int> blocks_, counts_;
   std::vector<int> plain_ = {0};  // lists that are not packed, which nobody reads
-  int wanted_ = 0;
+  int wanted_ = 0, short_ = 0;
   ListPacker packer_;
 };
 
@@ -136,6 +138,7 @@ TEST(ListPacker, KeepsIndicesThatAreFarApart) {
   Packed packed(8, 1, lists.size());
   packed.pack(lists);
   EXPECT_EQ(packed.wanted(), 2);
+  EXPECT_EQ(packed.inVain(), 1);
   EXPECT_EQ(packed.wide(0), 2);
   for (std::size_t group = 1; group < 4; ++group) EXPECT_EQ(packed.wide(group), 1);
   for (std::size_t i = 0; i < lists.size(); ++i) {

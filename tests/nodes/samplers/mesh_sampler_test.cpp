@@ -165,7 +165,7 @@ TEST(MeshSampler, SaysWhatIsWrong) {
   Filled empty({}, 0.02f);
   EXPECT_CONTAINS(errorOf([&] { empty.positions(); }).what(), "mesh.surface");
   Filled fine(bowl(), 1e-4f);
-  EXPECT_CONTAINS(errorOf([&] { fine.positions(); }).what(), "at most 200 million");
+  EXPECT_CONTAINS(errorOf([&] { fine.positions(); }).what(), "at most 2147483647");
   SceneGraph graph;
   graph.add(std::make_unique<MeshSampler>(), "alone");
   EXPECT_CONTAINS(errorOf([&] { graph.validate(); }).what(), "alone.surface");

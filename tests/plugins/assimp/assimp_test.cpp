@@ -48,6 +48,13 @@ TEST_F(Assimp, ReadsTheFormatsOfSolidsUnasked) {
   EXPECT_EQ(reader->hintFor(".txt"), "");
 }
 
+TEST_F(Assimp, TheDuckOfTheResourcesIsClosedAndFacesOutward) {
+  const TriangleMesh mesh = cleaned(reader->read(resourcesFolder() + "/meshes/duck.obj"));
+  EXPECT_GT(mesh.triangles.size(), 5000u);
+  EXPECT_EQ(diagnose(mesh).message(), "");
+  EXPECT_GT(mesh.volume(), 0);
+}
+
 TEST_F(Assimp, KnowsTheEndingsWithTheDotInLowerCase) {
   const VariableFor all("WEIR_MESH_FORMATS", "all");
   EXPECT_EQ(reader->hintFor(".dae"), "");

@@ -9,12 +9,10 @@
 #include <numbers>
 #include <string>
 
-#include "framework/graph/plugin.h"
-#include "framework/run/simulation.h"
-#include "framework/scene/scene_file.h"
-#include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/register_nodes.h"
-#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
+#include <weir/particle_fluid.h>
+#include <weir/plugin.h>
+#include <weir/simulation.h>
+#include <weir/solid_nodes.h>
 
 namespace {
 

@@ -5,11 +5,9 @@
 #include <cstdio>
 #include <numbers>
 
-#include "framework/graph/plugin.h"
-#include "framework/run/simulation.h"
-#include "framework/scene/scene_file.h"
-#include "nodes/particle_fluid/particle_fluid.h"
-#include "nodes/register_nodes.h"
+#include <weir/particle_fluid.h>
+#include <weir/plugin.h>
+#include <weir/simulation.h>
 
 namespace {
 

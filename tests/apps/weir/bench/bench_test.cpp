@@ -144,6 +144,11 @@ TEST_F(Bench, ARunThatBreaksOffSaysWhy) {
   EXPECT_CONTAINS(v.find("results")->asArray()[0].find("failed")->asString(), "no numbers");
 }
 
+TEST_F(Bench, AnySizeGetsTheNearestBlock) {
+  ASSERT_EQ(run({"--cases", "dam", "--sizes", "5000"}).code, 0);
+  EXPECT_EQ(numberIn(written().find("results")->asArray()[1], "size"), 17 * 17 * 17);
+}
+
 TEST_F(Bench, WhatIsNotThereIsAnErrorThatSaysWhatIs) {
   const auto refuse = [&](std::vector<std::string> arguments, int code,
                           std::initializer_list<const char*> parts) {
@@ -155,7 +160,8 @@ TEST_F(Bench, WhatIsNotThereIsAnErrorThatSaysWhatIs) {
   };
   refuse({"--cases", "dam,gobblet"}, 2,
          {"--cases: there is no 'gobblet'", "dam-pbf", "did you mean 'goblet'?"});
-  refuse({"--sizes", "4097"}, 2, {"--sizes: there is no '4097'", "22986960"});
+  refuse({"--sizes", "0"}, 2, {"--sizes", "64"});
+  refuse({"--sizes", "many"}, 2, {"--sizes"});
   refuse({"--late-after", "-1"}, 2, {"--late-after"});
   refuse({"--threads", "0"}, 2, {"--threads"});
   refuse({"--cases", "dam", "--set", "water.spacign=1"}, 3,

@@ -1,0 +1,22 @@
+# Which headers are the interface for plugins: those in include/weir, and what they include in turn.
+#
+#   weir_public_headers(ROOT OUT)    their paths below ROOT, sorted, without the headers that the build writes
+function(weir_public_headers root out)
+  file(GLOB waiting RELATIVE ${root} ${root}/include/weir/*.h)
+  set(found "")
+  while(waiting)
+    list(POP_FRONT waiting header)
+    list(FIND found ${header} known)
+    if(known GREATER_EQUAL 0 OR NOT EXISTS ${root}/${header})
+      continue()
+    endif()
+    list(APPEND found ${header})
+    file(STRINGS ${root}/${header} includes REGEX "^ *#include \"")
+    foreach(include ${includes})
+      string(REGEX REPLACE "^ *#include \"([^\"]*)\".*" "\\1" include "${include}")
+      list(APPEND waiting ${include})
+    endforeach()
+  endwhile()
+  list(SORT found)
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()

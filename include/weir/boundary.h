@@ -1,0 +1,4 @@
+// Walls by signed distance.
+#pragma once
+
+#include "nodes/static_boundary/boundary.h"

@@ -1,0 +1,5 @@
+// Devices, and arrays on them.
+#pragma once
+
+#include "framework/compute/array.h"
+#include "framework/compute/device.h"

@@ -1,0 +1,4 @@
+// Messages of a run.
+#pragma once
+
+#include "framework/base/log.h"

@@ -1,0 +1,5 @@
+// Neighbours, and sums over them.
+#pragma once
+
+#include "framework/neighbors/neighbor_list.h"
+#include "framework/neighbors/neighbor_sum.h"

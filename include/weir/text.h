@@ -1,0 +1,4 @@
+// Text for messages.
+#pragma once
+
+#include "framework/base/text.h"

@@ -1,0 +1,4 @@
+// Vectors, boxes and rotations.
+#pragma once
+
+#include "framework/base/vec.h"

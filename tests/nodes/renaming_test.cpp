@@ -1,0 +1,59 @@
+// A name is what people call a node: it must not change what a run computes.
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "tests/support/devices.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir::test {
+namespace {
+
+/// Two jets and two blocks with random arrangements; FIRST and SECOND stand for names.
+constexpr const char* kScene = R"({
+  "weir": 1,
+  "world": { "gravity": [0, -9.8, 0], "dt": 0.002, "frame_rate": 50, "duration": 0.1, "seed": 3 },
+  "nodes": {
+    "FIRSTjet": { "type": "SquareEmitter", "params": {
+      "position": [0, 1, 0], "width": 0.1, "height": 0.1, "speed": 2, "jitter": 0.3 } },
+    "SECONDjet": { "type": "SquareEmitter", "params": {
+      "position": [0.5, 1, 0], "width": 0.1, "height": 0.1, "speed": 2, "jitter": 0.3 } },
+    "FIRSTblock": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2], "jitter": 0.2 } },
+    "SECONDblock": { "type": "BoxSampler", "params": { "min": [0.5, 0, 0], "max": [0.7, 0.2, 0.2], "jitter": 0.2 } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02, "support_ratio": 1.5 } }
+  },
+  "links": [ "FIRSTjet.particles -> water.emitters", "SECONDjet.particles -> water.emitters",
+             "FIRSTblock.particles -> water.initial", "SECONDblock.particles -> water.initial" ]
+})";
+
+std::vector<Vec3f> positionsWhenNamed(Device& device, const std::string& first, const std::string& second,
+                                      const std::vector<std::string>& overrides = {}) {
+  std::string text = std::regex_replace(kScene, std::regex("FIRST"), first);
+  SimulatedScene scene(device, std::regex_replace(text, std::regex("SECOND"), second), overrides);
+  scene->reset();
+  while (scene->advanceFrame(false)) {
+  }
+  return scene.node<ParticleFluid>("water").fluid->particles->positions().toHost(scene->particleCount());
+}
+
+TEST(Renaming, ANodeChangesNoBitOfARun) {
+  for (const std::string& name : availableDevices()) {
+    SCOPED_TRACE(name);
+    const auto device = openDevice(name);
+    const auto positions = positionsWhenNamed(*device, "a", "b");
+    ASSERT_GT(positions.size(), 1500u);
+    EXPECT_EQ(positionsWhenNamed(*device, "z", "y"), positions);
+  }
+}
+
+TEST(Renaming, NodesOfOneTypeStillDrawNumbersOfTheirOwn) {
+  const auto device = openDevice("cpu");
+  const auto usual = positionsWhenNamed(*device, "a", "b");
+  EXPECT_NE(positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}), usual);
+  EXPECT_EQ(positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}),
+            positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}));
+}
+
+}  // namespace
+}  // namespace weir::test
