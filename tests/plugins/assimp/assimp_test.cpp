@@ -32,6 +32,13 @@ TEST_F(Assimp, ReadsTheSameBoxFromSeveralFormats) {
   expectBox(reader->read(write("BOX WITH SPACES é.OBJ", objBox())), "a strange name");
 }
 
+TEST_F(Assimp, TheDuckOfTheResourcesIsClosedAndFacesOutward) {
+  const TriangleMesh mesh = cleaned(reader->read(resourcesFolder() + "/meshes/duck.obj"));
+  EXPECT_GT(mesh.triangles.size(), 5000u);
+  EXPECT_EQ(diagnose(mesh).message(), "");
+  EXPECT_GT(mesh.volume(), 0);
+}
+
 TEST_F(Assimp, ReadsTheFormatsOfSolidsUnasked) {
   expectBox(reader->read(write("box.off", offBox())), "off");
   write("box.bin", gltfBuffer());
@@ -46,13 +53,6 @@ TEST_F(Assimp, ReadsTheFormatsOfSolidsUnasked) {
   EXPECT_EQ(endings, (std::vector<std::string>{".3mf", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}));
   EXPECT_CONTAINS(reader->hintFor(".dae"), "WEIR_MESH_FORMATS=all");
   EXPECT_EQ(reader->hintFor(".txt"), "");
-}
-
-TEST_F(Assimp, TheDuckOfTheResourcesIsClosedAndFacesOutward) {
-  const TriangleMesh mesh = cleaned(reader->read(resourcesFolder() + "/meshes/duck.obj"));
-  EXPECT_GT(mesh.triangles.size(), 5000u);
-  EXPECT_EQ(diagnose(mesh).message(), "");
-  EXPECT_GT(mesh.volume(), 0);
 }
 
 TEST_F(Assimp, KnowsTheEndingsWithTheDotInLowerCase) {
