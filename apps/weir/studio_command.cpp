@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "apps/weir/describe.h"
-#include "apps/weir/interruption.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #ifdef WEIR_HAS_STUDIO
 #include "apps/studio/session/studio.h"

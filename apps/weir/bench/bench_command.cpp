@@ -7,8 +7,8 @@
 
 #include "apps/weir/bench/copy_bandwidth.h"
 #include "apps/weir/bench/machine.h"
-#include "apps/weir/interruption.h"
 #include "framework/base/file_output.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 
 namespace weir::app {
