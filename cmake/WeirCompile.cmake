@@ -6,6 +6,12 @@ if(NOT WEIR_PLUGIN_OUTPUT_DIRECTORY)
   set(WEIR_PLUGIN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugins)
 endif()
 
+option(WEIR_HARDENING "Build with stack protection, checked memory functions and read-only relocations" ON)
+set(WEIR_FORTIFY_LEVEL 3)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 12)
+  set(WEIR_FORTIFY_LEVEL 2)
+endif()
+
 # Flags, include root and sanitizers of one target.
 function(weir_configure_target target)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
@@ -53,12 +59,35 @@ function(weir_configure_target target)
   # From bin/, lib/ or lib/weir/plugins; a tarball brings the libraries of others in lib/weir/bundled.
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "EXECUTABLE")
-    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib;$ORIGIN/../lib/weir/bundled")
+    set(run_path "$ORIGIN/../lib;$ORIGIN/../lib/weir/bundled")
   elseif(type STREQUAL "MODULE_LIBRARY")
-    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../..;$ORIGIN/../bundled")
+    set(run_path "$ORIGIN/../..;$ORIGIN/../bundled")
   else()
-    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/weir/bundled")
+    set(run_path "$ORIGIN;$ORIGIN/weir/bundled")
   endif()
+  weir_set_run_path(${target} "${run_path}")
+  weir_harden(${target})
+endfunction()
+
+# Where a target finds its libraries, in the build tree as where it is installed: CMake ends a path that it would
+# replace by another with colons, and the loader takes the empty entries behind them for the current folder.
+function(weir_set_run_path target run_path)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${run_path}" BUILD_WITH_INSTALL_RPATH ON
+                                             INSTALL_RPATH_USE_LINK_PATH ON)
+endfunction()
+
+# What makes mistakes in memory harder to use against a user. Overflow checks of the C library need an optimised
+# build, and sanitizers have their own.
+function(weir_harden target)
+  if(NOT WEIR_HARDENING OR WEIR_SANITIZE)
+    return()
+  endif()
+  set(optimised $<CONFIG:Release,RelWithDebInfo,MinSizeRel>)
+  # Not for CUDA: nvcc's parser does not know what the C library's level 3 is made of.
+  target_compile_options(${target} PRIVATE
+    $<$<COMPILE_LANGUAGE:CXX>:-fstack-protector-strong> $<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=-fstack-protector-strong>
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,${optimised}>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=${WEIR_FORTIFY_LEVEL}>)
+  target_link_options(${target} PRIVATE -Wl,-z,relro -Wl,-z,now)
 endfunction()
 
 # Adds the sources below `directory` to the target, by what their names say:

@@ -1,5 +1,5 @@
 # What an installation holds beside programs and libraries: the public headers, with what they include below
-# include/weir/detail, the CMake package, scenes, and the template of `weir new-plugin`. Everything finds everything else by relative
+# include/weir/detail, the CMake package, scenes, meshes, and the template of `weir new-plugin`. Everything finds everything else by relative
 # paths, so the tree can be moved.
 include(CMakePackageConfigHelpers)
 
@@ -15,7 +15,8 @@ foreach(header ${weir_headers})
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h
         DESTINATION include/weir/detail/framework/graph)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/templates
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/meshes
+                  ${PROJECT_SOURCE_DIR}/resources/templates
         DESTINATION share/weir)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/paraview DESTINATION share/weir FILES_MATCHING PATTERN "*.py")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/doc/weir)
@@ -31,6 +32,6 @@ install(EXPORT Weir NAMESPACE Weir:: FILE WeirTargets.cmake DESTINATION ${weir_p
 
 # The build tree is laid out alike.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/weir)
-foreach(folder scenes templates)
+foreach(folder scenes meshes templates)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/resources/${folder} ${PROJECT_BINARY_DIR}/share/weir/${folder} SYMBOLIC)
 endforeach()

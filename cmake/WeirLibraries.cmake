@@ -16,6 +16,7 @@ weir_need(fmt libfmt-dev)
 weir_need(spdlog libspdlog-dev)
 weir_need(nlohmann_json nlohmann-json3-dev 3.10)
 weir_need(CLI11 libcli11-dev)
+weir_need(ZLIB zlib1g-dev)
 find_package(Threads REQUIRED)
 
 if(weir_missing_libraries)

@@ -1,6 +1,4 @@
 // The command line program: commands and options, and the one place where errors become messages.
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <new>
@@ -12,6 +10,7 @@
 #include "apps/weir/program.h"
 #include "apps/weir/render_command.h"
 #include "apps/weir/run_command.h"
+#include "apps/weir/standard_streams.h"
 #include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
@@ -78,6 +77,8 @@ int runProgram(Program& program, int argc, char** argv) {
       ->take_all()
       ->allow_extra_args(false);
 
+  program.addPluginPermission(*validate);
+
   std::string type;
   bool json = false;
   CLI::App* nodes = app.add_subcommand("nodes", "List the types of nodes and modules, or tell all of one");
@@ -115,13 +116,12 @@ int runProgram(Program& program, int argc, char** argv) {
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (studio.command().parsed()) return studio.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
-  if (nodes->parsed() && json) fmt::print("{}", writeJson(typesAsValue(registry, type)));
-  if (nodes->parsed() && !json)
-    fmt::print("{}", type.empty() ? describeAll(registry) : describeType(registry, type));
+  if (nodes->parsed() && json) print(writeJson(typesAsValue(registry, type)));
+  if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));
   if (makePlugin->parsed()) return newPlugin(program, newName, newFolder);
-  if (schema->parsed()) fmt::print("{}", writeJson(sceneSchema(registry)));
-  if (info->parsed()) fmt::print("{}", describeProgram(program, registry));
-  if (completion->parsed()) fmt::print("{}", bashCompletion(app));
+  if (schema->parsed()) print(writeJson(sceneSchema(registry)));
+  if (info->parsed()) print(describeProgram(program, registry));
+  if (completion->parsed()) print(bashCompletion(app));
   return kDone;
 }
 
@@ -130,10 +130,11 @@ int runProgram(Program& program, int argc, char** argv) {
 }  // namespace weir::app
 
 int main(int argc, char** argv) {
+  weir::app::openStandardStreams();
   weir::app::Program program;
   try {
     const int code = weir::app::runProgram(program, argc, argv);
-    if (std::fflush(stdout) != 0) throw weir::ioError("standard output cannot be written");
+    weir::app::finishPrinting();
     return code;
   } catch (const weir::Error& e) {
     program.log().error(e.what());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/scene/scene_file.h"
@@ -114,13 +115,13 @@ int newPlugin(Program& program, const std::string& name, const std::string& fold
         "with "
         "cmake --install BUILD --prefix FOLDER, and name that folder below");
   const std::string place = to.string();
-  fmt::print(
-      "{0}\n\nBuild, test and run it:\n\n"
-      "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n"
-      "  cmake --build {0}/build\n"
-      "  ctest --test-dir {0}/build --output-on-failure\n"
-      "  weir run {0}/scene.json --plugin {0}/build/plugins/weir_{2}.so\n",
-      place, prefix.string(), name);
+  print(
+      fmt::format("{0}\n\nBuild, test and run it:\n\n"
+                  "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n"
+                  "  cmake --build {0}/build\n"
+                  "  ctest --test-dir {0}/build --output-on-failure\n"
+                  "  weir run {0}/scene.json --plugin {0}/build/plugins/weir_{2}.so\n",
+                  place, prefix.string(), name));
   return kDone;
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "apps/weir/standard_streams.h"
 #include "framework/base/text.h"
 #include "framework/run/guarded_output.h"
 #include "framework/run/output_paths.h"
@@ -26,6 +27,13 @@ void TakenPaths::addOutput(const OutputOption& option, const std::string& path) 
     throw usageError(
         fmt::format("--{} {} would overwrite {}", option.name, printable(path, 200), other->second),
         "a path of its own for each output");
+  outputs_.push_back(other->first);
+}
+
+std::vector<OutputLock> TakenPaths::lock() const {
+  std::vector<OutputLock> locks;
+  for (const auto& output : outputs_) locks.emplace_back(output);
+  return locks;
 }
 
 OutputOptions::OutputOptions(CLI::App& command, Program& program, bool replaysOnly) {
@@ -72,7 +80,7 @@ std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
 void OutputOptions::print() const {
   for (const Output& output : outputs_)
     for (const std::string& path : output.paths)
-      if (!path.empty()) fmt::print("{}\n", path);
+      if (!path.empty()) app::print(path + "\n");
 }
 
 std::string OutputOptions::names() const {

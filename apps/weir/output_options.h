@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/weir/program.h"
+#include "framework/base/output_lock.h"
 #include "framework/run/output_kind.h"
 
 namespace weir::app {
@@ -20,9 +21,12 @@ class TakenPaths {
   /// A file or folder that is written, or "" if the option was not given. Throws a usage Error if it does not
   /// end as it must, or is taken; an io Error if the folder above is missing.
   void addOutput(const OutputOption& option, const std::string& path);
+  /// Keeps other runs from all outputs. Throws an io Error that says who has one.
+  std::vector<OutputLock> lock() const;
 
  private:
   std::map<std::string, std::string> taken_;  // what for, by path
+  std::vector<std::string> outputs_;
 };
 
 class OutputOptions {

@@ -2,9 +2,12 @@
 
 #include <sys/auxv.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <string_view>
 
+#include "framework/base/text.h"
 #include "framework/graph/plugin_probe.h"
 #include "nodes/register_nodes.h"
 
@@ -21,6 +24,14 @@ fs::path prefix() {
   // Where /proc is not mounted, as in some containers: the path that the program was started by.
   if (error) executable = fs::canonical(reinterpret_cast<const char*>(getauxval(AT_EXECFN)), error);
   return executable.parent_path().parent_path();
+}
+
+bool isInPluginFolder(const fs::path& file) {
+  std::error_code error;
+  const fs::path folder = fs::absolute(file, error).parent_path();
+  const std::vector<fs::path> folders = pluginFolders();
+  return std::any_of(folders.begin(), folders.end(),
+                     [&](const fs::path& trusted) { return fs::equivalent(folder, trusted, error); });
 }
 
 }  // namespace
@@ -76,12 +87,29 @@ void Program::loadPlugin(const fs::path& file) {
   plugins_.emplace_back(file, registry_);
 }
 
+void Program::addPluginPermission(CLI::App& command) {
+  command.add_flag("--allow-plugins", allowsPlugins_,
+                   "Load the plugins that the scene names: their code runs with all that you may do");
+}
+
+void Program::loadPluginsOf(const fs::path& scene, const std::vector<FilePath>& plugins) {
+  for (std::size_t i = 0; i < plugins.size(); ++i) {
+    const FilePath& plugin = plugins[i];
+    if (!allowsPlugins_ && !isLoaded(plugin.resolved) && !isInPluginFolder(plugin.resolved))
+      throw sceneError(
+          "the scene asks for the plugin " + inQuotes(plugin.text) + ", whose code would run",
+          "plugins that --plugin names, or in a folder of WEIR_PLUGIN_PATH, or installed with Weir",
+          "if you trust the scene, --allow-plugins loads the plugins that it names")
+          .at({.file = scene.string(), .pointer = "/plugins/" + std::to_string(i)});
+    loadPlugin(plugin.resolved);
+  }
+}
+
 std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Override>& overrides) {
   std::vector<std::string> warnings;
   std::unique_ptr<Scene> scene =
-      loadScene(file, registry_, overrides, warnings, [this](const std::vector<FilePath>& plugins) {
-        for (const FilePath& plugin : plugins) loadPlugin(plugin.resolved);
-      });
+      loadScene(file, registry_, overrides, warnings,
+                [&](const std::vector<FilePath>& plugins) { loadPluginsOf(file, plugins); });
   for (const std::string& warning : warnings) log_.warn(warning);
   return scene;
 }

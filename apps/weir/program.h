@@ -12,6 +12,10 @@
 #include "framework/graph/registry.h"
 #include "framework/scene/scene_file.h"
 
+namespace CLI {
+class App;
+}
+
 namespace weir::app {
 
 /// The folders that are searched for plugins: those of the environment variable WEIR_PLUGIN_PATH, separated
@@ -37,7 +41,13 @@ class Program {
   /// is.
   void loadPlugin(const std::filesystem::path& file);
 
-  /// Reads a scene with the plugins that it names, and warns of what is doubtful in it.
+  /// Adds --allow-plugins to a command that reads scenes.
+  void addPluginPermission(CLI::App& command);
+
+  /// Reads a scene with the plugins that it names, and warns of what is doubtful in it. A plugin is code:
+  /// without
+  /// --allow-plugins, throws a scene Error if the scene names one that is neither loaded already nor in one
+  /// of pluginFolders().
   std::unique_ptr<Scene> load(const std::filesystem::path& file, const std::vector<Override>& overrides);
   /// The same with a scene whose text is part of the program; `name` is for messages.
   std::unique_ptr<Scene> loadText(const std::string& name, std::string_view text,
@@ -50,9 +60,11 @@ class Program {
 
  private:
   bool isLoaded(const std::filesystem::path& file) const;
+  void loadPluginsOf(const std::filesystem::path& scene, const std::vector<FilePath>& plugins);
 
   std::function<void()> beforeMessage_;
   bool quiet_ = false;
+  bool allowsPlugins_ = false;
   Log log_;
   std::vector<Plugin> plugins_;  // before the registry, which holds functions of theirs
   Registry registry_;

@@ -117,6 +117,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
       ->type_name("LIB")
       ->take_all()
       ->allow_extra_args(false);
+  program_.addPluginPermission(*command_);
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads));
@@ -159,6 +160,7 @@ int RenderCommand::run() {
   taken.addInput(file_, "the export");
   taken.addInput(scene_, "the scene");
   outputs_->checkPaths(taken);
+  const std::vector<OutputLock> locks = taken.lock();
   const std::unique_ptr<Recording> recording = openRecording();
   std::unique_ptr<Scene> scene = loadScene(*recording);
   const std::unique_ptr<Device> device = openDevice(device_, threads_);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/weir/shown_run.h"
+#include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/run/guarded_checkpoint.h"
@@ -76,6 +77,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->type_name("LIB")
       ->take_all()
       ->allow_extra_args(false);
+  program_.addPluginPermission(*command_);
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, false);
   command_->add_option("--stats", stats_, "Write numbers about the run: times, memory, momentum, energies, …")
       ->type_name("FILE.json");
@@ -115,7 +117,7 @@ std::vector<Override> RunCommand::overrides() const {
   return all;
 }
 
-void RunCommand::checkOutputPaths() const {
+std::vector<OutputLock> RunCommand::takeOutputPaths() const {
   TakenPaths taken;
   taken.addInput(scene_, "the scene");
   outputs_->checkPaths(taken);
@@ -126,6 +128,7 @@ void RunCommand::checkOutputPaths() const {
   check("checkpoint", checkpointEndings(), checkpoint_);
   check("stats", {".json"}, stats_);
   check("series", {".jsonl", ".csv"}, series_);
+  return taken.lock();
 }
 
 std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
@@ -175,13 +178,13 @@ std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulatio
 void RunCommand::printResults() const {
   outputs_->print();
   for (const std::string& path : {stats_, series_})
-    if (!path.empty()) fmt::print("{}\n", path);
+    if (!path.empty()) print(path + "\n");
 }
 
 int RunCommand::run() {
   program_.setQuiet(quiet_);
   Log& log = program_.log();
-  checkOutputPaths();
+  const std::vector<OutputLock> locks = takeOutputPaths();
   auto scene = program_.load(scene_, overrides());
   const std::unique_ptr<Device> device = openDevice(device_, threads_);
   if (deterministic_) device->setDeterministic(true);

@@ -26,7 +26,8 @@ class RunCommand {
  private:
   std::vector<Override> overrides() const;
   std::vector<std::unique_ptr<Observer>> makeObservers() const;
-  void checkOutputPaths() const;
+  /// Throws where one cannot be, and where another run has it.
+  std::vector<OutputLock> takeOutputPaths() const;
   /// What names of checkpoints may end in; asked for only if one is to be made.
   std::vector<std::string> checkpointEndings() const;
   std::unique_ptr<CheckpointStore> checkpointStore(const std::string& option, const std::string& path) const;

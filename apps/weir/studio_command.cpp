@@ -1,6 +1,5 @@
 #include "apps/weir/studio_command.h"
 
-#include <fmt/format.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "apps/weir/describe.h"
+#include "apps/weir/standard_streams.h"
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #ifdef WEIR_HAS_STUDIO
@@ -29,6 +29,11 @@ StudioCommand::StudioCommand(CLI::App& app, Program& program)
       ->add_option("--folder", folder_,
                    "The folder that may be read and written; the scene's if it is left out")
       ->type_name("DIR");
+  command_
+      ->add_option("--allow-files", sceneFolders_,
+                   "A further folder whose files scenes may read; can be given several times")
+      ->type_name("DIR")
+      ->take_all();
   command_->add_option("--port", port_, "The port to listen at; a free one if it is left out")
       ->type_name("P")
       ->check(CLI::Range(0, kMostPort));
@@ -72,6 +77,7 @@ int StudioCommand::run() {
   options.folder = !folder_.empty()          ? fs::path(folder_)
                    : scene.has_parent_path() ? scene.parent_path()
                                              : fs::path(".");
+  options.sceneFolders.assign(sceneFolders_.begin(), sceneFolders_.end());
   options.page = dataFolder() / "studio";
   options.templates = dataFolder() / "scenes";
   options.types = writeJsonLine(typesAsValue(program_.registry(), ""));
@@ -86,8 +92,9 @@ int StudioCommand::run() {
   shown = &studio;
   if (!scene_.empty())
     studio.open(fs::absolute(scene).lexically_relative(fs::canonical(options.folder)).string());
-  fmt::print("{}\n", studio.address());
-  std::fflush(stdout);
+  print(studio.address() + "\n");
+  for (const std::string& address : studio.furtherAddresses()) print(address + "\n");
+  finishPrinting();
   if (!stay_) openBrowser(studio.address());
 
   const Interruption interruption;

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "apps/weir/program.h"
 
@@ -23,6 +24,7 @@ class StudioCommand {
   CLI::App* command_;
   std::string scene_;
   std::string folder_;
+  std::vector<std::string> sceneFolders_;
   std::string host_ = "127.0.0.1";
   std::string device_ = "auto";
   int port_ = 0;

@@ -1,7 +1,6 @@
 #include "apps/weir/validate_command.h"
 
-#include <fmt/format.h>
-
+#include "apps/weir/standard_streams.h"
 #include "framework/base/text.h"
 #include "framework/run/simulation.h"
 
@@ -39,7 +38,7 @@ int validateScenes(Program& program, const std::vector<std::string>& scenes,
   for (const std::string& file : scenes) {
     try {
       validateScene(program, file, overrides);
-      fmt::print("{}: valid\n", file);
+      print(file + ": valid\n");
     } catch (const Error& e) {
       program.log().error(e.what());
       if (code == kDone) code = exitCode(e.kind());

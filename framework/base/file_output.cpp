@@ -71,6 +71,7 @@ class Temporary {
     if (close() != 0) throw cannotWrite(path_, errno);
     if (::rename(name_.c_str(), path_.c_str()) != 0) throw cannotWrite(path_, errno);
     renamed_ = true;
+    syncFolderOf(path_);
   }
 
  private:
@@ -86,6 +87,16 @@ class Temporary {
 };
 
 }  // namespace
+
+void syncFolderOf(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0 && errno == EACCES) return;  // a folder that may be written but not read cannot be opened
+  const bool synced = opened >= 0 && (::fsync(opened) == 0 || errno == EINVAL);
+  const int error = errno;
+  if (opened >= 0) ::close(opened);
+  if (!synced) throw cannotWrite(file, error);
+}
 
 void checkWritable(const fs::path& path) {
   const Temporary probe(path);

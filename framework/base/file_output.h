@@ -10,7 +10,12 @@ namespace weir {
 /// or nothing can be made in it. Leaves nothing behind.
 void checkWritable(const std::filesystem::path& path);
 
-/// Writes beside the path first, then renames. Throws an io Error; what stood at the path is then as before.
+/// Brings the names in a file's folder to the disk: a file that was made or renamed may else be gone after a
+/// power cut, however well its content was synced. Throws an io Error.
+void syncFolderOf(const std::filesystem::path& file);
+
+/// Writes beside the path first, then renames, and brings both to the disk. Throws an io Error; what stood at
+/// the path is then as before.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace weir

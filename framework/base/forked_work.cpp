@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <new>
 #include <system_error>
 #include <vector>
 
@@ -30,6 +32,36 @@ void limitCpu(int seconds) {
   ::setrlimit(RLIMIT_CPU, &limit);
 }
 
+/// Bytes of address space that this process has; 0 where nothing tells.
+std::uint64_t addressSpace() {
+  std::FILE* file = std::fopen("/proc/self/statm", "re");
+  if (file == nullptr) return 0;
+  unsigned long long pages = 0;
+  const bool read = std::fscanf(file, "%llu", &pages) == 1;
+  std::fclose(file);
+  return read ? pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
+/// How the copy ends that asks for more memory than it may have.
+constexpr int kOutOfMemory = 86;
+
+void limitMemory(std::uint64_t more) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return;  // whose memory is none of the library's
+#endif
+  rlimit limit{};
+  ::getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(addressSpace() + more));
+  ::setrlimit(RLIMIT_AS, &limit);
+  // Libraries catch std::bad_alloc and go on as if the file were damaged.
+  std::set_new_handler([] { ::_exit(kOutOfMemory); });
+}
+
+void limitFiles() {
+  const rlimit nothing{0, 0};
+  ::setrlimit(RLIMIT_FSIZE, &nothing);
+}
+
 void sendAll(int pipe, const std::string& bytes) {
   for (std::size_t sent = 0; sent < bytes.size();) {
     const ssize_t more = ::write(pipe, bytes.data() + sent, bytes.size() - sent);
@@ -41,12 +73,19 @@ void sendAll(int pipe, const std::string& bytes) {
 // noexcept, so that nothing that is thrown leads back into what the parent does.
 [[noreturn]] void runChild(const std::function<std::string()>& work, const ForkedLimits& limits,
                            int pipe) noexcept {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGALRM})
+  sigset_t ending;
+  ::sigemptyset(&ending);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGALRM, SIGXFSZ}) {
     ::signal(signal, SIG_DFL);
+    ::sigaddset(&ending, signal);
+  }
+  ::sigprocmask(SIG_UNBLOCK, &ending, nullptr);
   const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);
   limitCpu(limits.cpuSeconds);
   if (limits.seconds > 0) ::alarm(static_cast<unsigned>(limits.seconds));
+  if (limits.memoryBytes > 0) limitMemory(limits.memoryBytes);
+  if (!limits.writesFiles) limitFiles();
   // The C library prints there when it finds its heap destroyed; and what the work prints is not for the
   // user.
   const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -58,7 +97,8 @@ void sendAll(int pipe, const std::string& bytes) {
   ::_exit(0);
 }
 
-std::string readToEnd(int pipe) {
+/// All that the pipe gives, or the first `most` bytes of it and one more.
+std::string readToEnd(int pipe, std::uint64_t most) {
   std::string bytes;
   std::vector<char> block(std::size_t{1} << 16);
   while (true) {
@@ -66,12 +106,14 @@ std::string readToEnd(int pipe) {
     if (more < 0 && errno == EINTR) continue;
     if (more <= 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(more));
+    if (most > 0 && bytes.size() > most) return bytes;
   }
 }
 
 }  // namespace
 
-ForkedWork::ForkedWork(const std::function<std::string()>& work, const ForkedLimits& limits) {
+ForkedWork::ForkedWork(const std::function<std::string()>& work, const ForkedLimits& limits)
+    : resultBytes_(limits.resultBytes) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throw cannotStart(errno);
   child_ = ::fork();
@@ -87,8 +129,10 @@ ForkedWork::ForkedWork(const std::function<std::string()>& work, const ForkedLim
 ForkedEnd ForkedWork::wait() {
   WEIR_CHECK(child_ > 0);
   ForkedEnd end;
-  end.bytes = readToEnd(pipe_);
-  end.done = !end.bytes.empty() && end.bytes.back() == '\0';
+  end.bytes = readToEnd(pipe_, resultBytes_);
+  const bool tooMuch = resultBytes_ > 0 && end.bytes.size() > resultBytes_;
+  if (tooMuch) ::kill(child_, SIGKILL);
+  end.done = !tooMuch && !end.bytes.empty() && end.bytes.back() == '\0';
   if (end.done) end.bytes.pop_back();
   int status = 0;
   pid_t waited = 0;
@@ -99,6 +143,7 @@ ForkedEnd ForkedWork::wait() {
   end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   end.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
   end.outOfTime = end.signal == SIGXCPU || end.signal == SIGALRM;
+  end.outOfMemory = tooMuch || (!end.done && end.exitCode == kOutOfMemory);
   return end;
 }
 

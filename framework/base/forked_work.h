@@ -2,6 +2,7 @@
 // loaded yet. A crash there is a fact here, not an end.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -11,17 +12,21 @@ namespace weir {
 
 /// How the copy ended.
 struct ForkedEnd {
-  std::string bytes;       ///< what the work returned
-  bool done = false;       ///< whether it returned
-  int signal = 0;          ///< the signal that ended it, or 0
-  int exitCode = 0;        ///< its exit code where it ended itself
-  bool outOfTime = false;  ///< whether it used up its time
+  std::string bytes;         ///< what the work returned
+  bool done = false;         ///< whether it returned
+  int signal = 0;            ///< the signal that ended it, or 0
+  int exitCode = 0;          ///< its exit code where it ended itself
+  bool outOfTime = false;    ///< whether it used up its time
+  bool outOfMemory = false;  ///< whether it asked for more memory than it may have
 };
 
 struct ForkedLimits {
-  int cpuSeconds = 60;       ///< of processor time
-  int seconds = 0;           ///< of the clock; 0 is without a limit
-  bool keepsStderr = false;  ///< whether what it prints on stderr is in `bytes`, too, or goes nowhere
+  int cpuSeconds = 60;            ///< of processor time
+  int seconds = 0;                ///< of the clock; 0 is without a limit
+  std::uint64_t memoryBytes = 0;  ///< of address space beside what this process has; 0 is without a limit
+  std::uint64_t resultBytes = 0;  ///< of what `work` returns; more ends the copy. 0 is without a limit
+  bool writesFiles = true;        ///< whether it may write to files
+  bool keepsStderr = false;       ///< whether what it prints on stderr is in `bytes`, too, or goes nowhere
 };
 
 /// A copy of this process, whose only thread runs `work`. Nothing that it does to memory is seen here.
@@ -39,6 +44,7 @@ class ForkedWork {
  private:
   pid_t child_ = -1;
   int pipe_ = -1;
+  std::uint64_t resultBytes_;
 };
 
 }  // namespace weir

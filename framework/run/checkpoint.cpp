@@ -8,6 +8,7 @@
 #include <set>
 
 #include "framework/base/build_info.h"
+#include "framework/base/digest.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/scene/scene_file.h"
@@ -40,6 +41,32 @@ void compare(const std::string& path, const Value* saved, const Value* present,
   if (!equal) differences.push_back(fmt::format("{}: {} then, {} now", path, shown(saved), shown(present)));
 }
 
+/// The files that parameters of `owner` name.
+void addInputs(const Configurable& owner, const std::string& prefix, Value& inputs) {
+  for (const Property* property : owner.properties()) {
+    const std::string name = prefix + "." + std::string(property->name());
+    const auto* path = dynamic_cast<const Param<FilePath>*>(property);
+    std::error_code ignored;
+    // What is no file is refused by whoever reads it, and says so better.
+    if (path == nullptr || !fs::is_regular_file(path->get().resolved, ignored)) continue;
+    const FileDigest digest = digestOfFile(path->get().resolved);
+    inputs[name]["file"] = path->get().text;
+    inputs[name]["bytes"] = static_cast<std::int64_t>(digest.bytes);
+    inputs[name]["digest"] = static_cast<std::int64_t>(digest.digest);
+  }
+}
+
+void compareInputs(const std::string& savedText, const std::string& presentText,
+                   std::vector<std::string>& differences) {
+  const Value saved = parseJson(savedText, "the checkpoint's list of files");
+  const Value present = parseJson(presentText, "the list of files");
+  for (const auto& [name, file] : present.asObject()) {
+    const Value* before = saved.find(name);
+    if (before != nullptr && *before == file) continue;
+    differences.push_back(fmt::format("{}: the file {} is another now", name, shown(file.find("file"))));
+  }
+}
+
 std::string backEndOf(const Device& device) {
   return device.kind() == DeviceKind::kCpu ? "cpu" : "cuda";
 }
@@ -56,6 +83,17 @@ std::string checkpointScene(const Scene& scene) {
   return writeJson(chosen);
 }
 
+std::string checkpointInputs(const Scene& scene) {
+  Value inputs = Value::object();
+  for (const auto& node : scene.graph.nodes()) {
+    addInputs(*node, node->name(), inputs);
+    if (PipelineBase* pipeline = node->pipeline())
+      for (const auto& module : pipeline->modules())
+        addInputs(*module, node->name() + "." + module->name(), inputs);
+  }
+  return writeJson(inputs);
+}
+
 void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation) {
   std::vector<std::string> differences;
   const auto compareTexts = [&](const char* what, std::string_view saved, std::string_view present) {
@@ -66,12 +104,15 @@ void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation) {
   const Value saved = parseJson(checkpoint.scene, "the checkpoint's scene");
   const Value present = parseJson(checkpointScene(simulation.scene()), "the scene");
   compare("", &saved, &present, differences);
+  // Where another file is named, that is what to say.
+  if (differences.empty())
+    compareInputs(checkpoint.inputs, checkpointInputs(simulation.scene()), differences);
   if (differences.empty()) return;
   const std::size_t more = differences.size() - std::min(differences.size(), kMostDifferences);
   differences.resize(differences.size() - more);
   throw ioError("the checkpoint is of another run: " + joinNames(differences, "; ") +
                     (more > 0 ? fmt::format("; and {} more", more) : ""),
-                "the same scene, the same version and the same kind of device",
+                "the same scene, the same files, the same version and the same kind of device",
                 "the duration, outputs and section render may change");
 }
 
@@ -99,8 +140,9 @@ fs::path Checkpoints::previousOf(const fs::path& file) {
   return fs::path(file).replace_extension(".previous" + file.extension().string());
 }
 
-void Checkpoints::begin() {
+void Checkpoints::begin(const Simulation& simulation) {
   checkWritable(file_);
+  inputs_ = checkpointInputs(simulation.scene());
   writtenAt_ = std::chrono::steady_clock::now();
 }
 
@@ -114,6 +156,7 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
   Checkpoint checkpoint{.version = std::string(version()),
                         .scene = checkpointScene(simulation.scene()),
                         .device = backEndOf(simulation.device()),
+                        .inputs = inputs_,
                         .state = {}};
   const StateWriter state(checkpoint.state);
   const StateWriter outputs = state.in(kOutputStates);
@@ -134,6 +177,7 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
   std::error_code error;
   fs::rename(draft, file_, error);
   if (error) throw ioError("cannot write the checkpoint: " + error.message()).at({.file = file_.string()});
+  syncFolderOf(file_);
   writtenAt_ = std::chrono::steady_clock::now();
 }
 

@@ -24,6 +24,7 @@ struct Checkpoint {
   std::string version;  ///< of the program
   std::string scene;    ///< what decides the simulation, as JSON text; see checkpointScene
   std::string device;   ///< the back end, "cpu" or "cuda"
+  std::string inputs;   ///< the files that the scene reads, as JSON text; see checkpointInputs
   StateArrays state;
 };
 
@@ -46,8 +47,12 @@ class CheckpointStore {
 /// and not how it is shown.
 std::string checkpointScene(const Scene& scene);
 
+/// Size and digest of each file that a parameter of a node or module names, by the parameter. Throws an io
+/// Error if one cannot be read.
+std::string checkpointInputs(const Scene& scene);
+
 /// Throws an io Error that names the differences if the checkpoint is of another version of the program,
-/// another scene or another back end than the simulation.
+/// another scene, other files or another back end than the simulation.
 void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation);
 
 /// How often checkpoints are made: at every so many frames, or at the first frame after so many seconds.
@@ -66,8 +71,9 @@ class Checkpoints {
   Checkpoints(std::filesystem::path file, CheckpointInterval interval,
               std::unique_ptr<CheckpointStore> store);
 
-  /// Throws an io Error if nothing can be written there. Before the run.
-  void begin();
+  /// Throws an io Error if nothing can be written there. Before the run, as it takes the digests of the files
+  /// that the scene is about to read.
+  void begin(const Simulation& simulation);
   /// After each frame that the observers have seen.
   bool isDue(const Simulation& simulation) const;
   /// At a frame; the observers save what they need to go on from there. Throws an io Error; the checkpoints
@@ -81,6 +87,7 @@ class Checkpoints {
   std::filesystem::path file_;
   CheckpointInterval interval_;
   std::unique_ptr<CheckpointStore> store_;
+  std::string inputs_;
   std::chrono::steady_clock::time_point writtenAt_;
 };
 

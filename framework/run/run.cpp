@@ -135,7 +135,7 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
       begin(*observer, simulation, options.resume);
       outputs.add(*observer);
     }
-    if (options.checkpoints != nullptr) options.checkpoints->begin();
+    if (options.checkpoints != nullptr) options.checkpoints->begin(simulation);
     end = runFrames(simulation, observers, outputs, options);
   } catch (...) {
     outputs.errors.keepCurrent();

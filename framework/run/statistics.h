@@ -29,9 +29,9 @@ std::size_t peakHostMemory();
 ///   device_reserved_bytes, device_reserved_peak_bytes, device_in_use_bytes, device_allocations,
 ///   device_bytes_of_nodes}, blocking_readbacks, nodes {"water": {type, …what the node reports…}},
 ///   rare_events [{node, what, count}].
-/// step_ms and modules_ms are of the steps that this process made: a resumed run knows no times of those before.
-/// The node of a rare event of the time steps is "world". A node that cannot report, as the run failed in it,
-/// has "error" instead. Waits for the device.
+/// step_ms and modules_ms are of the steps that this process made: a resumed run knows no times of those
+/// before. The node of a rare event of the time steps is "world". A node that cannot report, as the run
+/// failed in it, has "error" instead. Waits for the device.
 Value runStatistics(Simulation& simulation, RunEnd end);
 
 /// What changes in time, at the frame that was just reached: frame, time [s], steps, particles,

@@ -10,12 +10,21 @@
 #include "framework/base/text.h"
 #include "framework/graph/registry.h"
 #include "nodes/mesh_file/mesh_reader.h"
+#include "nodes/mesh_file/ply_mesh_reader.h"
 
 namespace weir {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The built-in readers, then those of plugins by name.
+std::vector<Service<MeshReader>> allReaders(const Registry& registry) {
+  std::vector<Service<MeshReader>> readers;
+  readers.push_back({"ply", std::make_unique<PlyMeshReader>(), std::string(kOwnSource)});
+  for (auto& service : registry.createServices<MeshReader>()) readers.push_back(std::move(service));
+  return readers;
+}
 
 std::string lower(std::string text) {
   for (char& c : text)
@@ -60,7 +69,8 @@ TriangleMesh MeshFile::read(const Registry& registry) const {
 
   const std::string ending = lower(path.extension().string());
   std::set<std::string> readable;
-  for (const auto& [name, reader, source] : registry.createServices<MeshReader>()) {
+  std::string hint;
+  for (const auto& [name, reader, source] : allReaders(registry)) {
     std::optional<TriangleMesh> mesh;
     const auto where = [&] { return hookText("mesh reader " + inQuotes(name), "", source); };
     const auto ask = [&] {
@@ -68,16 +78,18 @@ TriangleMesh MeshFile::read(const Registry& registry) const {
         if (extension == ending && !mesh) mesh = reader->read(path);
         readable.insert(extension);
       }
+      if (hint.empty()) hint = reader->hintFor(ending);
     };
     callGuarded(source, where, ask, /*filesSayEnough=*/true);
     if (mesh) return std::move(*mesh);
   }
   std::string list;
   for (const std::string& extension : readable) list += (list.empty() ? "" : ", ") + extension;
+  const bool isAlone = registry.createServices<MeshReader>().empty();
   throw fileError(ending.empty() ? "the file's name has no ending that says what it is"
                                  : "no reader is known for files that end in " + inQuotes(ending),
-                  list.empty() ? "none: no plugin that reads meshes is loaded" : list,
-                  list.empty() ? "'weir info' lists the plugins; assimp reads meshes" : "");
+                  list + (isAlone ? "; no plugin that reads meshes is loaded" : ""),
+                  isAlone ? "'weir info' lists the plugins; assimp reads meshes" : hint);
 }
 
 void MeshFile::place(TriangleMesh& mesh) const {

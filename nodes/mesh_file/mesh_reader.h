@@ -19,6 +19,8 @@ class MeshReader {
 
   /// The endings of files that it reads, lower case with the dot: ".obj".
   virtual std::vector<std::string> extensions() const = 0;
+  /// What a user can do to have files of another ending read; "" where there is nothing.
+  virtual std::string hintFor(const std::string& /*extension*/) const { return {}; }
   /// All triangles of the file with the transforms of its scene, in the file's units, as they stand there:
   /// neither welded nor cleaned; larger polygons are triangulated, points and lines left out. Throws an io
   /// Error that names the file.

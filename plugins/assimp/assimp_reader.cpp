@@ -3,16 +3,28 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
-#include <memory>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/base/isolated_work.h"
+#include "framework/base/packed.h"
 #include "framework/base/text.h"
+#include "plugins/assimp/folder_files.h"
 
 namespace weir {
 
 namespace {
+
+constexpr const char* kFormatsVariable = "WEIR_MESH_FORMATS";
+constexpr const char* kMemoryVariable = "WEIR_MESH_MEMORY_MB";
+constexpr const char* kTimeVariable = "WEIR_MESH_SECONDS";
 
 /// Vertices are numbered by int, and a file may use one mesh in many places.
 constexpr std::size_t kMostVertices = 500'000'000;
@@ -80,37 +92,137 @@ class SceneTriangles {
   TriangleMesh result_;
 };
 
+/// What is read unasked: formats that are of use for solids, and whose readers are small.
+constexpr std::array<std::string_view, 7> kUsualEndings{".3mf", ".glb", ".gltf", ".obj",
+                                                        ".off", ".ply", ".stl"};
+
+bool readsAllFormats() {
+  const char* formats = std::getenv(kFormatsVariable);
+  return formats != nullptr && std::string_view(formats) == "all";
+}
+
+std::vector<std::string> allEndings() {
+  std::string list;
+  Assimp::Importer().GetExtensionList(list);  // "*.3ds;*.obj;…"
+  std::vector<std::string> endings;
+  for (std::size_t at = 0; at < list.size();) {
+    const std::size_t end = std::min(list.find(';', at), list.size());
+    if (end - at > 2) endings.push_back(list.substr(at + 1, end - at - 1));
+    at = end + 1;
+  }
+  return endings;
+}
+
+bool contains(const auto& list, std::string_view item) {
+  return std::find(list.begin(), list.end(), item) != list.end();
+}
+
+/// A positive integer from the environment, in place of a limit's default.
+std::uint64_t limitFrom(const char* variable, std::uint64_t usual) {
+  constexpr std::uint64_t kMost = 1'000'000'000;
+  const char* text = std::getenv(variable);
+  if (text == nullptr || *text == 0) return usual;
+  const char* end = text + std::strlen(text);
+  std::uint64_t number = 0;
+  const auto [rest, error] = std::from_chars(text, end, number);
+  if (error != std::errc() || rest != end || number == 0 || number > kMost)
+    throw usageError(std::string(variable) + " is " + inQuotes(text),
+                     "an integer from 1 to " + std::to_string(kMost));
+  return number;
+}
+
+constexpr std::uint64_t kMegabyte = std::uint64_t{1} << 20;
+
+/// Far more than a good file needs, and little enough for any machine.
+ForkedLimits limitsFor(std::uint64_t fileSize) {
+  constexpr std::uint64_t kLeastMegabytes = 256, kTimesFile = 10;
+  constexpr std::uint64_t kLeastSeconds = 20, kBytesPerSecond = 1'000'000;
+  const std::uint64_t megabytes =
+      limitFrom(kMemoryVariable, kLeastMegabytes + kTimesFile * fileSize / kMegabyte);
+  const std::uint64_t seconds = limitFrom(kTimeVariable, kLeastSeconds + fileSize / kBytesPerSecond);
+  return {
+      .cpuSeconds = static_cast<int>(seconds),
+      .seconds = static_cast<int>(3 * std::min<std::uint64_t>(seconds, 100'000'000)),  // disks may be slow
+      .memoryBytes = megabytes * kMegabyte,
+      .resultBytes = megabytes * kMegabyte,
+      .writesFiles = false};
+}
+
+TriangleMesh readHere(const std::filesystem::path& file) {
+  Assimp::Importer importer;
+  importer.SetIOHandler(new FolderFiles(file));  // which the importer owns
+  const aiScene* scene = importer.ReadFile(file.string(), 0);
+  if (scene != nullptr) {
+    checkFaces(*scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  }
+  if (scene == nullptr)
+    throw ioError("the mesh cannot be read: " + printable(importer.GetErrorString(), 300));
+  return SceneTriangles(*scene).collect();
+}
+
+std::string packed(const TriangleMesh& mesh) {
+  Packer packer;
+  packer.addAll(mesh.vertices);
+  packer.addAll(mesh.triangles);
+  return packer.take();
+}
+
+/// Believes nothing, as a damaged file may have upset the process that packed it.
+TriangleMesh unpacked(std::string_view bytes) {
+  Unpacker unpacker(bytes);
+  TriangleMesh mesh{.vertices = unpacker.all<Vec3f>(), .triangles = unpacker.all<Vec3i>()};
+  const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+  const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };
+  const bool good = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                                [&](const Vec3i& t) { return there(t.x) && there(t.y) && there(t.z); });
+  if (!good) throw ioError("the file is damaged: what was read from it makes no sense");
+  return mesh;
+}
+
+std::string sizeText(std::uint64_t bytes) {
+  return std::to_string((bytes + kMegabyte - 1) / kMegabyte) + " MB";
+}
+
+/// Where the copy met a limit, what to do about it.
+TriangleMesh readInCopy(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  const std::uint64_t bytes = error ? 0 : size;
+  const ForkedLimits limits = limitsFor(bytes);
+  IsolatedWork copy([&] { return packed(readHere(file)); }, limits, "Assimp");
+  try {
+    return unpacked(copy.finish());
+  } catch (const Error& refusal) {
+    if (!copy.metLimit()) throw;
+    throw ioError(refusal.message(),
+                  "at most " + std::to_string(limits.memoryBytes / kMegabyte) + " MB of memory and " +
+                      std::to_string(limits.cpuSeconds) + " s of processor time for a file of " +
+                      sizeText(bytes),
+                  std::string("where the file is good, ") + kMemoryVariable + " (MB) and " + kTimeVariable +
+                      " in the environment set other limits");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> AssimpReader::extensions() const {
-  std::string list;
-  Assimp::Importer().GetExtensionList(list);  // "*.3ds;*.obj;…"
-  std::vector<std::string> extensions;
-  for (std::size_t at = 0; at < list.size();) {
-    const std::size_t end = std::min(list.find(';', at), list.size());
-    if (end - at > 2) extensions.push_back(list.substr(at + 1, end - at - 1));
-    at = end + 1;
-  }
-  return extensions;
+  std::vector<std::string> endings = allEndings();
+  if (!readsAllFormats())
+    std::erase_if(endings, [](const std::string& ending) { return !contains(kUsualEndings, ending); });
+  return endings;
+}
+
+std::string AssimpReader::hintFor(const std::string& extension) const {
+  if (readsAllFormats() || !contains(allEndings(), extension)) return {};
+  return std::string("Assimp reads such files where ") + kFormatsVariable + "=all is set in the environment";
 }
 
 TriangleMesh AssimpReader::read(const std::filesystem::path& file) const {
   try {
-    Assimp::Importer importer;
-    const aiScene* scene = importer.ReadFile(file.string(), 0);
-    if (scene != nullptr) {
-      checkFaces(*scene);
-      scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    }
-    if (scene == nullptr)
-      throw ioError("the mesh cannot be read: " + printable(importer.GetErrorString(), 300));
-    return SceneTriangles(*scene).collect();
+    return readInCopy(file);
   } catch (Error& e) {
     throw e.at({.file = file.string()});
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    throw ioError("the mesh cannot be read: " + printable(e.what(), 300)).at({.file = file.string()});
   }
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "framework/base/check.h"
+#include "framework/base/file_output.h"
 #include "framework/base/text.h"
 
 namespace weir {
@@ -270,6 +271,7 @@ void PolyDataFile::replaceBy(const fs::path& real, const fs::path& draft, const 
     std::error_code error;
     fs::rename(draft, real, error);
     if (error) throw ioError("cannot create the file: " + error.message()).at({.file = real.string()});
+    syncFolderOf(real);
   } catch (const Error&) {
     if (file_) abandon();
     std::error_code ignored;

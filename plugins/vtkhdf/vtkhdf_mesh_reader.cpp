@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/base/packed.h"
 #include "plugins/vtkhdf/isolated.h"
-#include "plugins/vtkhdf/packed.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 
 namespace weir {
@@ -24,7 +24,7 @@ TriangleMesh readLast(const std::filesystem::path& file) {
 }
 
 std::string packed(const TriangleMesh& mesh) {
-  hdf5::Packer packer;
+  Packer packer;
   packer.addAll(mesh.vertices);
   packer.addAll(mesh.triangles);
   return packer.take();
@@ -32,7 +32,7 @@ std::string packed(const TriangleMesh& mesh) {
 
 /// Believes nothing, as a damaged file may have upset the process that packed it.
 TriangleMesh unpacked(std::string_view bytes) {
-  hdf5::Unpacker unpacker(bytes);
+  Unpacker unpacker(bytes);
   TriangleMesh mesh{.vertices = unpacker.all<Vec3f>(), .triangles = unpacker.all<Vec3i>()};
   const auto count = static_cast<std::int64_t>(mesh.vertices.size());
   const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/base/packed.h"
 #include "plugins/vtkhdf/isolated.h"
-#include "plugins/vtkhdf/packed.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 
 namespace weir {
@@ -46,7 +46,7 @@ ParticleData readStep(const std::filesystem::path& file, const std::optional<dou
 }
 
 std::string packed(const ParticleData& data) {
-  hdf5::Packer packer;
+  Packer packer;
   packer.addAll(data.positions);
   packer.addAll(data.velocities);
   for (const std::string& name : data.unused) packer.addText(name);
@@ -55,7 +55,7 @@ std::string packed(const ParticleData& data) {
 
 /// Believes nothing, as a damaged file may have upset the process that packed it.
 ParticleData unpacked(std::string_view bytes) {
-  hdf5::Unpacker unpacker(bytes);
+  Unpacker unpacker(bytes);
   ParticleData data;
   data.positions = unpacker.all<Vec3f>();
   data.velocities = unpacker.all<Vec3f>();

@@ -47,10 +47,17 @@ for library in framework nodes; do
   if readelf -d "$weir/lib/libweir_$library.so" | grep -F -e "$build"; then fail "libweir_$library.so names the build folder"; fi
 done
 
+say "No library comes from the current folder"
+python3 "$source/tests/tools/elf/check_elf.py" --build "$build" "$weir"
+
 say "Running an installed scene, with all of its plugins"
 "$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
   --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
 [ -s "$folder/dam.vtkhdf" ] || fail "there is no export"
+if [ -e "$weir/lib/weir/plugins/weir_assimp.so" ]; then
+  "$weir/bin/weir" run "$weir/share/weir/scenes/mesh_in_tank.json" --set mesh.file="$weir/share/weir/meshes/duck.obj" \
+    --set water.spacing=0.05 --frames 1 --quiet
+fi
 
 say "A new plugin"
 "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force" >/dev/null

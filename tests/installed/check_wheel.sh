@@ -14,6 +14,7 @@ fail() { printf 'check: %s\n' "$*" >&2; exit 1; }
 "$python" -B "$source/tools/packaging/make_wheel.py" "$build" "$source" "$folder"
 "$python" -m venv "$folder/fresh"
 "$folder/fresh/bin/pip" install --quiet --disable-pip-version-check "$folder"/weir-*.whl
+"$python" -B "$source/tests/tools/elf/check_elf.py" --build "$build" "$folder"/fresh/lib/python*/site-packages/weir
 cd "$folder"
 "$folder/fresh/bin/weir" info
 awk '/^```python/ { inside = 1; next } /^```/ && inside { exit } inside' "$source/docs/python.md" >first.py

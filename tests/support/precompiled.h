@@ -1,4 +1,5 @@
-// What most tests include, compiled once. Nothing of Weir, as that changes; tests still include what they use.
+// What most tests include, compiled once. Nothing of Weir, as that changes; tests still include what they
+// use.
 #pragma once
 
 #include <algorithm>

@@ -12,6 +12,8 @@ tree=$folder/$name
 cmake --install "$build" --prefix "$tree" --strip >/dev/null
 "$(dirname "$0")/bundle_libraries.sh" "$tree"
 
+python3 "$(dirname "$0")/../../tests/tools/elf/check_elf.py" --build "$build" "$tree"
+
 mkdir -p "$output"
 tar -C "$folder" --owner=0 --group=0 --numeric-owner --sort=name -czf "$output/$name.tar.gz" "$name"
 echo "$output/$name.tar.gz"

@@ -33,7 +33,7 @@ for picture in docs/images/gallery/*.jpg; do
 done
 thumbnail jet_fills_goblet docs/images/jet_fills_goblet.png
 thumbnail dam_break_cut_open docs/images/dam_break_cut_open.png
-# Its mesh is for users to choose; the picture has the bunny.
+# Its mesh is for users to choose; the picture has the duck of resources/meshes.
 thumbnail mesh_in_tank docs/images/gallery/mesh.jpg
 run dam_break 12
 run dam_break_surface 12

@@ -1,6 +1,14 @@
 #include "apps/studio/server/access.h"
 
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
+#include <memory>
 #include <random>
 #include <utility>
 
@@ -21,17 +29,48 @@ std::string_view cookieValue(std::string_view header, std::string_view name) {
   return {};
 }
 
+/// As it stands in an address: "[::1]" for the IPv6 address ::1.
+std::string inAddress(std::string_view host) {
+  const bool isV6 = host.find(':') != std::string_view::npos;
+  return isV6 ? "[" + std::string(host) + "]" : std::string(host);
+}
+
+std::string machineName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
+}
+
+/// The IPv4 addresses by which others reach this machine.
+std::vector<std::string> machineAddresses() {
+  std::vector<std::string> found;
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return found;
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(all, &freeifaddrs);
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
+                        (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    if (usable && inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr,
+                            text.data(), text.size()) != nullptr)
+      found.emplace_back(text.data());
+  }
+  return found;
+}
+
 }  // namespace
 
 AccessRules::AccessRules(std::string host, int port, std::string token)
     : host_(std::move(host)), port_(std::to_string(port)), token_(std::move(token)) {}
 
-bool AccessRules::isOurs(std::string_view hostAndPort) const {
-  for (const std::string_view name : {std::string_view(host_), std::string_view("localhost")}) {
-    const std::string whole = std::string(name) + ":" + port_;
-    if (hostAndPort == whole || (port_ == "80" && hostAndPort == name)) return true;
+bool AccessRules::isOurs(std::string_view hostAndPort, std::string_view local) const {
+  std::vector<std::string> names{inAddress(host_), "localhost"};
+  if (isOpen()) {
+    names.push_back(inAddress(local));
+    names.push_back(machineName());
   }
-  return false;
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return !name.empty() && (hostAndPort == name + ":" + port_ || (port_ == "80" && hostAndPort == name));
+  });
 }
 
 bool AccessRules::isToken(std::string_view text) const {
@@ -44,9 +83,9 @@ bool AccessRules::isToken(std::string_view text) const {
 
 Access AccessRules::check(const RequestOrigin& request) const {
   constexpr std::string_view kScheme = "http://", kBearer = "Bearer ";
-  if (!isOurs(request.host)) return Access::kForeignHost;
+  if (!isOurs(request.host, request.local)) return Access::kForeignHost;
   if (!request.origin.empty() &&
-      (!request.origin.starts_with(kScheme) || !isOurs(request.origin.substr(kScheme.size()))))
+      (!request.origin.starts_with(kScheme) || !isOurs(request.origin.substr(kScheme.size()), request.local)))
     return Access::kForeignOrigin;
   const bool bearer =
       request.authorization.starts_with(kBearer) && isToken(request.authorization.substr(kBearer.size()));
@@ -55,8 +94,15 @@ Access AccessRules::check(const RequestOrigin& request) const {
   return Access::kNoToken;
 }
 
-std::string AccessRules::address() const {
-  return "http://" + host_ + ":" + port_ + "/?token=" + token_;
+std::string AccessRules::addressAt(const std::string& host) const {
+  return "http://" + inAddress(host) + ":" + port_ + "/?token=" + token_;
+}
+
+std::vector<std::string> AccessRules::furtherAddresses() const {
+  std::vector<std::string> addresses;
+  if (!isOpen()) return addresses;
+  for (const std::string& host : machineAddresses()) addresses.push_back(addressAt(host));
+  return addresses;
 }
 
 std::string AccessRules::cookie() const {

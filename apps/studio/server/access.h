@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace weir::studio {
 
@@ -13,6 +14,7 @@ struct RequestOrigin {
   std::string_view cookie;         ///< header Cookie
   std::string_view authorization;  ///< header Authorization
   std::string_view token;          ///< of the address, "?token=…"
+  std::string_view local;          ///< the address of this machine that the client has reached
 };
 
 enum class Access {
@@ -26,18 +28,24 @@ class AccessRules {
  public:
   static constexpr std::string_view kCookie = "weir_studio_token";
 
-  /// `host` is the address that the server listens at, `port` its port, `token` what clients must know.
+  /// `host` is the address that the server listens at, `port` its port, `token` what clients must know. A
+  /// server that listens at all addresses of the machine ("0.0.0.0", "::") is known by each of them, and by
+  /// the machine's name.
   AccessRules(std::string host, int port, std::string token);
 
   Access check(const RequestOrigin& request) const;
   const std::string& token() const { return token_; }
   /// "http://127.0.0.1:8000/?token=…"
-  std::string address() const;
+  std::string address() const { return addressAt(isOpen() ? "127.0.0.1" : host_); }
+  /// The same at the other addresses of this machine, if the server listens at all of them.
+  std::vector<std::string> furtherAddresses() const;
   /// What a browser keeps, so that the token needs to stand in the first address only.
   std::string cookie() const;
 
  private:
-  bool isOurs(std::string_view hostAndPort) const;
+  bool isOpen() const { return host_ == "0.0.0.0" || host_ == "::"; }
+  std::string addressAt(const std::string& host) const;
+  bool isOurs(std::string_view hostAndPort, std::string_view local) const;
   bool isToken(std::string_view text) const;
 
   std::string host_;

@@ -3,12 +3,16 @@
 // First: Boost 1.74 does not include it where it needs it.
 #include <utility>
 
+#include <time.h>
+
 #include <boost/asio.hpp>
 #include <boost/beast.hpp>
 #include <chrono>
 #include <deque>
+#include <list>
 #include <optional>
 
+#include "apps/studio/server/allowance.h"
 #include "framework/base/error.h"
 #include "framework/base/text.h"
 
@@ -25,9 +29,26 @@ namespace {
 
 constexpr auto kHeaderTime = std::chrono::seconds(10);
 constexpr auto kBodyTime = std::chrono::seconds(120);
-constexpr unsigned kServerError = 500;
+constexpr unsigned kServerError = 500, kUnavailable = 503;
+/// Until connections are accepted again that could not be, as the process has no descriptor left.
+constexpr auto kAcceptAgain = std::chrono::milliseconds(100);
+/// Of the server's thread, for a message beside what is made of it: reading it, and writing the answer.
+constexpr Allowance::Seconds kMessageTime{20e-6};
+/// Of memory, for each message that waits to be written, beside its bytes.
+constexpr std::int64_t kMessageBytes = 128;
+/// Answers and events wait for a client up to this part of what may wait altogether.
+constexpr std::int64_t kTextsShare = 4;
+constexpr std::size_t kKeptBuffer = 64 << 10;
 constexpr std::uint32_t kLargestHeader = 16 << 10;
 constexpr std::uint64_t kLargestBody = 16 << 10;  // of what is no upload, and is not read
+
+constexpr const char* kPagePolicy =
+    "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
+    "blob:; "
+    "object-src 'none'; base-uri 'none'; frame-ancestors 'none'";
+constexpr const char* kForeignPolicy =
+    "sandbox; default-src 'none'; img-src 'self'; media-src 'self'; style-src 'unsafe-inline'; "
+    "frame-ancestors 'none'";
 
 using RequestParser = http::request_parser<http::string_body>;
 using UploadParser = http::request_parser<http::file_body>;
@@ -94,6 +115,13 @@ HttpReply refusal(Access access) {
   }
 }
 
+/// That the calling thread has used.
+Allowance::Seconds threadTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
 unsigned statusOf(const Error& error) {
   constexpr unsigned kBadRequest = 400;
   return error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kScene ? kBadRequest : kServerError;
@@ -104,7 +132,7 @@ unsigned statusOf(const Error& error) {
 class HttpServer::State {
  public:
   State(const ServerOptions& options, ServerEvents& events)
-      : options_(options), events_(events), acceptor_(context_) {
+      : options_(options), events_(events), acceptor_(context_), acceptAgain_(context_) {
     try {
       const Tcp::endpoint endpoint(asio::ip::make_address(options.host),
                                    static_cast<unsigned short>(options.port));
@@ -139,9 +167,12 @@ class HttpServer::State {
 
   ServerOptions options_;
   ServerEvents& events_;
-  int connections_ = 0;  // before the context, which ends the last ones
+  // Before the context, which ends the last ones.
+  int connections_ = 0;               // whose clients are known
+  std::list<Connection*> strangers_;  // the others, the oldest first
   asio::io_context context_{1};
   Tcp::acceptor acceptor_;
+  asio::steady_timer acceptAgain_;
   std::optional<AccessRules> access_;
   std::map<ClientId, std::shared_ptr<Socket>> sockets_;
   ClientId lastClient_ = 0;
@@ -150,7 +181,11 @@ class HttpServer::State {
 /// An open WebSocket.
 class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(State& server, beast::tcp_stream&& stream) : server_(server), stream_(std::move(stream)) {
+  Socket(State& server, beast::tcp_stream&& stream)
+      : server_(server),
+        stream_(std::move(stream)),
+        resume_(stream_.get_executor()),
+        allowance_(Allowance::Clock::now()) {
     ++server_.connections_;
   }
   ~Socket() { --server_.connections_; }
@@ -169,9 +204,12 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   void send(std::shared_ptr<const std::string> bytes, bool binary) {
-    waiting_ += static_cast<std::int64_t>(bytes->size());
     queue_.emplace_back(std::move(bytes), binary);
-    if (waiting_ > server_.options_.mostWaiting) return drop();  // it has stopped reading
+    count(1);
+    // It has stopped reading. A single text may be as long as it is.
+    const std::int64_t most = server_.options_.mostWaiting;
+    if (waiting_ > most || (waitingTexts_ > most / kTextsShare && !binary && queue_.size() > kFew))
+      return drop();
     if (queue_.size() == 1) write();
   }
 
@@ -184,14 +222,33 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   void receive() {
-    const std::string text = beast::buffers_to_string(buffer_.data());
-    buffer_.consume(buffer_.size());
+    const Allowance::Seconds start = threadTime();
     try {
-      if (stream_.got_text()) server_.events_.message(id_, text);
+      const auto text = buffer_.data();
+      if (stream_.got_text())
+        server_.events_.message(id_, {static_cast<const char*>(text.data()), text.size()});
     } catch (const std::exception&) {
       return drop();
     }
-    if (!gone_) read();
+    buffer_.consume(buffer_.size());
+    if (buffer_.capacity() > kKeptBuffer) buffer_.shrink_to_fit();
+    if (gone_) return;
+    const auto wait = allowance_.spend(threadTime() - start + kMessageTime, server_.events_.shareOf(id_),
+                                       Allowance::Clock::now());
+    if (wait == wait.zero()) return read();
+    // What it sends meanwhile waits on its side.
+    resume_.expires_after(std::chrono::duration_cast<Allowance::Clock::duration>(wait));
+    resume_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error && !self->gone_) self->read();
+    });
+  }
+
+  /// Adds the last message that waits to what is counted (1), or takes away the first (-1).
+  void count(int sign) {
+    const auto& [bytes, binary] = sign > 0 ? queue_.back() : queue_.front();
+    const std::int64_t size = sign * (static_cast<std::int64_t>(bytes->size()) + kMessageBytes);
+    waiting_ += size;
+    if (!binary) waitingTexts_ += size;
   }
 
   void write() {
@@ -199,7 +256,7 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
     stream_.async_write(asio::buffer(*queue_.front().first),
                         [self = shared_from_this()](error_code error, std::size_t) {
                           if (error) return self->drop();
-                          self->waiting_ -= static_cast<std::int64_t>(self->queue_.front().first->size());
+                          self->count(-1);
                           self->queue_.pop_front();
                           if (!self->queue_.empty() && !self->gone_) self->write();
                         });
@@ -208,17 +265,22 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
   void drop() {
     if (gone_) return;
     gone_ = true;
+    resume_.cancel();
     error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
     server_.sockets_.erase(id_);
     server_.events_.closed(id_);
   }
 
+  static constexpr std::size_t kFew = 16;
+
   State& server_;
   websocket::stream<beast::tcp_stream> stream_;
+  asio::steady_timer resume_;
+  Allowance allowance_;
   beast::flat_buffer buffer_;
   std::deque<std::pair<std::shared_ptr<const std::string>, bool>> queue_;  // the first is being written
-  std::int64_t waiting_ = 0;
+  std::int64_t waiting_ = 0, waitingTexts_ = 0;
   ClientId id_ = 0;
   bool gone_ = false;
 };
@@ -226,12 +288,21 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
 /// A connection until it ends or becomes a WebSocket.
 class HttpServer::State::Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(State& server, Tcp::socket&& socket) : server_(server), stream_(std::move(socket)) {
-    ++server_.connections_;
+  Connection(State& server, Tcp::socket&& socket) : server_(server), stream_(std::move(socket)) {}
+  ~Connection() {
+    setStranger(false);
+    setKnown(false);
   }
-  ~Connection() { --server_.connections_; }
+
+  /// Ends it; its last handler lets it go.
+  void close() {
+    setStranger(false);
+    stream_.close();
+  }
 
   void readHeader() {
+    setKnown(false);
+    setStranger(true);
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
     // What a PUT may hold is told when its header has been read.
@@ -250,14 +321,21 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
     const http::request_header<>& request = parser_->get();
     request_ = plainRequest(request);
     const auto token = request_.query.find("token");
-    const Access access = server_.access_->check(
-        {.host = view(request[http::field::host]),
-         .origin = view(request[http::field::origin]),
-         .cookie = view(request[http::field::cookie]),
-         .authorization = view(request[http::field::authorization]),
-         .token = token != request_.query.end() ? std::string_view(token->second) : ""});
+    error_code ignored;
+    const std::string local = stream_.socket().local_endpoint(ignored).address().to_string();
+    const Access access =
+        server_.access_->check({.host = view(request[http::field::host]),
+                                .origin = view(request[http::field::origin]),
+                                .cookie = view(request[http::field::cookie]),
+                                .authorization = view(request[http::field::authorization]),
+                                .token = token != request_.query.end() ? std::string_view(token->second) : "",
+                                .local = local});
     keep_ = false;  // what is refused has a body that nobody reads
     if (access != Access::kGranted) return reply(refusal(access));
+    if (server_.connections_ >= server_.options_.mostConnections)
+      return reply({.status = kUnavailable, .body = "too many windows are open: close some of them"});
+    setStranger(false);
+    setKnown(true);
     if (websocket::is_upgrade(parser_->get())) return upgrade();
     stream_.expires_after(kBodyTime);
     if (request_.method == "PUT") return upload();
@@ -315,6 +393,7 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
 
   void upgrade() {
     stream_.expires_never();
+    setKnown(false);  // the socket is
     std::make_shared<Socket>(server_, std::move(stream_))->accept(parser_->get());
   }
 
@@ -326,9 +405,9 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
     reply_->set("X-Content-Type-Options", "nosniff");
     reply_->set("Referrer-Policy", "no-referrer");
     reply_->set("Cross-Origin-Resource-Policy", "same-origin");
-    reply_->set("Content-Security-Policy",
-                "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
-                "worker-src 'self' blob:; frame-ancestors 'none'");
+    reply_->set("Content-Security-Policy", plain.isForeign ? kForeignPolicy : kPagePolicy);
+    if (plain.isForeign && !plain.type.starts_with("image/") && !plain.type.starts_with("video/"))
+      reply_->set(http::field::content_disposition, "attachment");
     if (plain.status == kSeeOther) {
       reply_->set(http::field::location, "/");
       reply_->set(http::field::set_cookie, server_.access_->cookie());
@@ -345,7 +424,24 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
     });
   }
 
+  /// Nobody knows yet who is at the other end.
+  void setStranger(bool on) {
+    if (on == (place_ != server_.strangers_.end())) return;
+    if (on) {
+      place_ = server_.strangers_.insert(server_.strangers_.end(), this);
+    } else {
+      server_.strangers_.erase(place_);
+      place_ = server_.strangers_.end();
+    }
+  }
+  void setKnown(bool on) {
+    if (on != known_) server_.connections_ += on ? 1 : -1;
+    known_ = on;
+  }
+
   State& server_;
+  std::list<Connection*>::iterator place_ = server_.strangers_.end();
+  bool known_ = false;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   /// A file that is removed if nobody has moved it away.
@@ -369,11 +465,15 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
 
 void HttpServer::State::accept() {
   acceptor_.async_accept([this](error_code error, Tcp::socket socket) {
-    if (!error && connections_ < options_.mostConnections) {
-      error_code ignored;
-      socket.set_option(Tcp::no_delay(true), ignored);
-      std::make_shared<Connection>(*this, std::move(socket))->readHeader();
+    if (error) {
+      acceptAgain_.expires_after(kAcceptAgain);
+      acceptAgain_.async_wait([this](error_code) { accept(); });
+      return;
     }
+    if (strangers_.size() >= static_cast<std::size_t>(options_.mostStrangers)) strangers_.front()->close();
+    error_code ignored;
+    socket.set_option(Tcp::no_delay(true), ignored);
+    std::make_shared<Connection>(*this, std::move(socket))->readHeader();
     accept();
   });
 }

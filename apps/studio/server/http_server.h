@@ -25,6 +25,8 @@ struct HttpReply {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
+  /// A file of somebody else: a browser shows it in a sandbox, where nothing in it runs.
+  bool isForeign = false;
 };
 
 /// One open WebSocket.
@@ -42,6 +44,8 @@ class ServerEvents {
   virtual void opened(ClientId client) = 0;
   virtual void message(ClientId client, std::string_view text) = 0;
   virtual void closed(ClientId client) = 0;
+  /// The share of the server's thread, 0 to 1, that a client may take for long, see Allowance.
+  virtual double shareOf(ClientId client) const = 0;
 };
 
 struct ServerOptions {
@@ -51,7 +55,9 @@ struct ServerOptions {
   std::int64_t largestUpload = 0;       ///< the body of a PUT, bytes
   std::int64_t largestMessage = 0;      ///< of a WebSocket, bytes
   std::int64_t mostWaiting = 64 << 20;  ///< bytes that a client may be behind before it is closed
-  int mostConnections = 64;
+  int mostConnections = 64;             ///< of those who know the token
+  /// That have not yet said who they are; a further one takes the place of the oldest.
+  int mostStrangers = 64;
 };
 
 class HttpServer {

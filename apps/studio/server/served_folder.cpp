@@ -1,9 +1,13 @@
 #include "apps/studio/server/served_folder.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <system_error>
 
 #include "framework/base/error.h"
 #include "framework/base/file_output.h"
@@ -38,7 +42,63 @@ bool isPlain(std::string_view text) {
          });
 }
 
+/// Whether a part of a path has the name of something hidden.
+bool isHidden(const fs::path& path) {
+  return std::any_of(path.begin(), path.end(), [](const fs::path& part) {
+    return part.native().starts_with('.') && part != "." && part != "..";
+  });
+}
+
+/// A file that is open, and closed at the end.
+class OpenFile {
+ public:
+  /// Does not wait for the other end of a pipe.
+  explicit OpenFile(const fs::path& path) : file_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  bool isOpen() const { return file_ >= 0; }
+  bool isRegular() const {
+    struct stat found {};
+    return ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode);
+  }
+  /// As read(2), but goes on after a signal.
+  ssize_t read(char* to, std::size_t most) const {
+    ssize_t got = -1;
+    do got = ::read(file_, to, most);
+    while (got < 0 && errno == EINTR);
+    return got;
+  }
+
+ private:
+  int file_;
+};
+
 }  // namespace
+
+std::string readRegularFile(const fs::path& file, std::string_view name) {
+  const auto fail = [&](const std::string& why) {
+    throw ioError("the file " + inQuotes(name) + " cannot be read: " + why);
+  };
+  const OpenFile open(file);
+  if (!open.isOpen()) fail(std::generic_category().message(errno));
+  if (!open.isRegular()) fail("it is no regular file");
+  constexpr std::size_t kBlock = 1 << 16;
+  std::string text;
+  for (ssize_t got = 1; got > 0;) {
+    const std::size_t before = text.size();
+    text.resize(before + kBlock);
+    got = open.read(text.data() + before, kBlock);
+    if (got < 0) fail(std::generic_category().message(errno));
+    text.resize(before + static_cast<std::size_t>(got));
+    if (text.size() > std::size_t{ServedFolder::kLargestUpload})
+      fail("it is larger than " + std::to_string(ServedFolder::kLargestUpload) + " bytes");
+  }
+  return text;
+}
 
 ServedFolder::ServedFolder(const fs::path& folder) {
   std::error_code error;
@@ -56,7 +116,17 @@ fs::path ServedFolder::resolve(std::string_view path) const {
   if (error || !isBelow(whole, root_) || hasDanglingLink(whole, root_))
     throw usageError("the path " + inQuotes(path) + " leads out of the served folder",
                      "a path below " + inQuotes(root_.string()));
+  if (isHidden(relative) || isHidden(whole.lexically_relative(root_)))
+    throw usageError("the path " + inQuotes(path) + " leads to something hidden",
+                     "names that do not begin with a dot");
   return whole;
+}
+
+bool ServedFolder::contains(const fs::path& path) const {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(path, error);
+  return !error && isBelow(whole, root_) && !hasDanglingLink(whole, root_) &&
+         !isHidden(whole.lexically_relative(root_));
 }
 
 std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
@@ -82,7 +152,7 @@ std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
 }
 
 std::string ServedFolder::read(std::string_view path) const {
-  return readTextFile(resolve(path), kLargestUpload);
+  return readRegularFile(resolve(path), path);
 }
 
 fs::path ServedFolder::placeFor(std::string_view path) const {

@@ -15,6 +15,10 @@ struct ServedFile {
   bool isFolder = false;
 };
 
+/// The whole of a regular file. Throws an io Error that calls it `name` if it cannot be read, and for all
+/// that is no regular file: a pipe or a device might keep the studio waiting for ever.
+std::string readRegularFile(const std::filesystem::path& file, std::string_view name);
+
 class ServedFolder {
  public:
   static constexpr std::int64_t kLargestUpload = std::int64_t{256} << 20;
@@ -25,11 +29,14 @@ class ServedFolder {
 
   const std::filesystem::path& root() const { return root_; }
   /// Where a path below the folder is. Throws a usage Error if it is absolute, is not in UTF-8, has control
-  /// characters, or leads out of the folder, also by a link.
+  /// characters, leads out of the folder, also by a link, or to something hidden (".git/config").
   std::filesystem::path resolve(std::string_view path) const;
+  /// Whether a path of the file system leads to a file or folder below this one that is not hidden, or to
+  /// where one could be made; links are resolved.
+  bool contains(const std::filesystem::path& path) const;
   /// What lies directly in a folder below this one, sorted, hidden files left out.
   std::vector<ServedFile> list(std::string_view folder) const;
-  /// Both throw an io Error if the file cannot be read or written.
+  /// Both throw an io Error if the file cannot be read or written, see readRegularFile.
   std::string read(std::string_view path) const;
   void write(std::string_view path, std::string_view content) const;
   /// A hidden file beside the one at the path, of a name that nobody has, for what take() makes it of.

@@ -1,10 +1,55 @@
 #include "apps/studio/session/message.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "framework/base/error.h"
+#include "framework/scene/scene_file.h"
 
 namespace weir::studio {
+
+namespace {
+
+/// Not less than the number of values in a text of JSON.
+std::size_t valuesIn(std::string_view text) {
+  std::size_t count = 1;
+  bool inString = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') inString = !inString;
+    if (inString && c == '\\') ++i;
+    if (!inString && (c == ',' || c == '[' || c == '{')) ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+Value readMessage(std::string_view text) {
+  if (valuesIn(text) > kMostMessageValues)
+    throw usageError("the message holds too many values", "at most " + std::to_string(kMostMessageValues),
+                     "large data belongs into files of its own, which the scene names");
+  Value message = parseJson(text, "message");
+  if (!message.isObject()) throw usageError("a message is " + message.brief(), "an object");
+  return message;
+}
+
+std::optional<std::int64_t> idOf(std::string_view text) {
+  const auto skip = [&](std::string_view word) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    const bool there = text.starts_with(word);
+    if (there) text.remove_prefix(word.size());
+    return there;
+  };
+  if (!skip("{") || !skip("\"id\"") || !skip(":")) return std::nullopt;
+  (void)skip("");
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end == text.data() + text.size() || *end == '.' || *end == 'e' || *end == 'E')
+    return std::nullopt;
+  return id;
+}
 
 const Value& member(const Value& message, std::string_view name) {
   const Value* v = message.find(name);

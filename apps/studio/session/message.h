@@ -1,7 +1,9 @@
 // What clients send: the members of their messages. A missing or wrong one is a usage Error.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +11,14 @@
 #include "framework/run/live_pictures.h"
 
 namespace weir::studio {
+
+/// More values than this are refused in a message before it is read: each takes far more memory than in text.
+inline constexpr std::size_t kMostMessageValues = 500'000;
+
+/// The message as a value. Throws an Error if it is no JSON object, or holds too many values.
+Value readMessage(std::string_view text);
+/// The "id" with which a message begins, where that is a whole number, also of one that cannot be read.
+std::optional<std::int64_t> idOf(std::string_view text);
 
 const Value& member(const Value& message, std::string_view name);
 std::string textMember(const Value& message, std::string_view name);

@@ -83,11 +83,13 @@ Value problemOf(const Error& error) {
 }
 
 CheckedScene checkScene(const Value& root, const std::string& file, const std::string& folder,
-                        const Registry& registry) {
+                        const Registry& registry, const std::function<void(const Scene&)>& alsoCheck) {
   CheckedScene checked;
   try {
-    checked.scene = buildScene(root, Place{file, "", folder}, registry, {}, checked.warnings);
-    checked.scene->text = writeJson(root);
+    auto scene = buildScene(root, Place{file, "", folder}, registry, {}, checked.warnings);
+    if (alsoCheck) alsoCheck(*scene);
+    scene->text = writeJson(root);
+    checked.scene = std::move(scene);
   } catch (const Error& e) {
     checked.problem = problemOf(e);
   }

@@ -2,6 +2,7 @@
 // simulation.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,9 +23,10 @@ struct CheckedScene {
   std::vector<std::string> warnings;  ///< what is allowed but doubtful
 };
 
-/// Builds a scene whose relative paths are relative to `folder`; `file` is its name in messages.
+/// Builds a scene whose relative paths are relative to `folder`; `file` is its name in messages. `alsoCheck`
+/// may throw an Error for what else is wrong with it.
 CheckedScene checkScene(const Value& root, const std::string& file, const std::string& folder,
-                        const Registry& registry);
+                        const Registry& registry, const std::function<void(const Scene&)>& alsoCheck = {});
 
 /// A new value of one parameter of a scene; the node is "world" for the world's.
 struct LiveChange {

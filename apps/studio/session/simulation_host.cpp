@@ -14,6 +14,7 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
 constexpr int kNumbersShare = 100;  // they take at most one part of so many of the time
+constexpr int kAnswersShare = 40;   // and so do the answers to questions
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {
   const SteadyClock::time_point now = SteadyClock::now();
@@ -47,78 +48,112 @@ SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener&
 
 SimulationHost::~SimulationHost() {
   quit_ = true;
-  post([] {});
+  order([](RunOrders&) {});
   thread_.join();
 }
 
-void SimulationHost::post(Task task) {
+void SimulationHost::order(const std::function<void(RunOrders&)>& add) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
-    stop_ = true;
+    add(orders_);
+    ordered_ = true;
   }
   wake_.notify_one();
 }
 
 void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
-  // A std::function must be copyable.
-  post([this, scene = std::make_shared<std::unique_ptr<Scene>>(std::move(scene)), device = std::move(device),
-        number = ++loads_] {
-    if (number == loads_) takeScene(std::move(*scene), device);
-  });
+  order([&](RunOrders& orders) { orders.addLoad({std::move(scene), std::move(device)}); });
 }
 void SimulationHost::play() {
-  post([this] { go(std::nullopt); });
+  order([](RunOrders& orders) { orders.addPlay(); });
 }
 void SimulationHost::pause() {
-  post([this] {
-    if (state_ == HostState::kPlaying) tell(HostState::kPaused);
-  });
-}
-void SimulationHost::reset() {
-  post([this] { resetNow(); });
+  order([](RunOrders& orders) { orders.addPause(); });
 }
 void SimulationHost::advance(std::int64_t frames) {
-  post([this, frames] {
-    if (!simulation_) return;
-    // Frames that were asked for before and are still to come count: one press, one frame.
-    const bool advancing = state_ == HostState::kPlaying && pauseAt_;
-    go((advancing ? *pauseAt_ : simulation_->frame()) + frames);
-  });
+  order([&](RunOrders& orders) { orders.frames += frames; });
 }
 void SimulationHost::change(std::vector<LiveChange> changes) {
-  post([this, changes = std::move(changes)] {
-    if (!simulation_) return;
-    for (const LiveChange& change : changes) apply(change, simulation_->scene());
-  });
+  order([&](RunOrders& orders) { orders.addChanges(std::move(changes)); });
 }
 void SimulationHost::show(FrameView view) {
-  post([this, view = std::move(view)] {
-    view_ = view;
-    if (simulation_ && simulation_->atFrame()) tellFrame();
-  });
+  order([&](RunOrders& orders) { orders.view = std::move(view); });
 }
-void SimulationHost::ask(std::function<void(Simulation*)> f) {
-  post([this, f = std::move(f)] { f(simulation_.get()); });
+void SimulationHost::serve() {
+  order([](RunOrders& orders) { orders.serve = true; });
+}
+
+bool SimulationHost::ask(std::uint64_t client, QuestionQueue::Question f) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!questions_.add(client, std::move(f))) return false;
+    asked_ = true;
+  }
+  wake_.notify_one();
+  return true;
+}
+
+void SimulationHost::forget(std::uint64_t client) {
+  const std::lock_guard lock(mutex_);
+  questions_.forget(client);
+  asked_ = !questions_.empty();
 }
 
 void SimulationHost::work() {
   while (!quit_) {
-    guarded([this] { runTasks(); });
+    RunOrders orders = takeOrders();
+    if (quit_) break;
+    guarded([&] { obey(std::move(orders)); });
+    guarded([this] { answerOne(); });
     if (state_ == HostState::kPlaying && !quit_) guarded([this] { advanceNow(); });
   }
   listener_.leaving();
 }
 
-void SimulationHost::runTasks() {
-  std::deque<Task> tasks;
+RunOrders SimulationHost::takeOrders() {
+  std::unique_lock lock(mutex_);
+  if (state_ != HostState::kPlaying) wake_.wait(lock, [this] { return ordered_ || !questions_.empty(); });
+  ordered_ = false;
+  return std::exchange(orders_, {});
+}
+
+void SimulationHost::obey(RunOrders orders) {
+  if (orders.serveFirst) listener_.serve(simulation_.get());
+  if (orders.view) view_ = *orders.view;
+  if (orders.load) takeScene(std::move(orders.load->scene), orders.load->device);
+  if (simulation_)
+    for (const LiveChange& change : orders.changes) apply(change, simulation_->scene());
+  if (orders.view && !orders.load && simulation_ && simulation_->atFrame()) tellFrame();
+  if (orders.serve) listener_.serve(simulation_.get());
+  if (orders.pause && state_ == HostState::kPlaying) tell(HostState::kPaused);
+  if (orders.play) go(std::nullopt);
+  if (orders.frames > 0) advanceBy(orders.frames);
+}
+
+void SimulationHost::advanceBy(std::int64_t frames) {
+  if (!simulation_) return;
+  // Frames that were asked for before and are still to come count: one press, one frame.
+  const bool advancing = state_ == HostState::kPlaying && pauseAt_;
+  go((advancing ? *pauseAt_ : simulation_->frame()) + frames);
+}
+
+bool SimulationHost::mayAnswer() const {
+  return state_ != HostState::kPlaying || SteadyClock::now() >= nextAnswer_;
+}
+
+void SimulationHost::answerOne() {
+  if (!asked_ || !mayAnswer()) return;
+  QuestionQueue::Question question;
   {
-    std::unique_lock lock(mutex_);
-    if (state_ != HostState::kPlaying) wake_.wait(lock, [this] { return !tasks_.empty(); });
-    tasks.swap(tasks_);
-    stop_ = false;
+    const std::lock_guard lock(mutex_);
+    if (questions_.empty()) return;
+    question = questions_.next();
+    asked_ = !questions_.empty();
   }
-  for (const Task& task : tasks) guarded(task);
+  const SteadyClock::time_point start = SteadyClock::now();
+  question(simulation_.get());
+  const SteadyClock::time_point end = SteadyClock::now();
+  nextAnswer_ = end + kAnswersShare * (end - start);
 }
 
 void SimulationHost::guarded(const std::function<void()>& f) {
@@ -142,20 +177,14 @@ void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& 
   listener_.leaving();
   frames_.reset();
   simulation_.reset();
+  problem_.reset();
+  pauseAt_.reset();
+  if (!scene) return tell(HostState::kEmpty);
   tell(HostState::kBuilding);
   if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
   deviceName_ = device;
   deviceDescription_ = device_->description();  // which it asks the system for
   simulation_ = std::make_unique<Simulation>(std::move(scene), *device_, log_, registry_);
-  resetNow();
-}
-
-void SimulationHost::resetNow() {
-  if (!simulation_) return;
-  problem_.reset();
-  pauseAt_.reset();
-  // A fluid that comes to rest first takes its time.
-  if (state_ != HostState::kBuilding) tell(HostState::kBuilding);
   try {
     simulation_->reset();
   } catch (...) {
@@ -176,13 +205,13 @@ void SimulationHost::go(std::optional<std::int64_t> pauseAt) {
 }
 
 void SimulationHost::advanceNow() {
-  // At least one step between tasks, however many of them come.
+  // At least one step between orders, and between questions, however many of them come.
   std::atomic<bool> stop = false;
   const auto afterStep = [&] {
-    stop = stop_.load();
+    stop = ordered_ || (asked_ && mayAnswer());
     if (isTime(told_, kStatusEvery)) listener_.status(status());
   };
-  if (!simulation_->advanceFrame(stop, afterStep)) return;  // a task waits
+  if (!simulation_->advanceFrame(stop, afterStep)) return;  // somebody waits
   frameReached();
   if (simulation_->frame() >= simulation_->clock().frameCount())
     tell(HostState::kFinished);

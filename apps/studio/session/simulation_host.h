@@ -4,9 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,8 +13,8 @@
 #include <vector>
 
 #include "apps/studio/session/busy_share.h"
-#include "apps/studio/session/frame_packet.h"
-#include "apps/studio/session/scene_check.h"
+#include "apps/studio/session/question_queue.h"
+#include "apps/studio/session/run_orders.h"
 #include "framework/run/simulation.h"
 
 namespace weir::studio {
@@ -41,6 +39,8 @@ class HostListener {
   virtual void geometry(const Packet& packet) = 0;
   /// The simulation has reached a frame. It waits meanwhile.
   virtual void reached(Simulation& simulation) = 0;
+  /// What serve() has asked for; null if there is no simulation.
+  virtual void serve(Simulation* simulation) = 0;
   /// It will be gone when this returns.
   virtual void leaving() = 0;
 };
@@ -56,29 +56,37 @@ class SimulationHost {
 
   // From any thread; each returns at once.
 
-  /// Takes another scene and resets it on a device, "auto", "cpu", "cuda:0". What was before is gone, and a
-  /// scene that was still waiting for its turn is passed over.
+  /// Takes another scene and brings it to time 0 on a device, "auto", "cpu", "cuda:0". What was before is
+  /// gone, and a scene that was still waiting for its turn is passed over.
   void load(std::unique_ptr<Scene> scene, std::string device);
   void play();
   void pause();
-  void reset();
   void advance(std::int64_t frames);  ///< so many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
   void show(FrameView view);
-  /// Calls f with the simulation between two steps, or with null if there is none.
-  void ask(std::function<void(Simulation*)> f);
+  /// Has the listener's serve() called before the next step.
+  void serve();
+  /// Calls f with the simulation between two steps, or with null if there is none. While it plays, clients
+  /// take turns, one between two steps, and a small share of the time. False if too many questions of the
+  /// client wait, see QuestionQueue.
+  [[nodiscard]] bool ask(std::uint64_t client, QuestionQueue::Question f);
+  /// The client is gone: nobody wants to know what it has asked.
+  void forget(std::uint64_t client);
 
  private:
-  using Task = std::function<void()>;
-
-  void post(Task task);
+  /// Adds to the orders, and wakes the thread.
+  void order(const std::function<void(RunOrders&)>& add);
   void work();
-  /// Runs what was asked for; waits for that where nothing else is to be done.
-  void runTasks();
+  /// What was ordered; waits for something to do where there is nothing else.
+  RunOrders takeOrders();
+  void obey(RunOrders orders);
+  void answerOne();
+  /// Whether a question may be answered now: while it plays they get a small share of the time.
+  bool mayAnswer() const;
   /// Runs f; what it throws ends the simulation's run, and is told.
   void guarded(const std::function<void()>& f);
   void takeScene(std::unique_ptr<Scene> scene, const std::string& device);
-  void resetNow();
+  void advanceBy(std::int64_t frames);
   void advanceNow();
   void frameReached();
   void tellFrame();
@@ -94,9 +102,10 @@ class SimulationHost {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Task> tasks_;
-  std::atomic<bool> stop_ = false;       // a task waits, or it is to end
-  std::atomic<std::int64_t> loads_ = 0;  // so far
+  RunOrders orders_;
+  QuestionQueue questions_;
+  std::atomic<bool> ordered_ = false;  // an order waits, or it is to end
+  std::atomic<bool> asked_ = false;    // a question waits
 
   // The rest belongs to the thread.
   std::unique_ptr<Device> device_;
@@ -110,6 +119,7 @@ class SimulationHost {
   BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
   std::chrono::steady_clock::duration counting_{};            // how long the numbers took then
+  std::chrono::steady_clock::time_point nextAnswer_{};  // no question is answered before, while it plays
 
   std::atomic<bool> quit_ = false;
   std::thread thread_;  // last: it uses all of the above

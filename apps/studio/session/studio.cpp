@@ -53,11 +53,26 @@ std::string typeOf(const fs::path& file) {
   return type != kTypes.end() ? type->second : "application/octet-stream";
 }
 
+/// The type of a file that anybody may have put into the served folder. What a browser might run has none.
+std::string inertTypeOf(const fs::path& file) {
+  const std::string type = typeOf(file);
+  const bool inert = type == kJson || type == "image/png" || type == "image/jpeg" || type == "video/mp4";
+  return inert ? type : "application/octet-stream";
+}
+
 Value stringsValue(const std::vector<std::string>& texts) {
   Value list = Value::array();
   for (const std::string& text : texts) list.push(text);
   return list;
 }
+
+/// Somebody's file would be lost.
+class FileExists : public Error {
+ public:
+  explicit FileExists(const std::string& path)
+      : Error(
+            usageError("there is a file " + inQuotes(path) + " already", "another name, or to replace it")) {}
+};
 
 ServerOptions serverOptions(const StudioOptions& options) {
   return {.host = options.host,
@@ -75,6 +90,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       registry_(registry),
       log_(log),
       folder_(options_.folder),
+      sceneFiles_(folder_, options_.sceneFolders),
       device_(options_.device),
       recording_(options_.mostRecorded),
       server_(serverOptions(options_), *this),
@@ -133,7 +149,7 @@ HttpReply Studio::thumbnail(const std::string& name) const {
   if (!fs::is_directory(options_.templates, error)) return {.status = kNotFound, .body = "not found"};
   const fs::path file = thumbnailFile(options_.templates, name);
   if (!fs::is_regular_file(file, error)) return {.status = kNotFound, .body = "not found"};
-  return {.type = typeOf(file), .body = readTextFile(file, ServedFolder::kLargestUpload)};
+  return {.type = typeOf(file), .body = readRegularFile(file, name)};
 }
 
 HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
@@ -152,7 +168,14 @@ fs::path Studio::uploadPlace(const HttpRequest& request) {
   if (!request.path.starts_with(kFile))
     throw usageError("nothing can be written at " + inQuotes(request.path),
                      "an address that begins with " + std::string(kFile));
-  return folder_.partOf(std::string_view(request.path).substr(kFile.size()));
+  const std::string path = request.path.substr(kFile.size());
+  if (request.query.contains("new")) requireNew(path);
+  return folder_.partOf(path);
+}
+
+void Studio::requireNew(const std::string& path) const {
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(folder_.resolve(path), ignored))) throw FileExists(path);
 }
 
 HttpReply Studio::files(const HttpRequest& request) {
@@ -164,11 +187,12 @@ HttpReply Studio::files(const HttpRequest& request) {
   if (!request.path.starts_with(kFile)) return {.status = kNotFound, .body = "not found"};
   const std::string path = request.path.substr(kFile.size());
   if (request.method == "PUT") {
+    if (request.query.contains("new")) requireNew(path);
     folder_.take(request.upload, path);
     return {.body = "written"};
   }
   if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET and PUT"};
-  return {.type = typeOf(path), .body = folder_.read(path)};
+  return {.type = inertTypeOf(path), .body = folder_.read(path), .isForeign = true};
 }
 
 // Clients
@@ -181,6 +205,7 @@ void Studio::opened(ClientId client) {
 void Studio::closed(ClientId client) {
   clients_.erase(client);
   desk_.forget(client);
+  host_.forget(client);
   if (writer_ != client) return;
   writer_.reset();
   if (!clients_.empty()) writer_ = clients_.begin()->first;
@@ -213,10 +238,13 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
 }
 
 void Studio::message(ClientId client, std::string_view text) {
+  // Most of what others than the writer ask is short; the rest is refused before it takes any memory.
+  constexpr std::size_t kMostOfAViewer = 64 << 10;
   Value reply = Value::object();
+  if (const auto id = idOf(text)) reply["id"] = *id;
   try {
-    const Value message = parseJson(text, "message");
-    if (!message.isObject()) throw usageError("a message is " + message.brief(), "an object");
+    if (text.size() > kMostOfAViewer) requireWriter(client);
+    const Value message = readMessage(text);
     if (const Value* id = message.find("id")) reply["id"] = *id;
     const std::string name = textMember(message, "do");
     const auto command = commands().find(name);
@@ -229,10 +257,18 @@ void Studio::message(ClientId client, std::string_view text) {
     (this->*command->second)(client, message, result);
     if (result.isNull()) return;  // the answer comes later
     reply["result"] = std::move(result);
+  } catch (const FileExists& e) {
+    reply["error"] = problemOf(e);
+    reply["error"]["exists"] = true;
   } catch (const Error& e) {
     reply["error"] = problemOf(e);
   }
   server_.sendText(client, writeJsonLine(reply));
+}
+
+double Studio::shareOf(ClientId client) const {
+  constexpr double kWriter = 0.1, kViewer = 0.02;
+  return writer_ == client ? kWriter : kViewer;
 }
 
 void Studio::tell(const std::string& event, Value data, std::optional<ClientId> except) {
@@ -259,7 +295,9 @@ void Studio::requireWriter(ClientId client) const {
 }
 
 void Studio::hello(ClientId client, const Value&, Value& result) {
+  static const std::string kServer = randomToken();
   result["version"] = version();
+  result["server"] = kServer;
   result["role"] = writer_ == client ? "writer" : "viewer";
   Value devices = Value::array();
   for (const DeviceInfo& device : listDevices()) {
@@ -283,6 +321,7 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
 }
 
 void Studio::claim(ClientId client, const Value&, Value&) {
+  if (writer_ == client) return;
   writer_ = client;
   tellRoles();
 }
@@ -303,16 +342,24 @@ Value Studio::sceneState() const {
 Value Studio::sceneValue() const {
   Value v = sceneState();
   v["scene"] = scene_;
-  if (draft_) v["draft"] = *draft_;
+  if (draft_) {
+    v["draft"] = draft_->scene;
+    v["draft_written"] = draft_->written;
+  }
   return v;
+}
+
+CheckedScene Studio::check() const {
+  const fs::path folder = folder_.root() / fs::path(path_).parent_path();
+  return checkScene(scene_, path_, folder.string(), registry_,
+                    [&](const Scene& scene) { sceneFiles_.check(scene, folder); });
 }
 
 void Studio::takeScene(Value scene, std::string path, ClientId from) {
   scene_ = std::move(scene);
   path_ = std::move(path);
   ++revision_;
-  CheckedScene checked =
-      checkScene(scene_, path_, (folder_.root() / fs::path(path_).parent_path()).string(), registry_);
+  CheckedScene checked = check();
   problem_ = std::move(checked.problem);
   warnings_ = std::move(checked.warnings);
   if (checked.scene && running_) {
@@ -331,6 +378,8 @@ void Studio::setScene(ClientId client, const Value& message, Value& result) {
   const Value& scene = member(message, "scene");
   if (!scene.isObject()) throw usageError("'scene' is " + scene.brief(), "an object");
   takeScene(scene, path_, client);
+  // Nobody has decided about what an earlier run left: it is not written over.
+  if (draft_ && !(draft_->scene == scene_)) keepOldDraft(folder_, path_);
   draft_.reset();
   keepDraft();
   result = sceneState();
@@ -340,12 +389,18 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   requireWriter(client);
   path_.clear();
   draft_.reset();
+  // The world of before goes, too.
+  running_.reset();
+  reset_.reset();
+  recording_.clear();
+  geometry_.reset();
+  host_.load(nullptr, device_);
   result = sceneState();
 }
 
 void Studio::findDraft() {
   draft_ = readDraft(folder_, path_);
-  if (draft_ && *draft_ == scene_) draft_.reset();
+  if (draft_ && draft_->scene == scene_) draft_.reset();
 }
 
 void Studio::keepDraft() {
@@ -383,11 +438,19 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   const std::string path = textMember(message, "path");
   if (fs::path(path).extension() != ".json")
     throw usageError("a scene cannot be saved as " + inQuotes(path), "a name that ends in .json");
+  const bool overwrite = message.find("overwrite") != nullptr && switchMember(message, "overwrite");
+  const bool isOther = path != path_;
+  if (isOther && !overwrite) requireNew(path);
   folder_.write(path, writeJson(scene_));
   saved_ = scene_;
+  // What somebody has made of the scene whose place this one takes, or left of this one, and nobody has
+  // decided about.
+  if (isOther) keepOldDraft(folder_, path);
+  if (draft_)
+    keepOldDraft(folder_, path_);
+  else
+    removeDraft(folder_, path_);
   draft_.reset();
-  removeDraft(folder_, path_);
-  removeDraft(folder_, path);
   path_ = path;
   tell("scene", sceneValue(), client);
   result = sceneState();
@@ -403,10 +466,9 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
     if (device != device_) (void)openDevice(device, options_.threads);
     device_ = device;
   }
-  const std::string folder = (folder_.root() / fs::path(path_).parent_path()).string();
-  CheckedScene checked = checkScene(scene_, path_, folder, registry_);
+  CheckedScene checked = check();
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
-  running_ = checkScene(scene_, path_, folder, registry_).scene;
+  running_ = check().scene;
   const bool differed = reset_.has_value();
   reset_.reset();
   recording_.clear();
@@ -417,9 +479,15 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
   result["device"] = device_;
 }
 
+bool Studio::needsReset() const {
+  const Value* state = status_.find("state");
+  const std::string name = state != nullptr ? state->asString() : std::string();
+  return !running_ || name == nameOf(HostState::kFailed) || name == nameOf(HostState::kFinished);
+}
+
 void Studio::play(ClientId client, const Value& message, Value& result) {
-  if (!running_) reset(client, message, result);
   requireWriter(client);
+  if (needsReset()) reset(client, message, result);
   host_.play();
 }
 
@@ -432,8 +500,8 @@ void Studio::step(ClientId client, const Value& message, Value& result) {
   constexpr std::int64_t kMostFrames = 1'000'000;
   const std::int64_t frames =
       message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMostFrames) : 1;
-  if (!running_) reset(client, message, result);
   requireWriter(client);
+  if (needsReset()) reset(client, message, result);
   host_.advance(frames);
 }
 
@@ -463,7 +531,8 @@ void Studio::confirm(ClientId client, const Value&, Value& result) {
 void Studio::answerLater(ClientId client, const Value& message, Value& result,
                          std::function<Value(const Simulation&)> f) {
   const Value* id = message.find("id");
-  host_.ask([this, client, f = std::move(f), id = id != nullptr ? *id : Value()](Simulation* simulation) {
+  const auto answer = [this, client, f = std::move(f),
+                       id = id != nullptr ? *id : Value()](Simulation* simulation) {
     Value reply = Value::object();
     reply["id"] = id;
     try {
@@ -473,7 +542,10 @@ void Studio::answerLater(ClientId client, const Value& message, Value& result,
       reply["error"] = problemOf(e);
     }
     server_.sendText(client, writeJsonLine(reply));
-  });
+  };
+  if (!host_.ask(client, answer))
+    throw usageError("this window asks faster than the simulation answers",
+                     "at most " + std::to_string(QuestionQueue::kMostOfAClient) + " questions that wait");
   result = {};
 }
 
@@ -504,7 +576,7 @@ void Studio::status(const Value& status) {
   const std::string& state = status.find("state")->asString();
   if (state == nameOf(HostState::kFinished) || state == nameOf(HostState::kFailed)) desk_.stopVideo();
   // Those who wait for a picture of a run that could not begin are told so.
-  if (state == nameOf(HostState::kFailed)) host_.ask([this](Simulation* s) { desk_.serve(s); });
+  if (state == nameOf(HostState::kFailed)) host_.serve();
   server_.post([this, status] {
     status_ = status;
     tell("status", status);
@@ -531,6 +603,10 @@ void Studio::frame(std::int64_t frame, const Packet& packet) {
 
 void Studio::reached(Simulation& simulation) {
   desk_.frame(simulation);
+}
+
+void Studio::serve(Simulation* simulation) {
+  desk_.serve(simulation);
 }
 
 void Studio::leaving() {

@@ -12,8 +12,10 @@
 
 #include "apps/studio/server/http_server.h"
 #include "apps/studio/server/served_folder.h"
+#include "apps/studio/session/draft.h"
 #include "apps/studio/session/picture_desk.h"
 #include "apps/studio/session/recording.h"
+#include "apps/studio/session/scene_files.h"
 #include "apps/studio/session/simulation_host.h"
 
 namespace weir::studio {
@@ -24,6 +26,7 @@ struct StudioOptions {
   std::string device = "auto";
   int threads = 0;
   std::filesystem::path folder;                               ///< whose files may be read and written
+  std::vector<std::filesystem::path> sceneFolders;            ///< that scenes may read files of, too
   std::filesystem::path page;                                 ///< the built web page
   std::filesystem::path templates;                            ///< scenes to start from
   std::string types;                                          ///< what `weir nodes --json` prints
@@ -40,6 +43,8 @@ class Studio final : private ServerEvents, private HostListener {
   /// Begins with a scene of the served folder. One that is broken is opened as well, with its problem.
   void open(const std::string& path);
   std::string address() const { return server_.access().address(); }
+  /// By which other machines reach it, if it listens at all addresses of this one.
+  std::vector<std::string> furtherAddresses() const { return server_.access().furtherAddresses(); }
   void run() { server_.run(); }
   void stop() { server_.stop(); }  ///< from any thread
   /// Shows a line of the log to everybody; from any thread.
@@ -59,16 +64,20 @@ class Studio final : private ServerEvents, private HostListener {
   void opened(ClientId client) override;
   void message(ClientId client, std::string_view text) override;
   void closed(ClientId client) override;
+  double shareOf(ClientId client) const override;
   // HostListener, on the simulation's thread
   void status(const Value& status) override;
   void numbers(const Value& numbers) override;
   void frame(std::int64_t frame, const Packet& packet) override;
   void geometry(const Packet& packet) override;
   void reached(Simulation& simulation) override;
+  void serve(Simulation* simulation) override;
   void leaving() override;
 
   HttpReply page(const std::string& path) const;
   HttpReply files(const HttpRequest& request);
+  /// Throws an Error if there is something at the path.
+  void requireNew(const std::string& path) const;
   HttpReply thumbnail(const std::string& name) const;
   HttpReply listing(const std::vector<ServedFile>& files) const;
 
@@ -95,6 +104,10 @@ class Studio final : private ServerEvents, private HostListener {
   void stopVideo(ClientId client, const Value& message, Value& result);
   static const std::map<std::string, Command, std::less<>>& commands();
 
+  /// The scene as it is edited.
+  CheckedScene check() const;
+  /// Whether there is no run that could go on.
+  bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);
   /// Offers what an earlier run was left with, if it is something else.
   void findDraft();
@@ -115,13 +128,14 @@ class Studio final : private ServerEvents, private HostListener {
   const Registry& registry_;
   Log& log_;
   ServedFolder folder_;
+  SceneFiles sceneFiles_;
 
   std::map<ClientId, Client> clients_;
   std::optional<ClientId> writer_;
   Value scene_;                   // as it is edited, right or wrong
   std::string path_;              // below the served folder; "" if it has no file yet
   Value saved_;                   // scene_ as its file has it
-  std::optional<Value> draft_;    // what an earlier run made of it and nobody saved
+  std::optional<Draft> draft_;    // what an earlier run made of it and nobody saved
   bool draftFailed_ = false;      // that was told
   std::int64_t revision_ = 0;     // of scene_
   std::optional<Value> problem_;  // of scene_

@@ -29,7 +29,7 @@ void Studio::askPicture(ClientId client, const Value& message, Value& result) {
             [this, client, options, id = id != nullptr ? *id : Value()](PictureAnswer answer) {
               sendPicture(client, id, options, std::move(answer));
             });
-  if (!newer) host_.ask([this](Simulation* simulation) { desk_.serve(simulation); });
+  if (!newer) host_.serve();
   result = {};
 }
 
@@ -86,9 +86,10 @@ void Studio::startVideo(ClientId client, const Value& message, Value& result) {
   if (!fs::is_directory(file.parent_path(), error))
     throw usageError("there is no folder for " + inQuotes(path), "a folder that exists");
   if (fs::is_directory(file, error)) throw usageError(inQuotes(path) + " is a folder", "the name of a file");
+  requireNew(path);
   desk_.startVideo(file, options);
   videoPath_ = path;
-  host_.ask([this](Simulation* simulation) { desk_.serve(simulation); });
+  host_.serve();
   result = videoValue(desk_.video());
 }
 

@@ -7,6 +7,7 @@
 
 #include "apps/weir/bench/copy_bandwidth.h"
 #include "apps/weir/bench/machine.h"
+#include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
@@ -58,9 +59,9 @@ std::string allNames(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void print(const std::string& text) {
-  fmt::print("{}", text);
-  std::fflush(stdout);  // someone watches; main() tells of what cannot be written
+void show(const std::string& text) {
+  print(text);
+  finishPrinting();  // someone watches
 }
 
 std::string aboutCases() {
@@ -192,18 +193,17 @@ int BenchCommand::run(const std::string& commandLine) {
     machine_ = machineValue(*device);
     bandwidth_ = copyBandwidth(*device);
   }
-  print(fmt::format("weir {} ({}, {}) on {}\ncopy: {:.4g} GB/s, read and written\n\n{}",
-                    machine_.find("version")->asString(), machine_.find("commit")->asString(),
-                    machine_.find("build_type")->asString(),
-                    machine_.find("device")->find("description")->asString(), 1e-9 * bandwidth_,
-                    tableHead()));
+  show(fmt::format("weir {} ({}, {}) on {}\ncopy: {:.4g} GB/s, read and written\n\n{}",
+                   machine_.find("version")->asString(), machine_.find("commit")->asString(),
+                   machine_.find("build_type")->asString(),
+                   machine_.find("device")->find("description")->asString(), 1e-9 * bandwidth_, tableHead()));
 
   const Interruption interruption;
   std::vector<BenchResult> results;
   std::string_view end = "finished";
   for (Job& job : jobs) {
     results.push_back(runJob(job, interruption.asked()));
-    print(tableLines(results.back(), bandwidth_));
+    show(tableLines(results.back(), bandwidth_));
     if (results.back().measurement.interrupted) {
       end = "interrupted";
       break;
@@ -211,9 +211,9 @@ int BenchCommand::run(const std::string& commandLine) {
     save(results, "running");
   }
   save(results, end);
-  print("\nms a step in each module:\n");
-  for (const BenchResult& result : results) print(moduleLines(result));
-  if (!json_.empty()) print(json_ + "\n");
+  show("\nms a step in each module:\n");
+  for (const BenchResult& result : results) show(moduleLines(result));
+  if (!json_.empty()) show(json_ + "\n");
   if (end == "interrupted") return kInterrupted;
   const bool isBad = std::any_of(results.begin(), results.end(), [](const auto& r) { return r.isBad(); });
   return isBad ? kSimulationFailed : kDone;

@@ -1,7 +1,6 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 
-#include "framework/neighbors/motion_code.h"
-#include "framework/neighbors/neighbor_sum.h"
+#include "framework/neighbors/motion_sum.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/scratch.h"
 
@@ -9,60 +8,27 @@ namespace weir {
 
 namespace {
 
-/// Σ_j W(r_ij)·(v_j − v), and Σ_j W(r_ij).
-template <class Index, class Velocity>
-WEIR_HD Vec4<NumberAt<Index>> weightedDifferences(Index i, const NeighborView& neighbors,
-                                                  const SpikyKernel& kernel, const Velocity& v,
-                                                  const ArrayView<const Vec3f>& positions,
-                                                  const ArrayView<const Vec3f>& velocities) {
-  const auto p = read(positions, i);
-  const auto difference = [&]<class T>(const auto&, const Vec3<T>& q, const Vec3<T>& u) {
-    const Vec3<T> d{q.x - p.x, q.y - p.y, q.z - p.z};
-    const T w = kernel.value(fastSqrt(dot(d, d)));
-    return Vec4<T>{w * (u.x - v.x), w * (u.y - v.y), w * (u.z - v.z), w};
-  };
-  return sumOverNeighbors<Vec4f>(i, neighbors, difference, positions, velocities);
-}
-
+/// v + c·V0·Σ_j W(r_ij)·(v_j − v).
+template <class Motion>
 struct SmoothVelocity {
   NeighborView neighbors;
   SpikyKernel kernel;
   float weight;  // c·V0
-  ArrayView<const Vec3f> positions, velocities;
+  Motion motion;
   ArrayView<Vec3f> smoothed;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    const auto v = read(velocities, i);
-    const auto sum = weightedDifferences(i, neighbors, kernel, v, positions, velocities);
-    write(smoothed, i, v + weight * xyz(sum));
-  }
-};
-
-/// The same from codes of the motion, on CUDA.
-struct SmoothCodedVelocity {
-  NeighborView neighbors;
-  SpikyKernel kernel;
-  float weight;  // c·V0
-  float unit;    // m, of decoded coordinates
-  ArrayView<const Vec4f> codes;
-  ArrayView<const Vec3f> velocities;
-  ArrayView<Vec3f> smoothed;
-
-  template <class Index>
-  WEIR_HD void operator()(Index i) const {
-    const Vec3f v = read(velocities, i);
-    const MotionCode::Sight sight(read(codes, i));
-    const auto difference = [&](int, const Vec4f& code) {
-      const MotionCode::Other other = sight(code);
-      const float w = kernel.value(unit * fastSqrt(dot(other.away, other.away)));
-      return Vec4f{w * other.faster.x, w * other.faster.y, w * other.faster.z, 0};
+    const auto v = read(motion.velocities, i);
+    const auto difference = [&]<class T>(const T& distance, const Vec3<T>& faster) {
+      const T w = kernel.value(distance);
+      return Vec4<T>{w * faster.x, w * faster.y, w * faster.z, w};
     };
-    write(smoothed, i, v + weight * xyz(sumOverNeighbors<Vec4f>(i, neighbors, difference, codes)));
+    write(smoothed, i, v + weight * xyz(sumOverMotion(i, neighbors, motion, v, difference)));
   }
 };
 
-/// One Jacobi sweep.
+/// One Jacobi sweep of the implicit form, towards the mean over the neighbours.
 struct ApproachMean {
   NeighborView neighbors;
   SpikyKernel kernel;
@@ -73,7 +39,11 @@ struct ApproachMean {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     const auto v = read(initial, i);
-    const auto sum = weightedDifferences(i, neighbors, kernel, v, positions, present);
+    const auto difference = [&]<class T>(const T& distance, const Vec3<T>& faster) {
+      const T w = kernel.value(distance);
+      return Vec4<T>{w * faster.x, w * faster.y, w * faster.z, w};
+    };
+    const auto sum = sumOverMotion(i, neighbors, ExactMotion{positions, present}, v, difference);
     const auto weight = keptWhere(sum.w > 0, share / sum.w);
     write(next, i, v + weight * xyz(sum));
   }
@@ -83,27 +53,14 @@ struct ApproachMean {
 
 template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
-  const ArrayView<const Vec4f> codes = fluid.particles.motionCodes();
-  Array<Vec3f>& smoothed = fluid.particles.scratch();
   const FluidConstants& c = fluid.constants;
-  const Count count = fluid.particles.count();
   const float weight = strength * c.particleVolume;
-  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
-  bool done = false;
-  if constexpr (std::is_same_v<Backend, CudaDevice>) {
-    done = codes.size > 0;
-    if (done)
-      parallelForSums(
-          device, "smooth", count,
-          SmoothCodedVelocity{fluid.neighbors.view(), c.kernel, weight,
-                              MotionCode::Sight::unit(c.supportRadius), codes, velocities, smoothed.view()});
-  }
-  if (!done)
-    parallelForSums(device, "smooth", count,
-                    SmoothVelocity{fluid.neighbors.view(), c.kernel, weight,
-                                   fluid.particles.positions().view(), velocities, smoothed.view()});
-  // Equal sizes; only the memory changes hands.
-  smoothed.swap(fluid.particles.velocities());
+  withMotion(device, fluid.particles, c.supportRadius, [&](const auto& motion, Array<Vec3f>& smoothed) {
+    parallelForSums(device, "smooth", fluid.particles.count(),
+                    SmoothVelocity{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
+    // Equal sizes; only the memory changes hands.
+    smoothed.swap(fluid.particles.velocities());
+  });
 }
 
 template <class Backend>

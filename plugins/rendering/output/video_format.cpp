@@ -147,17 +147,16 @@ void checkFormat(const fs::path& file, const VideoFormat& format) {
       for (const VideoCodec codec : container.codecs) names.push_back(codecName(codec));
       inside = fmt::format("{}", fmt::join(names, ", "));
     }
-    throw sceneError(
-        fmt::format("a {} file cannot hold {}", container.extension, codecName(format.codec)),
-        fmt::format("{} in {}; or a file whose name ends in {}", inside, container.extension,
-                    fmt::join(others, ", ")));
+    throw sceneError(fmt::format("a {} file cannot hold {}", container.extension, codecName(format.codec)),
+                     fmt::format("{} in {}; or a file whose name ends in {}", inside, container.extension,
+                                 fmt::join(others, ", ")));
   }
   const VideoCodec codec = codecIn(container, format.codec);
   if (format.alpha && !canBeTransparent(codec, container))
-    throw sceneError(fmt::format("a {} file {}cannot be transparent", container.extension,
-                                 container.codecs.empty() ? std::string()
-                                                          : fmt::format("of {} ", codecName(codec))),
-                     "ProRes in .mov, VP9 in .webm, FFV1 in .mkv, or --images");
+    throw sceneError(
+        fmt::format("a {} file {}cannot be transparent", container.extension,
+                    container.codecs.empty() ? std::string() : fmt::format("of {} ", codecName(codec))),
+        "ProRes in .mov, VP9 in .webm, FFV1 in .mkv, or --images");
 }
 
 std::vector<std::string> containerOptions(const fs::path& file) {

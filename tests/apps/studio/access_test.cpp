@@ -52,6 +52,30 @@ TEST_F(AccessTest, IsRefusedToOtherSites) {
   }
 }
 
+TEST_F(AccessTest, AServerAtAllAddressesIsKnownByEachOfThemAndByNoOtherName) {
+  for (const char* any : {"0.0.0.0", "::"}) {
+    const AccessRules open(any, 8000, kToken);
+    RequestOrigin request = own();
+    request.local = "192.0.2.7";
+    for (const char* host : {"192.0.2.7:8000", "localhost:8000"}) {
+      request.host = host;
+      EXPECT_EQ(open.check(request), Access::kGranted) << host;
+    }
+    for (const char* host : {"evil.example:8000", "192.0.2.8:8000", "192.0.2.7", "192.0.2.7:80"}) {
+      request.host = host;
+      EXPECT_EQ(open.check(request), Access::kForeignHost) << host;
+    }
+    EXPECT_EQ(open.address(), "http://127.0.0.1:8000/?token=" + kToken);
+    for (const std::string& address : open.furtherAddresses())
+      EXPECT_TRUE(address.ends_with(":8000/?token=" + kToken)) << address;
+  }
+  RequestOrigin request = own();
+  request.host = request.local = "192.0.2.7:8000";
+  EXPECT_EQ(rules.check(request), Access::kForeignHost);
+  EXPECT_EQ(AccessRules("::1", 8000, kToken).address(), "http://[::1]:8000/?token=" + kToken);
+  EXPECT_TRUE(rules.furtherAddresses().empty());
+}
+
 TEST_F(AccessTest, TokensAreLongAndNeverTheSame) {
   EXPECT_EQ(randomToken().size(), 32u);
   EXPECT_NE(randomToken(), randomToken());

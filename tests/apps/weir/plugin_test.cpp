@@ -49,11 +49,32 @@ TEST(Plugins, AModuleOfAPluginRunsInAScene) {
   ChildResult result = runWeir({"run", plain, "--plugin", testPlugin("lift"), "--stats", stats});
   EXPECT_EQ(result.code, 0) << result.err;
   expectLifted(stats);
-  result = runWeir({"run", naming, "--stats", stats});
+  result = runWeir({"run", naming, "--allow-plugins", "--stats", stats});
   EXPECT_EQ(result.code, 0) << result.err;
   expectLifted(stats);
   EXPECT_CONTAINS(runWeir({"nodes", "Lift", "--plugin", testPlugin("lift")}).out, "Speed upwards.");
   EXPECT_CONTAINS(runWeir({"info", "--plugin", testPlugin("lift")}).out, "Lifts a fluid.");
+}
+
+// Code of strangers: a scene is data until its user says otherwise.
+TEST(Plugins, ASceneLoadsNoneUnasked) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(testPlugin("lift"), folder / "lift.so");
+  const std::string scene = folder.write("s.json", liftScene("\"lift.so\""));
+  for (const char* command : {"run", "validate"}) {
+    const ChildResult refused = runWeir({command, scene});
+    EXPECT_EQ(refused.code, 3) << command;
+    EXPECT_CONTAINS(refused.err, "s.json: /plugins/0: the scene asks for the plugin 'lift.so'");
+    EXPECT_CONTAINS(refused.err, "--allow-plugins");
+    EXPECT_EQ(runWeir({command, scene, "--allow-plugins"}).code, 0) << command;
+    EXPECT_EQ(runWeir({command, scene, "--plugin", folder / "lift.so"}).code, 0) << command;
+    ChildOptions trusted;
+    trusted.environment["WEIR_PLUGIN_PATH"] = folder.path();
+    EXPECT_EQ(runWeir({command, scene}, trusted).code, 0) << command;
+  }
+  // Nothing of it ran: this one ends the program when it is loaded.
+  const std::string exits = folder.write("e.json", liftScene('"' + testPlugin("static_exits") + '"'));
+  EXPECT_CONTAINS(runWeir({"validate", exits}).err, "whose code would run");
 }
 
 TEST(Plugins, ThoseOfAFolderAreFound) {

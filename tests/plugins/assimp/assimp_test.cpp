@@ -1,128 +1,17 @@
 // The plugin as the program loads it, on small files of several formats.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <memory>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
-#include "framework/graph/plugin.h"
-#include "nodes/mesh_file/mesh_reader.h"
-#include "tests/support/child_process.h"
+#include "tests/plugins/assimp/mesh_files.h"
+#include "tests/support/byte_mutator.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/variable_for.h"
 
 namespace weir::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-class Assimp : public testing::Test {
- protected:
-  void SetUp() override {
-    folder = fs::temp_directory_path() / ("weir_assimp_" + std::to_string(::getpid()) + "_" +
-                                          testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder);
-    registry = std::make_unique<Registry>();
-    plugin = std::make_unique<Plugin>(buildFolder() + "/lib/weir/plugins/weir_assimp.so", *registry);
-    auto services = registry->createServices<MeshReader>();
-    ASSERT_EQ(services.size(), 1u);
-    EXPECT_EQ(services[0].name, "assimp");
-    reader = std::move(services[0].implementation);
-  }
-  void TearDown() override {
-    reader.reset();
-    registry.reset();
-    fs::remove_all(folder);
-  }
-
-  fs::path write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder / name, std::ios::binary) << content;
-    return folder / name;
-  }
-
-  fs::path folder;
-  std::unique_ptr<Plugin> plugin;
-  std::unique_ptr<Registry> registry;
-  std::unique_ptr<MeshReader> reader;
-};
-
-/// A corner of the box of 1 x 2 x 3 from the origin.
-Vec3f corner(int bits) {
-  return {bits & 1 ? 1.0f : 0.0f, bits & 2 ? 2.0f : 0.0f, bits & 4 ? 3.0f : 0.0f};
-}
-constexpr int kQuads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                              {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-
-std::string text(const Vec3f& v) {
-  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
-}
-
-std::string objBox() {
-  std::string file = "# a box of quads\n";
-  for (int i = 0; i < 8; ++i) file += "v " + text(corner(i)) + "\n";
-  for (const auto& q : kQuads) {
-    file += "f";
-    for (const int i : q) file += " " + std::to_string(i + 1);
-    file += "\n";
-  }
-  return file;
-}
-
-std::string plyHead(int vertices, int faces) {
-  std::string head = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices) +
-                     "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (faces > 0)
-    head += "element face " + std::to_string(faces) + "\nproperty list uchar int vertex_indices\n";
-  return head + "end_header\n";
-}
-
-std::string plyBox() {
-  std::string file = plyHead(8, 6);
-  for (int i = 0; i < 8; ++i) file += text(corner(i)) + "\n";
-  for (const auto& q : kQuads) {
-    file += "4";
-    for (const int i : q) file += " " + std::to_string(i);
-    file += "\n";
-  }
-  return file;
-}
-
-std::vector<std::array<Vec3f, 3>> boxTriangles() {
-  std::vector<std::array<Vec3f, 3>> triangles;
-  for (const auto& q : kQuads) {
-    triangles.push_back({corner(q[0]), corner(q[1]), corner(q[2])});
-    triangles.push_back({corner(q[0]), corner(q[2]), corner(q[3])});
-  }
-  return triangles;
-}
-
-std::string stlText() {
-  std::string file = "solid box\n";
-  for (const auto& t : boxTriangles()) {
-    file += "facet normal 0 0 0\nouter loop\n";
-    for (const Vec3f& v : t) file += "vertex " + text(v) + "\n";
-    file += "endloop\nendfacet\n";
-  }
-  return file + "endsolid box\n";
-}
-
-std::string stlBinary() {
-  std::string file(80, ' ');
-  const auto append = [&](const void* bytes, std::size_t count) {
-    file.append(static_cast<const char*>(bytes), count);
-  };
-  const auto triangles = boxTriangles();
-  const auto count = static_cast<std::uint32_t>(triangles.size());
-  append(&count, sizeof count);
-  for (const auto& t : triangles) {
-    const Vec3f normal{};
-    append(&normal, sizeof normal);
-    for (const Vec3f& v : t) append(&v, sizeof v);
-    file.append(2, '\0');
-  }
-  return file;
-}
 
 void expectBox(const TriangleMesh& raw, const char* what) {
   EXPECT_EQ(raw.triangles.size(), 12u) << what;
@@ -143,7 +32,32 @@ TEST_F(Assimp, ReadsTheSameBoxFromSeveralFormats) {
   expectBox(reader->read(write("BOX WITH SPACES é.OBJ", objBox())), "a strange name");
 }
 
+TEST_F(Assimp, TheDuckOfTheResourcesIsClosedAndFacesOutward) {
+  const TriangleMesh mesh = cleaned(reader->read(resourcesFolder() + "/meshes/duck.obj"));
+  EXPECT_GT(mesh.triangles.size(), 5000u);
+  EXPECT_EQ(diagnose(mesh).message(), "");
+  EXPECT_GT(mesh.volume(), 0);
+}
+
+TEST_F(Assimp, ReadsTheFormatsOfSolidsUnasked) {
+  expectBox(reader->read(write("box.off", offBox())), "off");
+  write("box.bin", gltfBuffer());
+  expectBox(reader->read(write("box.gltf", gltfBox("box.bin"))), "gltf, with a file of its own");
+  expectBox(reader->read(
+                write("data.gltf", gltfBox("data:application/octet-stream;base64," + base64(gltfBuffer())))),
+            "gltf, with data in it");
+  expectBox(reader->read(write("box.glb", glbBox())), "glb");
+  expectBox(reader->read(write("box.3mf", zipped(threeMfBox()))), "3mf");
+  std::vector<std::string> endings = reader->extensions();
+  std::sort(endings.begin(), endings.end());
+  EXPECT_EQ(endings, (std::vector<std::string>{".3mf", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}));
+  EXPECT_CONTAINS(reader->hintFor(".dae"), "WEIR_MESH_FORMATS=all");
+  EXPECT_EQ(reader->hintFor(".txt"), "");
+}
+
 TEST_F(Assimp, KnowsTheEndingsWithTheDotInLowerCase) {
+  const VariableFor all("WEIR_MESH_FORMATS", "all");
+  EXPECT_EQ(reader->hintFor(".dae"), "");
   const std::vector<std::string> endings = reader->extensions();
   for (const char* ending : {".obj", ".stl", ".ply", ".3ds", ".dae", ".glb"})
     EXPECT_NE(std::find(endings.begin(), endings.end(), ending), endings.end()) << ending;
@@ -215,6 +129,116 @@ TEST_F(Assimp, BrokenFilesAreErrorsThatNameTheFile) {
     EXPECT_CONTAINS(e.what(), file.string());
   }
   EXPECT_EQ(errorOf([&] { reader->read(folder / "none.obj"); }).kind(), ErrorKind::kIo);
+}
+
+TEST_F(Assimp, OpensNoFileOutsideOfTheMeshsFolder) {
+  const fs::path inside = folder / "inside";
+  fs::create_directories(inside / "below");
+  const auto write = [&](const fs::path& file) { std::ofstream(file, std::ios::binary) << gltfBuffer(); };
+  write(inside / "box.bin");
+  write(inside / "below/deep.bin");
+  // Of a name of its own, as Assimp looks for a file's name in the mesh's folder, too.
+  write(folder / "outside.bin");
+  fs::create_symlink(folder / "outside.bin", inside / "link.bin");
+  fs::create_symlink(inside / "box.bin", inside / "near.bin");
+  const auto uses = [&](const std::string& uri) { return Assimp::write("inside/box.gltf", gltfBox(uri)); };
+  for (const std::string uri : {"box.bin", "below/deep.bin", "near.bin", "below/../box.bin"})
+    expectBox(reader->read(uses(uri)), uri.c_str());
+  for (const std::string& uri :
+       {std::string("../outside.bin"), (folder / "outside.bin").string(), std::string("link.bin"),
+        std::string("below/../../outside.bin"), std::string("/dev/zero")})
+    EXPECT_EQ(errorOf([&] { reader->read(uses(uri)); }).kind(), ErrorKind::kIo) << uri;
+  // The mesh itself may be a link: the scene has named it.
+  fs::create_directories(folder / "scene");
+  fs::create_symlink(Assimp::write("box.obj", objBox()), folder / "scene/box.obj");
+  expectBox(reader->read(folder / "scene/box.obj"), "a link");
+}
+
+TEST_F(Assimp, AFileThatUnpacksToFarMoreThanItHoldsIsRefused) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers have no limit of memory";
+#endif
+  const fs::path bomb = write("bomb.3mf", zipped(threeMfBox(std::size_t{400} << 20)));
+  EXPECT_LT(fs::file_size(bomb), 4u << 20);
+  const Error e = errorOf([&] { reader->read(bomb); });
+  EXPECT_EQ(e.kind(), ErrorKind::kIo);
+  EXPECT_CONTAINS(e.what(), bomb.string());
+  EXPECT_CONTAINS(e.message(), "memory");
+  EXPECT_CONTAINS(e.allowed(), "a file of 2 MB");
+  EXPECT_CONTAINS(e.hint(), "WEIR_MESH_MEMORY_MB");
+  const VariableFor more("WEIR_MESH_MEMORY_MB", "4000");
+  expectBox(reader->read(bomb), "with more memory");
+}
+
+TEST_F(Assimp, LimitsThatAreNoNumbersAreRefused) {
+  const fs::path box = write("box.obj", objBox());
+  for (const char* variable : {"WEIR_MESH_MEMORY_MB", "WEIR_MESH_SECONDS"})
+    for (const char* value : {"0", "-1", "many", "1.5", "99999999999"}) {
+      const VariableFor wrong(variable, value);
+      const Error e = errorOf([&] { reader->read(box); });
+      EXPECT_EQ(e.kind(), ErrorKind::kUsage) << variable << "=" << value;
+      EXPECT_CONTAINS(e.what(), variable);
+    }
+}
+
+// Damaged files are read or refused. WEIR_TEST_MUTANTS is how many there are in all.
+TEST_F(Assimp, DamagedFilesDoNoHarm) {
+  const VariableFor hurry("WEIR_MESH_SECONDS", "5");
+  const std::vector<std::pair<std::string, std::string>> seeds{
+      {"d.obj", objBox()},
+      {"t.stl", stlText()},
+      {"b.stl", stlBinary()},
+      {"d.off", offBox()},
+      {"d.gltf", gltfBox("data:application/octet-stream;base64," + base64(gltfBuffer()))},
+      {"d.glb", glbBox()},
+      {"d.3mf", zipped(threeMfBox())}};
+  const char* asked = std::getenv("WEIR_TEST_MUTANTS");
+  const std::uint64_t mutants = (asked != nullptr ? std::strtoull(asked, nullptr, 10) : 420) / seeds.size();
+  for (const auto& [name, content] : seeds) {
+    std::uint64_t refused = 0, contained = 0;
+    for (std::uint64_t seed = 0; seed < mutants; ++seed) {
+      const fs::path file = write(name, damaged(content, seed));
+      try {
+        const TriangleMesh mesh = reader->read(file);
+        for (const Vec3i& t : mesh.triangles)
+          for (int k = 0; k < 3; ++k) EXPECT_LT(static_cast<std::size_t>(t[k]), mesh.vertices.size());
+      } catch (const Error& e) {
+        ++refused;
+        EXPECT_EQ(e.kind(), ErrorKind::kIo);
+        EXPECT_CONTAINS(e.what(), file.string());
+        const bool limited = std::string(e.message()).find("Assimp ") != std::string::npos;
+        if (limited) ++contained;
+      }
+    }
+    if (asked != nullptr)
+      std::printf("%s: %llu refused, %llu crashes or limits within the copy\n", name.c_str(),
+                  static_cast<unsigned long long>(refused), static_cast<unsigned long long>(contained));
+    // If none were refused, the damage would not be what this test needs.
+    EXPECT_GT(refused, 0u) << name;
+  }
+}
+
+// The program's answer to a file that once kept it busy for ever.
+TEST(MeshInAProgram, APlyFileThatEndsWithinItsHeaderIsAnErrorAtOnce) {
+  const TemporaryFolder folder;
+  const ChildResult result = runWeir({"run", resourcesFolder() + "/scenes/mesh_in_tank.json", "--frames", "1",
+                                      "--set", "mesh.file=" + folder.write("t.ply", "ply\nformat ascii")},
+                                     {.limit = std::chrono::seconds(60)});
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_CONTAINS(result.err, "t.ply:2:1: node 'mesh': the file ends within its header");
+}
+
+TEST(MeshInAProgram, AFormatThatIsNotReadUnaskedNamesTheWay) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> run{
+      "run",      resourcesFolder() + "/scenes/mesh_in_tank.json",
+      "--frames", "0",    "--set", "water.spacing=0.05",
+      "--set",    "mesh.file=" + folder.write("two.dae", std::string(kPlacedTwice))};
+  const ChildResult refused = runWeir(run);
+  EXPECT_EQ(refused.code, 5) << refused.err;
+  EXPECT_CONTAINS(refused.err, ".3mf, .glb, .gltf, .obj, .off, .ply, .stl");
+  EXPECT_CONTAINS(refused.err, "WEIR_MESH_FORMATS=all");
+  EXPECT_EQ(runWeir(run, {.environment = {{"WEIR_MESH_FORMATS", "all"}}}).code, 0);
 }
 
 }  // namespace

@@ -147,6 +147,37 @@ TEST_F(CheckpointOfRun, IsRefusedByAnotherScene) {
   EXPECT_EQ(run("a", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
 }
 
+// Of the same size and at the same path, so that nothing but the content tells.
+TEST_F(CheckpointOfRun, IsRefusedWhereAFileThatTheSceneReadsHasChanged) {
+  const std::string mesh =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+      "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const std::string particles = "x,y,z\n0.1,0.1,0.1\n0.15,0.1,0.1\n";
+  folder_.write("mesh.ply", mesh);
+  folder_.write("drops.csv", particles);
+  folder_.write("scene.json", R"({"weir": 1, "world": {"dt": 0.01, "frame_rate": 50, "duration": 0.1},
+    "nodes": {"drops": {"type": "ParticleFile", "params": {"file": "drops.csv"}},
+              "solid": {"type": "MeshFile", "params": {"file": "mesh.ply"}},
+              "wall": {"type": "StaticBoundary", "params": {"inverted": true}},
+              "water": {"type": "ParticleFluid", "params": {"spacing": 0.05}}},
+    "links": ["drops.particles -> water.initial", "solid.surface -> wall.meshes",
+              "wall.boundary -> water.boundaries"]})");
+  const ChildResult first =
+      run("a", {"--checkpoint", checkpoint(), "--checkpoint-every", "1", "--frames", "2"});
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_EQ(run("a", {"--resume", checkpoint(), "--frames", "3"}).code, 0);
+  folder_.write("mesh.ply", std::string(mesh).replace(mesh.find("1 0 0"), 5, "2 0 0"));
+  const ChildResult otherMesh = run("a", {"--resume", checkpoint()});
+  EXPECT_EQ(otherMesh.code, 5);
+  EXPECT_CONTAINS(otherMesh.err, "solid.file: the file \"mesh.ply\" is another now");
+  folder_.write("mesh.ply", mesh);
+  folder_.write("drops.csv", std::string(particles).replace(particles.find("0.15"), 4, "0.16"));
+  const ChildResult otherDrops = run("a", {"--resume", checkpoint()});
+  EXPECT_EQ(otherDrops.code, 5);
+  EXPECT_CONTAINS(otherDrops.err, "drops.file: the file \"drops.csv\" is another now");
+}
+
 TEST_F(CheckpointOfRun, ThatIsNoneIsAnError) {
   const std::string junk = folder_.write("junk.h5", "no HDF5");
   for (const std::string& file : {junk, folder_ / "missing.h5"}) {
@@ -160,7 +191,8 @@ TEST_F(CheckpointOfRun, ThatIsNoneIsAnError) {
 
 TEST(CheckpointFile, KeepsEveryKindOfArray) {
   const TemporaryFolder folder;
-  Checkpoint checkpoint{.version = "1.2", .scene = "{\"a\": \"ü\"}", .device = "cpu", .state = {}};
+  Checkpoint checkpoint{
+      .version = "1.2", .scene = "{\"a\": \"ü\"}", .device = "cpu", .inputs = "{}", .state = {}};
   struct Odd {
     char c;
     double d;
@@ -180,6 +212,7 @@ TEST(CheckpointFile, KeepsEveryKindOfArray) {
   EXPECT_EQ(read.version, checkpoint.version);
   EXPECT_EQ(read.scene, checkpoint.scene);
   EXPECT_EQ(read.device, checkpoint.device);
+  EXPECT_EQ(read.inputs, checkpoint.inputs);
   ASSERT_EQ(read.state.size(), checkpoint.state.size());
   for (const auto& [path, array] : checkpoint.state) {
     const auto found = read.state.find(path);

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "plugins/vtkhdf/packed.h"
+#include "framework/base/packed.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
 #include "tests/support/expect_error.h"
@@ -71,18 +71,18 @@ TEST(Isolated, WorkWithoutEndIsAnError) {
 }
 
 TEST(Packed, GivesBackWhatWasAddedAndRefusesTheRest) {
-  hdf5::Packer packer;
+  Packer packer;
   packer.addAll(std::vector<int>{1, 2, 3});
   packer.addText("text");
   packer.addAll(std::vector<double>{});
   const std::string bytes = packer.take();
-  hdf5::Unpacker unpacker(bytes);
+  Unpacker unpacker(bytes);
   EXPECT_EQ(unpacker.all<int>(), (std::vector<int>{1, 2, 3}));
   EXPECT_EQ(unpacker.text(), "text");
   EXPECT_EQ(unpacker.all<double>(), std::vector<double>{});
   EXPECT_TRUE(unpacker.atEnd());
   EXPECT_CONTAINS(errorOf([&] { unpacker.text(); }).message(), "makes no sense");
-  hdf5::Unpacker cut(std::string_view(bytes).substr(0, 10));
+  Unpacker cut(std::string_view(bytes).substr(0, 10));
   EXPECT_CONTAINS(errorOf([&] { cut.all<int>(); }).message(), "makes no sense");
 }
 

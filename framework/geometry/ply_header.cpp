@@ -1,4 +1,4 @@
-#include "nodes/particle_file/ply_header.h"
+#include "framework/geometry/ply_header.h"
 
 #include <algorithm>
 #include <array>

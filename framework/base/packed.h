@@ -10,7 +10,7 @@
 
 #include "framework/base/error.h"
 
-namespace weir::hdf5 {
+namespace weir {
 
 class Packer {
  public:
@@ -61,4 +61,4 @@ class Unpacker {
   std::string_view rest_;
 };
 
-}  // namespace weir::hdf5
+}  // namespace weir
