@@ -5,19 +5,11 @@
 #include <utility>
 
 #include "framework/base/text.h"
+#include "framework/graph/outputs_of.h"
 
 namespace weir::app {
 
 namespace {
-
-std::vector<std::pair<std::string, Output<Fluid>*>> fluidsOf(Simulation& simulation) {
-  std::vector<std::pair<std::string, Output<Fluid>*>> found;
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (OutputPort* port : node->outputs())
-      if (port->typeName() == Fluid::kPortType)
-        found.emplace_back(node->name(), static_cast<Output<Fluid>*>(port));
-  return found;
-}
 
 /// Adds the attribute, with the unit that the scene's own particles have, and saves its values.
 void addAttribute(const RecordedArray& array, const ParticleSet* own, ParticleSet& particles,
@@ -53,7 +45,7 @@ bool has(const RecordedFluid& fluid, std::string_view name) {
 
 Replay::Replay(Simulation& simulation, const Recording& recording)
     : simulation_(simulation), recording_(recording) {
-  const auto fluids = fluidsOf(simulation);
+  const auto fluids = outputsOf<Fluid>(simulation.scene().graph);
   std::vector<std::string> names;
   for (const auto& [name, output] : fluids) names.push_back(name);
   std::vector<std::string> wanted = recording.fluids();

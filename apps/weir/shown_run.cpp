@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "apps/weir/interruption.h"
+#include "framework/base/interruption.h"
 
 namespace weir::app {
 

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "apps/weir/describe.h"
-#include "apps/weir/interruption.h"
 #include "apps/weir/standard_streams.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #ifdef WEIR_HAS_STUDIO
 #include "apps/studio/session/studio.h"

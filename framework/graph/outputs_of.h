@@ -11,12 +11,12 @@ namespace weir {
 
 /// The outputs that carry T, with the names of their nodes, in the order of the nodes.
 template <class T>
-std::vector<std::pair<std::string, const Output<T>*>> outputsOf(const SceneGraph& graph) {
-  std::vector<std::pair<std::string, const Output<T>*>> found;
+std::vector<std::pair<std::string, Output<T>*>> outputsOf(const SceneGraph& graph) {
+  std::vector<std::pair<std::string, Output<T>*>> found;
   for (const auto& node : graph.nodes())
-    for (const OutputPort* output : node->outputs())
+    for (OutputPort* output : node->outputs())
       if (output->typeName() == T::kPortType)
-        found.emplace_back(node->name(), static_cast<const Output<T>*>(output));
+        found.emplace_back(node->name(), static_cast<Output<T>*>(output));
   return found;
 }
 

@@ -1,5 +1,6 @@
 #include "nodes/fluid_surface/kernel_field.h"
 #include "framework/compute/lanes.h"
+#include "framework/compute/reductions.h"
 
 namespace weir {
 
@@ -42,10 +43,6 @@ struct CountBlocks {
 struct CountOf {
   ArrayView<const int> counts;
   WEIR_HD std::int64_t operator()(std::int64_t i) const { return counts[i]; }
-};
-
-struct Add {
-  WEIR_HD std::int64_t operator()(std::int64_t a, std::int64_t b) const { return a + b; }
 };
 
 struct ListBlocks {
@@ -160,7 +157,7 @@ template <class Backend>
 void KernelField::countOn(Backend& device, const ParticleKernels& kernels, float cellSize) {
   const std::int64_t n = kernels.size();
   parallelFor(device, "surface blocks", n, CountBlocks{kernels.array().view(), 1 / cellSize, counts_.view()});
-  reduce(device, "surface pairs", n, std::int64_t{0}, CountOf{std::as_const(counts_).view()}, Add{},
+  reduce(device, "surface pairs", n, std::int64_t{0}, CountOf{std::as_const(counts_).view()}, Plus{},
          pairCount_.data());
   exclusiveScan(device, std::as_const(counts_).view(), counts_.view(), n);
 }

@@ -1,5 +1,6 @@
 #include "nodes/fluid_surface/particle_kernels.h"
 #include "framework/compute/lanes.h"
+#include "framework/compute/reductions.h"
 #include "nodes/fluid_surface/symmetric_eigen.h"
 
 namespace weir {
@@ -28,10 +29,6 @@ struct UsableBox {
     const Vec3f p = positions[i];
     return isUsable(p) ? Aabb{p, p} : Aabb{};
   }
-};
-
-struct UniteBoxes {
-  WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 };
 
 struct CellKey {

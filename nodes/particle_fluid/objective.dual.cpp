@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/objective.h"
 
+#include "framework/compute/reductions.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/wall_field.h"
 
@@ -34,10 +35,6 @@ struct ParticleObjective {
   }
 };
 
-struct AddDoubles {
-  WEIR_HD double operator()(double a, double b) const { return a + b; }
-};
-
 }  // namespace
 
 template <class Backend>
@@ -55,8 +52,7 @@ void ObjectiveRecord::measureOn(Backend& device, FluidStep& fluid, const BulkEne
                                     state,
                                     displacement,
                                     fluid.walls.view()};
-  reduce(device, "objective", fluid.particles.count(), 0.0, objective, AddDoubles{},
-         values_.data() + measured_);
+  reduce(device, "objective", fluid.particles.count(), 0.0, objective, Plus{}, values_.data() + measured_);
 }
 
 template void ObjectiveRecord::measureOn(ThisBackend&, FluidStep&, const BulkEnergy&, bool,

@@ -1,4 +1,5 @@
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "framework/compute/reductions.h"
 #include "framework/solids/carve.h"
 #include "nodes/particle_fluid/density.h"
 
@@ -28,10 +29,6 @@ struct SpeedSquared {
     // Particles that are no numbers are removed and counted elsewhere.
     return isFinite(v) ? dot(v, v) : 0.0f;
   }
-};
-
-struct Larger {
-  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
 };
 
 struct Density {
@@ -88,7 +85,7 @@ template <class Backend>
 void ParticleFluid::speedOn(Backend& device) {
   State& state = *state_;
   reduce(device, "largest speed", state.particles.count(), 0.0f,
-         SpeedSquared{state.particles.velocities().view()}, Larger{}, state.speedSquared.data());
+         SpeedSquared{state.particles.velocities().view()}, Max{}, state.speedSquared.data());
 }
 
 template <class Backend>

@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/rest_state.h"
 
 #include "framework/compute/parallel.h"
+#include "framework/compute/reductions.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
@@ -87,10 +88,6 @@ struct Release {
 struct SquareSpeed {
   ArrayView<const Vec3f> velocities;
   WEIR_HD double operator()(std::int64_t i) const { return dot(velocities[i], velocities[i]); }
-};
-
-struct Plus {
-  WEIR_HD double operator()(double a, double b) const { return a + b; }
 };
 
 /// Calls f(of, its ids) for all batches.

@@ -6,6 +6,7 @@
 
 #include "framework/base/error.h"
 #include "framework/compute/host_copy.h"
+#include "framework/graph/outputs_of.h"
 #include "plugins/mesh_export/mesh_text.h"
 
 namespace weir {
@@ -87,10 +88,8 @@ class ParticleSequence::Frame final : public Snapshot {
 
 void ParticleSequence::begin(Simulation& simulation) {
   sources_.clear();
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (const OutputPort* port : node->outputs())
-      if (port->typeName() == Fluid::kPortType)
-        sources_.push_back({node->name(), static_cast<const Output<Fluid>*>(port)});
+  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
+    sources_.push_back({node, output});
   if (sources_.empty())
     throw ioError("there are no particles to write: the scene has no fluid",
                   "a scene with a ParticleFluid, or another node that puts out a Fluid")

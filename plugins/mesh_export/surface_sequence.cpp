@@ -1,6 +1,7 @@
 #include "plugins/mesh_export/surface_sequence.h"
 
 #include "framework/base/error.h"
+#include "framework/graph/outputs_of.h"
 #include "plugins/mesh_export/mesh_text.h"
 
 namespace weir {
@@ -24,10 +25,8 @@ class SurfaceSequence::Frame final : public Snapshot {
 
 void SurfaceSequence::begin(Simulation& simulation) {
   sources_.clear();
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (const OutputPort* port : node->outputs())
-      if (port->typeName() == DynamicMesh::kPortType)
-        sources_.push_back({node->name(), static_cast<const Output<DynamicMesh>*>(port)});
+  for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation.scene().graph))
+    sources_.push_back({node, output});
   if (sources_.empty())
     throw ioError("there is no surface to write: the scene has no FluidSurface",
                   "a scene with a FluidSurface, or another node that puts out a DynamicMesh",

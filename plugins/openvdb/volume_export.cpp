@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "framework/compute/host_copy.h"
+#include "framework/graph/outputs_of.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "plugins/openvdb/density_grid.h"
 
@@ -42,9 +43,7 @@ class VolumeExport final : public Observer {
     if (!fs::is_directory(folder_, error)) fs::create_directory(folder_, error);
     if (error) throw ioError("the folder cannot be made: " + error.message()).at({.file = folder_.string()});
     voxel_ = static_cast<const VolumeSettings&>(*simulation.scene().sections.at(kOption)).voxel;
-    for (const auto& node : simulation.scene().graph.nodes())
-      for (const OutputPort* port : node->outputs())
-        if (port->typeName() == Fluid::kPortType) fluids_.push_back(static_cast<const Output<Fluid>*>(port));
+    for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) fluids_.push_back(output);
     if (fluids_.empty())
       throw ioError("there is no volume to export: the scene has no fluid", "a scene with a ParticleFluid")
           .at({.file = folder_.string()});

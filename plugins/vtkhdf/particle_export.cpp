@@ -11,6 +11,7 @@
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/compute/host_copy.h"
+#include "framework/graph/outputs_of.h"
 #include "framework/run/statistics.h"
 #include "framework/scene/scene_file.h"
 
@@ -172,10 +173,8 @@ void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
 
 void ParticleExport::findFluids(Simulation& simulation) {
   sources_.clear();
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (const OutputPort* port : node->outputs())
-      if (port->typeName() == Fluid::kPortType)
-        sources_.push_back({node->name(), static_cast<const Output<Fluid>*>(port)});
+  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
+    sources_.push_back({node, output});
   if (sources_.empty()) throw noFluid(file_);
 }
 

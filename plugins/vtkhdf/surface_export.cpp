@@ -2,6 +2,7 @@
 
 #include "framework/base/build_info.h"
 #include "framework/base/file_output.h"
+#include "framework/graph/outputs_of.h"
 
 namespace weir {
 
@@ -64,10 +65,8 @@ class SurfaceExport::Frame final : public Snapshot {
 
 void SurfaceExport::begin(Simulation& simulation) {
   sources_.clear();
-  for (const auto& node : simulation.scene().graph.nodes())
-    for (const OutputPort* port : node->outputs())
-      if (port->typeName() == DynamicMesh::kPortType)
-        sources_.push_back({node->name(), static_cast<const Output<DynamicMesh>*>(port)});
+  for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation.scene().graph))
+    sources_.push_back({node, output});
   if (sources_.empty())
     throw ioError("there is no surface to export: the scene has no FluidSurface",
                   "a scene with a FluidSurface, or another node that puts out a DynamicMesh",

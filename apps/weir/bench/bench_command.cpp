@@ -7,9 +7,9 @@
 
 #include "apps/weir/bench/copy_bandwidth.h"
 #include "apps/weir/bench/machine.h"
-#include "apps/weir/interruption.h"
 #include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 
 namespace weir::app {

@@ -3,6 +3,7 @@
 // comment.
 #pragma once
 
+#include "framework/compute/reductions.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/modules/semi_implicit_control.h"
 
@@ -37,10 +38,6 @@ struct SquareOfWay {
     const Vec3f way = dt * velocities[i];
     return isFinite(way) ? dot(way, way) : 0.0f;
   }
-};
-
-struct Larger {
-  WEIR_HD float operator()(float a, float b) const { return a > b ? a : b; }
 };
 
 /// From the predicted positions back to where the first stage goes.

@@ -393,8 +393,7 @@ void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
   const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
   over_ = false;
   if (staged(fluid))
-    reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, detail::Larger{},
-           farthest_.data());
+    reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, Max{}, farthest_.data());
   constexpr float kStage = 1;  // spacings
   parallelFor(device, "begin", 1,
               detail::BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,

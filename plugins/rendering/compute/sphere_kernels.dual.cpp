@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "framework/compute/parallel.h"
+#include "framework/compute/reductions.h"
 
 namespace weir::rendering {
 
@@ -51,10 +52,6 @@ struct PointBox {
     const Vec3f p = positions[i];
     return isFinite(p) ? Aabb{p, p} : Aabb{};
   }
-};
-
-struct UniteBoxes {
-  WEIR_HD Aabb operator()(const Aabb& a, const Aabb& b) const { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Starting the program ffmpeg, and what is said where it fails.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -11,6 +12,8 @@
 
 namespace weir::rendering {
 
+/// With the limits that the environment variable WEIR_FFMPEG_LIMIT sets: so many seconds without taking a
+/// frame, 60 without it, and twice as many at the end.
 /// Throws an io Error that names the file that it was to make if there is no ffmpeg, or it cannot be started.
 std::unique_ptr<PipedProgram> startFfmpeg(const std::filesystem::path& file,
                                           const std::vector<std::string>& arguments,
@@ -18,6 +21,9 @@ std::unique_ptr<PipedProgram> startFfmpeg(const std::filesystem::path& file,
 
 /// The names of the encoders that ffmpeg has; none if it does not tell. Throws as startFfmpeg() does.
 std::vector<std::string> listEncoders(const std::filesystem::path& file);
+
+/// How many frames it has written, as it tells with -progress pipe:2.
+std::int64_t toldFrames(const PipedProgram& ffmpeg);
 
 /// What to throw when it has ended: "the file cannot be written: ffmpeg ended with exit code 1: <its words>".
 Error failureOf(const PipedProgram& ffmpeg, const std::filesystem::path& file);

@@ -1,17 +1,22 @@
 #include "plugins/rendering/output/piped_program.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
 #include <utility>
+
+#include "framework/base/interruption.h"
 
 extern char** environ;
 
@@ -111,6 +116,14 @@ Pair makeMessagePipe() {
   return {moveUp(ends[0]), moveUp(ends[1])};
 }
 
+/// That the process has used so far.
+std::chrono::nanoseconds processorTime(pid_t pid) {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(pid, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return {};
+  return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
+}
+
 void closeAndForget(int& descriptor) {
   const int open = std::exchange(descriptor, -1);
   if (open >= 0) ::close(open);
@@ -118,9 +131,17 @@ void closeAndForget(int& descriptor) {
 
 }  // namespace
 
+std::chrono::nanoseconds Waiting::time() {
+  constexpr std::chrono::nanoseconds kLongest = std::chrono::seconds(1);  // between two questions
+  const auto now = std::chrono::steady_clock::now();
+  waited_ += std::min<std::chrono::nanoseconds>(now - last_, kLongest);
+  last_ = now;
+  return waited_;
+}
+
 PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
-                           ProgramOutput output)
-    : mostMessages_(output == ProgramOutput::kKept ? kMostOutput : kMostMessages) {
+                           const ProgramLimits& limits, ProgramOutput output)
+    : mostMessages_(output == ProgramOutput::kKept ? kMostOutput : kMostMessages), limits_(limits) {
   const Pair input = makeInput();
   const Descriptor theirInput(input.theirs);
   input_ = input.ours;
@@ -144,8 +165,9 @@ PipedProgram::~PipedProgram() {
 
 bool PipedProgram::write(std::span<const std::uint8_t> bytes) {
   constexpr int kPatience = 100;  // milliseconds until cancel() is noticed
+  Waiting taken;
   while (!bytes.empty()) {
-    if (cancelled_) return false;
+    if (cancelled_ || isOverdue(taken, limits_.idle, "took no frame")) return false;
     // A descriptor of -1 is passed over.
     std::array<pollfd, 2> waiting{pollfd{input_, POLLOUT, 0}, pollfd{messagePipe_, POLLIN, 0}};
     if (::poll(waiting.data(), waiting.size(), kPatience) <= 0) continue;
@@ -153,23 +175,45 @@ bool PipedProgram::write(std::span<const std::uint8_t> bytes) {
     if (waiting[0].revents == 0) continue;
     const ssize_t sent = ::send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR) return false;
-    if (sent > 0) bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    if (sent <= 0) continue;
+    bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    taken.restart();
+    lifeless_.restart();
   }
   return true;
 }
 
-bool PipedProgram::finish(std::chrono::milliseconds limit) {
+bool PipedProgram::finish() {
   constexpr int kPatience = 20;
   closeAndForget(input_);
-  const auto deadline = std::chrono::steady_clock::now() + limit;
+  Waiting start;
   while (!hasEnded()) {
-    if (cancelled_ || std::chrono::steady_clock::now() >= deadline) kill();
+    if (cancelled_ || isOverdue(start, limits_.end, "did not end")) kill();
     pollfd waiting{messagePipe_, POLLIN, 0};
     if (::poll(&waiting, 1, kPatience) > 0) readMessages();
   }
   readMessages();
   reap();
   return ending_ == "ended with exit code 0";
+}
+
+bool PipedProgram::isOverdue(Waiting& since, std::chrono::milliseconds limit, const char* what) {
+  using Seconds = std::chrono::duration<double>;
+  if (!overdue_.empty()) return true;
+  if (since.time() >= limit)
+    overdue_ = fmt::format("{} for {:g} s", what, Seconds(limit).count());
+  else if (isLifelessAfterInterruption())
+    overdue_ = fmt::format("{} for {} s after the run was interrupted", what,
+                           ProgramLimits::kAfterInterruption.count());
+  return !overdue_.empty();
+}
+
+bool PipedProgram::isLifelessAfterInterruption() {
+  if (!Interruption::asked()) return false;
+  const std::chrono::nanoseconds used = processorTime(pid_);
+  if (used > used_) lifeless_.restart();
+  used_ = used;
+  return lifeless_.time() >= ProgramLimits::kAfterInterruption;
 }
 
 /// The process is not reaped, so that its number, which is also its group's, is not given to another.
@@ -188,7 +232,10 @@ void PipedProgram::reap() {
   if (pid_ < 0) return;
   kill();  // what it has started and left behind
   int status = 0;
-  if (::waitpid(pid_, &status, 0) != pid_)
+  const bool reaped = ::waitpid(pid_, &status, 0) == pid_;
+  if (!overdue_.empty())
+    ending_ = overdue_;
+  else if (!reaped)
     ending_ = "ended in an unknown way";  // where this program ignores SIGCHLD
   else if (WIFSIGNALED(status))
     ending_ = "was ended by signal " + std::to_string(WTERMSIG(status));

@@ -15,36 +15,63 @@ namespace weir::rendering {
 /// What becomes of a program's output.
 enum class ProgramOutput { kDropped, kKept };
 
+/// How long a program may hold this one up. Once the run was asked to end (Interruption), one that shows no
+/// sign of life, which is to take input or processor time, has kAfterInterruption.
+struct ProgramLimits {
+  static constexpr std::chrono::seconds kAfterInterruption{3};
+
+  std::chrono::milliseconds idle;  ///< without taking input while there is some
+  std::chrono::milliseconds end;   ///< from the end of its input to its own
+};
+
+/// How long something has not happened. Time in which this program itself was stopped (Ctrl-Z) does not
+/// count.
+class Waiting {
+ public:
+  void restart() { *this = {}; }
+  /// To be asked several times a second.
+  std::chrono::nanoseconds time();
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::chrono::nanoseconds waited_{};
+};
+
 /// The program runs in a process group of its own, so that a Ctrl-C in the terminal does not end it: it ends
 /// when its input does. Its output is thrown away, or kept with its messages; what it writes to stderr is
-/// read while write() and finish() run, so that neither waits for the other forever. A broken pipe raises no
-/// SIGPIPE here. Use from one thread at a time, except for cancel().
+/// read while write() and finish() run, so that neither waits for the other forever. One that is beyond its
+/// limits is killed. A broken pipe raises no SIGPIPE here. Use from one thread at a time, except for
+/// cancel().
 class PipedProgram {
  public:
   /// Looks for the program on the PATH. Throws std::system_error: no_such_file_or_directory if there is none.
   PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
-               ProgramOutput output = ProgramOutput::kDropped);
+               const ProgramLimits& limits, ProgramOutput output = ProgramOutput::kDropped);
   /// Kills the program, and what it has started in its group, if it has not ended.
   ~PipedProgram();
   PipedProgram(const PipedProgram&) = delete;
   PipedProgram& operator=(const PipedProgram&) = delete;
 
-  /// False if the program takes no more input or cancel() was called.
+  /// False if the program takes no more input, is beyond its limit, or cancel() was called.
   bool write(std::span<const std::uint8_t> bytes);
-  /// Ends the input and waits for the program's end; kills it after the limit or once cancel() was called.
+  /// Ends the input and waits for the program's end; kills it after its limit or once cancel() was called.
   /// True if it ended with exit code 0.
-  bool finish(std::chrono::milliseconds limit = std::chrono::hours(24 * 365));
+  bool finish();
   /// Makes write() and finish() return soon; may be called from any thread.
   void cancel() { cancelled_ = true; }
 
-  /// After finish(): "ended with exit code 1" or "was ended by signal 9".
+  /// After finish(): "ended with exit code 1" or "was ended by signal 9", or which limit it was beyond.
   const std::string& ending() const { return ending_; }
+  /// Whether it was killed because it was beyond a limit.
+  bool wasTooSlow() const { return !overdue_.empty(); }
   /// The last few kilobytes that it has written to stderr; the last megabyte, and what it has written to
   /// stdout too, if its output is kept.
   const std::string& messages() const { return messages_; }
 
  private:
   bool hasEnded() const;
+  bool isOverdue(Waiting& since, std::chrono::milliseconds limit, const char* what);
+  bool isLifelessAfterInterruption();
   void kill() const;
   void reap();
   void readMessages();
@@ -53,7 +80,12 @@ class PipedProgram {
   int input_ = -1;  // our end of a socket pair
   int messagePipe_ = -1;
   std::size_t mostMessages_;  // bytes
+  const ProgramLimits limits_;
   std::atomic<bool> cancelled_ = false;
+  // Once the run was asked to end: the time without a sign of life, and the processor time at the last one.
+  Waiting lifeless_;
+  std::chrono::nanoseconds used_{-1};
+  std::string overdue_;  // what it was too slow in; "" if it was not
   std::string messages_, ending_;
 };
 

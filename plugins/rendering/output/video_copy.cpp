@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -31,16 +30,6 @@ std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return result + "'";
-}
-
-/// The last number that ffmpeg has told with -progress.
-std::int64_t toldFrames(std::string_view messages) {
-  constexpr std::string_view kKey = "frame=";
-  const std::size_t at = messages.rfind(kKey);
-  std::int64_t frames = 0;
-  if (at != std::string_view::npos)
-    std::from_chars(messages.data() + at + kKey.size(), messages.data() + messages.size(), frames);
-  return frames;
 }
 
 void add(std::vector<std::string>& arguments, const std::vector<std::string>& more) {
@@ -81,7 +70,7 @@ std::int64_t countFrames(const fs::path& video) {
   if (!ffmpeg->finish())
     throw ioError("this is no video that ffmpeg can read", "a video that an earlier run wrote")
         .at({.file = video.string()});
-  return toldFrames(ffmpeg->messages());
+  return toldFrames(*ffmpeg);
 }
 
 void cutVideo(const fs::path& video, std::int64_t frames) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <span>
 #include <system_error>
@@ -68,6 +67,7 @@ std::vector<std::string> argumentsFor(const fs::path& file, const fs::path& targ
   const auto add = [&](const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
   };
+  add({"-nostats", "-progress", "pipe:2", "-stats_period", "1000000"});  // how many frames, at the end alone
   // +discardcorrupt: where this program is killed within a frame, that frame is no reason to give up the
   // others.
   add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", format.alpha ? "rgba" : "rgb24"});
@@ -166,8 +166,7 @@ void VideoWriter::feed(const Picture& picture) {
   const bool even = picture.width % 2 == 0 && picture.height % 2 == 0;
   if (even ? ffmpeg_->write(pixels) : ffmpeg_->write(evenSized(pixels, picture.width, picture.height)))
     return;
-  // It has ended, or is about to: time to say why, but not forever.
-  ffmpeg_->finish(std::chrono::seconds(10));
+  ffmpeg_->finish();  // it has ended, or is about to, or is beyond its limit
   throw failureOf(*ffmpeg_, file_);
 }
 
@@ -184,11 +183,22 @@ void VideoWriter::finish() {
   }
 }
 
+/// An ffmpeg that is content may have made less than it was given.
+void VideoWriter::checkFrames() const {
+  std::error_code error;
+  if (fs::file_size(part_->path(), error) == 0 || error)
+    throw cannotWrite(file_, "ffmpeg ended without an error, but the video is empty");
+  if (const std::int64_t frames = toldFrames(*ffmpeg_); frames < frameCount_)
+    throw cannotWrite(file_, fmt::format("ffmpeg ended without an error, but has written {} of {} frames",
+                                         frames, frameCount_));
+}
+
 void VideoWriter::complete() {
   if (frameCount_ == 0) ffmpeg_->cancel();
   const bool done = ffmpeg_->finish();
   if (frameCount_ > 0) {
     if (!done) throw failureOf(*ffmpeg_, file_);
+    checkFrames();
     part_->keep();
   }
   part_.reset();

@@ -54,6 +54,7 @@ class VideoWriter {
 
  private:
   void feed(const Picture& picture);
+  void checkFrames() const;
   void complete();
 
   std::filesystem::path file_;

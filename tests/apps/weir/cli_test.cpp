@@ -283,7 +283,7 @@ TEST_F(Cli, NodesSchemaInfoAndCompletion) {
 
 TEST_F(Cli, AnInterruptedRunEndsCleanly) {
   const std::string stats = folder / "stats.json";
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     ChildOptions options;
     bool sent = false;
     options.onStderr = [&](int pid, const std::string& err) {

@@ -200,7 +200,7 @@ TEST_F(PicturesOfRuns, WrongLooksOfFluidsAreErrors) {
 }
 
 TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     ChildOptions options;
     bool sent = false;
     // To the whole group of processes, as Ctrl-C in a terminal reaches them: ffmpeg must outlive it, too.
@@ -213,6 +213,32 @@ TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
     EXPECT_FALSE(result.timedOut);
     EXPECT_GE(probeVideo(video).frames, 1);
   }
+}
+
+TEST_F(PicturesOfRuns, CtrlCEndsARunThatWaitsForAnFfmpegThatHangs) {
+  const std::string takes = "head -c 1000000 > /dev/null; ", all = "cat > /dev/null; ";
+  for (const std::string before : {std::string(), takes, all}) {
+    SCOPED_TRACE(before);
+    const FakeFfmpeg fake(before + "echo stuck >&2; sleep 1000");
+    ChildOptions options;
+    bool sent = false;
+    options.onStderr = [&](int pid, const std::string& err) {
+      if (!sent && contains(err, "frame ")) sent = kill(pid, SIGINT) == 0;
+    };
+    options.limit = std::chrono::seconds(50);  // less than without Ctrl-C
+    const ChildResult result =
+        runWeir({"run", scene, "--duration", "1000", "--video", folder / "run.mp4"}, options);
+    EXPECT_FALSE(result.timedOut);
+    EXPECT_EQ(result.code, 5) << result.err;
+    EXPECT_CONTAINS(result.err, "for 3 s after the run was interrupted: stuck");
+  }
+}
+
+TEST_F(PicturesOfRuns, AnEmptyVideoIsAnError) {
+  const FakeFfmpeg fake("cat > /dev/null; exit 0");
+  const ChildResult result = runWeir({"run", scene, "--frames", "2", "--video", folder / "run.mp4"});
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_CONTAINS(result.err, "the video is empty");
 }
 
 TEST_F(PicturesOfRuns, WithoutFfmpegTheRunSaysWhatToInstall) {

@@ -111,12 +111,81 @@ TEST(VideoFailure, StopsAnFfmpegThatHangs) {
 
 TEST(VideoFailure, KeepsFfmpegOutOfTheTerminalsGroup) {
   const TemporaryFolder folder;
-  const FakeFfmpeg fake("cut -d' ' -f1,5 /proc/$$/stat > \"$FOLDER/group\"; cat > /dev/null; exit 0");
+  const FakeFfmpeg fake("cut -d' ' -f1,5 /proc/$$/stat > \"$FOLDER/group\"; cat > /dev/null; " +
+                        writesFrames(1) + "exit 0");
   makeVideo(folder / "a.mp4", 1);
   const std::string ids = readFile(fake / "group");
   const int pid = std::stoi(ids), group = std::stoi(ids.substr(ids.find(' ')));
   EXPECT_EQ(group, pid);
   EXPECT_NE(group, ::getpgrp());
+}
+
+/// Sets the limit on ffmpeg, and takes it away at the end.
+class FfmpegLimit {
+ public:
+  explicit FfmpegLimit(const char* seconds) { ::setenv("WEIR_FFMPEG_LIMIT", seconds, 1); }
+  ~FfmpegLimit() { ::unsetenv("WEIR_FFMPEG_LIMIT"); }
+  FfmpegLimit(const FfmpegLimit&) = delete;
+  FfmpegLimit& operator=(const FfmpegLimit&) = delete;
+};
+
+/// Enough that a socket does not hold them.
+constexpr int kManyFrames = 1000;
+
+void expectTooSlow(const Error& error, const std::string& what) {
+  EXPECT_EQ(error.kind(), ErrorKind::kIo);
+  EXPECT_CONTAINS(error.what(), "ffmpeg " + what);
+  EXPECT_CONTAINS(error.hint(), "WEIR_FFMPEG_LIMIT");
+}
+
+TEST(VideoFailure, EndsAnFfmpegThatTakesNoFrame) {
+  const TemporaryFolder folder;
+  const FfmpegLimit limit("0.4");
+  for (const std::string before : {"", "head -c 100000 > /dev/null; "}) {
+    const FakeFfmpeg fake(before + "echo stuck >&2; sleep 1000");
+    const Error error = errorOf([&] { makeVideo(folder / "a.mp4", kManyFrames); });
+    expectTooSlow(error, "took no frame for 0.4 s: stuck");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
+}
+
+TEST(VideoFailure, EndsAnFfmpegThatDoesNotEnd) {
+  const TemporaryFolder folder;
+  const FfmpegLimit limit("0.2");
+  const FakeFfmpeg fake("cat > /dev/null; sleep 1000");
+  expectTooSlow(errorOf([&] { makeVideo(folder / "a.mp4", 3); }), "did not end for 0.4 s");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(VideoFailure, EndsAnFfmpegThatHangsInTheTrial) {
+  const TemporaryFolder folder;
+  const FfmpegLimit limit("0.2");
+  const FakeFfmpeg fake("exit 1", "sleep 1000");
+  expectTooSlow(errorOf([&] { VideoWriter video(folder / "a.mp4", {32, 32, 30}); }), "did not end for 0.4 s");
+}
+
+TEST(VideoFailure, SaysWhatTheLimitMayBe) {
+  const TemporaryFolder folder;
+  for (const char* wrong : {"", "soon", "0", "-1", "nan", "1e9", "5 s"}) {
+    const FfmpegLimit limit(wrong);
+    const Error error = errorOf([&] { makeVideo(folder / "a.mp4", 1); });
+    EXPECT_CONTAINS(error.what(), "WEIR_FFMPEG_LIMIT is '" + std::string(wrong) + "'");
+    EXPECT_CONTAINS(error.allowed(), "above 0");
+  }
+}
+
+TEST(VideoFailure, IsAnEmptyVideo) {
+  const TemporaryFolder folder;
+  const FakeFfmpeg fake("cat > /dev/null; exit 0");
+  EXPECT_CONTAINS(errorOf([&] { makeVideo(folder / "a.mp4", 3); }).what(), "the video is empty");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(VideoFailure, IsAVideoWithTooFewFrames) {
+  const TemporaryFolder folder;
+  const FakeFfmpeg fake("cat > /dev/null; " + writesFrames(2) + "exit 0");
+  EXPECT_CONTAINS(errorOf([&] { makeVideo(folder / "a.mp4", 3); }).what(), "has written 2 of 3 frames");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 /// In a child process: hands frames over and is killed while ffmpeg still takes them.

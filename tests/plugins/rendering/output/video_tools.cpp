@@ -66,11 +66,18 @@ std::string writeProgram(const TemporaryFolder& folder, const std::string& scrip
 
 }  // namespace
 
-FakeFfmpeg::FakeFfmpeg(const std::string& script)
+std::string writesFrames(int frames) {
+  return "for file; do :; done; echo video > \"${file#file:}\"; echo frame=" + std::to_string(frames) +
+         " >&2; ";
+}
+
+FakeFfmpeg::FakeFfmpeg(const std::string& script, const std::string& trial)
     : path_(writeProgram(folder_, "FOLDER='" + folder_.path() +
                                       "'\n"
                                       "if [ ! -e \"$FOLDER/tried\" ]; then\n"
-                                      "  : > \"$FOLDER/tried\"; cat > /dev/null; exit 0\n"
+                                      "  : > \"$FOLDER/tried\"; " +
+                                      trial +
+                                      "; exit 0\n"
                                       "fi\n" +
                                       script)) {}
 

@@ -37,11 +37,15 @@ class PathVariable {
   std::string before_;
 };
 
-/// A program "ffmpeg" that is found instead of the real one. It takes all that it is given the first time it
-/// is called, which is the trial, and runs the shell commands `script` from then on.
+/// A shell command that tells, as ffmpeg does, that so many frames are in the video, and leaves something
+/// there.
+std::string writesFrames(int frames);
+
+/// A program "ffmpeg" that is found instead of the real one. It runs `trial` the first time it is called,
+/// which takes all that it is given, and the shell commands `script` from then on.
 class FakeFfmpeg {
  public:
-  explicit FakeFfmpeg(const std::string& script);
+  explicit FakeFfmpeg(const std::string& script, const std::string& trial = "cat > /dev/null");
   /// A file that the script can reach as $FOLDER/name.
   std::string operator/(const std::string& name) const { return folder_ / name; }
 

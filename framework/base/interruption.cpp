@@ -1,0 +1,50 @@
+#include "framework/base/interruption.h"
+
+#include <csignal>
+
+namespace weir {
+
+namespace {
+
+// A signal handler can reach nothing but a global.
+std::atomic<bool> interruptionAsked = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void onSignal(int) {
+  interruptionAsked = true;
+}
+
+void handle(int signal, int flags) {
+  struct sigaction action = {};
+  action.sa_handler = onSignal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART | flags;
+  sigaction(signal, &action, nullptr);
+}
+
+bool isIgnored(int signal) {
+  struct sigaction action = {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+}  // namespace
+
+Interruption::Interruption() {
+  interruptionAsked = false;
+  handle(SIGINT, static_cast<int>(SA_RESETHAND));
+  handle(SIGTERM, static_cast<int>(SA_RESETHAND));
+  if (!isIgnored(SIGHUP)) handle(SIGHUP, 0);
+  std::signal(SIGXFSZ, SIG_IGN);  // for good: nobody wants it back
+}
+
+Interruption::~Interruption() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  if (!isIgnored(SIGHUP)) std::signal(SIGHUP, SIG_DFL);
+}
+
+const std::atomic<bool>& Interruption::asked() {
+  return interruptionAsked;
+}
+
+}  // namespace weir
