@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kFormat = 2;
 constexpr std::int64_t kChunkRows = 1 << 15;
 constexpr const char* kRoot = "checkpoint";
 constexpr const char* kKind = "kind";
@@ -106,7 +106,11 @@ Checkpoint readWhole(const fs::path& file) {
   const hdf5::Group root = top.group(kRoot);
   const std::vector<std::int64_t> format = root.intAttribute("format");
   if (format.size() != 1 || format[0] != kFormat)
-    throw root.error("is of another format", "format " + std::to_string(kFormat));
+    throw ioError("the checkpoint is of " +
+                      (format.size() == 1 ? "format " + std::to_string(format[0]) : "no known format"),
+                  "format " + std::to_string(kFormat) + ", which this program writes",
+                  "resume it with the program that wrote it, or run the scene from the start")
+        .at({.file = file.string()});
   Checkpoint checkpoint{.version = root.readText("program"),
                         .scene = root.readText("scene"),
                         .device = root.readText("device"),
