@@ -148,14 +148,7 @@ std::vector<std::string> RunCommand::checkpointEndings() const {
 
 std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& option,
                                                              const std::string& path) const {
-  std::vector<std::string> endings;
-  for (auto& store : guardedCheckpointStores(program_.registry())) {
-    endings.emplace_back(store->extension());
-    if (fs::path(path).extension() == store->extension()) return std::move(store);
-  }
-  throw usageError(fmt::format("--{} {} is of no known kind", option, printable(path, 200)),
-                   endings.empty() ? "nothing: no plugin that keeps checkpoints is loaded"
-                                   : "a file that ends in " + joinNames(endings));
+  return checkpointStoreOf(program_.registry(), fmt::format("--{} {}", option, printable(path, 200)), path);
 }
 
 std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
@@ -166,13 +159,7 @@ std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
 
 std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation) const {
   if (resume_.empty()) return std::nullopt;
-  Checkpoint checkpoint = checkpointStore("resume", resume_)->read(resume_);
-  try {
-    checkBelongs(checkpoint, simulation);
-  } catch (Error& e) {
-    throw e.at({.file = resume_});
-  }
-  return checkpoint;
+  return weir::readCheckpoint(*checkpointStore("resume", resume_), resume_, simulation);
 }
 
 void RunCommand::printResults() const {

@@ -56,6 +56,16 @@ void PipelineBase::call(const Module& module, std::string_view hook, const std::
       f);
 }
 
+void PipelineBase::saveState(const StateWriter& to) const {
+  for (const auto& module : modules_)
+    call(*module, "save", [&] { module->saveState(to.in(module->name())); });
+}
+
+void PipelineBase::restoreState(const StateReader& from) {
+  for (const auto& module : modules_)
+    call(*module, "restore", [&] { module->restoreState(from.in(module->name())); });
+}
+
 void PipelineBase::markDefault() {
   defaults_.clear();
   for (const auto& module : modules_) {

@@ -12,6 +12,7 @@
 #include "framework/base/log.h"
 #include "framework/graph/configurable.h"
 #include "framework/graph/guard.h"
+#include "framework/graph/state.h"
 
 namespace weir {
 
@@ -24,7 +25,8 @@ struct ModuleInfo {
   std::string_view doc;
 };
 
-class Module : public Configurable {
+/// Between steps it keeps in State members what its node's reset() does not make again; see state.h.
+class Module : public Configurable, public Stateful {
  public:
   virtual const ModuleInfo& info() const = 0;
 
@@ -70,6 +72,9 @@ class PipelineBase {
   /// Calls f, which is `hook` of the module; an Error of it says which hook of which module of which plugin
   /// it comes from, if it is a plugin's.
   static void call(const Module& module, std::string_view hook, const std::function<void()>& f);
+  /// The state of all modules, also of those that are not enabled.
+  void saveState(const StateWriter& to) const;
+  void restoreState(const StateReader& from);
   /// To be called by the constructor of a node once its default modules stand.
   void markDefault();
 

@@ -6,8 +6,11 @@
 //     const NodeInfo& info() const override { return kInfo; }
 //     Param<int> start{*this, "start", 0, {.doc = "First number."}};
 //     Output<Number> number{*this, "number", "The number of the step."};
-//     void reset(const SetupContext&) override { number->value = start; }
-//     void step(const StepContext&) override { ++number->value; }
+//     void reset(const SetupContext&) override { count_ = start; }
+//     void step(const StepContext&) override { number->value = ++count_; }
+//
+//    private:
+//     State<int> count_{*this, "count"};  // checkpoints hold it
 //   };
 #pragma once
 
@@ -23,12 +26,11 @@
 #include "framework/graph/configurable.h"
 #include "framework/graph/module.h"
 #include "framework/graph/port.h"
+#include "framework/graph/state.h"
 
 namespace weir {
 
 class Registry;
-class StateReader;
-class StateWriter;
 struct MemoryNeeds;
 
 /// What a node class says of itself.
@@ -71,7 +73,8 @@ struct NodeReport {
   std::vector<RareEvent> events;
 };
 
-class Node : public Configurable {
+/// Between steps it keeps in State members what reset() does not make again; see state.h.
+class Node : public Configurable, public Stateful {
  public:
   virtual const NodeInfo& info() const = 0;
 
@@ -112,10 +115,6 @@ class Node : public Configurable {
   virtual void frame(const StepContext&) {}
   /// May wait for the device: it is called between steps, once a run or when someone looks.
   virtual void report(NodeReport&) {}
-  /// What a checkpoint needs, at a frame, beside what reset() makes (see state.h). May wait for the device.
-  virtual void save(const StateWriter&) const {}
-  /// Takes that back; after reset().
-  virtual void restore(const StateReader&) {}
   /// Particles it holds, as far as the host knows without asking the device.
   virtual std::int64_t particleCount() const { return 0; }
 

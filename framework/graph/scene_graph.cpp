@@ -7,7 +7,6 @@
 
 #include "framework/base/text.h"
 #include "framework/compute/profiler.h"
-#include "framework/graph/state.h"
 
 namespace weir {
 
@@ -15,6 +14,9 @@ namespace {
 
 // What a node may not be called, because options like --set world.dt=… would be ambiguous.
 constexpr std::string_view kReservedNames[] = {"world", "render", "title"};
+
+// Where the states of a node's modules stand, beside its own.
+constexpr std::string_view kModuleStates = "modules";
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -210,11 +212,22 @@ MemoryEstimate SceneGraph::estimate(const SetupContext& context) {
 }
 
 void SceneGraph::save(const StateWriter& to) const {
-  for (const Node* node : order_) callHook(*node, "save", [&] { node->save(to.in(node->name())); });
+  // A node with its modules is no more than the sum of these: no hook can leave out what is declared.
+  for (Node* node : order_) {
+    const StateWriter own = to.in(node->name());
+    callHook(*node, "save", [&] { node->saveState(own); });
+    if (const PipelineBase* pipeline = node->pipeline())
+      callHook(*node, "save", [&] { pipeline->saveState(own.in(kModuleStates)); });
+  }
 }
 
 void SceneGraph::restore(const StateReader& from) {
-  for (Node* node : order_) callHook(*node, "restore", [&] { node->restore(from.in(node->name())); });
+  for (Node* node : order_) {
+    const StateReader own = from.in(node->name());
+    callHook(*node, "restore", [&] { node->restoreState(own); });
+    if (PipelineBase* pipeline = node->pipeline())
+      callHook(*node, "restore", [&] { pipeline->restoreState(own.in(kModuleStates)); });
+  }
 }
 
 void SceneGraph::reset(const SetupContext& context) {

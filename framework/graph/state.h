@@ -1,19 +1,28 @@
-// The state of a simulation as named arrays: what a checkpoint holds.
+// State that declares itself. A node or module declares as a State what its future, its outputs or its report
+// depend on and reset() does not make again:
 //
-// A node saves in Node::save() all that its future depends on and that reset() does not make again, and takes
-// it back in Node::restore(), which runs after reset(). Names are paths, "water/particles/position".
+//   State<double> travel_{*this, "travel"};                  // plain data: numbers, vectors, random
+//   generators State<std::vector<Vec3f>> marks_{*this, "marks"};        // vectors, strings and optionals of
+//   it State<Array<int>> removed_{*this, "removed"};            // arrays on the device
+//   State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};  // objects that save themselves
 //
-//   void save(const StateWriter& to) const override { to.put("travel", travel_); }
-//   void restore(const StateReader& from) override { from.get("travel", travel_); }
+// Checkpoints hold it, and a resumed run takes it back after reset(), without any code. What needs more than
+// that, such as lists that have to be built again, is done by the hooks save() and restore().
+//
+// In a checkpoint a state is a set of named arrays; names are paths, "nodes/nozzle/travel".
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "framework/base/vec.h"
@@ -97,12 +106,15 @@ class StateWriter {
 /// Reads below one path. Throws an io Error that names the path for what is missing or of another kind.
 class StateReader {
  public:
-  explicit StateReader(const StateArrays& from, std::string prefix = {})
-      : from_(&from), prefix_(std::move(prefix)) {}
+  /// `device` is where arrays are made that reset() has not made.
+  explicit StateReader(const StateArrays& from, Device* device = nullptr, std::string prefix = {})
+      : from_(&from), device_(device), prefix_(std::move(prefix)) {}
 
   StateReader in(std::string_view name) const {
-    return StateReader(*from_, prefix_ + std::string(name) + "/");
+    return StateReader(*from_, device_, prefix_ + std::string(name) + "/");
   }
+  StateReader on(Device& device) const { return StateReader(*from_, &device, prefix_); }
+  Device* device() const { return device_; }
   bool has(std::string_view name) const;
   template <class T>
   std::vector<T> getAll(std::string_view name) const {
@@ -119,6 +131,8 @@ class StateReader {
     checkRows(name, found, 1);
     copyTo(found, &value);
   }
+  /// Throws the io Error of a value that this program would not have written.
+  void refuse(std::string_view name, std::string_view found, std::string_view expected) const;
   /// Into the first elements of an array that has room for them.
   template <class T>
   void get(std::string_view name, Array<T>& array) const {
@@ -133,7 +147,210 @@ class StateReader {
   static void copyTo(const StateArray& array, void* to);
 
   const StateArrays* from_;
+  Device* device_;
   std::string prefix_;
+};
+
+class Stateful;
+
+/// One declared state.
+class StateMember {
+ public:
+  /// The name is that of its array in checkpoints; no two states of an owner have the same.
+  StateMember(Stateful& owner, std::string_view name);
+  virtual ~StateMember() = default;
+  StateMember(const StateMember&) = delete;
+
+  const std::string& name() const { return name_; }
+  virtual void save(const StateWriter& to) const = 0;
+  virtual void restore(const StateReader& from) = 0;
+
+ protected:
+  StateMember& operator=(const StateMember&) { return *this; }
+
+ private:
+  std::string name_;
+};
+
+/// What can declare states: nodes, modules, and what they are made of.
+class Stateful {
+ public:
+  Stateful() = default;
+  virtual ~Stateful() = default;
+  Stateful(const Stateful&) = delete;
+  Stateful& operator=(const Stateful&) = delete;
+
+  const std::vector<StateMember*>& states() const { return states_; }
+  /// All that a checkpoint needs: what is declared, then what the hook adds. May wait for the device.
+  void saveState(const StateWriter& to) const;
+  /// Takes that back, after reset(), in the same order.
+  void restoreState(const StateReader& from);
+
+  /// For what a declaration cannot do; declared states are saved already. Called at a frame.
+  virtual void save(const StateWriter&) const {}
+  /// Takes that back; what is declared is there again.
+  virtual void restore(const StateReader&) {}
+
+ private:
+  friend class StateMember;
+  std::vector<StateMember*> states_;
+};
+
+namespace detail {
+
+template <class T>
+inline constexpr bool kIsArray = false;
+template <class T>
+inline constexpr bool kIsArray<Array<T>> = true;
+template <class T>
+inline constexpr bool kIsVector = false;
+template <class T>
+inline constexpr bool kIsVector<std::vector<T>> = true;
+template <class T>
+inline constexpr bool kIsOptional = false;
+template <class T>
+inline constexpr bool kIsOptional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool kIsOwner = false;
+template <class T>
+inline constexpr bool kIsOwner<std::unique_ptr<T>> = true;
+
+template <class T>
+concept SavesItself = requires(const T& saved, T& restored, const StateWriter& to, const StateReader& from) {
+  saved.save(to);
+  restored.restore(from);
+};
+
+/// Copied byte by byte. An optional has bytes that mean nothing, a pointer means nothing in another process.
+template <class T>
+concept PlainState =
+    std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !kIsOptional<T> && !SavesItself<T>;
+
+template <class T>
+void putState(const StateWriter& to, std::string_view name, const T& value);
+template <class T>
+void getState(const StateReader& from, std::string_view name, T& value);
+
+template <class T>
+void putList(const StateWriter& to, const std::vector<T>& values) {
+  to.put("size", static_cast<std::int64_t>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) putState(to, std::to_string(i), values[i]);
+}
+
+template <class T>
+void getList(const StateReader& from, std::vector<T>& values) {
+  std::int64_t size = 0;
+  from.get("size", size);
+  if (size < 0) from.refuse("size", std::to_string(size), "0 or more");
+  if constexpr (std::is_default_constructible_v<T> && !kIsOwner<T>)
+    values.resize(static_cast<std::size_t>(size));
+  else if (static_cast<std::size_t>(size) != values.size())
+    from.refuse("size", std::to_string(size), std::to_string(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) getState(from, std::to_string(i), values[i]);
+}
+
+/// As a list of none or one.
+template <class T>
+void getOptional(const StateReader& from, std::string_view name, std::optional<T>& value) {
+  std::vector<T> list;
+  getState(from, name, list);
+  if (list.size() > 1) from.refuse(name, std::to_string(list.size()) + " rows", "at most one");
+  value.reset();
+  if (!list.empty()) value = std::move(list.front());
+}
+
+template <class T>
+void getArray(const StateReader& from, std::string_view name, Array<T>& array) {
+  const std::vector<T> values = from.getAll<T>(name);
+  if (array.data() == nullptr) {
+    if (values.empty()) return;
+    WEIR_CHECK(from.device() != nullptr);
+    array = Array<T>(*from.device());
+  }
+  array.assign(values);
+}
+
+template <class T>
+void putState(const StateWriter& to, std::string_view name, const T& value) {
+  if constexpr (kIsArray<T>)
+    to.put(name, value, value.size());
+  else if constexpr (kIsOwner<T>)
+    putState(to, name, *value);
+  else if constexpr (std::is_base_of_v<Stateful, T>)
+    value.saveState(to.in(name));
+  else if constexpr (SavesItself<T>)
+    value.save(to.in(name));
+  else if constexpr (kIsOptional<T>)
+    putState(to, name,
+             value ? std::vector<typename T::value_type>{*value} : std::vector<typename T::value_type>{});
+  else if constexpr (std::is_same_v<T, std::string>)
+    to.put(name, std::span<const char>(value));
+  else if constexpr (kIsVector<T>) {
+    static_assert(!std::is_same_v<T, std::vector<bool>>, "a State of flags is a std::vector<char>");
+    if constexpr (PlainState<typename T::value_type>)
+      to.put(name, std::span<const typename T::value_type>(value));
+    else
+      putList(to.in(name), value);
+  } else {
+    static_assert(PlainState<T>,
+                  "a State is plain data without pointers, a string, an array on a device, an object with "
+                  "save() and restore(), or a vector, optional or unique_ptr of these");
+    to.put(name, value);
+  }
+}
+
+template <class T>
+void getState(const StateReader& from, std::string_view name, T& value) {
+  if constexpr (kIsArray<T>)
+    getArray(from, name, value);
+  else if constexpr (kIsOwner<T>)
+    getState(from, name, *value);
+  else if constexpr (std::is_base_of_v<Stateful, T>)
+    value.restoreState(from.in(name));
+  else if constexpr (SavesItself<T>)
+    value.restore(from.in(name));
+  else if constexpr (kIsOptional<T>)
+    getOptional(from, name, value);
+  else if constexpr (std::is_same_v<T, std::string>) {
+    const std::vector<char> text = from.getAll<char>(name);
+    value.assign(text.begin(), text.end());
+  } else if constexpr (kIsVector<T>) {
+    if constexpr (PlainState<typename T::value_type>)
+      value = from.getAll<typename T::value_type>(name);
+    else
+      getList(from.in(name), value);
+  } else
+    from.get(name, value);
+}
+
+}  // namespace detail
+
+/// A declared state. Used as the value itself: `travel_ += way`; members by ->, all else by *.
+template <class T>
+class State final : public StateMember {
+ public:
+  State(Stateful& owner, std::string_view name, T initial = {})
+      : StateMember(owner, name), value_(std::move(initial)) {}
+  State(const State&) = delete;
+
+  const T& get() const { return value_; }
+  operator T&() { return value_; }
+  operator const T&() const { return value_; }
+  T& operator*() { return value_; }
+  const T& operator*() const { return value_; }
+  T* operator->() { return &value_; }
+  const T* operator->() const { return &value_; }
+  State& operator=(T value) {
+    value_ = std::move(value);
+    return *this;
+  }
+  State& operator=(const State& other) { return *this = other.value_; }
+
+  void save(const StateWriter& to) const override { detail::putState(to, name(), value_); }
+  void restore(const StateReader& from) override { detail::getState(from, name(), value_); }
+
+ private:
+  T value_;
 };
 
 }  // namespace weir

@@ -45,4 +45,26 @@ std::vector<std::unique_ptr<CheckpointStore>> guardedCheckpointStores(const Regi
   return stores;
 }
 
+std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, const std::string& option,
+                                                   const fs::path& file) {
+  std::vector<std::string> endings;
+  for (auto& store : guardedCheckpointStores(registry)) {
+    endings.emplace_back(store->extension());
+    if (file.extension() == store->extension()) return std::move(store);
+  }
+  throw usageError(option + " is of no known kind",
+                   endings.empty() ? "nothing: no plugin that keeps checkpoints is loaded"
+                                   : "a file that ends in " + joinNames(endings));
+}
+
+Checkpoint readCheckpoint(const CheckpointStore& store, const fs::path& file, const Simulation& simulation) {
+  Checkpoint checkpoint = store.read(file);
+  try {
+    checkBelongs(checkpoint, simulation);
+  } catch (Error& e) {
+    throw e.at({.file = file.string()});
+  }
+  return checkpoint;
+}
+
 }  // namespace weir

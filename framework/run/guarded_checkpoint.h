@@ -13,4 +13,13 @@ namespace weir {
 /// as it is: it says enough.
 std::vector<std::unique_ptr<CheckpointStore>> guardedCheckpointStores(const Registry& registry);
 
+/// The one that keeps files that end like this one. Throws a usage Error that begins with `option`, such as
+/// "--resume state.h5", if there is none.
+std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, const std::string& option,
+                                                   const std::filesystem::path& file);
+
+/// What the file holds. Throws an io Error that names the file if it does not belong to the simulation.
+Checkpoint readCheckpoint(const CheckpointStore& store, const std::filesystem::path& file,
+                          const Simulation& simulation);
+
 }  // namespace weir

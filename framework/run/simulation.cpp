@@ -131,7 +131,8 @@ void Simulation::resume(const StateReader& from, std::optional<std::int64_t> las
   clock.get("steps", stepsDone_);
   clock.get("time", time_);
   clock.get("step_lengths", lengths_);
-  scene_->graph.restore(from.in("nodes"));
+  scene_->animate(time());
+  scene_->graph.restore(from.in("nodes").on(device_));
   fresh_ = true;  // as it was at the frame
   device_.synchronize();
   device_.profiler().clear();

@@ -1,7 +1,5 @@
 #include "framework/solids/solid.h"
 
-#include "framework/graph/state.h"
-
 namespace weir {
 
 Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
@@ -10,24 +8,14 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
       clearance_(device, tree_.view(), 0.5f * detail),
       surface_(surface),
       motion_(&motion),
-      impulse_(device, 1),
-      carved_(device, 1) {
-  carved_.fillZero();
-  impulse_.fillZero();
+      impulse_(*this, "impulse", Array<SolidImpulse>(device, 1)),
+      carved_(*this, "carved", Array<int>(device, 1)) {
+  carved_->fillZero();
+  impulse_->fillZero();
 }
 
 double Solid::mostMemory(const TriangleMesh& mesh) {
   return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
-}
-
-void Solid::save(const StateWriter& to) const {
-  to.put("carved", carved_, carved_.size());
-  to.put("impulse", impulse_, impulse_.size());
-}
-
-void Solid::restore(const StateReader& from) {
-  from.get("carved", carved_);
-  from.get("impulse", impulse_);
 }
 
 SolidView Solid::view(double time, double dt) {
@@ -40,7 +28,7 @@ SolidView Solid::view(double time, double dt) {
           .kind = surface_.kind,
           .approximate = surface_.approximate,
           .friction = surface_.friction,
-          .carved = carved_.data(),
+          .carved = carved_->data(),
           .noSlip = surface_.noSlip};
 }
 

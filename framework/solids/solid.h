@@ -6,12 +6,10 @@
 
 #include "framework/geometry/clearance_grid.h"
 #include "framework/graph/param_types.h"
+#include "framework/graph/state.h"
 #include "framework/solids/pose.h"
 
 namespace weir {
-
-class StateReader;
-class StateWriter;
 
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };
@@ -58,7 +56,8 @@ struct SolidSurface {
   float noSlip = 0;  ///< 1/s
 };
 
-class Solid {
+/// Its states are what it counts and sums.
+class Solid final : public Stateful {
  public:
   /// The mesh in its own frame; the motion must outlive the solid. `detail` (m, above 0) is the size of what
   /// meets it, such as the spacing of particles; it decides what look-ups cost, but no result.
@@ -67,9 +66,6 @@ class Solid {
 
   /// Bytes on the device that the solid of such a mesh takes at most.
   static double mostMemory(const TriangleMesh& mesh);
-  /// What it counts and sums.
-  void save(const StateWriter& to) const;
-  void restore(const StateReader& from);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);
@@ -79,15 +75,15 @@ class Solid {
   /// One sum, on the device, to which fluids add what they do in each step.
   Array<SolidImpulse>& impulse() { return impulse_; }
   /// Particles that were left out at birth, as this solid left them no room. Waits for the device.
-  std::int64_t carvedOnHost() const { return carved_.toHost().front(); }
+  std::int64_t carvedOnHost() const { return carved_->toHost().front(); }
 
  private:
   TriangleTree tree_;
   ClearanceGrid clearance_;
   SolidSurface surface_;
   const RigidMotion* motion_;
-  Array<SolidImpulse> impulse_;
-  Array<int> carved_;  // one
+  State<Array<SolidImpulse>> impulse_;
+  State<Array<int>> carved_;  // one
 };
 
 }  // namespace weir

@@ -72,18 +72,6 @@ void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {
   needs.add(bytesOfArrays(inLayer * layersMade(), points_, directions_));
 }
 
-void Emitter::save(const StateWriter& to) const {
-  to.put("travel", travel_);
-  to.put("layers", layers_);
-  to.put("emitted", emitted_);
-}
-
-void Emitter::restore(const StateReader& from) {
-  from.get("travel", travel_);
-  from.get("layers", layers_);
-  from.get("emitted", emitted_);
-}
-
 void Emitter::reset(const SetupContext& context) {
   const auto request = particles.requested();
   if (!request)
@@ -142,7 +130,7 @@ void Emitter::step(const StepContext& context) {
 }
 
 void Emitter::report(NodeReport& report) {
-  report.statistics["particles_emitted"] = emitted_;
+  report.statistics["particles_emitted"] = emitted_.get();
 }
 
 }  // namespace weir

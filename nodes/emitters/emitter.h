@@ -57,8 +57,6 @@ class Emitter : public Node {
   double longestStep(const StepContext& next, double cfl) final;
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
-  void save(const StateWriter& to) const final;
-  void restore(const StateReader& from) final;
 
  protected:
   /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes(). Or
@@ -93,11 +91,11 @@ class Emitter : public Node {
 
   float spacing_ = 0;
   std::uint64_t seed_ = 0;
-  Array<Vec3f> points_, directions_;  // of all layers that differ
-  std::int64_t inLayer_ = 0;          // points
-  double travel_ = 0;                 // m that the flow has moved since it started
-  double layers_ = 0;                 // that have left, a whole number
-  std::int64_t emitted_ = 0;          // particles that have left
+  Array<Vec3f> points_, directions_;               // of all layers that differ
+  std::int64_t inLayer_ = 0;                       // points
+  State<double> travel_{*this, "travel"};          // m that the flow has moved since it started
+  State<double> layers_{*this, "layers"};          // that have left, a whole number
+  State<std::int64_t> emitted_{*this, "emitted"};  // particles that have left
 };
 
 }  // namespace weir

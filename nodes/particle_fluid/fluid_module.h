@@ -57,6 +57,7 @@ struct FluidRoom {
   int solids = 0;  ///< that the fluid meets
 };
 
+/// What a module keeps between steps is either a State member or an attribute of the particles.
 class FluidModule : public Module {
  public:
   static constexpr std::string_view kFamily = "FluidModule";
@@ -69,9 +70,6 @@ class FluidModule : public Module {
   virtual void step(FluidStep& fluid) = 0;
   /// Bytes that it will hold on the device, with its attributes of the particles (see memory_estimate.h).
   virtual double memory(const FluidRoom&) const { return 0; }
-  /// As those of a node; what is an attribute of the particles is saved with them.
-  virtual void save(const StateWriter&) const {}
-  virtual void restore(const StateReader&) {}
   virtual void report(NodeReport&) {}
 };
 

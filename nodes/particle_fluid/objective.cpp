@@ -22,4 +22,13 @@ void ObjectiveRecord::report(NodeReport& report) const {
   for (const double psi : values_.toHost(measured_)) list.push(psi);
 }
 
+void ObjectiveRecord::save(const StateWriter& to) const {
+  to.put("measured", values_, measured_);
+}
+
+void ObjectiveRecord::restore(const StateReader& from) {
+  detail::getState(from, "measured", values_);
+  measured_ = static_cast<int>(values_.size());
+}
+
 }  // namespace weir

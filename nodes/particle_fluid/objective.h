@@ -20,6 +20,8 @@ class ObjectiveRecord {
                ArrayView<const Vec3f> displacement);
   /// Adds "objective_by_iteration" [J]: of the last step, before its first iteration and after each.
   void report(NodeReport& report) const;
+  void save(const StateWriter& to) const;
+  void restore(const StateReader& from);
 
  private:
   template <class Backend>

@@ -94,8 +94,6 @@ void ParticleFluid::save(const StateWriter& to) const {
   state.particles.save(to.in("particles"));
   state.neighbors.save(to.in("neighbors"));
   to.put("rest_steps", state.restSteps);
-  pipeline_.forEach("save",
-                    [&](const FluidModule& module) { module.save(to.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::restore(const StateReader& from) {
@@ -109,8 +107,6 @@ void ParticleFluid::restore(const StateReader& from) {
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
-  pipeline_.forEach("restore",
-                    [&](FluidModule& module) { module.restore(from.in("modules").in(module.name())); });
 }
 
 void ParticleFluid::reset(const SetupContext& context) {

@@ -9,7 +9,6 @@
 
 #include "framework/geometry/simplified_mesh.h"
 #include "framework/graph/memory_estimate.h"
-#include "framework/graph/state.h"
 #include "framework/particles/flight.h"
 
 namespace weir {
@@ -109,29 +108,23 @@ void SemiAnalyticalSFI::estimate(const SetupContext&, MemoryNeeds& needs) {
 }
 
 void SemiAnalyticalSFI::save(const StateWriter& to) const {
-  to.put("carved", carved_);
-  to.put("last_frame", lastFrame_);
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const StateWriter part = to.in(std::to_string(k));
-    parts_[k]->save(part);
+  for (std::size_t k = 0; k < parts_->size(); ++k) {
+    const StateWriter part = to.in("forces").in(std::to_string(k));
     part.put("force", forces->solids[k].force);
     part.put("torque", forces->solids[k].torque);
   }
 }
 
 void SemiAnalyticalSFI::restore(const StateReader& from) {
-  from.get("carved", carved_);
-  from.get("last_frame", lastFrame_);
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const StateReader part = from.in(std::to_string(k));
-    parts_[k]->restore(part);
+  for (std::size_t k = 0; k < parts_->size(); ++k) {
+    const StateReader part = from.in("forces").in(std::to_string(k));
     part.get("force", forces->solids[k].force);
     part.get("torque", forces->solids[k].torque);
   }
 }
 
 void SemiAnalyticalSFI::reset(const SetupContext& context) {
-  parts_.clear();
+  parts_->clear();
   forces->solids.clear();
   carved_ = 0;
   lastFrame_ = 0;
@@ -147,7 +140,7 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
                                .friction = friction,
                                .noSlip = noSlip};
     const TriangleMesh mesh = simplifiedMesh(solids[k], from, detail, context.log);
-    parts_.push_back(std::make_unique<Solid>(context.device, mesh, surface, *this, detail));
+    parts_->push_back(std::make_unique<Solid>(context.device, mesh, surface, *this, detail));
     forces->solids.push_back({from, {}, {}});
   }
   for (std::size_t i = 0; i < fluid.size(); ++i) {
@@ -157,7 +150,7 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
       context.log.warn(
           fmt::format("node '{}': {} of the particles of '{}' start inside solids and are left out", name(),
                       removed, fluid.links()[i]->node().name()));
-    for (const auto& part : parts_) fluid[i].solids->push_back(part.get());
+    for (const auto& part : *parts_) fluid[i].solids->push_back(part.get());
   }
 }
 
@@ -166,7 +159,7 @@ std::int64_t SemiAnalyticalSFI::carve(Fluid& from) {
   const std::int64_t count = particles.refreshCount();
   if (count == 0) return 0;
   std::vector<SolidView> views;
-  for (const auto& part : parts_) views.push_back(part->view(0, 0));
+  for (const auto& part : *parts_) views.push_back(part->view(0, 0));
   Device& device = particles.device();
   const Array<SolidView> onDevice(device, views);
   Array<int> inside(device, count);
@@ -190,8 +183,8 @@ void SemiAnalyticalSFI::frame(const StepContext& context) {
   const double elapsed = context.time - lastFrame_;
   if (!(elapsed > 0)) return;
   lastFrame_ = context.time;
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    Array<SolidImpulse>& impulse = parts_[k]->impulse();
+  for (std::size_t k = 0; k < parts_->size(); ++k) {
+    Array<SolidImpulse>& impulse = parts_.get()[k]->impulse();
     const SolidImpulse sum = impulse.toHost().front();
     impulse.fillZero();
     forces->solids[k].force = sum.linear / elapsed;
@@ -201,7 +194,7 @@ void SemiAnalyticalSFI::frame(const StepContext& context) {
 
 void SemiAnalyticalSFI::report(NodeReport& report) {
   std::int64_t atBirth = 0;
-  for (const auto& part : parts_) atBirth += part->carvedOnHost();
+  for (const auto& part : *parts_) atBirth += part->carvedOnHost();
   report.statistics["particles_carved"] = carved_ + atBirth;
   report.events.push_back({"particles of emitters were born inside solids and left out", atBirth});
   Value& list = report.statistics["solids"] = Value::array();

@@ -103,6 +103,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   double longestStep(const StepContext& next, double cfl) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
+  /// The forces that are put out.
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
 
@@ -119,10 +120,10 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   template <class Backend>
   void markInsideOn(Backend& device, const Fluid& in, const Array<SolidView>& views, Array<int>& inside);
 
-  std::vector<std::unique_ptr<Solid>> parts_;
-  std::int64_t carved_ = 0;
-  double lastFrame_ = 0;  // s
-  double radius_ = 0;     // of the solids about the pivot, m
+  State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};
+  State<std::int64_t> carved_{*this, "carved"};
+  State<double> lastFrame_{*this, "last_frame"};  // s
+  double radius_ = 0;                             // of the solids about the pivot, m
 };
 
 }  // namespace weir

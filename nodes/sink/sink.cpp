@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "framework/graph/memory_estimate.h"
-#include "framework/graph/state.h"
 
 namespace weir {
 
@@ -40,8 +39,8 @@ void Sink::reset(const SetupContext& context) {
                      "min and max, or a link to '" + meshes.path() + "'");
   *sink = {};
   removed_ = Array<int>(context.device, 1);
-  removed_.fillZero();
-  if (min.get()) sink->pieces.push_back({.box = {*min.get(), *max.get()}, .removed = removed_.data()});
+  removed_->fillZero();
+  if (min.get()) sink->pieces.push_back({.box = {*min.get(), *max.get()}, .removed = removed_->data()});
   const float spacing = finestSpacing();
   for (std::size_t i = 0; i < meshes.size() && spacing > 0; ++i) addMesh(context, i, spacing);
 }
@@ -54,20 +53,12 @@ void Sink::addMesh(const SetupContext& context, std::size_t link, float spacing)
   for (const std::string& warning : warnings)
     context.log.warn(fmt::format("node '{}': {}: {}", name(), from, warning));
   sink->pieces.push_back(
-      {.box = meshes[link].bounds(), .isMesh = true, .mesh = sdf->view(false), .removed = removed_.data()});
+      {.box = meshes[link].bounds(), .isMesh = true, .mesh = sdf->view(false), .removed = removed_->data()});
   sink->meshes.push_back(std::move(sdf));
 }
 
-void Sink::save(const StateWriter& to) const {
-  to.put("removed", removed_, removed_.size());
-}
-
-void Sink::restore(const StateReader& from) {
-  from.get("removed", removed_);
-}
-
 void Sink::report(NodeReport& report) {
-  if (!removed_.empty()) report.statistics["particles_removed"] = removed_.toHost().front();
+  if (!removed_->empty()) report.statistics["particles_removed"] = removed_->toHost().front();
 }
 
 }  // namespace weir

@@ -39,8 +39,6 @@ class Sink final : public Node {
   void reset(const SetupContext& context) override;
   /// How many particles it has removed since the reset.
   void report(NodeReport& report) override;
-  void save(const StateWriter& to) const override;
-  void restore(const StateReader& from) override;
 
  private:
   /// That of the finest fluid, which decides; 0 if nobody asks, as then there is nothing to remove.
@@ -49,7 +47,7 @@ class Sink final : public Node {
   float cellFor(float spacing) const { return cellSize.get().value_or(0.5f * spacing); }
   void addMesh(const SetupContext& context, std::size_t link, float spacing);
 
-  Array<int> removed_;  // one number
+  State<Array<int>> removed_{*this, "removed"};  // one number
 };
 
 }  // namespace weir

@@ -18,8 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kFormat = 2;
-/// Without digests.
-constexpr std::int64_t kFormerFormat = 1;
 constexpr std::int64_t kChunkRows = 1 << 15;
 constexpr const char* kRoot = "checkpoint";
 constexpr const char* kKind = "kind";
@@ -151,7 +149,11 @@ Checkpoint readWhole(const fs::path& file) {
     throw ioError("the checkpoint is of format 1, which had no digests", "format " + std::to_string(kFormat),
                   "go on with the version of the program that wrote it, or run from the start");
   if (format.size() != 1 || format[0] != kFormat)
-    throw root.error("is of another format", "format " + std::to_string(kFormat));
+    throw ioError("the checkpoint is of " +
+                      (format.size() == 1 ? "format " + std::to_string(format[0]) : "no known format"),
+                  "format " + std::to_string(kFormat) + ", which this program writes",
+                  "resume it with the program that wrote it, or run the scene from the start")
+        .at({.file = file.string()});
   Checkpoint checkpoint{.version = root.readText("program"),
                         .scene = root.readText("scene"),
                         .device = root.readText("device"),

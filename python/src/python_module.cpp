@@ -12,6 +12,8 @@ namespace weir::python {
 
 namespace {
 
+constexpr const char* kState = "python";
+
 /// What a method of a Python module gets. It can be used until the method returns.
 class StepView {
  public:
@@ -127,6 +129,18 @@ void PythonModule::report(NodeReport& report) {
   const Value values = toValue(said);
   if (!values.isObject()) throw nb::type_error("report() of a module returns a dict");
   for (const auto& [name, value] : values.asObject()) report.statistics[name] = value;
+}
+
+void PythonModule::save(const StateWriter& to) const {
+  const nb::gil_scoped_acquire gil;
+  const nb::bytes state = nb::cast<nb::bytes>(self_.attr("_saved_state")());
+  to.put(kState, std::span<const char>(state.c_str(), state.size()));
+}
+
+void PythonModule::restore(const StateReader& from) {
+  const std::vector<char> state = from.getAll<char>(kState);
+  const nb::gil_scoped_acquire gil;
+  self_.attr("_restore_state")(nb::bytes(state.data(), state.size()));
 }
 
 PythonModule& ModuleBase::module() const {

@@ -45,6 +45,9 @@ class PythonModule final : public FluidModule {
   void reset(FluidStep& fluid) override;
   void step(FluidStep& fluid) override;
   void report(NodeReport& report) override;
+  /// What the class names in `state`, and what its method save() returns; see weir.Module.
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
 
   /// The kind of the parameter is that of its first value: bool, int, float, str, or a sequence of two or
   /// three numbers. Throws Python's TypeError for others.

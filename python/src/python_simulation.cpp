@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "framework/base/text.h"
+#include "framework/run/guarded_checkpoint.h"
 #include "framework/run/guarded_output.h"
 #include "framework/run/output_paths.h"
 #include "framework/run/run.h"
@@ -172,26 +173,50 @@ void PythonSimulation::setDuration(double seconds) {
   scene_->assign({}, value);
 }
 
+std::int64_t PythonSimulation::lastFrameFor(double seconds) {
+  const Simulation& present = simulation();
+  if (!(seconds >= 0)) throw usageError("found a duration of " + Value(seconds).brief() + " s", "at least 0");
+  constexpr double kRounding = 1e-6;  // of a frame
+  const double rate = present.scene().world.frameRate;
+  const std::int64_t last = std::llround(std::ceil((present.time() + seconds) * rate - kRounding));
+  const double end = double(last) / rate;
+  if (end > duration()) setDuration(end);
+  return last;
+}
+
 bool PythonSimulation::run(const RunRequest& request) {
-  Simulation& present = ready();
+  const bool resumes = !request.resume.empty();
+  Simulation& present = resumes ? simulation() : ready();
   const auto observers = makeObservers(present.registry(), request.outputs);
   std::vector<Observer*> watching;
   for (const auto& observer : observers) watching.push_back(observer.get());
   RunOptions options;
-  options.proceed = true;
-  if (request.duration) {
-    if (!(*request.duration >= 0))
-      throw usageError("found a duration of " + Value(*request.duration).brief() + " s", "at least 0");
-    constexpr double kRounding = 1e-6;  // of a frame
-    const double rate = present.scene().world.frameRate;
-    options.lastFrame = std::llround(std::ceil((present.time() + *request.duration) * rate - kRounding));
-    const double end = double(*options.lastFrame) / rate;
-    if (end > duration()) setDuration(end);
+  std::optional<Checkpoint> from;
+  if (resumes) {
+    if (request.duration)
+      throw usageError("both resume and duration are given",
+                       "resume alone, which goes on to the scene's duration");
+    from = readCheckpoint(
+        *checkpointStoreOf(present.registry(), quotedOption("resume", request.resume), request.resume),
+        request.resume, present);
+    options.resume = &from->state;
+    scene_->staleBecause.clear();
+    failed_ = false;  // until it throws
   }
+  std::optional<Checkpoints> checkpoints;
+  if (!request.checkpoint.empty()) {
+    checkpoints.emplace(request.checkpoint, CheckpointInterval::parse(request.checkpointEvery),
+                        checkpointStoreOf(present.registry(), quotedOption("checkpoint", request.checkpoint),
+                                          request.checkpoint));
+    options.checkpoints = &*checkpoints;
+  }
+  options.proceed = true;
+  if (request.duration) options.lastFrame = lastFrameFor(*request.duration);
   std::atomic<bool> stop = false;
   options.stop = &stop;
   std::exception_ptr interrupted;
   std::int64_t seen = present.stepsDone();
+  bool resumed = !resumes;  // whether it is where the steps begin
   const auto afterStep = [&] {
     try {
       if (callBack(request.callback, request.self)) stop = true;
@@ -202,12 +227,13 @@ bool PythonSimulation::run(const RunRequest& request) {
     }
   };
   options.onProgress = [&](const Simulation& s) {
-    if (s.stepsDone() == seen) return;
+    const bool stepped = resumed && s.stepsDone() != seen;
+    resumed = true;
     seen = s.stepsDone();
-    afterStep();
+    if (stepped) afterStep();
   };
   stepping([&] {
-    if (!present.atFrame()) present.advanceFrame(stop, afterStep);
+    if (!resumes && !present.atFrame()) present.advanceFrame(stop, afterStep);
     seen = present.stepsDone();
     if (!stop) runSimulation(present, watching, options);
   });
@@ -245,10 +271,13 @@ void bindSimulation(nb::module_& m) {
       .def(
           "run",
           [](S& s, std::optional<double> duration, std::map<std::string, std::string> outputs,
-             nb::object callback, nb::object self) {
-            return s.run({duration, std::move(outputs), std::move(callback), std::move(self)});
+             std::string checkpoint, std::string checkpointEvery, std::string resume, nb::object callback,
+             nb::object self) {
+            return s.run({duration, std::move(outputs), std::move(checkpoint), std::move(checkpointEvery),
+                          std::move(resume), std::move(callback), std::move(self)});
           },
-          nb::arg("duration").none(), nb::arg("outputs"), nb::arg("callback").none(), nb::arg("self"))
+          nb::arg("duration").none(), nb::arg("outputs"), nb::arg("checkpoint"), nb::arg("checkpoint_every"),
+          nb::arg("resume"), nb::arg("callback").none(), nb::arg("self"))
       .def("refresh", &S::refresh)
       .def("close", &S::close)
       .def("statistics", &S::statistics, nb::sig("def statistics(self) -> dict"))

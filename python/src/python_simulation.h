@@ -19,6 +19,9 @@ namespace nb = nanobind;
 struct RunRequest {
   std::optional<double> duration;  ///< from now on, s
   std::map<std::string, std::string> outputs;
+  std::string checkpoint;       ///< the file; "" for none
+  std::string checkpointEvery;  ///< see CheckpointInterval
+  std::string resume;           ///< the checkpoint to go on from, in place of where it is; "" for none
   nb::object callback;  ///< None, or called with `self` after each step; it ends the run by returning True
   nb::object self;
 };
@@ -57,6 +60,8 @@ class PythonSimulation {
   Simulation& simulation() const;
   /// The same, if it can go on.
   Simulation& ready() const;
+  /// For a duration from now on: the frame at which it ends, up to which the scene's duration reaches then.
+  std::int64_t lastFrameFor(double duration);
   /// Runs f without the GIL; what it throws within a step makes the simulation unusable until a reset.
   void stepping(const std::function<void()>& f);
   /// Takes the GIL; true if the callback ends the run.

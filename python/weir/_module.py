@@ -6,7 +6,8 @@ import inspect
 import math
 from typing import Any
 
-from . import _core
+from . import _core, _state
+from ._errors import usage_error
 
 
 class Param:
@@ -48,8 +49,16 @@ class Module(_core.ModuleBase):
 
         water.modules.insert("lift", Lift(strength=3), before="predict")
 
+    What it keeps between steps is named in `state`, so that checkpoints hold it:
+
+        state = ("count", "random")
+
     An exception that a method raises ends the step, and is raised by whoever asked for it.
     """
+
+    state: tuple[str, ...] = ()
+    """Attributes that checkpoints hold: numbers, strings, lists, tuples, dicts, NumPy's arrays and random generators.
+    Those of the classes it derives from are added. A resumed run gets them back after reset()."""
 
     _made = False
 
@@ -75,6 +84,45 @@ class Module(_core.ModuleBase):
     def step(self, fluid: _core.FluidStep, dt: float) -> None:
         """Called in each step, of `dt` seconds."""
         raise NotImplementedError(f"{type(self).__name__} has no method step(self, fluid, dt)")
+
+    def save(self) -> Any:
+        """What else a checkpoint shall hold, of the same kinds; None for nothing."""
+        return None
+
+    def restore(self, saved: Any) -> None:
+        """Takes back what save() returned, when a run is resumed; after reset(), with `state` in place."""
+
+    @classmethod
+    def declared_state(cls) -> list[str]:
+        """The names in `state` of the class and of those it derives from."""
+        names: list[str] = []
+        for base in reversed(cls.__mro__):
+            own = vars(base).get("state", ())
+            if isinstance(own, Param):
+                continue
+            if isinstance(own, str) or not all(isinstance(name, str) for name in own):
+                raise TypeError(f"state of {base.__name__} is {own!r}, not a tuple of names of attributes")
+            names += [name for name in own if name not in names]
+        return names
+
+    def _saved_state(self) -> bytes:
+        kept = {}
+        for name in self.declared_state():
+            if not hasattr(self, name):
+                raise AttributeError(f"state of {type(self).__name__} names {name!r}, which the module does not have")
+            kept[name] = getattr(self, name)
+        return _state.packed({"state": kept, "saved": self.save()}, type(self).__name__)
+
+    def _restore_state(self, packed: bytes) -> None:
+        kept = _state.unpacked(packed)
+        found, declared = sorted(kept["state"]), sorted(self.declared_state())
+        if found != declared:
+            raise usage_error(f"the checkpoint holds the state {found} of {type(self).__name__}, which declares {declared}",
+                              "a checkpoint of the same module")
+        for name, value in kept["state"].items():
+            setattr(self, name, value)
+        if kept["saved"] is not None:
+            self.restore(kept["saved"])
 
     def report(self) -> dict[str, Any] | None:
         """Numbers by name, for the statistics of the fluid's node."""

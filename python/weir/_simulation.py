@@ -48,8 +48,9 @@ class Simulation:
 
     def run(self, duration: float | None = None, *, video: str | os.PathLike | None = None,
             images: str | os.PathLike | None = None, export: str | os.PathLike | None = None,
-            series: str | os.PathLike | None = None, callback: Callable[[Simulation], Any] | None = None,
-            **outputs: str | os.PathLike | None) -> bool:
+            series: str | os.PathLike | None = None, checkpoint: str | os.PathLike | None = None,
+            checkpoint_every: int | str = "600s", resume: str | os.PathLike | None = None,
+            callback: Callable[[Simulation], Any] | None = None, **outputs: str | os.PathLike | None) -> bool:
         """Simulate from where it is to the end of the scene's duration, or for `duration` seconds.
 
         Every frame, the present one included, is drawn into `video` (FILE.mp4) and `images` (a folder), exported
@@ -57,10 +58,14 @@ class Simulation:
         in the same way. With `duration` the run ends at a frame, and makes the scene's duration longer if need be.
         `callback` is called with the simulation after each step, and ends the run by returning True; then the
         result is False. After Ctrl-C, or an exception of the callback, outputs are complete up to there.
+
+        `checkpoint` (FILE.h5) saves the state at every so many frames, or seconds as "90s". `resume` goes on from
+        such a file of the same scene, not from where the simulation is, and outputs go on behind what they had.
         """
         asked = {"video": video, "images": images, "export": export, "series": series, **outputs}
         paths = {name: os.fspath(path) for name, path in asked.items() if path is not None}
-        return self._core.run(duration, paths, callback, self)
+        return self._core.run(duration, paths, os.fspath(checkpoint or ""), str(checkpoint_every),
+                              os.fspath(resume or ""), callback, self)
 
     def reset(self) -> None:
         """Go back to time 0, with all parameters as they are now."""

@@ -123,6 +123,107 @@ def test_registered_modules_are_read_from_files(tmp_path):
         weir.register(Registered)
 
 
+class Gusts(weir.Module):
+    """Pushes the fluid at random, and harder from step to step."""
+
+    state = ("count", "random", "pushes")
+
+    def reset(self, fluid):
+        self.count, self.random, self.pushes = 0, np.random.default_rng(3), np.zeros(3, np.float32)
+        self.log = []
+
+    def step(self, fluid, dt):
+        self.count += 1
+        push = (self.count * self.random.normal(size=3)).astype(np.float32)
+        self.pushes += push
+        self.log.append(self.count)
+        fluid.velocities[...] += np.float32(dt) * push
+
+    def report(self):
+        return {"count": self.count, "pushes": self.pushes.tolist(), "log": len(self.log)}
+
+    def save(self):
+        return {"log": tuple(self.log)}
+
+    def restore(self, saved):
+        self.log = list(saved["log"])
+
+
+class Forgets(Gusts):
+    """The same without its state."""
+
+    @classmethod
+    def declared_state(cls):
+        return []
+
+
+def gusty(kind, **parameters):
+    scene = dam_break(**parameters)
+    scene.water.modules.insert("gusts", kind(), before="predict")
+    return scene
+
+
+def resumed_and_whole(kind, tmp_path):
+    """Positions by id and report of a run that was resumed after two frames, and of one that was not."""
+    seen = []
+    for resumes in (True, False):
+        scene = gusty(kind)
+        sim = weir.Simulation(scene, device="cpu", threads=2)
+        if resumes:
+            file = tmp_path / f"{kind.__name__}.h5"
+            sim.run(duration=2 / scene.world.frame_rate, checkpoint=file, checkpoint_every=2)
+            scene = gusty(kind)
+            sim = weir.Simulation(scene, device="cpu", threads=2)
+            steps = []
+            sim.run(resume=file, callback=lambda s: steps.append(s.steps))
+            assert steps[0] > 1 and steps == list(range(steps[0], sim.steps + 1))
+        else:
+            sim.run()
+        water = scene.water
+        seen.append((water.positions[np.argsort(water.particles["id"])].tobytes(),
+                     {k: v for k, v in sim.statistics["nodes"]["water"].items() if k in ("count", "pushes", "log")}))
+    return seen
+
+
+def test_a_resumed_run_goes_on_with_the_state_of_its_modules(tmp_path):
+    resumed, whole = resumed_and_whole(Gusts, tmp_path)
+    assert resumed == whole
+    resumed, whole = resumed_and_whole(Forgets, tmp_path)
+    assert resumed[0] != whole[0]
+
+
+def test_states_that_cannot_be_kept_are_named(tmp_path):
+    class Odd(Gusts):
+        state = ("odd",)
+
+        def reset(self, fluid):
+            super().reset(fluid)
+            self.odd = {1: object()}
+
+    class Missing(Gusts):
+        state = ("missing",)
+
+    class Text(Gusts):
+        state = "count"
+
+    for kind, error, words in ((Odd, TypeError, "Odd.*object.*cannot hold"), (Missing, AttributeError, "'missing'"),
+                               (Text, TypeError, "not a tuple")):
+        sim = weir.Simulation(gusty(kind), device="cpu")
+        with pytest.raises(error, match=words):
+            sim.run(checkpoint=tmp_path / "state.h5", checkpoint_every=1)
+
+
+def test_a_checkpoint_of_another_state_is_refused(tmp_path, monkeypatch):
+    weir.Simulation(gusty(Gusts), device="cpu").run(checkpoint=tmp_path / "state.h5", checkpoint_every=1)
+    with pytest.raises(weir.Error, match="spacing"):
+        weir.Simulation(gusty(Gusts, spacing=0.1), device="cpu").run(resume=tmp_path / "state.h5")
+    with pytest.raises(weir.Error, match="no known kind"):
+        weir.Simulation(gusty(Gusts), device="cpu").run(resume=tmp_path / "state.json")
+    monkeypatch.setattr(Gusts, "state", ("count",))
+    with pytest.raises(weir.Error, match="declares"):
+        weir.Simulation(gusty(Gusts), device="cpu").run(resume=tmp_path / "state.h5")
+
+
 def test_exceptions_travel_with_their_traceback():
     class Broken(weir.Module):
         def step(self, fluid, dt):

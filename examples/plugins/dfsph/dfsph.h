@@ -79,7 +79,7 @@ class Dfsph final : public FluidModule {
   void solve(Backend& device, FluidStep& fluid, float until, SolverRecord& record);
   void fit(FluidStep& fluid);
 
-  SolverRecord density_, divergence_;
+  State<SolverRecord> density_{*this, "density"}, divergence_{*this, "divergence"};
   Array<float>* pressure_ = nullptr;  // Pa, of the fluid's particles
   // Position and p of each particle, in this iteration and the next.
   Array<Vec4f> state_, next_;

@@ -25,13 +25,13 @@ void WavePaddle::chooseVelocity(double time, double dt) {
 void WavePaddle::reset(const SetupContext& context) {
   time_ = position_ = velocity_ = force_ = lastFrame_ = 0;
   chooseVelocity(0, context.dt);
-  parts_.clear();
+  parts_->clear();
   float detail = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].constants->spacing);
   for (std::size_t k = 0; k < solids.size(); ++k)
-    parts_.push_back(std::make_unique<Solid>(context.device, solids[k], SolidSurface{}, *this, detail));
+    parts_->push_back(std::make_unique<Solid>(context.device, solids[k], SolidSurface{}, *this, detail));
   for (std::size_t i = 0; i < fluid.size(); ++i)
-    for (const auto& part : parts_) fluid[i].solids->push_back(part.get());
+    for (const auto& part : *parts_) fluid[i].solids->push_back(part.get());
 }
 
 Pose WavePaddle::poseAt(double time) const {
@@ -43,7 +43,7 @@ double WavePaddle::longestStep(const StepContext&, double cfl) {
   double spacing = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fluid.size(); ++i)
     spacing = std::min(spacing, double(fluid[i].constants->spacing));
-  return velocity_ != 0 ? cfl * spacing / std::abs(velocity_) : std::numeric_limits<double>::infinity();
+  return velocity_ != 0 ? cfl * spacing / std::abs(*velocity_) : std::numeric_limits<double>::infinity();
 }
 
 void WavePaddle::step(const StepContext& context) {
@@ -57,7 +57,7 @@ void WavePaddle::frame(const StepContext& context) {
   if (!(elapsed > 0)) return;
   lastFrame_ = context.time;
   Vec3d sum{};
-  for (const auto& part : parts_) {
+  for (const auto& part : *parts_) {
     sum += part->impulse().toHost().front().linear;
     part->impulse().fillZero();
   }
@@ -66,9 +66,9 @@ void WavePaddle::frame(const StepContext& context) {
 }
 
 void WavePaddle::report(NodeReport& report) {
-  report.statistics["position"] = position_;
-  report.statistics["velocity"] = velocity_;
-  report.statistics["force"] = force_;
+  report.statistics["position"] = position_.get();
+  report.statistics["velocity"] = velocity_.get();
+  report.statistics["force"] = force_.get();
 }
 
 }  // namespace wave_paddle

@@ -1,7 +1,8 @@
 // A wave maker: meshes that a drive moves to and fro, as it has the force to, in a fluid.
 //
 // The drive wants the position stroke/2·sin(2π·t/period), faded in over the first `ramp` seconds, and follows
-// it as far as its largest acceleration lets it. Its position and velocity are the node's own state: after
+// it as far as its largest acceleration lets it. Its position and velocity are State members of the node, so
+// that checkpoints hold them: after
 // each step it chooses the velocity of the next, with which the paddle then moves evenly,
 //
 //   v ← v + clamp(w(t) − v, ±a·dt),     w(t) = (wanted(t + dt) − x)/dt
@@ -57,11 +58,13 @@ class WavePaddle final : public Node, public RigidMotion {
   double wantedAt(double time) const;
   void chooseVelocity(double time, double dt);
 
-  std::vector<std::unique_ptr<Solid>> parts_;
+  State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};
   // At the beginning of the step that comes next.
-  double time_ = 0, position_ = 0, velocity_ = 0;  // s, m, m/s
-  double force_ = 0;                               // N along the direction, mean since the frame before
-  double lastFrame_ = 0;
+  State<double> time_{*this, "time"};          // s
+  State<double> position_{*this, "position"};  // m
+  State<double> velocity_{*this, "velocity"};  // m/s
+  State<double> force_{*this, "force"};        // N along the direction, mean since the frame before
+  State<double> lastFrame_{*this, "last_frame"};
 };
 
 }  // namespace wave_paddle

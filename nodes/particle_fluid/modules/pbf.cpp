@@ -42,11 +42,11 @@ void Pbf::warn(const FluidOutlook& outlook) const {
 }
 
 void Pbf::record(FluidStep& fluid) {
-  if (recordObjective) objective_.measure(fluid, BulkEnergy(), tension, state_.view(), displacement_.view());
+  if (recordObjective) objective_->measure(fluid, BulkEnergy(), tension, state_.view(), displacement_.view());
 }
 
 void Pbf::report(NodeReport& report) {
-  if (recordObjective) objective_.report(report);
+  if (recordObjective) objective_->report(report);
   report.statistics["solver_iterations"] = iterations.get();
 }
 

@@ -130,7 +130,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
 
   fluid.walls.forgetShares();
   parallelFor(device, "start", count, StartDisplacement{positions, state_.view(), displacement_.view()});
-  if (recordObjective) objective_.begin(fluid, iterations + 1);
+  if (recordObjective) objective_->begin(fluid, iterations + 1);
   record(fluid);
   for (int k = 0; k < iterations; ++k) {
     parallelFor(device, "multipliers", count, multiplier);

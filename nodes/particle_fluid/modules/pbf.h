@@ -110,7 +110,7 @@ class Pbf final : public FluidModule {
   /// Where the iterations have come to, if that is recorded.
   void record(FluidStep& fluid);
 
-  ObjectiveRecord objective_;
+  State<ObjectiveRecord> objective_{*this, "objective"};
   // Position and ℓ of each particle, before and after the pass of the multipliers; displacement x − x*.
   Array<Vec4f> state_, weighted_;
   Array<Vec3f> displacement_;

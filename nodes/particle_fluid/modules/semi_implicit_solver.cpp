@@ -47,7 +47,7 @@ void SemiImplicitSolver::validate() const {
 void SemiImplicitSolver::reset(FluidStep& fluid) {
   bulkEnergy_ = BulkEnergy(coefficientsOf(energy, polynomial));
   control_ = Array<Control>(fluid.device);
-  control_.assign(std::vector<Control>{Control{}});
+  control_->assign(std::vector<Control>{Control{}});
   sums_ = Array<Sums>(fluid.device);
   sums_.resize(1);
   farthest_ = Array<float>(fluid.device);
@@ -101,7 +101,7 @@ bool SemiImplicitSolver::isDone() {
 void SemiImplicitSolver::endPass(int pass) {
   if (!tolerance.get() || pass + 1 < passes()) return;
   if (controlSeen_->pending()) controlSeen_->wait();
-  controlSeen_->request(control_.data());
+  controlSeen_->request(control_->data());
   over_ = controlSeen_->wait().over != 0;
 }
 
@@ -140,28 +140,18 @@ double SemiImplicitSolver::memory(const FluidRoom& room) const {
   return bytes;
 }
 
-void SemiImplicitSolver::save(const StateWriter& to) const {
-  to.put("control", control_, control_.size());
-  to.put("passes", passes_);
-}
-
-void SemiImplicitSolver::restore(const StateReader& from) {
-  from.get("control", control_);
-  from.get("passes", passes_);
-}
-
 void SemiImplicitSolver::record(FluidStep& fluid) {
   if (recordObjective)
-    objective_.measure(fluid, bulkEnergy_, tension, fluid.particles.places().view(),
-                       fluid.particles.scratch().view());
+    objective_->measure(fluid, bulkEnergy_, tension, fluid.particles.places().view(),
+                        fluid.particles.scratch().view());
 }
 
 void SemiImplicitSolver::report(NodeReport& report) {
-  if (recordObjective) objective_.report(report);
+  if (recordObjective) objective_->report(report);
   Value& used = report.statistics["solver_iterations"];
   used = iterations.get();
-  if (!tolerance.get() || control_.size() == 0) return;
-  const Control control = control_.toHost().front();
+  if (!tolerance.get() || control_->size() == 0) return;
+  const Control control = control_->toHost().front();
   used = Value::object();
   used["mean"] =
       control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;

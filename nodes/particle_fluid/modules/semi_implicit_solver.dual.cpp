@@ -358,7 +358,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   beginStep(device, fluid);
   start(device, fluid);
   contain(device, fluid);
-  if (recordObjective) objective_.begin(fluid, mostPasses() * iterations + 1);
+  if (recordObjective) objective_->begin(fluid, mostPasses() * iterations + 1);
   record(fluid);
   for (int pass = 0; pass < mostPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, fluid);
@@ -396,11 +396,11 @@ void SemiImplicitSolver::beginStep(Backend& device, FluidStep& fluid) {
     reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, Max{}, farthest_.data());
   constexpr float kStage = 1;  // spacings
   parallelFor(device, "begin", 1,
-              detail::BeginStep{control_.data(), staged(fluid) ? farthest_.data() : nullptr, dt,
+              detail::BeginStep{control_->data(), staged(fluid) ? farthest_.data() : nullptr, dt,
                                 kStage * fluid.constants.spacing, pathStages});
   if (staged(fluid))
     parallelFor(device, "go back", count,
-                detail::GoBack{control_.data(), velocities, fluid.particles.positions().view()});
+                detail::GoBack{control_->data(), velocities, fluid.particles.positions().view()});
 }
 
 template <class Backend>
@@ -481,7 +481,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                       stepLength,
                       measure,
                       sums_.data(),
-                      controlled() ? control_.data() : nullptr,
+                      controlled() ? control_->data() : nullptr,
                       predicted,
                       displacement(fluid).view(),
                       places(fluid),
@@ -490,7 +490,7 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
   constexpr int kMeetingsOfMixtures = 3;
   const double reach = kReach * fluid.constants.spacing;
-  detail::Judge judge{control_.data(),
+  detail::Judge judge{control_->data(),
                       sums_.data(),
                       count,
                       double(tolerance.get().value_or(-1.0f)),
@@ -501,12 +501,12 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                       mostRepeats(),
                       passes(),
                       false};
-  if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_.data()});
+  if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});
   ++passes_;
   for (int k = 0; k < iterations && !isDone(); ++k) {
     // Walls may have moved particles since the pass was done, and what was found before that counts; how many
     // iterations come until the host hears of the end must not.
-    if (controlled() && k > 0) derivative.done = &control_.data()->done;
+    if (controlled() && k > 0) derivative.done = &control_->data()->done;
     parallelForEights(device, "density", count, derivative);
     if (searches())
       parallelForEights(device, "propose", count,
@@ -516,21 +516,21 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
     if (controlled()) {
       judge.last = k + 1 == iterations;
       parallelFor(device, "judge", 1, judge);
-      controlSeen_->request(control_.data());
+      controlSeen_->request(control_->data());
     }
     parallelForEights(device, "update", count, update);
     // The host may hear of the end of a pass, and of all passes, some iterations later.
-    const Control* control = control_.data();
+    const Control* control = control_->data();
     const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
     contain(device, fluid, done);
     record(fluid);
     if (!accelerated()) continue;
     if (mixes())
-      mixing_.mix(device, count, control_.data(),
+      mixing_.mix(device, count, control_->data(),
                   {displacement(fluid).view(), fluid.walls.view().share, predicted, places(fluid)});
     else
       parallelFor(device, "extrapolate", count,
-                  Extrapolate{control_.data(), plain_.view(),
+                  Extrapolate{control_->data(), plain_.view(),
                               fluid.walls.empty() ? ArrayView<float>{} : plainShare_.view(), predicted,
                               displacement(fluid).view(), fluid.walls.view().share, places(fluid)});
     contain(device, fluid, done);
@@ -551,7 +551,7 @@ template <class Backend>
 void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
   parallelFor(
       device, "move", fluid.particles.count(),
-      detail::MoveOut{control_.data(), displacement(fluid).view(), fluid.particles.velocities().view(),
+      detail::MoveOut{control_->data(), displacement(fluid).view(), fluid.particles.velocities().view(),
                       carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
   WallIntegrals::find(fluid);

@@ -141,8 +141,6 @@ class SemiImplicitSolver final : public FluidModule {
   }
   void report(NodeReport& report) override;
   double memory(const FluidRoom& room) const override;
-  void save(const StateWriter& to) const override;
-  void restore(const StateReader& from) override;
 
   using Sums = SolverSums;
   using Control = SolverControl;
@@ -195,7 +193,7 @@ class SemiImplicitSolver final : public FluidModule {
   void record(FluidStep& fluid);
 
   BulkEnergy bulkEnergy_;
-  ObjectiveRecord objective_;
+  State<ObjectiveRecord> objective_{*this, "objective"};
   // Positions, what the density pass makes of them, and displacements stand in the particles' scratch memory.
   // Only where they are needed: max(e, 0); Δx and |g·Δx|; the displacement by the last plain update, for
   // momentum.
@@ -206,11 +204,11 @@ class SemiImplicitSolver final : public FluidModule {
   AndersonMixing mixing_;
   Array<Vec3f>* carried_ = nullptr;  // the displacement, as an attribute that sorting puts into its order
   Array<Sums> sums_;
-  Array<Control> control_;
+  State<Array<Control>> control_{*this, "control"};
   std::optional<Readback<Control>> controlSeen_;
-  std::int64_t passes_ = 0;  // begun, as Control::passes
-  Array<float> farthest_;    // one number: the largest square of a displacement to a predicted position, m²
-  bool over_ = false;        // whether the host knows that a step makes no other pass
+  State<std::int64_t> passes_{*this, "passes"};  // begun, as Control::passes
+  Array<float> farthest_;  // one number: the largest square of a displacement to a predicted position, m²
+  bool over_ = false;      // whether the host knows that a step makes no other pass
 };
 
 }  // namespace weir

@@ -19,12 +19,12 @@ void Probe::frame(const StepContext&) {
   const std::vector<Vec3f> positions = fluid->particles->positions().toHost(count);
   inside_ =
       std::count_if(positions.begin(), positions.end(), [&](const Vec3f& p) { return box.contains(p); });
-  mostInside_ = std::max(mostInside_, inside_);
+  mostInside_ = std::max(*mostInside_, *inside_);
 }
 
 void Probe::report(NodeReport& report) {
-  report.statistics["particles_inside"] = inside_;
-  report.statistics["most_particles_inside"] = mostInside_;
+  report.statistics["particles_inside"] = inside_.get();
+  report.statistics["most_particles_inside"] = mostInside_.get();
 }
 
 }  // namespace my_plugin

@@ -26,7 +26,8 @@ class Probe final : public Node {
   void report(NodeReport& report) override;
 
  private:
-  std::int64_t inside_ = 0, mostInside_ = 0;
+  // What is declared so is kept by checkpoints: a resumed run goes on with it.
+  State<std::int64_t> inside_{*this, "inside"}, mostInside_{*this, "most_inside"};
 };
 
 }  // namespace my_plugin

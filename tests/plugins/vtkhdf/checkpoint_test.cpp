@@ -1,10 +1,12 @@
 // Checkpoints: a run that was killed and resumed ends, bit by bit, as one that was not.
 #include <signal.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
 #include "tests/support/child_process.h"
@@ -91,6 +93,54 @@ TEST_F(CheckpointOfRun, GoesOnBitByBitWhereItWas) {
   const ChildResult resumed = run("parts", {"--resume", checkpoint()});
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   expectSame("whole", "parts");
+}
+
+TEST_F(CheckpointOfRun, HoldsTheStatesOfAPluginsNode) {
+  const std::string file =
+      folder_.write("waves.json", R"({"weir": 1, "world": {"dt": 0.01, "frame_rate": 50, "duration": 0.16},
+        "nodes": {
+          "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.3, 0.1, 0.2]}},
+          "room": {"type": "BoxMesh", "params": {"min": [-0.2, 0, 0], "max": [0.3, 0.5, 0.2]}},
+          "walls": {"type": "SemiAnalyticalSFI", "params": {"fill": "container"}},
+          "board": {"type": "BoxMesh", "params": {"min": [-0.06, 0, 0], "max": [0, 0.3, 0.2]}},
+          "paddle": {"type": "WavePaddle", "params": {"stroke": 0.2, "period": 0.5, "ramp": 0}},
+          "water": {"type": "ParticleFluid", "params": {"spacing": 0.03}}},
+        "links": ["block.particles -> water.initial", "room.surface -> walls.solids", "water.fluid -> walls.fluid",
+                  "board.surface -> paddle.solids", "water.fluid -> paddle.fluid"]})");
+  folder_.write("scene.json", readFile(file));
+  const std::vector<std::string> plugin{"--plugin",
+                                        buildFolder() + "/lib/weir/test_plugins/weir_wave_paddle.so"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), plugin.begin(), plugin.end());
+    return more;
+  };
+  const ChildResult whole = run("whole", with({}));
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  ASSERT_EQ(
+      run("parts", with({"--checkpoint", checkpoint(), "--checkpoint-every", "3", "--frames", "4"})).code, 0);
+  const ChildResult resumed = run("parts", with({"--resume", checkpoint()}));
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  expectSame("whole", "parts");
+  const Value* paddle = seriesOf("parts").back().find("nodes")->find("paddle");
+  EXPECT_GT(std::abs(paddle->find("position")->asDouble()), 0.05) << "it moves";
+}
+
+TEST_F(CheckpointOfRun, OfAnOlderFormatIsRefusedWithAWayToGoOn) {
+  ASSERT_EQ(run("a", {"--checkpoint", checkpoint(), "--checkpoint-every", "1", "--frames", "1"}).code, 0);
+  {
+    const hdf5::Session session;
+    hdf5::File file = hdf5::File::reopen(checkpoint());
+    {
+      hdf5::Group root = file.root().group("checkpoint");
+      root.setAttribute("format", std::int64_t{1});
+    }
+    file.close();
+  }
+  const ChildResult result = run("a", {"--resume", checkpoint()});
+  EXPECT_EQ(result.code, 5);
+  EXPECT_CONTAINS(result.err, checkpoint());
+  EXPECT_CONTAINS(result.err, "format 1");
+  EXPECT_CONTAINS(result.err, "run the scene from the start");
 }
 
 TEST_F(CheckpointOfRun, ModulesAreTimedOverTheStepsOfTheProcess) {
