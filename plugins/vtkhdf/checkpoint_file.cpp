@@ -145,9 +145,6 @@ Checkpoint readWhole(const fs::path& file) {
     throw ioError("this is no checkpoint", "a file that --checkpoint wrote").at({.file = file.string()});
   const hdf5::Group root = top.group(kRoot);
   const std::vector<std::int64_t> format = root.intAttribute("format");
-  if (format.size() == 1 && format[0] == kFormerFormat)
-    throw ioError("the checkpoint is of format 1, which had no digests", "format " + std::to_string(kFormat),
-                  "go on with the version of the program that wrote it, or run from the start");
   if (format.size() != 1 || format[0] != kFormat)
     throw ioError("the checkpoint is of " +
                       (format.size() == 1 ? "format " + std::to_string(format[0]) : "no known format"),

@@ -119,8 +119,8 @@ TEST_F(DamagedCheckpoint, OneWithoutDigestsSaysHowToGoOn) {
     file.close();
   }
   const Error e = errorOf([&] { store.read(folder / "old.h5"); });
-  EXPECT_CONTAINS(e.what(), "format 1, which had no digests");
-  EXPECT_CONTAINS(e.hint(), "go on with the version of the program that wrote it");
+  EXPECT_CONTAINS(e.what(), "the checkpoint is of format 1");
+  EXPECT_CONTAINS(e.hint(), "resume it with the program that wrote it");
 }
 
 }  // namespace
