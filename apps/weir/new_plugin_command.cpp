@@ -40,9 +40,9 @@ void checkName(const Program& program, const std::string& name) {
   const bool plain = std::all_of(name.begin(), name.end(),
                                  [&](char c) { return isLower(c) || (c >= '0' && c <= '9') || c == '_'; });
   if (name.empty() || name.size() > kLongestName || !isLower(name.front()) || !plain)
-    throw usageError(inQuotes(name) + " is no name for a plugin", kAllowedName);
+    throw usageError(inQuotes(name) + " is not a valid name for a plugin", kAllowedName);
   if (std::find(std::begin(kWordsOfCpp), std::end(kWordsOfCpp), name) != std::end(kWordsOfCpp))
-    throw usageError(inQuotes(name) + " is no name for a plugin: it is a word of C++ or Weir's own",
+    throw usageError(inQuotes(name) + " is not a valid name for a plugin: it is a word of C++ or Weir's own",
                      kAllowedName);
   for (const Plugin& plugin : program.plugins())
     if (plugin.name() == name)

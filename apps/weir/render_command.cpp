@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMostThreads = 1024;
+constexpr int kMaxThreads = 1024;
 
 /// Frames per second of equal distances; nothing where the distances differ, or there is one frame.
 std::optional<double> rateOf(const std::vector<double>& times) {
@@ -120,7 +120,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
   program_.addPluginPermission(*command_);
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMaxThreads));
   command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
 }
 

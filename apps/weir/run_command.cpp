@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMostThreads = 1024;
+constexpr int kMaxThreads = 1024;
 
 /// Writes --stats, and warns of what must stay rare.
 class StatisticsOutput final : public Observer {
@@ -90,7 +90,9 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
           "--checkpoint", checkpoint_,
           "Save the state now and then, so that --resume can go on from there; the last two are kept")
       ->type_name("FILE.h5");
-  command_->add_option("--checkpoint-every", checkpointEvery_, "At every so many frames, 20, or seconds, 90s")
+  command_
+      ->add_option("--checkpoint-every", checkpointEvery_,
+                   "Interval between checkpoints: frames, 20, or seconds of wall time, 90s")
       ->type_name("N|Ns")
       ->capture_default_str();
   command_
@@ -103,7 +105,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       "End the run where results could differ from run to run: if neighbour lists overflow on CUDA");
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMaxThreads));
   command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
 }
 

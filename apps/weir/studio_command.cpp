@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 StudioCommand::StudioCommand(CLI::App& app, Program& program)
     : program_(program),
       command_(app.add_subcommand("studio", "Compose, tune and watch scenes in the browser")) {
-  constexpr int kMostPort = 65535, kMostThreads = 1024;
+  constexpr int kMaxPort = 65535, kMaxThreads = 1024;
   command_->add_option("scene", scene_, "A scene file to begin with")->type_name("SCENE");
   command_
       ->add_option("--folder", folder_,
@@ -36,7 +36,7 @@ StudioCommand::StudioCommand(CLI::App& app, Program& program)
       ->take_all();
   command_->add_option("--port", port_, "The port to listen at; a free one if it is left out")
       ->type_name("P")
-      ->check(CLI::Range(0, kMostPort));
+      ->check(CLI::Range(0, kMaxPort));
   command_
       ->add_option("--host", host_,
                    "The address to listen at; any but 127.0.0.1 lets others in who know the token")
@@ -47,7 +47,7 @@ StudioCommand::StudioCommand(CLI::App& app, Program& program)
       ->capture_default_str();
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMaxThreads));
   command_->add_flag("--no-browser", stay_, "Print the address, and open no browser");
 }
 

@@ -38,12 +38,12 @@ class Temporary {
       throw cannotWrite(path, "there is no folder " + folder.string(), "make the folder first");
     // A device such as /dev/full or a pipe is no file that could be replaced.
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
-      throw cannotWrite(path, "it is no regular file");
+      throw cannotWrite(path, "it is not a regular file");
     // Opened with the usual permissions, which the process's umask narrows; mkstemp's would be the owner's
     // alone.
-    constexpr int kMostTries = 1000;
+    constexpr int kMaxTries = 1000;
     constexpr mode_t kReadWriteForAll = 0666;
-    for (int k = 0; file_ < 0 && k < kMostTries; ++k) {
+    for (int k = 0; file_ < 0 && k < kMaxTries; ++k) {
       name_ = (folder / fmt::format(".{}.{}.{}", path.filename().string(), ::getpid(), k)).string();
       file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadWriteForAll);
       if (file_ < 0 && errno != EEXIST) break;

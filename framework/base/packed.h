@@ -50,7 +50,7 @@ class Unpacker {
   bool atEnd() const { return rest_.empty(); }
 
  private:
-  static Error damaged() { return ioError("the file is damaged: what was read from it makes no sense"); }
+  static Error damaged() { return ioError("the file is damaged: its contents are inconsistent"); }
   std::string_view take(std::uint64_t size) {
     if (size > rest_.size()) throw damaged();
     const std::string_view bytes = rest_.substr(0, size);

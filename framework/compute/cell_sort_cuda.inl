@@ -106,7 +106,7 @@ struct PackedCounts {
 
 /// What a block holds: where cells begin, then for each particle its cell, and the particles cell by cell.
 struct SortInBlock {
-  static constexpr int kMostCells = 0xffff;  // and the dropped
+  static constexpr int kMaxCells = 0xffff;  // and the dropped
 
   WEIR_HD static int wordsOfThread(int cells) { return (cells / 2 + kSortBlock) / kSortBlock | 1; }
   static unsigned bytes(int cells) {
@@ -159,7 +159,7 @@ __global__ void WEIR_CLUSTER_OF(kSortCluster) __launch_bounds__(kSortBlock)
   const int cells = counting.cells;
   const SortInBlock all(memory, cells);
   all.clear();
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   const int n = static_cast<int>(count.get()), inBlock = (n + kSortCluster - 1) / kSortCluster;
   const int i = block * inBlock + thread;
   const bool isThere = thread < inBlock && i < n;
@@ -179,14 +179,14 @@ __global__ void WEIR_CLUSTER_OF(kSortCluster) __launch_bounds__(kSortBlock)
     else
       ordering.order[place] = i;
   }
-  letNextBegin();
+  triggerDependentKernel();
 }
 
 /// Whether it has sorted them.
 template <class Key, class Moved>
 bool sortFew(CudaDevice& device, Count count, const CountInCells<Key>& counting,
              const OrderInCells<Moved>& ordering, int* kept) {
-  if (count.bound > kFewToSort || counting.cells > SortInBlock::kMostCells) return false;
+  if (count.bound > kFewToSort || counting.cells > SortInBlock::kMaxCells) return false;
   constexpr std::string_view kName = "sortInCluster";
   const unsigned bytes = SortInBlock::bytes(counting.cells);
   beginLaunch(device, kName);

@@ -88,7 +88,7 @@ struct SmallUpload {
 };
 
 __global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant__ SmallUpload from) {
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
   if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from.words[threadIdx.x];
 }
 
@@ -96,21 +96,21 @@ __global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant_
 constexpr unsigned kFillBlock = 256;  // threads
 
 __global__ void fillKernel(uint4* to, std::int64_t pieces, int wordsLeft, unsigned word) {
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
   const std::int64_t i = std::int64_t{blockIdx.x} * kFillBlock + threadIdx.x;
   if (i < pieces)
     to[i] = make_uint4(word, word, word, word);
   else if (i - pieces < wordsLeft)
     reinterpret_cast<unsigned*>(to + pieces)[i - pieces] = word;
-  detail::letNextBegin();
+  detail::triggerDependentKernel();
 }
 
 constexpr std::size_t kFewWords = 256;  // that one block copies
 
 __global__ void copyWordsKernel(unsigned* to, const unsigned* from, int words) {
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
   if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from[threadIdx.x];
-  detail::letNextBegin();
+  detail::triggerDependentKernel();
 }
 
 /// Shows whether this build holds code that the device can run.
@@ -218,8 +218,8 @@ MemoryUse CudaDevice::memoryUse() const {
 void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "upload");
-  constexpr std::size_t kPiece = sizeof(SmallUpload), kMostPieces = 4;
-  if (impl_->launches->gathering() && bytes <= kMostPieces * kPiece && bytes % sizeof(unsigned) == 0) {
+  constexpr std::size_t kPiece = sizeof(SmallUpload), kMaxPieces = 4;
+  if (impl_->launches->gathering() && bytes <= kMaxPieces * kPiece && bytes % sizeof(unsigned) == 0) {
     for (std::size_t begin = 0; begin < bytes; begin += kPiece) {
       SmallUpload piece{};
       const std::size_t size = std::min(kPiece, bytes - begin);

@@ -112,7 +112,8 @@ std::vector<DeviceInfo> listDevices() {
 
 std::unique_ptr<Device> openDevice(std::string_view spec, int threads) {
   if (threads < 0) {
-    throw usageError(fmt::format("{} is no number of threads", threads), "0 (one for every core) or more");
+    throw usageError(fmt::format("{} is not a valid number of threads", threads),
+                     "0 (one for every core) or more");
   }
   if (spec == "cpu") return std::make_unique<CpuDevice>(threads);
   if (spec == "auto") {
@@ -120,7 +121,7 @@ std::unique_ptr<Device> openDevice(std::string_view spec, int threads) {
     return cuda != nullptr ? std::move(cuda) : std::make_unique<CpuDevice>(threads);
   }
   const int index = cudaIndex(spec);
-  if (index < 0) throw usageError(fmt::format("'{}' is no device", spec), allowedDevices());
+  if (index < 0) throw usageError(fmt::format("'{}' is not a device", spec), allowedDevices());
   return openCuda(spec, index);
 }
 

@@ -14,7 +14,7 @@
 namespace weir::detail {
 
 /// First of all in a kernel, but for what it reads ahead. All of its threads come to it.
-__device__ inline void awaitWhatIsBefore() {
+__device__ inline void waitForPriorKernel() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   asm volatile("griddepcontrol.wait;" ::: "memory");
 #endif
@@ -22,7 +22,7 @@ __device__ inline void awaitWhatIsBefore() {
 
 /// Last in a kernel: the next one's blocks may take the place of this block. Earlier they would take the
 /// place of blocks of this kernel.
-__device__ inline void letNextBegin() {
+__device__ inline void triggerDependentKernel() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   asm volatile("griddepcontrol.launch_dependents;" ::: "memory");
 #endif

@@ -29,10 +29,10 @@ WEIR_HD T select(bool condition, const T& ifTrue, const T& ifFalse) {
 }
 
 /// a, or zero where the condition does not hold.
-WEIR_HD inline float keptWhere(bool condition, float a) {
+WEIR_HD inline float zeroUnless(bool condition, float a) {
   return condition ? a : 0;
 }
-WEIR_HD inline double keptWhere(bool condition, double a) {
+WEIR_HD inline double zeroUnless(bool condition, double a) {
   return condition ? a : 0;
 }
 /// Whether a condition holds for one of those that it is about.
@@ -42,7 +42,7 @@ WEIR_HD inline bool any(bool condition) {
 /// For what is rarely to be done, and does nothing where the condition does not hold: false if it holds for
 /// none of the lanes, which saves them the work. Always true for one number, where a select costs no more
 /// than a branch.
-WEIR_HD inline bool mayHold(bool) {
+WEIR_HD inline bool anyLane(bool) {
   return true;
 }
 
@@ -89,7 +89,7 @@ struct LaneMask {
   friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return {a.v | b.v}; }
   friend LaneMask operator!(const LaneMask& a) { return {~a.v}; }
   friend bool any(const LaneMask& a) { return a.bits() != 0; }
-  friend bool mayHold(const LaneMask& a) { return __builtin_expect(any(a), false); }
+  friend bool anyLane(const LaneMask& a) { return __builtin_expect(any(a), false); }
 
   /// Bit l is that of lane l.
   unsigned bits() const {
@@ -192,7 +192,7 @@ struct Lanes {
   }
 #endif
   /// Zero where the condition does not hold.
-  friend Lanes keptWhere(const LaneMask& condition, const Lanes& a) {
+  friend Lanes zeroUnless(const LaneMask& condition, const Lanes& a) {
     return reinterpret_cast<Vector>(condition.v & reinterpret_cast<LaneMask::Vector>(a.v));
   }
   friend Lanes sqrtf(const Lanes& a) {
@@ -260,12 +260,12 @@ inline constexpr ChosenFirst kChosenFirst;
   // Cephes library.
   const LaneMask turned = low > kTanOfEighth * high;
   const Lanes below = select(turned, low + high, high);
-  const Lanes t = keptWhere(below > Lanes(0.0f), select(turned, low - high, low) / below), tt = t * t;
+  const Lanes t = zeroUnless(below > Lanes(0.0f), select(turned, low - high, low) / below), tt = t * t;
   Lanes angle =
       (((8.05374449538e-2f * tt - 1.38776856032e-1f) * tt + 1.99777106478e-1f) * tt - 3.33329491539e-1f) *
           tt * t +
       t;
-  angle += keptWhere(turned, Lanes(kPi / 4));
+  angle += zeroUnless(turned, Lanes(kPi / 4));
   angle = select(steep, kPi / 2 - angle, angle);
   angle = select(x < Lanes(0.0f), kPi - angle, angle);
   using Bits = LaneMask::Vector;

@@ -114,7 +114,7 @@ cudaError_t LaunchQueue::launch() {
   // Most calls differ where arrays have been swapped: that comes again, and wants a graph of its own.
   const bool another = graph == nullptr || 2 * differing > now_.list.size();
   cudaError_t error = cudaSuccess;
-  if (another && graphs_.size() < kMostGraphs) {
+  if (another && graphs_.size() < kMaxGraphs) {
     // What no step did before may never come again.
     if (before_ != now_.list) {
       before_ = now_.list;

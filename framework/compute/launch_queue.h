@@ -85,7 +85,7 @@ class LaunchQueue {
 
  private:
   static constexpr std::size_t kAlignment = 16;
-  static constexpr std::size_t kMostGraphs = 8;  // a step may alternate between arrays, and emit or not
+  static constexpr std::size_t kMaxGraphs = 8;  // a step may alternate between arrays, and emit or not
 
   struct Noted {
     const CallKind* kind;

@@ -48,9 +48,9 @@ struct Scratch {
 
   WEIR_HD int& operator[](int k) const { return data[k * stride]; }
 };
-inline constexpr int kMostScratch = 384;  // numbers
+inline constexpr int kMaxScratch = 384;  // numbers
 
-/// Calls f(i, scratch) for every i in [0, count), with `numbers` (at most kMostScratch) of scratch memory
+/// Calls f(i, scratch) for every i in [0, count), with `numbers` (at most kMaxScratch) of scratch memory
 /// each.
 template <class F>
 void parallelForWithScratch(CpuBackend& device, std::string_view name, Count count, int numbers, const F& f);
@@ -60,7 +60,7 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
 /// The threads that share a call: one on the CPU and where there are calls enough. Each makes the whole call
 /// but for what it leaves to the others, and all must come to the same questions below.
 struct Team {
-  static constexpr int kMost = 32;  // a warp
+  static constexpr int kMax = 32;  // a warp
 
   int lane = 0, size = 1;  ///< this thread among them
   int first = 0;           ///< of them among the threads that run in step
@@ -76,7 +76,7 @@ struct Team {
 
 /// How a launch divides its calls.
 struct TeamPlan {
-  int size;          ///< of a team: a power of two up to Team::kMost
+  int size;          ///< of a team: a power of two up to Team::kMax
   std::int64_t few;  ///< launches with a larger bound have teams of one
 };
 
@@ -133,7 +133,7 @@ WEIR_HD inline int countBits(unsigned bits) {
 namespace detail {
 /// Of `size` threads from `first` on.
 WEIR_HD inline unsigned laneBits(int first, int size) {
-  return (size == Team::kMost ? ~0u : (1u << size) - 1) << first;
+  return (size == Team::kMax ? ~0u : (1u << size) - 1) << first;
 }
 }  // namespace detail
 

@@ -71,9 +71,9 @@ void parallelFor(CpuBackend& device, std::string_view name, Count count, const F
 
 template <class F>
 void parallelForWithScratch(CpuBackend& device, std::string_view name, Count count, int numbers, const F& f) {
-  WEIR_CHECK(numbers <= kMostScratch);
+  WEIR_CHECK(numbers <= kMaxScratch);
   parallelFor(device, name, count, [&f](std::int64_t i) {
-    int scratch[kMostScratch];
+    int scratch[kMaxScratch];
     f(i, Scratch{scratch, 1});
   });
 }

@@ -34,7 +34,7 @@ static void launchOverlapping(CudaDevice& device, std::string_view name, Overlap
   device.check(submitKernel(device.launches(), kernel, {blocks, kCudaBlock, 0, overlap}, arguments...), name);
 }
 
-/// The same for one that begins by awaitWhatIsBefore().
+/// The same for one that begins by waitForPriorKernel().
 template <class... P>
 static void launch(CudaDevice& device, std::string_view name, void (*kernel)(P...), unsigned blocks,
                    const std::type_identity_t<P>&... arguments) {
@@ -54,7 +54,7 @@ constexpr Overlap overlapOf() {
 template <class F>
 __device__ std::int64_t countAhead(const Count& count) {
   constexpr bool kAhead = overlapOf<F>().readsAhead != Standing::kNothing;
-  if constexpr (!kAhead) awaitWhatIsBefore();
+  if constexpr (!kAhead) waitForPriorKernel();
   return kAhead && count.exact != nullptr ? loadPastCache(*count.exact) : count.get();
 }
 
@@ -88,20 +88,20 @@ template <class F>
 __global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
     forEachKernel(Count count, const __grid_constant__ F f) {
   const std::int64_t n = countAhead<F>(count);
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   if (i < n) f(i);
-  letNextBegin();
+  triggerDependentKernel();
 }
 
 template <class F>
 __global__ void __launch_bounds__(kCudaBlock, blocksTogether<F>())
     forEachWithScratchKernel(Count count, const __grid_constant__ F f) {
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   extern __shared__ int scratch[];
   const std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (i < count.get()) f(i, Scratch{scratch + threadIdx.x, static_cast<int>(blockDim.x)});
-  letNextBegin();
+  triggerDependentKernel();
 }
 
 /// Whether a functor wants all teams of a warp to call it together.
@@ -117,7 +117,7 @@ template <int kSize, class F>
 __global__ void __launch_bounds__(kCudaBlock) forEachInTeamsKernel(Count count, const __grid_constant__ F f) {
   constexpr bool kAwaits = overlapOf<F>().readsAhead == Standing::kLists;  // by itself
   const std::int64_t n = countAhead<F>(count);
-  if constexpr (!kAwaits) awaitWhatIsBefore();
+  if constexpr (!kAwaits) waitForPriorKernel();
   const unsigned thread = threadIdx.x % kWarp, lane = thread % kSize;
   const std::int64_t ofWarp = (std::int64_t{blockIdx.x} * kCudaBlock + (threadIdx.x - thread)) / kSize;
   const std::int64_t i = ofWarp + thread / kSize;
@@ -127,12 +127,12 @@ __global__ void __launch_bounds__(kCudaBlock) forEachInTeamsKernel(Count count, 
     if (ofWarp < n)
       f(team.spare ? n - 1 : i, team);
     else if constexpr (kAwaits)
-      awaitWhatIsBefore();
+      waitForPriorKernel();
   } else {
     static_assert(!kAwaits);
     if (i < n) f(i, team);
   }
-  letNextBegin();
+  triggerDependentKernel();
 }
 
 /// A team of one.
@@ -165,7 +165,7 @@ __device__ T reduceBlock(const T& value, const Op& op) {
 template <class T, class F, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
     reduceKernel(Count count, T identity, const __grid_constant__ F f, Op op, T* partial) {
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   constexpr std::int64_t kStride = std::int64_t{kReduceBlocks} * kCudaBlock;
   const std::int64_t n = count.get();
   T value = identity;
@@ -179,7 +179,7 @@ __global__ void __launch_bounds__(kCudaBlock)
 template <class T, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
     reducePartialsKernel(int blocks, T identity, Op op, const T* partial, T* result) {
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   T value = identity;
   for (int b = static_cast<int>(threadIdx.x); b < blocks; b += kCudaBlock) value = op(value, partial[b]);
   value = reduceBlock(value, op);
@@ -193,7 +193,7 @@ inline constexpr int kWarps = kCudaBlock / kWarp;  // of a block
 template <class Keep>
 __global__ void __launch_bounds__(kCudaBlock)
     countKeptKernel(Count count, const __grid_constant__ Keep keep, int* kept, unsigned* votes) {
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   const std::int64_t i = std::int64_t{blockIdx.x} * kCudaBlock + threadIdx.x;
   const bool keeps = i < count.get() && keep(i);
   const unsigned vote = __ballot_sync(~0u, keeps);
@@ -219,7 +219,7 @@ __device__ inline int sumInBlock(int value) {
 template <bool kFewBlocks>
 __global__ void __launch_bounds__(kCudaBlock)
     writeKeptKernel(const int* kept, const unsigned* votes, int* indices, int* total) {
-  awaitWhatIsBefore();
+  waitForPriorKernel();
   const int i = static_cast<int>(blockIdx.x) * kCudaBlock + static_cast<int>(threadIdx.x);
   const int lane = static_cast<int>(threadIdx.x) % kWarp, warp = static_cast<int>(threadIdx.x) / kWarp;
   int place;
@@ -253,7 +253,7 @@ void parallelFor(CudaDevice& device, std::string_view name, Count count, const F
 template <class F>
 void parallelForWithScratch(CudaDevice& device, std::string_view name, Count count, int numbers, const F& f) {
   constexpr unsigned kSharedBytes = 48 << 10;  // what any kernel may use
-  WEIR_CHECK(numbers <= kMostScratch);
+  WEIR_CHECK(numbers <= kMaxScratch);
   if (count.bound <= 0) return;
   const KernelScope scope(device.profiler(), name);
   const unsigned bytes = static_cast<unsigned>(numbers) * sizeof(int);
@@ -270,7 +270,7 @@ void parallelForWithScratch(CudaDevice& device, std::string_view name, Count cou
 
 template <TeamPlan kPlan, class F>
 void parallelForTeams(CudaDevice& device, std::string_view name, Count count, const F& f) {
-  static_assert(Team::kMost == detail::kWarp && detail::kWarp % kPlan.size == 0);
+  static_assert(Team::kMax == detail::kWarp && detail::kWarp % kPlan.size == 0);
   if (count.bound <= 0) return;
   if (count.bound > kPlan.few) return parallelFor(device, name, count, detail::CallAlone<F>{f});
   const KernelScope scope(device.profiler(), name);

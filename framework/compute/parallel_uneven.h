@@ -13,10 +13,10 @@ namespace weir {
 template <class F>
 void forEachUnevenRange(CpuBackend& device, std::string_view name, Count count, const F& f) {
   constexpr std::int64_t kTurns = 32;  // of a thread
-  constexpr std::int64_t kFewest = 4, kMost = 64;
+  constexpr std::int64_t kMin = 4, kMax = 64;
   const KernelScope scope(device.profiler(), name);
   const std::int64_t n = count.get();
-  detail::forRanges(device, n, std::clamp(n / (kTurns * device.threads()), kFewest, kMost), f);
+  detail::forRanges(device, n, std::clamp(n / (kTurns * device.threads()), kMin, kMax), f);
 }
 
 /// parallelFor, or with a plan parallelForTeams, for few and costly elements. Where parallelFor would keep

@@ -47,12 +47,12 @@ constexpr detail::CallKind kScan{[](const void* pointer, cudaStream_t stream) {
 // Few numbers are scanned in two kernels that overlap with those beside them. CUB's, of which the first only
 // prepares the second, do not.
 constexpr int kTile = 16 * detail::kCudaBlock;  // numbers that a block scans
-constexpr int kMostTiles = detail::kCudaBlock;
+constexpr int kMaxTiles = detail::kCudaBlock;
 
 __global__ void __launch_bounds__(detail::kCudaBlock) sumTilesKernel(const int* in, int n, int* sums) {
   using Reduce = cub::BlockReduce<int, detail::kCudaBlock>;
   __shared__ typename Reduce::TempStorage memory;
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
   int sum = 0;
   for (int k = 0; k < kTile; k += detail::kCudaBlock) {
     const int i = static_cast<int>(blockIdx.x) * kTile + k + static_cast<int>(threadIdx.x);
@@ -60,7 +60,7 @@ __global__ void __launch_bounds__(detail::kCudaBlock) sumTilesKernel(const int* 
   }
   sum = Reduce(memory).Sum(sum);
   if (threadIdx.x == 0) sums[blockIdx.x] = sum;
-  detail::letNextBegin();
+  detail::triggerDependentKernel();
 }
 
 __global__ void __launch_bounds__(detail::kCudaBlock)
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(detail::kCudaBlock)
     typename Store::TempStorage store;
   } memory;
   __shared__ int before;
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
   const int begin = static_cast<int>(blockIdx.x) * kTile;
   int numbers[kTile / detail::kCudaBlock];
   const int ofOthers = threadIdx.x < blockIdx.x ? sums[threadIdx.x] : 0;
@@ -90,7 +90,7 @@ __global__ void __launch_bounds__(detail::kCudaBlock)
   for (int& number : numbers) number += before;
   __syncthreads();
   Store(memory.store).Store(out + begin, numbers, n - begin);
-  detail::letNextBegin();
+  detail::triggerDependentKernel();
 }
 
 int checkedSize(std::int64_t n) {
@@ -130,7 +130,7 @@ void exclusiveScan(CudaDevice& device, ArrayView<const int> in, ArrayView<int> o
   WEIR_CHECK(out.size >= n);
   if (n <= 0) return;
   const KernelScope scope(device.profiler(), kName);
-  if (n <= std::int64_t{kTile} * kMostTiles) {
+  if (n <= std::int64_t{kTile} * kMaxTiles) {
     const int size = checkedSize(n);
     const unsigned tiles = detail::blocksFor(n, kTile);
     Array<int> sums(device, tiles);

@@ -45,7 +45,7 @@ BoxBlocks::BoxBlocks(Device& device, const std::vector<Aabb>& boxes) : blocks_(d
 
 double BoxBlocks::mostMemory(std::size_t triangles) {
   // Each level has an eighth of the blocks of the one below, rounded up.
-  return bytesOfArray(static_cast<double>(triangles) / (kEightBoxes - 1) + kMostLevels, sizeof(Block));
+  return bytesOfArray(static_cast<double>(triangles) / (kEightBoxes - 1) + kMaxLevels, sizeof(Block));
 }
 
 }  // namespace weir

@@ -33,7 +33,7 @@ class BoxBlocks {
     struct {
       int block;
       unsigned bits;  // of the boxes that are still to be looked into
-    } open[kMostLevels];
+    } open[kMaxLevels];
     if (levels_ == 0) return 0;
     int level = levels_ - 1, count = 0;
     open[level] = {0, blockAt(level, 0).near(p, reach)};
@@ -59,7 +59,7 @@ class BoxBlocks {
 #endif
 
  private:
-  static constexpr int kMostLevels = 11;  // of 2³¹ triangles
+  static constexpr int kMaxLevels = 11;  // of 2³¹ triangles
   static constexpr float kFar = 1e18f;
 
   struct Block {
@@ -87,7 +87,7 @@ class BoxBlocks {
 
   Array<Block> blocks_;
   int levels_ = 0;
-  std::int64_t first_[kMostLevels] = {};  // block of each level, the triangles' first
+  std::int64_t first_[kMaxLevels] = {};  // block of each level, the triangles' first
 };
 
 }  // namespace weir

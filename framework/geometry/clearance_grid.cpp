@@ -21,7 +21,7 @@ ClearanceGrid::ClearanceGrid(Device& device, const TriangleTreeView& tree, float
   bounds_ = tree.bounds;
   double edge = finest;
   Vec3d counts = cellsOf(bounds_.size(), edge);
-  while (counts.x * counts.y * counts.z > double(kMostCells)) {
+  while (counts.x * counts.y * counts.z > double(kMaxCells)) {
     edge *= 1.05;
     counts = cellsOf(bounds_.size(), edge);
   }

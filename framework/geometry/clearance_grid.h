@@ -52,15 +52,15 @@ struct ClearanceView {
 class ClearanceGrid {
  public:
   ClearanceGrid() = default;  ///< empty
-  /// Cells of the edge `finest` (m, above 0) at least, larger where it would take more than kMostCells. Asks
+  /// Cells of the edge `finest` (m, above 0) at least, larger where it would take more than kMaxCells. Asks
   /// the tree, on its device, for cells near the mesh.
   ClearanceGrid(Device& device, const TriangleTreeView& tree, float finest);
 
   ClearanceView view() const;
 
-  static constexpr std::int64_t kMostCells = std::int64_t{1} << 23;
+  static constexpr std::int64_t kMaxCells = std::int64_t{1} << 23;
   /// Bytes on the device: of the cells, and of the coarser ones while they are filled.
-  static constexpr double kMostMemory = kMostCells * (1 + 5 * sizeof(float) / 32.0);
+  static constexpr double kMaxMemory = kMaxCells * (1 + 5 * sizeof(float) / 32.0);
 
  private:
   template <class Backend>

@@ -136,7 +136,7 @@ std::string MeshDiagnosis::message() const {
   add(flippedTriangles, "triangles turned against most of their neighbours");
   add(degenerateTriangles, "triangles without area");
   add(duplicateTriangles, "duplicate triangles");
-  add(nonFiniteVertices, "vertices that are no numbers");
+  add(nonFiniteVertices, "vertices that are NaN or infinite");
   if (insideOut) text += std::string(text.empty() ? "" : ", ") + "inside out";
   return text;
 }

@@ -42,7 +42,7 @@ class HostThreads {
 };
 
 constexpr double kBytesPerBrick = sizeof(float) + sizeof(int);  // of the coarse grid
-constexpr double kMostCoarseBytes = MeshSdf::kMostBytes / 8.0;
+constexpr double kMaxCoarseBytes = MeshSdf::kMaxBytes / 8.0;
 constexpr double kBytesPerFineBrick = kBrickNodes * sizeof(float);
 
 struct GridSize {
@@ -79,7 +79,7 @@ Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::
   do {
     larger *= 1.1f;
     size = sizeOfGrid(mesh, larger, band);
-  } while (size.bytes > kMostCoarseBytes || size.bytes + size.probableFineBytes > MeshSdf::kMostBytes);
+  } while (size.bytes > kMaxCoarseBytes || size.bytes + size.probableFineBytes > MeshSdf::kMaxBytes);
   return sceneError(
       fmt::format("with cells of {} m the signed distance grid of the mesh is too large: {}, {}", cellSize,
                   what, gibibytes(bytes)),
@@ -100,11 +100,11 @@ MeshSdfView layOut(const TriangleMesh& mesh, float cellSize, float band) {
         {}, "move the mesh closer to the origin, or set a larger cell_size");
 
   const GridSize size = sizeOfGrid(mesh, cellSize, band);
-  if (size.bytes > kMostCoarseBytes)
+  if (size.bytes > kMaxCoarseBytes)
     throw tooLarge(mesh, cellSize, band,
                    fmt::format("it is {:.0f} × {:.0f} × {:.0f} bricks of {}³ cells", size.bricks.x,
                                size.bricks.y, size.bricks.z, kBrick),
-                   size.bytes, kMostCoarseBytes);
+                   size.bytes, kMaxCoarseBytes);
   MeshSdfView grid;
   grid.cellSize = cellSize;
   for (int axis = 0; axis < 3; ++axis) {
@@ -220,10 +220,10 @@ void Builder::chooseBricks() {
 void Builder::checkSize(const TriangleMesh& mesh) const {
   const double bytes = static_cast<double>(fineBricks_.size()) * kBytesPerFineBrick +
                        static_cast<double>(coarse.size()) * kBytesPerBrick;
-  if (bytes > MeshSdf::kMostBytes)
+  if (bytes > MeshSdf::kMaxBytes)
     throw tooLarge(mesh, grid_.cellSize, band_,
                    fmt::format("{} bricks of {}³ cells are near its surface", fineBricks_.size(), kBrick),
-                   bytes, MeshSdf::kMostBytes);
+                   bytes, MeshSdf::kMaxBytes);
 }
 
 void Builder::fillBrick(std::int64_t index) {
@@ -247,7 +247,8 @@ void warn(const TriangleMesh& original, const TriangleMesh& mesh, MeshDiagnosis 
           float cellSize, std::vector<std::string>& warnings) {
   if (const std::size_t dropped = original.triangles.size() - mesh.triangles.size(); dropped > 0)
     warnings.push_back(fmt::format(
-        "{} triangles are left out: without area, duplicate, or with vertices that are no numbers", dropped));
+        "{} triangles are left out: without area, duplicate, or with vertices that are NaN or infinite",
+        dropped));
   if (!hasInside)
     warnings.push_back(fmt::format(
         "it has no inside: it is an open sheet, or thinner than its cells of {} m everywhere. Both "
@@ -291,7 +292,7 @@ double MeshSdf::mostMemory(const TriangleMesh& mesh, float cellSize, float band)
   const double bricks = size.bricks.x * size.bricks.y * size.bricks.z;
   const double fine = std::min(bricks * kBytesPerFineBrick,
                                kRough * size.probableFineBytes + kFewBricks * kBytesPerFineBrick);
-  return std::min(size.bytes + fine, static_cast<double>(kMostBytes) + kMostCoarseBytes);
+  return std::min(size.bytes + fine, static_cast<double>(kMaxBytes) + kMaxCoarseBytes);
 }
 
 MeshSdfView MeshSdf::view(bool inverted) const {

@@ -33,7 +33,7 @@ struct MeshSdfView {
 class MeshSdf {
  public:
   /// The largest grid in bytes; the coarse grid may be an eighth of it.
-  static constexpr std::int64_t kMostBytes = std::int64_t{2} << 30;
+  static constexpr std::int64_t kMaxBytes = std::int64_t{2} << 30;
 
   /// Builds on the host's cores, then copies to the device. `cellSize` in m; all cells that are within `band`
   /// m of the surface have exact distances at their corners, and the grid reaches further beyond the mesh

@@ -13,7 +13,7 @@ namespace weir {
 
 class NearTriangles {
  public:
-  static constexpr int kMost = 24;
+  static constexpr int kMax = 24;
 
   /// All triangles that may be as near to `center` as `radius` (m).
   WEIR_HD NearTriangles(const TriangleTreeView& tree, const Vec3f& center, float radius)
@@ -24,11 +24,11 @@ class NearTriangles {
     const float slack = 32 * detail::kEpsilon * ((low > high ? low : high) + radius);
 #ifdef WEIR_HAS_LANES
     if (tree.blocks != nullptr) {
-      count_ = tree.blocks->near(center, radius + slack, index_, kMost);
+      count_ = tree.blocks->near(center, radius + slack, index_, kMax);
       return;
     }
 #endif
-    count_ = WalkNear(tree, center, radius + slack).next(index_, kMost + 1);
+    count_ = WalkNear(tree, center, radius + slack).next(index_, kMax + 1);
   }
 
   /// As TriangleTreeView::nearest.
@@ -65,14 +65,14 @@ class NearTriangles {
  private:
   /// Whether everything that is as near to p as `within` is among those that were gathered.
   WEIR_HD bool holds(const Vec3f& p, float within) const {
-    return count_ <= kMost && length(p - center_) + within <= radius_;
+    return count_ <= kMax && length(p - center_) + within <= radius_;
   }
 
   const TriangleTreeView& tree_;
   Vec3f center_;
   float radius_;
-  int count_;                                  // kMost + 1 if there are more
-  int index_[kMost + BoxBlocks::kEightBoxes];  // the CPU writes eight at once
+  int count_;                                 // kMax + 1 if there are more
+  int index_[kMax + BoxBlocks::kEightBoxes];  // the CPU writes eight at once
 };
 
 }  // namespace weir

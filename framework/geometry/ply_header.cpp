@@ -111,7 +111,7 @@ class HeaderReader {
     if (parts.size() == 5 && parts[1] == "list") {
       property.lengthType = typeOf(parts[2]);
       if (isFloat(*property.lengthType))
-        throw error("the length of the list " + inQuotes(property.name) + " is no integer",
+        throw error("the length of the list " + inQuotes(property.name) + " is not an integer",
                     "an integer type");
       property.type = typeOf(parts[3]);
     } else if (parts.size() == 3) {

@@ -13,7 +13,7 @@ namespace weir {
 namespace {
 
 /// Cutting takes time with the square of it.
-constexpr std::size_t kMostConcaveCorners = 2000;
+constexpr std::size_t kMaxConcaveCorners = 2000;
 
 struct Point {
   double x, y;
@@ -134,9 +134,9 @@ void addPolygon(std::span<const int> corners, const std::vector<Vec3f>& vertices
     for (std::size_t i = 2; i < n; ++i) add(0, i - 1, i);
     return;
   }
-  if (n > kMostConcaveCorners)
+  if (n > kMaxConcaveCorners)
     throw ioError("a face has " + std::to_string(n) + " corners and is not convex",
-                  "at most " + std::to_string(kMostConcaveCorners) + " corners of such a face",
+                  "at most " + std::to_string(kMaxConcaveCorners) + " corners of such a face",
                   "split it into triangles in the program that made it");
   EarCutter(points).cut(add);
 }

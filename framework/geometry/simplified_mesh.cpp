@@ -10,7 +10,7 @@ namespace weir {
 
 namespace {
 
-constexpr int kMostSpokes = 16;      // of a vertex that is merged, and of what it is merged into
+constexpr int kMaxSpokes = 16;       // of a vertex that is merged, and of what it is merged into
 constexpr double kSameWay = 0.96;    // cosine: a new triangle is turned like one of those it replaces
 constexpr double kGoodShape = 0.05;  // height over longest edge; thinner only than what was there before
 constexpr std::array<double, 4> kLevels{1.0 / 64, 1.0 / 16, 1.0 / 4,
@@ -44,11 +44,11 @@ Shape shapeOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 /// A vertex and the ring of its neighbours, counter-clockwise; place k of the arrays is ring vertex k.
 struct Fan {
   int spokes = 0;
-  std::array<int, kMostSpokes> ring;
-  std::array<Vec3d, kMostSpokes> place;
-  std::array<Seen, kMostSpokes> seen;
-  std::array<Shape, kMostSpokes> shape;  // of the triangle between spoke k and the next
-  Vec3d middle;                          // the vertex
+  std::array<int, kMaxSpokes> ring;
+  std::array<Vec3d, kMaxSpokes> place;
+  std::array<Seen, kMaxSpokes> seen;
+  std::array<Shape, kMaxSpokes> shape;  // of the triangle between spoke k and the next
+  Vec3d middle;                         // the vertex
   Seen seenMiddle;
   double slimmest = 1, error = 0;  // of its triangles
 
@@ -99,8 +99,8 @@ class Simplifier {
   bool findFan(int u) {
     const std::vector<int>& triangles = around_[u];
     const int count = static_cast<int>(triangles.size());
-    if (count < 3 || count > kMostSpokes) return false;
-    std::array<std::pair<int, int>, kMostSpokes> sides;
+    if (count < 3 || count > kMaxSpokes) return false;
+    std::array<std::pair<int, int>, kMaxSpokes> sides;
     fan_.error = 0;
     for (int k = 0; k < count; ++k) {
       const Vec3i& t = mesh_.triangles[triangles[k]];
@@ -159,7 +159,7 @@ class Simplifier {
 
   /// The place in the ring of the nearest neighbour that the vertex may be merged into, −1 for none.
   int bestNeighbor(double allowed) const {
-    std::array<std::pair<double, int>, kMostSpokes> order;
+    std::array<std::pair<double, int>, kMaxSpokes> order;
     for (int k = 0; k < fan_.spokes; ++k) {
       const Vec3d way = fan_.place[k] - fan_.middle;
       order[k] = {dot(way, way), k};
@@ -204,7 +204,7 @@ class Simplifier {
   bool keepsTopology(int into) const {
     const Fan& f = fan_;
     const std::size_t had = around_[f.ring[into]].size(), gains = static_cast<std::size_t>(f.spokes) - 4;
-    if (f.spokes > 4 && had + gains > kMostSpokes) return false;
+    if (f.spokes > 4 && had + gains > kMaxSpokes) return false;
     if (f.spokes == 3) {
       const std::vector<int>& triangles = around_[f.ring[into]];
       const int a = f.ring[f.next(into)], b = f.ring[f.next(into, 2)];

@@ -56,10 +56,10 @@ double doubleArea(const std::vector<Point>& points) {
 
 /// The profile's points, without repetitions, and with those near the axis on it.
 std::vector<Point> checkedPoints(const std::vector<Vec2f>& profile) {
-  constexpr std::size_t kMostPoints = 10000;  // all pairs of lines are tested
-  if (profile.size() > kMostPoints)
+  constexpr std::size_t kMaxPoints = 10000;  // all pairs of lines are tested
+  if (profile.size() > kMaxPoints)
     throw sceneError(fmt::format("the profile has {} points", profile.size()),
-                     fmt::format("at most {}", kMostPoints));
+                     fmt::format("at most {}", kMaxPoints));
   double size = 0;
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const Vec2f& p = profile[i];

@@ -161,7 +161,7 @@ WEIR_HD inline bool isClear(const TriangleTreeView& tree, const ClearanceView& c
 /// otherwise on that of the triangles' normals.
 ///
 /// A motion that comes nowhere near the mesh costs two look-ups in the clearance of the same mesh, or one
-/// walk down the tree if that is empty. Points that are no numbers pass.
+/// walk down the tree if that is empty. Points that are NaN or infinite pass.
 WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const ClearanceView& clearance,
                                  const Vec3f& from, const Vec3f& to, float thickness,
                                  const Vec3f& towards = {}) {

@@ -83,8 +83,8 @@ class VertexWelder {
 
  private:
   std::int64_t cellOf(float x) const {
-    constexpr double kMost = 1e18;
-    return static_cast<std::int64_t>(std::clamp(std::floor(x / std::max(tolerance_, 1e-30)), -kMost, kMost));
+    constexpr double kMax = 1e18;
+    return static_cast<std::int64_t>(std::clamp(std::floor(x / std::max(tolerance_, 1e-30)), -kMax, kMax));
   }
   static std::uint64_t hash(const Vec3<std::int64_t>& c) {
     return static_cast<std::uint64_t>(c.x) * 0x9E3779B97F4A7C15ull ^

@@ -254,7 +254,7 @@ class WalkNear {
 template <class F>
 WEIR_HD void TriangleTreeView::forEachTriangleNear(const Vec3f& p, float radius, F&& f,
                                                    const Team& team) const {
-  constexpr int kAtOnce = Team::kMost;
+  constexpr int kAtOnce = Team::kMax;
   int found[kAtOnce], count;
   WalkNear walk(*this, p, radius);
   do {

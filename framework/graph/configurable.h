@@ -247,10 +247,10 @@ class GroupList final : public Property {
   Value schema() const override { return detail::arraySchema(prototype_.schema(), 0, std::nullopt); }
   void assign(const Value& v, const Place& place) override {
     if (!v.isArray()) throw place.error(v, "found " + v.brief(), "a list of objects").inParameter(name());
-    if (v.asArray().size() > kMostItems)
+    if (v.asArray().size() > kMaxItems)
       throw place
           .error(v, "found a list of " + std::to_string(v.asArray().size()) + " objects",
-                 "at most " + std::to_string(kMostItems))
+                 "at most " + std::to_string(kMaxItems))
           .inParameter(name());
     std::vector<std::shared_ptr<T>> items;
     for (std::size_t i = 0; i < v.asArray().size(); ++i) {
@@ -269,7 +269,7 @@ class GroupList final : public Property {
   const Configurable* group() const override { return &prototype_; }
 
  private:
-  static constexpr std::size_t kMostItems = 10000;  // each costs some kilobytes
+  static constexpr std::size_t kMaxItems = 10000;  // each costs some kilobytes
 
   T prototype_;
   std::vector<std::shared_ptr<T>> items_;  // only animated once here, so undo() may share them

@@ -9,7 +9,7 @@ namespace weir::detail {
 namespace {
 
 constexpr const char* kForm = "an object {\"keyframes\": [[time, value], ...]}, times in s";
-constexpr std::size_t kMostKeyframes = 100000;
+constexpr std::size_t kMaxKeyframes = 100000;
 
 double readTime(const Value& key, const Place& place) {
   if (!key.isArray() || key.asArray().size() != 2)
@@ -27,9 +27,9 @@ const Value::Array& readKeyframes(const Value& v, const Place& place) {
   const Place here = place / "keyframes";
   if (!list.isArray() || list.asArray().empty())
     throw here.error(list, "found " + list.brief(), "a list of keyframes [time, value], at least one");
-  if (list.asArray().size() > kMostKeyframes)
+  if (list.asArray().size() > kMaxKeyframes)
     throw here.error(list, fmt::format("found {} keyframes", list.asArray().size()),
-                     fmt::format("at most {}", kMostKeyframes));
+                     fmt::format("at most {}", kMaxKeyframes));
   double before = -1;
   for (std::size_t i = 0; i < list.asArray().size(); ++i) {
     const Value& key = list.asArray()[i];
@@ -59,7 +59,7 @@ Value keyframesSchema(Value plain) {
   key["prefixItems"] = Value::Array{std::move(time), plain};
   key["minItems"] = key["maxItems"] = 2;
   Value animated = typed("object");
-  animated["properties"]["keyframes"] = arraySchema(std::move(key), 1, kMostKeyframes);
+  animated["properties"]["keyframes"] = arraySchema(std::move(key), 1, kMaxKeyframes);
   animated["required"] = Value::Array{"keyframes"};
   animated["additionalProperties"] = false;
   Value either = Value::object();

@@ -133,7 +133,7 @@ Module& PipelineBase::findOrMake(const std::string& name, const Value& spec, con
       return *find(name);
     }
     if (!isName(name))
-      throw sceneError(inQuotes(name) + " is no name for a module",
+      throw sceneError(inQuotes(name) + " is not a valid name for a module",
                        "letters, digits, '_' and '-', starting with a letter");
     if (!modules_.empty() && spec.find("after") == nullptr && spec.find("before") == nullptr)
       throw sceneError("the new module " + inQuotes(name) + " has no place",
@@ -146,10 +146,10 @@ Module& PipelineBase::findOrMake(const std::string& name, const Value& spec, con
 }
 
 void PipelineBase::assign(const Value& modules, const Registry& registry, const Place& at) {
-  constexpr std::size_t kMostModules = 1000;
-  if (!modules.isObject() || modules.asObject().size() > kMostModules)
+  constexpr std::size_t kMaxModules = 1000;
+  if (!modules.isObject() || modules.asObject().size() > kMaxModules)
     throw at.error(modules, "found " + modules.brief(),
-                   "an object of at most " + std::to_string(kMostModules) + " modules by name");
+                   "an object of at most " + std::to_string(kMaxModules) + " modules by name");
   for (const auto& [name, spec] : modules.asObject()) {
     const Place here = at / name;
     checkModuleKeys(spec, here);

@@ -78,7 +78,7 @@ struct Plugin::Library {
   void* symbol(const fs::path& file, const char* name) const {
     void* found = dlsym(handle, name);
     if (found == nullptr)
-      throw pluginError(file, std::string("the library is no Weir plugin: it has no symbol ") + name,
+      throw pluginError(file, std::string("the library is not a Weir plugin: it has no symbol ") + name,
                         "a library that ends with WEIR_PLUGIN");
     return found;
   }
@@ -93,7 +93,7 @@ PluginHeader checkedHeader(const fs::path& file, const void* symbol) {
   PluginHeader header{};
   std::memcpy(header.magic, symbol, sizeof header.magic);
   if (std::memcmp(header.magic, kMagic, std::strlen(kMagic) + 1) != 0)
-    throw pluginError(file, std::string("the library is no Weir plugin: ") + kHeaderSymbol +
+    throw pluginError(file, std::string("the library is not a Weir plugin: ") + kHeaderSymbol +
                                 " does not begin with " + kMagic);
   constexpr std::size_t kFixed = offsetof(PluginHeader, interfaceIdentity);
   std::memcpy(&header, symbol, kFixed);

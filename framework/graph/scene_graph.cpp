@@ -60,7 +60,7 @@ bool SceneGraph::isValidName(std::string_view name) {
 
 Node& SceneGraph::add(std::unique_ptr<Node> node, const std::string& name) {
   if (!isValidName(name))
-    throw sceneError(inQuotes(name) + " is no name for a node",
+    throw sceneError(inQuotes(name) + " is not a valid name for a node",
                      "letters, digits, '_' and '-', starting with a letter; not world, render or title");
   if (find(name) != nullptr)
     throw sceneError("there are two nodes '" + name + "'", "a name of its own for each");

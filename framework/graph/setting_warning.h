@@ -16,9 +16,9 @@ inline void warnOfSetting(Log& log, const std::string& where, const std::string&
 }
 
 /// How far a particle may move in one step, in spacings, so that it still meets its neighbours one by one.
-inline constexpr double kMostTravel = 0.5;
+inline constexpr double kMaxTravel = 0.5;
 /// How many spacings something must measure at least to be more than single particles.
-inline constexpr double kLeastSpacings = 3;
+inline constexpr double kMinSpacings = 3;
 /// For comparisons with such limits, so that what is given as exactly that passes.
 inline constexpr double kSettingRounding = 1e-4;
 

@@ -43,12 +43,12 @@ struct ShortPlace {
 /// `error` at most, and the vector of three by √3 times that. Squares are rounded down.
 template <class T>
 T reachOf(const T& farthest) {
-  constexpr float kRoot3 = 1.7320509f, kRounding = 1.2e-7f, kSlack = 1.001f, kMost = 32767;
+  constexpr float kRoot3 = 1.7320509f, kRounding = 1.2e-7f, kSlack = 1.001f, kMax = 32767;
   constexpr float kUnit = 65536;  // of squares
   const T error = 2 * kSlack + kRounding * ShortPlace::kSteps * (farthest + 1);
   const T reach = ShortPlace::kSteps * 1.000001f + kRoot3 * error;
   const T squared = reach * reach * (1 / kUnit);
-  return select(farthest < T(ShortPlace::kFarthest), select(squared < T(kMost), squared, T(kMost)), T(kMost));
+  return select(farthest < T(ShortPlace::kFarthest), select(squared < T(kMax), squared, T(kMax)), T(kMax));
 }
 
 /// The coordinates of particles in columns, two in the memory of a float. Behind each column there is room
@@ -171,7 +171,7 @@ struct PlaceRange {
 /// Those who may be near the particles of a few cells.
 class Candidates {
  public:
-  static constexpr int kMost = 1024;
+  static constexpr int kMax = 1024;
   static constexpr unsigned kNone = 1u << 30;  // beyond all
 
   int size() const { return size_; }
@@ -246,10 +246,10 @@ class Candidates {
   int lastBase_ = 0;
   std::uint64_t lastBits_ = 0;
   // With room for a turn more.
-  alignas(32) std::int16_t x_[kMost + kTogether] = {};
-  alignas(32) std::int16_t y_[kMost + kTogether] = {};
-  alignas(32) std::int16_t z_[kMost + kTogether] = {};
-  alignas(32) int index_[kMost + kTogether] = {};
+  alignas(32) std::int16_t x_[kMax + kTogether] = {};
+  alignas(32) std::int16_t y_[kMax + kTogether] = {};
+  alignas(32) std::int16_t z_[kMax + kTogether] = {};
+  alignas(32) int index_[kMax + kTogether] = {};
 };
 
 }  // namespace weir::detail

@@ -14,32 +14,32 @@ namespace {
 /// end far in the last grid, with room on both sides.
 class Axis {
  public:
-  explicit Axis(double needed) : needed_(std::clamp(needed, kLeast, kMost)), cells_(needed_) {}
+  explicit Axis(double needed) : needed_(std::clamp(needed, kMin, kMax)), cells_(needed_) {}
 
   double cells() const { return cells_; }
   /// One more grid fits into the box.
   void shrink() {
     turns_ = std::max(turns_ + 1, std::floor(kGrowth * turns_));
-    cells_ = std::max(kLeast, bestNear(std::floor(needed_ / (turns_ + kEnd))));
+    cells_ = std::max(kMin, bestNear(std::floor(needed_ / (turns_ + kEnd))));
   }
   void enlarge() { cells_ *= 2; }
   /// To so many cells, but no fewer than half of the box.
   void cut(double most) {
-    cells_ = std::max({kLeast, std::ceil(0.5 * needed_), std::min(cells_, std::floor(most))});
+    cells_ = std::max({kMin, std::ceil(0.5 * needed_), std::min(cells_, std::floor(most))});
   }
 
  private:
-  static constexpr double kLeast = CellGrid::kLeastCells;
-  static constexpr double kMost = 1e12;    // more than CellGrid::cellOf tells apart
+  static constexpr double kMin = CellGrid::kMinCells;
+  static constexpr double kMax = 1e12;     // more than CellGrid::cellOf tells apart
   static constexpr double kEnd = 0.8;      // in the last grid
   static constexpr double kGrowth = 1.02;  // so that the longest boxes are no matter of millions of steps
 
   /// Where the box is many grids long, one cell more or less moves its end far.
   double bestNear(double most) const {
-    constexpr double kFewest = 0.8;
+    constexpr double kMinShare = 0.8;
     constexpr int kTries = 32;
     double best = most, bestError = 1;
-    for (double cells = most; cells > most - kTries && cells >= std::max(kLeast, kFewest * most); --cells) {
+    for (double cells = most; cells > most - kTries && cells >= std::max(kMin, kMinShare * most); --cells) {
       const double error = std::abs(needed_ / cells - std::floor(needed_ / cells) - kEnd);
       if (error < bestError) best = cells, bestError = error;
     }

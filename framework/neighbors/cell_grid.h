@@ -15,10 +15,10 @@
 namespace weir {
 
 struct CellGrid {
-  static constexpr int kLeastCells = 3;  // in each direction
+  static constexpr int kMinCells = 3;  // in each direction
 
   float inverseCellSize = 1;  ///< 1/m
-  Vec3i cells{kLeastCells, kLeastCells, kLeastCells};
+  Vec3i cells{kMinCells, kMinCells, kMinCells};
 
   WEIR_HD int cellCount() const { return cells.x * cells.y * cells.z; }
 

@@ -17,10 +17,10 @@ struct RowsWithinReach {
   float margin;    // cells, by which the fraction may be wrong
 
   WEIR_HD RowsWithinReach(const Vec3f& p, const CellGrid& grid) {
-    constexpr float kLeast = 1e-4f, kRounding = 3e-7f;
+    constexpr float kMin = 1e-4f, kRounding = 3e-7f;
     const Vec3f g = grid.inverseCellSize * p;
     fraction = {g.x - floorf(g.x), g.y - floorf(g.y), g.z - floorf(g.z)};
-    margin = kLeast + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
+    margin = kMin + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
   }
 
   /// Of the row at dy, dz in {-1, 0, 1}.

@@ -54,7 +54,7 @@ struct CodeSearch {
   /// of them, so that threads that use a pair each at a time are in different banks.
   static int wordsFor(int capacity, int room) {
     const int pairs = std::max((capacity + 1) / 2, wordsOfCodes(room) / 2 + kAnswers + 1) | 1;
-    return std::min(2 * pairs, kMostScratch);
+    return std::min(2 * pairs, kMaxScratch);
   }
 
   __device__ void operator()(std::int64_t i, const Scratch& scratch) const {

@@ -55,7 +55,7 @@ struct LaneSearch {
     alignas(32) int self[kEight];
     alignas(32) int found[kEight];
     // Interleaved like those that are to be made. What stands behind their ends are indices as well.
-    alignas(32) int lists[(kMostScratch + Candidates::kWrittenBehind) * kEight] = {};
+    alignas(32) int lists[(kMaxScratch + Candidates::kWrittenBehind) * kEight] = {};
   };
 
   /// Finds who may be near.
@@ -109,7 +109,7 @@ struct LaneSearch {
       for (int r = 0; r < rowCount; ++r)
         for (PlaceRange part = rows[r]; part.begin < rows[r].end && size <= search.capacity;
              part.begin = part.end) {
-          part.end = std::min(part.begin + Candidates::kMost, rows[r].end);
+          part.end = std::min(part.begin + Candidates::kMax, rows[r].end);
           candidates.clear();
           candidates.add(search.places, part);
           candidates.close();
@@ -169,7 +169,7 @@ struct LaneSearch {
               add(at[0], at[1]);
             }
       }
-      fits = inAll <= Candidates::kMost;
+      fits = inAll <= Candidates::kMax;
       if (!fits) return;
       candidates.clear();
       int r = 0;
@@ -197,7 +197,7 @@ struct LaneSearch {
       const Lanes squared = dot(d, d);
       const LaneMask near = listed & (squared < Lanes(radiusSquared));
       tooFar = tooFar | (listed & !near);
-      crowd += keptWhere(near, crowdingAt(squared, grid));
+      crowd += zeroUnless(near, crowdingAt(squared, grid));
     }
     const Lanes sum = 1 + crowd;
     for (unsigned bits = tooFar.bits(); bits != 0; bits &= bits - 1) removeFar(group, std::countr_zero(bits));

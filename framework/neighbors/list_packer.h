@@ -16,9 +16,9 @@ struct FoundNeighbors {
 
 struct ListPacker {
   PackedLists lists;
-  int* blocksWanted = nullptr;  // by the groups so far
-  int* blocksShort = nullptr;   // by how many groups in vain, since the reset
-  bool allInWindows = false;    // every index is below kAllInWindows
+  int* blocksWanted = nullptr;   // by the groups so far
+  int* blocksMissing = nullptr;  // by how many groups in vain, since the reset
+  bool allInWindows = false;     // every index is below kAllInWindows
 
   /// Writes list i and returns how many of `found` there was room for. All threads of the group must come
   /// here together: Threads answers `int least(int)` and `bool all(bool)` over them, and `int ofFirst(int)`,
@@ -61,7 +61,7 @@ struct ListPacker {
     if (threads.all(found.kept <= lists.roomIn(kInPlace))) return kInPlace;
     const int block = threads.ofFirst(i % kListGroup == 0 ? atomicAdd(blocksWanted, 1) : 0);
     if (block < lists.blockCount) return kFirstBlock + block;
-    if (i % kListGroup == 0) atomicAdd(blocksShort, 1);
+    if (i % kListGroup == 0) atomicAdd(blocksMissing, 1);
     return kInPlace;
   }
 

@@ -14,12 +14,12 @@ namespace {
 
 // About one particle a cell fills a dense block at a support of 1.2 spacings; splashes may use more cells.
 constexpr std::int64_t kCellsPerParticle = 4;
-constexpr std::int64_t kFewestCells = 1 << 12;
-constexpr std::int64_t kMostCells = std::int64_t{1} << 30;
+constexpr std::int64_t kMinCells = 1 << 12;
+constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
 // A block for every so many groups of lists, and a few. At rows of cells that the grid wraps around, and
 // where few particles lie above many, groups are wide; blocks are for those with long lists among them.
 constexpr std::int64_t kGroupsPerBlock = 64;
-constexpr std::int64_t kFewestBlocks = 16;
+constexpr std::int64_t kMinBlocks = 16;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ NeighborList::NeighborList(Device& device)
 void NeighborList::configure(float radius, int capacity) {
   WEIR_CHECK(radius > 0);
   WEIR_CHECK(capacity > 0);
-  WEIR_CHECK(capacity <= kMostScratch);
+  WEIR_CHECK(capacity <= kMaxScratch);
   radius_ = radius;
   capacity_ = capacity;
   const int piece = packs_ ? kCodesTogether : kInterleaved;
@@ -51,7 +51,7 @@ void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::o
   // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
   // different places that share storage do not hold many particles.
   constexpr std::int64_t kParticlesPerCell = 4;
-  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kFewestCells, kMostCells),
+  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kMinCells, kMaxCells),
                          particles / kParticlesPerCell, mean);
   fittedFor_ = particles;
 }
@@ -88,11 +88,11 @@ std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
   // A window holds two rows of cells and what is between them.
   constexpr int kRows = 4;
   if (std::int64_t{kRows} * grid_.cells.x > kWindow) return groups;
-  return std::min(groups, std::max(groups / kGroupsPerBlock + kFewestBlocks, grownSize(blocksWanted_, 0)));
+  return std::min(groups, std::max(groups / kGroupsPerBlock + kMinBlocks, grownSize(blocksWanted_, 0)));
 }
 
 double NeighborList::memoryFor(double particles) const {
-  const double cells = std::clamp(kCellsPerParticle * particles, double(kFewestCells), double(kMostCells));
+  const double cells = std::clamp(kCellsPerParticle * particles, double(kMinCells), double(kMaxCells));
   constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
   const double fine = needsFineCells(static_cast<std::int64_t>(particles)) ? particles + FineCell::kAhead : 0;
   const double bytes = bytesOfArrays(particles, counts_) +
@@ -103,7 +103,7 @@ double NeighborList::memoryFor(double particles) const {
     return bytes + bytesOfArrays((particles + kInterleaved) * room_, entries_) +
            bytesOfArrays(kFloats * (particles + kBehind), columns_);
   const double groups = std::ceil(particles / kListGroup);
-  const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kFewestBlocks;
+  const double blocks = particles <= kAllInWindows ? 0 : groups / kGroupsPerBlock + kMinBlocks;
   const double entries =
       std::max(groups * kListGroup * room_ / kCodesInInt, CellSort::kPerParticle * particles);
   return bytes + bytesOfArrays(entries, entries_) + bytesOfArrays(groups, groups_) +

@@ -17,7 +17,7 @@ namespace {
 
 /// The cell of a particle, or -1 if it is to be removed.
 struct CellKey {
-  ParticleSet::Unmoved at;
+  ParticleSet::PendingMotion at;
   CellGrid grid;
   Aabb domain;
   ArrayView<const SinkPiece> sinks;
@@ -320,7 +320,7 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
 #else
     const detail::KeepOrder moved;
 #endif
-    const CellKey key{particles.unmoved(), grid_, domain, sinks, events + 1, events + 2, events + 3};
+    const CellKey key{particles.pendingMotion(), grid_, domain, sinks, events + 1, events + 2, events + 3};
 #ifdef WEIR_HAS_EIGHT
     // Where they are written once more.
     parallelForEights(device, "keys", count, WriteKeys{key, memory.cell});

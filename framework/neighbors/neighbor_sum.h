@@ -17,7 +17,7 @@ template <>
 struct SumOfEight<float> {
   Lanes total;
   void add(const Lanes& term) { total += term; }
-  void add(const LaneMask& counted, const Lanes& term) { add(keptWhere(counted, term)); }
+  void add(const LaneMask& counted, const Lanes& term) { add(zeroUnless(counted, term)); }
 };
 template <>
 struct SumOfEight<Vec4f> {
@@ -29,8 +29,8 @@ struct SumOfEight<Vec4f> {
     total.w += term.w;
   }
   void add(const LaneMask& counted, const Vec4<Lanes>& term) {
-    add({keptWhere(counted, term.x), keptWhere(counted, term.y), keptWhere(counted, term.z),
-         keptWhere(counted, term.w)});
+    add({zeroUnless(counted, term.x), zeroUnless(counted, term.y), zeroUnless(counted, term.z),
+         zeroUnless(counted, term.w)});
   }
 };
 

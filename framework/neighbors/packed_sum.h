@@ -53,7 +53,7 @@ WEIR_HD std::remove_const_t<T> readAhead(const ArrayView<T>& from, const TeamInd
 /// What the kernel before has written is there from here on (kernel_overlap.h).
 WEIR_HD inline void awaitBefore([[maybe_unused]] const TeamIndex& at) {
 #ifdef __CUDA_ARCH__
-  detail::awaitWhatIsBefore();
+  detail::waitForPriorKernel();
 #endif
 }
 template <class Index>

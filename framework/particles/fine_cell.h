@@ -34,9 +34,9 @@ struct FineCell {
 #ifdef __CUDA_ARCH__
     return static_cast<std::uint32_t>(__float2int_rd(x));
 #else
-    constexpr float kMost = 1e9f;
+    constexpr float kMax = 1e9f;
     const float down = std::floor(x);
-    return down > -kMost && down < kMost ? static_cast<std::uint32_t>(static_cast<int>(down)) : 0;
+    return down > -kMax && down < kMax ? static_cast<std::uint32_t>(static_cast<int>(down)) : 0;
 #endif
   }
 };

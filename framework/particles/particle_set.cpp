@@ -132,9 +132,9 @@ std::int64_t ParticleSet::refreshCount() {
 
 void ParticleSet::makeRoom(std::int64_t particles) {
   if (particles <= capacity()) return;
-  constexpr std::int64_t kLeastGrowth = 4096;
+  constexpr std::int64_t kMinGrowth = 4096;
   const std::int64_t present = capacity();
-  const std::int64_t grown = std::max(grownSize(present, particles), present + kLeastGrowth);
+  const std::int64_t grown = std::max(grownSize(present, particles), present + kMinGrowth);
   const std::int64_t room = std::max(particles, std::min(grown, most_));
   // One after another, so that never more than one of them is there twice; what is given back here makes room
   // for that one.
@@ -169,12 +169,12 @@ detail::Permutation::Permutation(ParticleSet& particles) : particles_(particles)
 detail::Permute detail::Permutation::next(ArrayView<const int> order) {
   // Where there are many particles, one attribute of each type at a time: the next of the type goes to where
   // the last one was.
-  const std::size_t atOnce = particles_.hasFew() ? Permute::kMost : 1;
-  Permute permute{.order = order, .unmoved = particles_.unmoved()};
+  const std::size_t atOnce = particles_.hasFew() ? Permute::kMax : 1;
+  Permute permute{.order = order, .unmoved = particles_.pendingMotion()};
   std::size_t used[kAttributeTypes] = {};
   std::erase_if(left_, [&](AttributeStorage* storage) {
     std::size_t& spare = used[static_cast<int>(storage->info().type)];
-    if (permute.used == Permute::kMost || spare == atOnce) return false;
+    if (permute.used == Permute::kMax || spare == atOnce) return false;
     if (storage->info().name == "position") permute.position = permute.used;
     if (storage->info().name == "velocity") permute.velocity = permute.used;
     permute.columns[permute.used++] = storage->beginPermutation(spare);

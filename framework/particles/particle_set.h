@@ -72,9 +72,9 @@ class ParticleSet {
   bool hasPlaces() const { return places_.size() > 0; }
   /// Whoever sums over velocities of neighbours may ask for codes of motion (motion_code.h) once, at its
   /// reset. What writes positions and velocities last on CUDA leaves them then, in wideScratch() or places().
-  void askForMotionCodes() { asksForMotionCodes_ = true; }
-  bool asksForMotionCodes() const { return asksForMotionCodes_; }
-  void leaveMotionCodes(ArrayView<const Vec4f> codes) { motionCodes_ = codes, motionCodesUse_ = uses_; }
+  void requestMotionCodes() { asksForMotionCodes_ = true; }
+  bool motionCodesRequested() const { return asksForMotionCodes_; }
+  void storeMotionCodes(ArrayView<const Vec4f> codes) { motionCodes_ = codes, motionCodesUse_ = uses_; }
   /// Empty if nobody has left them, or as soon as anyone may have changed motion or codes.
   ArrayView<const Vec4f> motionCodes() const {
     return motionCodesUse_ == uses_ ? motionCodes_ : ArrayView<const Vec4f>{};
@@ -122,15 +122,15 @@ class ParticleSet {
   /// put into another order, which then moves them on its way.
   void move(const FreeMotion& motion);
   /// What particles have, and how they are to move yet; dt is 0 where they are not.
-  struct Unmoved {
+  struct PendingMotion {
     FreeMotion motion;
     ArrayView<const Vec3f> positions, velocities;
 
     WEIR_HD Vec3f velocity(std::int64_t i) const { return motion.velocity(velocities[i]); }
     WEIR_HD Vec3f position(std::int64_t i) const { return motion.position(positions[i], velocity(i)); }
   };
-  bool isToMove() const { return motion_.has_value(); }
-  Unmoved unmoved() const {
+  bool hasPendingMotion() const { return motion_.has_value(); }
+  PendingMotion pendingMotion() const {
     return {motion_.value_or(FreeMotion{}), std::as_const(*positions_).view(),
             std::as_const(*velocities_).view()};
   }

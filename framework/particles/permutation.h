@@ -12,14 +12,14 @@ namespace weir::detail {
 
 /// Moves several attributes at once, so that the order is read but once.
 struct Permute {
-  static constexpr int kMost = 8;  // columns in one launch
+  static constexpr int kMax = 8;  // columns in one launch
 
   ArrayView<const int> order;
-  PermutedColumn columns[kMost];
+  PermutedColumn columns[kMax];
   int used = 0;
   float inverseCellSize = 0;  // for `fine`
   // Where particles are to move on their way; `position` and `velocity` are columns, or none.
-  ParticleSet::Unmoved unmoved;
+  ParticleSet::PendingMotion unmoved;
   int position = -1, velocity = -1;
   // Where the columns have positions, those in their new order, if anybody wants them.
   FineCell* fine = nullptr;

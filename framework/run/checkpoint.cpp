@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Enough to see what is wrong.
-constexpr std::size_t kMostDifferences = 8;
+constexpr std::size_t kMaxDifferences = 8;
 
 std::string shown(const Value* value) {
   return value != nullptr ? value->brief() : "nothing";
@@ -108,7 +108,7 @@ void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation) {
   if (differences.empty())
     compareInputs(checkpoint.inputs, checkpointInputs(simulation.scene()), differences);
   if (differences.empty()) return;
-  const std::size_t more = differences.size() - std::min(differences.size(), kMostDifferences);
+  const std::size_t more = differences.size() - std::min(differences.size(), kMaxDifferences);
   differences.resize(differences.size() - more);
   throw ioError("the checkpoint is of another run: " + joinNames(differences, "; ") +
                     (more > 0 ? fmt::format("; and {} more", more) : ""),
@@ -128,7 +128,7 @@ CheckpointInterval CheckpointInterval::parse(const std::string& text) {
       interval.frames = static_cast<std::int64_t>(number);
   }
   if (!interval.seconds && !interval.frames)
-    throw usageError("--checkpoint-every " + printable(text) + " is no interval",
+    throw usageError("--checkpoint-every " + printable(text) + " is not a valid interval",
                      "a number of frames such as 20, or of seconds such as 90s");
   return interval;
 }

@@ -23,10 +23,10 @@ double leastParts(double ratio) {
 /// The least number of equal steps that divides `interval` into parts no longer than `longest`.
 std::int64_t stepsIn(double interval, double longest) {
   const double ratio = interval / longest;
-  if (!(ratio <= Clock::kMostStepsPerFrame))
+  if (!(ratio <= Clock::kMaxStepsPerFrame))
     throw sceneError(
         fmt::format("a step of {} s divides a frame of {} s into {:.3g} steps", longest, interval, ratio),
-        fmt::format("at most {:.0e} steps in a frame", Clock::kMostStepsPerFrame),
+        fmt::format("at most {:.0e} steps in a frame", Clock::kMaxStepsPerFrame),
         "times are in seconds; a larger dt or a higher frame_rate makes fewer steps");
   return static_cast<std::int64_t>(leastParts(ratio));
 }

@@ -15,11 +15,11 @@ double evenStep(double remaining, double longest);
 class Clock {
  public:
   /// More steps between two frames are refused: they could not end, and a mistyped unit is likelier.
-  static constexpr double kMostStepsPerFrame = 1e9;
+  static constexpr double kMaxStepsPerFrame = 1e9;
 
   /// In 1/s, s and s. Rate and step are positive, the duration is not negative. A step is the frame interval
   /// divided by the least whole number that makes it no longer than `longestDt`. Throws a scene Error for
-  /// more than kMostStepsPerFrame.
+  /// more than kMaxStepsPerFrame.
   Clock(double frameRate, double longestDt, double duration);
 
   std::int64_t frameCount() const { return frames_; }  ///< frames after frame 0 that lie within the duration

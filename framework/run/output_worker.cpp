@@ -44,7 +44,7 @@ void OutputWorker::frame(Simulation& simulation) {
 bool OutputWorker::waitForRoom(std::unique_ptr<Snapshot>& used) {
   std::unique_lock lock(mutex_);
   WEIR_CHECK(!ending_);
-  changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failed_; });
+  changed_.wait(lock, [&] { return waiting_.size() < kMaxWaiting || failed_; });
   if (failed_) return false;
   if (used_.empty()) return true;
   used = std::move(used_.back());

@@ -34,7 +34,7 @@ class FirstError {
 /// simulation holds it back, and no more than three snapshots are held.
 class OutputWorker {
  public:
-  static constexpr std::size_t kMostWaiting = 2;
+  static constexpr std::size_t kMaxWaiting = 2;
 
   /// The observer has begun; it and `errors` must outlive this.
   OutputWorker(Observer& observer, FirstError& errors) : observer_(observer), errors_(errors) {}

@@ -10,8 +10,8 @@ namespace weir {
 namespace {
 
 constexpr double kRefreshSeconds = 0.1;   // on a terminal
-constexpr double kLeastLineSeconds = 1;   // between lines elsewhere
-constexpr double kMostLineSeconds = 10;   // without a line elsewhere
+constexpr double kMinLineSeconds = 1;     // between lines elsewhere
+constexpr double kMaxLineSeconds = 10;    // without a line elsewhere
 constexpr double kSmoothingSeconds = 10;  // how long the speed is remembered
 constexpr double kLineShare = 0.1;        // of all frames, for another line
 
@@ -49,8 +49,8 @@ bool Progress::isTimeForLine(const ProgressState& state, double now) const {
   if (!shownAt_ || state.frame == state.lastFrame) return true;
   const double since = now - *shownAt_;
   const auto frames = static_cast<double>(state.frame - shownFrame_);
-  return since >= kMostLineSeconds ||
-         (since >= kLeastLineSeconds && frames >= kLineShare * static_cast<double>(state.lastFrame));
+  return since >= kMaxLineSeconds ||
+         (since >= kMinLineSeconds && frames >= kLineShare * static_cast<double>(state.lastFrame));
 }
 
 void Progress::update(const ProgressState& state) {

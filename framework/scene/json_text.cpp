@@ -112,7 +112,7 @@ StringMistake findStringMistake(std::string_view text) {
               {}};
     const std::size_t length = utf8Length(text, i);
     if (length == 0)
-      return {i, fmt::format("found the byte 0x{:02X}, which is no UTF-8", byte), "text in UTF-8",
+      return {i, fmt::format("found the byte 0x{:02X}, which is not UTF-8", byte), "text in UTF-8",
               "save the file as UTF-8"};
     if (byte != '\\') {
       i += length;
@@ -165,7 +165,7 @@ Error describeWord(std::string_view word, bool valueExpected, const std::string&
   if (numeric && valueExpected && isJsonNumber(word))
     return sceneError("the number " + printable(word) + " is too large", "numbers up to 1.7e308");
   if (numeric && valueExpected)
-    return sceneError(found + ", which is no number", "a number such as 12, -0.5 or 1e-3",
+    return sceneError(found + ", which is not a number", "a number such as 12, -0.5 or 1e-3",
                       "a number has no leading '+' or zeros, and digits on both sides of its point");
   return sceneError(found, expected, std::string(hintForWord(word)));
 }
@@ -175,7 +175,7 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
                     const std::string& expected) {
   const char c = rest[0];
   if (c == '/' || c == '#')
-    return sceneError("found " + inQuotes(rest.substr(0, 2)), expected, "JSON has no comments");
+    return sceneError("found " + inQuotes(rest.substr(0, 2)), expected, "comments are not part of JSON");
   if (c == '\'') return sceneError("found a single quote", expected, "strings are written in double quotes");
   if (afterComma && (c == ']' || c == '}'))
     return sceneError("found ',' before '" + std::string(1, c) + "'", expected, "remove the last comma");
@@ -188,7 +188,7 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
   const std::size_t length = utf8Length(rest, 0);
   if (length == 0)
     return sceneError(
-        fmt::format("found the byte 0x{:02X}, which is no UTF-8", static_cast<unsigned char>(c)), expected,
+        fmt::format("found the byte 0x{:02X}, which is not UTF-8", static_cast<unsigned char>(c)), expected,
         "the file may be binary, or not in UTF-8");
   return sceneError("found " + inQuotes(rest.substr(0, length)), expected);
 }

@@ -42,7 +42,7 @@ Value readOverrideValue(std::string_view text, const std::string& option) {
 
 Override parseOverride(std::string_view text) {
   const std::string option = "--set " + printable(text, 200);
-  if (!isUtf8(text)) throw usageError(option + " is no UTF-8 text", kForms);
+  if (!isUtf8(text)) throw usageError(option + " is not UTF-8 text", kForms);
   const auto equals = text.find('=');
   if (equals == std::string_view::npos) throw usageError(option + " has no '='", kForms);
   Override result;

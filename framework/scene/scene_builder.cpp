@@ -119,9 +119,9 @@ class Builder {
     if (nodes == nullptr) throw place_.error(root_, "the scene has no \"nodes\"", kAllowed);
     const Place here = place_ / "nodes";
     if (nodes->asObject().empty()) throw here.error(*nodes, "the scene has no nodes", kAllowed);
-    if (nodes->asObject().size() > kMostNodes)
+    if (nodes->asObject().size() > kMaxNodes)
       throw here.error(*nodes, fmt::format("the scene has {} nodes", nodes->asObject().size()),
-                       fmt::format("at most {}", kMostNodes));
+                       fmt::format("at most {}", kMaxNodes));
     for (const auto& [name, spec] : nodes->asObject()) {
       try {
         readNode(name, spec, here / name);
@@ -186,9 +186,9 @@ class Builder {
     if (links == nullptr) return;
     const Place here = place_ / "links";
     const Value::Array& all = links->asArray();
-    if (all.size() > kMostLinks)
+    if (all.size() > kMaxLinks)
       throw here.error(*links, fmt::format("the scene has {} links", all.size()),
-                       fmt::format("at most {}", kMostLinks));
+                       fmt::format("at most {}", kMaxLinks));
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!all[i].isString())
         throw(here / i).error(all[i], "found " + all[i].brief(),

@@ -18,8 +18,8 @@ inline constexpr int kSceneVersion = 1;
 inline constexpr int kDeepestNesting = 64;
 /// Larger files are refused, and so are scenes of more nodes or links: no input may exhaust memory or time.
 inline constexpr std::size_t kLargestSceneFile = std::size_t{16} << 20;
-inline constexpr std::size_t kMostNodes = 2000;
-inline constexpr std::size_t kMostLinks = 10000;
+inline constexpr std::size_t kMaxNodes = 2000;
+inline constexpr std::size_t kMaxLinks = 10000;
 
 /// Parses JSON; every value knows its line and column. Throws a scene Error with the place for bad syntax,
 /// duplicate keys, numbers that do not fit, invalid UTF-8, and too deep nesting.

@@ -15,7 +15,7 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
 }
 
 double Solid::mostMemory(const TriangleMesh& mesh) {
-  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMostMemory;
+  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMaxMemory;
 }
 
 SolidView Solid::view(double time, double dt) {

@@ -186,7 +186,7 @@ class SolidIntegrator {
   using Triangle = typename TriangleIntegrator<T>::Triangle;
 
   static constexpr T kPi = TriangleIntegrator<T>::kPi;
-  static constexpr T kLeastCosine = T(1e-4);
+  static constexpr T kMinCosine = T(1e-4);
   /// δ0 of (6), in H.
   static constexpr T kBackDepth = T(0.1);
 
@@ -228,7 +228,7 @@ class SolidIntegrator {
     const T against = dot(facing_, m);
     const T squares = dot(m, Vec3<T>{dot(facingX_, m), dot(facingY_, m), dot(facingZ_, m)});
     // Less is rounding: of what is at right angles to all that faces p.
-    const T least = kLeastCosine * (facingX_.x + facingY_.y + facingZ_.z);
+    const T least = kMinCosine * (facingX_.x + facingY_.y + facingZ_.z);
     return against > least ? (squares < against ? squares / against : T(1)) : T(0);
   }
 

@@ -89,7 +89,7 @@ class TriangleIntegrator {
       const T inwards = dot(cross(u, along), triangle.normal);
       const Mask outside = inwards < T(0);
       if (!any(outside)) continue;
-      const T squared = keptWhere(outside, inwards * inwards / dot(along, along));
+      const T squared = zeroUnless(outside, inwards * inwards / dot(along, along));
       out = select(squared > out, squared, out);
     }
     return triangle.delta * triangle.delta + out;
@@ -175,12 +175,12 @@ class TriangleIntegrator {
     TriangleTerms<T> terms = noTerms(triangle);
     if (any(cut)) {
       for (const Edge& edge : edges) addFan(edge, triangle, terms);
-      terms.phi = keptWhere(cut, terms.phi);
-      terms.d = keptWhere(cut, terms.d);
-      terms.area = keptWhere(cut, terms.area);
+      terms.phi = zeroUnless(cut, terms.phi);
+      terms.d = zeroUnless(cut, terms.d);
+      terms.area = zeroUnless(cut, terms.area);
     }
     const Mask whole = around & !cut;
-    if (any(whole)) addOuter(triangle.side, keptWhere(whole, T(2 * kPi)), magnitude(triangle.delta), terms);
+    if (any(whole)) addOuter(triangle.side, zeroUnless(whole, T(2 * kPi)), magnitude(triangle.delta), terms);
     return terms;
   }
 
@@ -228,7 +228,7 @@ class TriangleIntegrator {
   WEIR_HD static Vec3<T> unit(const Vec3<T>& a) {
     const T l = root(dot(a, a));
     const Mask is = l > T(0);
-    return {keptWhere(is, a.x / l), keptWhere(is, a.y / l), keptWhere(is, a.z / l)};
+    return {zeroUnless(is, a.x / l), zeroUnless(is, a.y / l), zeroUnless(is, a.z / l)};
   }
 
   /// Whether not all of three numbers are above 1 or below -1.
@@ -318,9 +318,9 @@ class TriangleIntegrator {
       sumArea += share * sss;
     }
     const T scale = line.weight * half * (1 / (4 * kPi));
-    terms.phi += keptWhere(counted, scale * sumW);
-    terms.d += keptWhere(counted, scale * 15 * sumD);
-    terms.area += keptWhere(counted, scale * 60 * sumArea);
+    terms.phi += zeroUnless(counted, scale * sumW);
+    terms.d += zeroUnless(counted, scale * 15 * sumD);
+    terms.area += zeroUnless(counted, scale * 60 * sumArea);
   }
 
   // ---- Edges
@@ -331,14 +331,14 @@ class TriangleIntegrator {
     const T endOfFirst = select(inside, edge.from, edge.x1);
     const Mask first = edge.x0 < endOfFirst, second = inside & (edge.to < edge.x1);
     T outer = 0;
-    if (any(first)) outer = keptWhere(first, angle(edge.l, edge.x0, endOfFirst));
-    if (any(second)) outer += keptWhere(second, angle(edge.l, edge.to, edge.x1));
+    if (any(first)) outer = zeroUnless(first, angle(edge.l, edge.x0, endOfFirst));
+    if (any(second)) outer += zeroUnless(second, angle(edge.l, edge.to, edge.x1));
     if (any(outer > T(0)))
       addOuter(triangle.side, select(edge.l < T(0), -outer, outer), magnitude(edge.delta), terms);
     if (!any(inside)) return;
 
     const T solidAngle =
-        keptWhere(inside, fanAngle(edge, edge.to, triangle.side) - fanAngle(edge, edge.from, triangle.side));
+        zeroUnless(inside, fanAngle(edge, edge.to, triangle.side) - fanAngle(edge, edge.from, triangle.side));
     terms.phi += solidAngle * (1 / (4 * kPi));
     terms.d += solidAngle * (15 / (4 * kPi));
     // R has its greatest curvature at x = 0, so the points are densest there.
@@ -376,9 +376,9 @@ class TriangleIntegrator {
       area += weight[k] * (Real(0.5) - c3 + c4 * Real(0.75) - c5 * Real(0.2));
     }
     const T scale = edge.l * half * (15 / kPi), along = edge.delta * scale;
-    terms.phi -= keptWhere(counted, along * w);
-    terms.d -= keptWhere(counted, along * 3 * d);
-    terms.area += keptWhere(counted, scale * area);
+    terms.phi -= zeroUnless(counted, along * w);
+    terms.d -= zeroUnless(counted, along * 3 * d);
+    terms.area += zeroUnless(counted, scale * area);
   }
 
   /// The angle between the points xa ≤ xb of an edge, seen from the foot of p, in [0, π].

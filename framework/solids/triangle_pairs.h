@@ -12,12 +12,12 @@ namespace weir {
 
 class TrianglePairs {
  public:
-  static constexpr int kMost = 512;          // pairs
-  static constexpr int kMostParticles = 16;  // at a time
+  static constexpr int kMax = 512;          // pairs
+  static constexpr int kMaxParticles = 16;  // at a time
 
   /// Forgets all.
   void clear() { pairs_ = particles_ = 0; }
-  bool hasRoom(int triangles) const { return particles_ < kMostParticles && pairs_ + triangles <= kMost; }
+  bool hasRoom(int triangles) const { return particles_ < kMaxParticles && pairs_ + triangles <= kMax; }
 
   /// A particle at p (m, in the solid's frame) and the triangles that may be near it.
   void add(const Vec3f& p, const int* triangles, int count) {
@@ -64,7 +64,7 @@ class TrianglePairs {
   using Of = TriangleIntegrator<Lanes>;
   using Triangle = Of::Triangle;
   static constexpr int kEight = Lanes::kCount;
-  static constexpr int kRoom = kMost + kEight;
+  static constexpr int kRoom = kMax + kEight;
 
   /// The corners of triangles, as an array of vectors, and which of the three come second and third.
   struct Corners {
@@ -99,8 +99,8 @@ class TrianglePairs {
     for (float* terms : {phi_, d_, area_, delta_, normal_[0], normal_[1], normal_[2]})
       Lanes(0.0f).store(terms + k);
     if (!any(reached)) return;
-    keptWhere(reached, triangle.delta).store(delta_ + k);
-    for (int axis = 0; axis < 3; ++axis) keptWhere(reached, triangle.normal[axis]).store(normal_[axis] + k);
+    zeroUnless(reached, triangle.delta).store(delta_ + k);
+    for (int axis = 0; axis < 3; ++axis) zeroUnless(reached, triangle.normal[axis]).store(normal_[axis] + k);
     const Lanes squaredDistance = Of::leastSquaredDistance(triangle);
     reached = reached & Of::isReached(squaredDistance);
     const LaneMask points = Of::asFine(triangle, squaredDistance).is;
@@ -131,8 +131,8 @@ class TrianglePairs {
   }
 
   int pairs_ = 0, particles_ = 0;
-  int first_[kMostParticles + 1] = {};  // pair of each particle
-  Vec3f point_[kMostParticles + 1];     // with room for a vector of four numbers
+  int first_[kMaxParticles + 1] = {};  // pair of each particle
+  Vec3f point_[kMaxParticles + 1];     // with room for a vector of four numbers
   // Of each pair.
   int corner_[kRoom], particle_[kRoom], sides_[kRoom];
   float phi_[kRoom], d_[kRoom], area_[kRoom], delta_[kRoom], normal_[3][kRoom];

@@ -19,10 +19,10 @@ void Emitter::validate() const {
 
 void Emitter::checkLayerSize(const SetupContext& context) const {
   const double size = layerSize(spacing_);
-  if (!(size <= mostInLayer()))
+  if (!(size <= maxInLayer()))
     throw sceneError(fmt::format("an area of {:.4g} m² at a spacing of {} m has {:.3g} particles in a layer",
                                  area(), spacing_, size),
-                     fmt::format("at most {:.0f} million particles in a layer", mostInLayer() * 1e-6));
+                     fmt::format("at most {:.0f} million particles in a layer", maxInLayer() * 1e-6));
   constexpr double kNoticeableRounding = 0.1;
   const double covered = size * spacing_ * spacing_;
   if (std::abs(covered / area() - 1) > kNoticeableRounding)
@@ -36,20 +36,20 @@ void Emitter::warnOfSettings(const SetupContext& context) const {
   const std::string where = fmt::format("node '{}'", name());
   const double fastest = speed.most(start, stop.get().value_or(std::numeric_limits<double>::max()));
   const double travel = fastest * context.dt / spacing_;
-  if (!context.stepsVary && travel > kMostTravel * (1 + kSettingRounding))
+  if (!context.stepsVary && travel > kMaxTravel * (1 + kSettingRounding))
     warnOfSetting(
         context.log, where,
         fmt::format("a flow of {:.4g} m/s moves {:.3g} spacings in a step of {:.3g} s", fastest, travel,
                     context.dt),
-        fmt::format("a world.dt of at most {:.2g} s, or world.cfl", kMostTravel * spacing_ / fastest));
+        fmt::format("a world.dt of at most {:.2g} s, or world.cfl", kMaxTravel * spacing_ / fastest));
   const double width = std::sqrt(area()) / spacing_;
-  if (width < kLeastSpacings * (1 - kSettingRounding))
+  if (width < kMinSpacings * (1 - kSettingRounding))
     warnOfSetting(context.log, where,
                   fmt::format("the opening is {:.3g} spacings wide (the root of its area), so the jet is not "
                               "resolved",
                               width),
                   fmt::format("a spacing of at most {:.2g} m, or an area of at least {:.2g} m²",
-                              std::sqrt(area()) / kLeastSpacings, std::pow(kLeastSpacings * spacing_, 2)));
+                              std::sqrt(area()) / kMinSpacings, std::pow(kMinSpacings * spacing_, 2)));
 }
 
 void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {

@@ -81,7 +81,7 @@ class Emitter : public Node {
   /// Of the fluid below; there is one when makeLayer() is called.
   ParticleBatch::Request request() const { return *particles.requested(); }
   std::uint64_t seedFor(const SetupContext& context) const { return randomSeed(*this, context, seed); }
-  virtual double mostInLayer() const { return 1e7; }
+  virtual double maxInLayer() const { return 1e7; }
 
  private:
   void checkLayerSize(const SetupContext& context) const;

@@ -18,11 +18,11 @@ double MeshEmitter::layerSize(float spacing) const {
     throw sceneError(from + " is empty or has no area", "a mesh with a surface");
   const Vec3f far = max(box.hi, -box.lo);
   const double farthest = std::max({far.x, far.y, far.z});
-  constexpr double kMostSpacings = 1e6;  // beyond, single precision moves particles by a tenth of a spacing
-  if (farthest > kMostSpacings * spacing)
+  constexpr double kMaxSpacings = 1e6;  // beyond, single precision moves particles by a tenth of a spacing
+  if (farthest > kMaxSpacings * spacing)
     throw sceneError(fmt::format("{} reaches {:.3g} m from the origin, {:.3g} spacings", from, farthest,
                                  farthest / spacing),
-                     fmt::format("at most {:.0e} spacings", kMostSpacings));
+                     fmt::format("at most {:.0e} spacings", kMaxSpacings));
   return std::max(1.0, std::round(area() / (double(spacing) * spacing)));
 }
 

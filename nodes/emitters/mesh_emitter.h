@@ -21,7 +21,7 @@ class MeshEmitter final : public Emitter {
   double area() const override { return surface->area(); }
   double layerSize(float spacing) const override;
   Layer makeLayer(const SetupContext& context, float spacing) const override;
-  double mostInLayer() const override { return 1e6; }  // spreading a million takes about a minute
+  double maxInLayer() const override { return 1e6; }  // spreading a million takes about a minute
 };
 
 }  // namespace weir

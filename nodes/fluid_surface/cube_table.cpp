@@ -102,7 +102,7 @@ CubeTable makeCubeTable() {
   CubeTable table{};
   for (int cubeCase = 0; cubeCase < 256; ++cubeCase) {
     const Triangles triangles = trianglesOf(cubeCase);
-    WEIR_CHECK(std::ssize(triangles) <= CubeTable::kMostTriangles);
+    WEIR_CHECK(std::ssize(triangles) <= CubeTable::kMaxTriangles);
     table.triangles[cubeCase] = static_cast<unsigned char>(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (int k = 0; k < 3; ++k)

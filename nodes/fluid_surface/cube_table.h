@@ -12,13 +12,13 @@
 namespace weir {
 
 struct CubeTable {
-  static constexpr int kMostTriangles = 5;
+  static constexpr int kMaxTriangles = 5;
 
   /// By case: bit c says whether corner c is inside.
   std::array<unsigned char, 256> triangles;
   /// The edges on which the corners of triangle t are: 3t, 3t + 1, 3t + 2; counter-clockwise seen from
   /// outside.
-  std::array<std::array<unsigned char, 3 * kMostTriangles>, 256> edges;
+  std::array<std::array<unsigned char, 3 * kMaxTriangles>, 256> edges;
 };
 
 CubeTable makeCubeTable();

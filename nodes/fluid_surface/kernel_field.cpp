@@ -12,11 +12,11 @@ namespace weir {
 
 namespace {
 
-constexpr std::int64_t kMostNodes = std::numeric_limits<int>::max();
+constexpr std::int64_t kMaxNodes = std::numeric_limits<int>::max();
 
 [[noreturn]] void tooFine(float cellSize) {
   throw simulationError(fmt::format("the surface of the fluid needs a grid of more than {} nodes of {:g} m",
-                                    kMostNodes, cellSize),
+                                    kMaxNodes, cellSize),
                         {}, "use a larger cell_size");
 }
 
@@ -48,10 +48,10 @@ void KernelField::make(Device& onDevice, const ParticleKernels& kernels, float c
   counts_.resizeDiscarding(n);
   dispatch(onDevice, [&](auto& device) { countOn(device, kernels, cellSize); });
   const std::int64_t pairs = pairCount_.toHost().front();
-  if (pairs > kMostNodes) tooFine(cellSize);
+  if (pairs > kMaxNodes) tooFine(cellSize);
   dispatch(onDevice, [&](auto& device) { listOn(device, kernels, cellSize, pairs); });
   const std::int64_t blocks = headCount_.toHost().front();
-  if (blocks > kMostNodes / BlockKey::kNodes) tooFine(cellSize);
+  if (blocks > kMaxNodes / BlockKey::kNodes) tooFine(cellSize);
   grid_.resize(cellSize, blocks);
   dispatch(onDevice, [&](auto& device) { sumOn(device, kernels, pairs); });
   grid_.connect(onDevice);

@@ -4,7 +4,7 @@ namespace weir {
 
 namespace {
 
-constexpr float kLeastShare = 0.01f;  // of an edge, between a vertex and its ends
+constexpr float kMinShare = 0.01f;  // of an edge, between a vertex and its ends
 
 WEIR_HD Vec3i cornerAt(const Vec3i& node, int corner) {
   return {node.x + (corner & 1), node.y + (corner >> 1 & 1), node.z + (corner >> 2)};
@@ -79,7 +79,7 @@ struct PlaceVertices {
     const Vec3i other = cornerAt(c, 1 << axis);
     const float here = grid.value(block, c), there = grid.value(block, other);
     float share = (signs.level - here) / (there - here);
-    share = share > kLeastShare ? (share < 1 - kLeastShare ? share : 1 - kLeastShare) : kLeastShare;
+    share = share > kMinShare ? (share < 1 - kMinShare ? share : 1 - kMinShare) : kMinShare;
     const Vec3i corner = BlockKey::coordinates(keys[block]);
     Vec3f p{coordinate(corner.x, c.x), coordinate(corner.y, c.y), coordinate(corner.z, c.z)};
     p[axis] += share;

@@ -14,9 +14,9 @@ void ParticleKernels::make(Device& onDevice, const Array<Vec3f>& positions, std:
   size_ = 0;
   if (count == 0) return;
   dispatch(onDevice, [&](auto& device) { boundOn(device, positions.view(), count, farthest); });
-  constexpr std::int64_t kFewestCells = 1 << 12;
+  constexpr std::int64_t kMinCells = 1 << 12;
   const CellGrid grid =
-      chooseCellGrid(box_.toHost().front(), settings.radius, std::max<std::int64_t>(kFewestCells, count));
+      chooseCellGrid(box_.toHost().front(), settings.radius, std::max<std::int64_t>(kMinCells, count));
   dispatch(onDevice, [&](auto& device) { sortOn(device, positions.view(), count, grid, farthest); });
   size_ = kept_.toHost().front();
   kernels_.resizeDiscarding(size_);

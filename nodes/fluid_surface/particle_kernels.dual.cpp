@@ -10,7 +10,7 @@ namespace {
 constexpr float kPi = 3.14159265358979f;
 constexpr float kNormalization = 315 / (64 * kPi);  // ∫ W = 1
 constexpr float kVariance = 0.15f;                  // ∫ w·x² / ∫ w over a ball of radius 1
-constexpr float kLeastAxis = 0.25f;
+constexpr float kMinAxis = 0.25f;
 constexpr float kLongestAxis = 2;  // bounds what a kernel costs
 // Shares of the sum of weights in full fluid. A layer of single particles has about 0.36.
 constexpr float kLoneShare = 0.1f, kFullShare = 0.3f;
@@ -161,8 +161,8 @@ struct MakeKernel {
       const Lanes q2 = dot(d, d) * inverseSquare;
       const LaneMask near = (LaneInts::from(j) < end) & (q2 < Lanes(1.0f));
       // What is beyond the range may be no number.
-      moments.add(keptWhere(near, 1 - q2 * sqrtf(q2)),
-                  {keptWhere(near, d.x), keptWhere(near, d.y), keptWhere(near, d.z)});
+      moments.add(zeroUnless(near, 1 - q2 * sqrtf(q2)),
+                  {zeroUnless(near, d.x), zeroUnless(near, d.y), zeroUnless(near, d.z)});
     }
   }
 #else
@@ -191,7 +191,7 @@ struct MakeKernel {
     SymmetricMatrix inverse, squares;
     for (int k = 0; k < 3; ++k) {
       const float own = axisOf(eigen.values[k], usual), least = longest / settings.anisotropy;
-      const float full = clamped(own > least ? own : least, kLeastAxis, kLongestAxis);
+      const float full = clamped(own > least ? own : least, kMinAxis, kLongestAxis);
       const float axis = settings.loneAxis + blend * (full - settings.loneAxis);
       const double length = double(h) * double(axis);
       inverse.addProduct(1 / (length * length), eigen.vectors[k]);

@@ -65,7 +65,8 @@ TriangleMesh MeshFile::read(const Registry& registry) const {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw fileError("there is no such file");
-  if (!fs::is_regular_file(status)) throw fileError("this is no file but a folder or device", "a mesh file");
+  if (!fs::is_regular_file(status))
+    throw fileError("this is a folder or a device, not a file", "a mesh file");
 
   const std::string ending = lower(path.extension().string());
   std::set<std::string> readable;

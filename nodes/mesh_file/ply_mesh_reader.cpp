@@ -20,7 +20,7 @@ namespace weir {
 namespace {
 
 /// Vertices are numbered by int.
-constexpr std::uint64_t kMostVertices = 500'000'000;
+constexpr std::uint64_t kMaxVertices = 500'000'000;
 
 std::optional<std::size_t> findProperty(const PlyElement& element,
                                         std::initializer_list<std::string_view> names) {
@@ -73,9 +73,9 @@ class PlyMesh {
 
  private:
   void useVertices(const PlyElement& element) {
-    if (element.count > kMostVertices)
+    if (element.count > kMaxVertices)
       throw ioError("the file announces " + std::to_string(element.count) + " vertices",
-                    "at most " + std::to_string(kMostVertices));
+                    "at most " + std::to_string(kMaxVertices));
     vertexCount_ = element.count;
     constexpr std::array<std::string_view, 3> kNames{"x", "y", "z"};
     for (int k = 0; k < 3; ++k) {

@@ -18,11 +18,11 @@ constexpr const char* kAllowed = "the columns x, y, z, and vx, vy, vz or none of
 
 /// Long lists of foreign columns are cut in messages.
 std::string foundNames(const std::vector<std::string>& names) {
-  constexpr std::size_t kMostShown = 20;
+  constexpr std::size_t kMaxShown = 20;
   if (names.empty()) return "none";
   std::vector<std::string> shown;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostShown); ++i) shown.push_back(inQuotes(names[i]));
-  if (names.size() > kMostShown) shown.emplace_back("more");
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxShown); ++i) shown.push_back(inQuotes(names[i]));
+  if (names.size() > kMaxShown) shown.emplace_back("more");
   return joinNames(shown, " and ");
 }
 
@@ -58,7 +58,7 @@ std::string readParticleFile(const std::filesystem::path& file) {
   // A device or a pipe may never end. A folder or a missing file gets its message from reading it.
   if (status.type() != std::filesystem::file_type::directory && std::filesystem::exists(status) &&
       status.type() != std::filesystem::file_type::regular)
-    throw ioError("the file cannot be read: it is no regular file").at({.file = file.string()});
+    throw ioError("the file cannot be read: it is not a regular file").at({.file = file.string()});
   return readTextFile(file, std::numeric_limits<std::size_t>::max());
 }
 

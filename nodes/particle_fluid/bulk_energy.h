@@ -26,11 +26,11 @@ struct EnumNames<EnergyName> {
 
 class BulkEnergy {
  public:
-  static constexpr int kMostTerms = 8;
+  static constexpr int kMaxTerms = 8;
 
   /// B0.
   BulkEnergy() : BulkEnergy(std::vector<float>{1}) {}
-  /// From c_1, c_2, …; at most kMostTerms, none negative, one above zero.
+  /// From c_1, c_2, …; at most kMaxTerms, none negative, one above zero.
   explicit BulkEnergy(const std::vector<float>& coefficients) : terms_(int(coefficients.size())) {
     for (int k = 1; k <= terms_; ++k) {
       const float c = coefficients[std::size_t(k - 1)];
@@ -64,7 +64,7 @@ class BulkEnergy {
  private:
   int terms_;
   float constant_ = 0;
-  float ofExcess_[kMostTerms] = {};  // of e, e², …
+  float ofExcess_[kMaxTerms] = {};  // of e, e², …
 };
 
 }  // namespace weir

@@ -10,11 +10,11 @@
 namespace weir {
 
 /// In a corner, leaving one wall may mean entering another.
-inline constexpr int kMostContacts = 4;
+inline constexpr int kMaxContacts = 4;
 
 /// p, moved out of solids that are nearer than `radius`.
 WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f p) {
-  for (int contacts = 0; contacts < kMostContacts; ++contacts) {
+  for (int contacts = 0; contacts < kMaxContacts; ++contacts) {
     const BoundaryHit hit = boundaryQuery(boundary, p);
     if (!(hit.distance < radius)) break;
     p += (radius - hit.distance) * hit.normal;
@@ -25,7 +25,7 @@ WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f 
 #ifdef WEIR_HAS_EIGHT
 /// The same of those `near` a box among eight.
 inline Vec3<Lanes> movedOut(const Shape& box, float radius, Vec3<Lanes> p, LaneMask near) {
-  for (int contacts = 0; contacts < kMostContacts && any(near); ++contacts) {
+  for (int contacts = 0; contacts < kMaxContacts && any(near); ++contacts) {
     const EightDistances hit = boxDistance(box, p);
     near = near & (hit.distance < Lanes(radius));
     p = select(near, p + (radius - hit.distance) * hit.normal, p);
@@ -57,7 +57,7 @@ struct Contain {
     const LaneMask moved = !((p.x == q.x) & (p.y == q.y) & (p.z == q.z));
     if (!any(moved)) return;
     write(displacement, i, select(moved, q - read(predicted, i), read(displacement, i)));
-    write(state, i, {q.x, q.y, q.z, keptWhere(!moved, before.w)});
+    write(state, i, {q.x, q.y, q.z, zeroUnless(!moved, before.w)});
   }
 #endif
 

@@ -54,9 +54,8 @@ double packingCalibration(double supportRatio) {
 }
 
 double settledResponse(double supportRatio) {
-  constexpr double kLeast = 1.2;  // below, K' would be so large that the rounding of λ made noise
-  const double q =
-      std::clamp(supportRatio, kLeast, kFirstRatio + kRatioStep * (std::size(kPackingCurve) - 2));
+  constexpr double kMin = 1.2;  // below, K' would be so large that the rounding of λ made noise
+  const double q = std::clamp(supportRatio, kMin, kFirstRatio + kRatioStep * (std::size(kPackingCurve) - 2));
   const double low = q - kRatioStep, high = q + kRatioStep;
   return 1 - std::log(packingCalibration(high) / packingCalibration(low)) / (3 * std::log(high / low));
 }

@@ -25,22 +25,22 @@ namespace {
 
 void warnOfFall(const FluidOutlook& outlook, const std::string& where, double gravity) {
   // Fewer steps than this over the first spacing of a free fall, √(2d/g).
-  constexpr double kLeastSteps = 4;
+  constexpr double kMinSteps = 4;
   const double fall = std::sqrt(2 * outlook.constants.spacing / gravity);
-  if (fall >= kLeastSteps * outlook.dt * (1 - kSettingRounding)) return;
+  if (fall >= kMinSteps * outlook.dt * (1 - kSettingRounding)) return;
   warnOfSetting(outlook.log, where,
                 fmt::format("a particle falls its first spacing in {:.3g} steps of {:.3g} s",
                             fall / outlook.dt, outlook.dt),
-                fmt::format("a world.dt of at most {:.2g} s, or world.cfl", fall / kLeastSteps));
+                fmt::format("a world.dt of at most {:.2g} s, or world.cfl", fall / kMinSteps));
 }
 
 void warnOfSpeed(const FluidOutlook& outlook, const std::string& where, double speed) {
   const double spacing = outlook.constants.spacing, travel = speed * outlook.dt / spacing;
-  if (travel <= kMostTravel * (1 + kSettingRounding)) return;
+  if (travel <= kMaxTravel * (1 + kSettingRounding)) return;
   warnOfSetting(outlook.log, where,
                 fmt::format("particles start with up to {:.4g} m/s, {:.3g} spacings in a step of {:.3g} s",
                             speed, travel, outlook.dt),
-                fmt::format("a world.dt of at most {:.2g} s, or world.cfl", kMostTravel * spacing / speed));
+                fmt::format("a world.dt of at most {:.2g} s, or world.cfl", kMaxTravel * spacing / speed));
 }
 
 void warnOfWeight(const FluidOutlook& outlook, const std::string& where) {

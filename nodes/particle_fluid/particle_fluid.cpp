@@ -78,11 +78,11 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
     const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
     return fmt::format("a spacing of at least {:.3g} m", std::ceil(fitting / digit) * digit);
   };
-  constexpr double kMost = std::numeric_limits<int>::max();
-  if (!(most_ <= kMost))
+  constexpr double kMax = std::numeric_limits<int>::max();
+  if (!(most_ <= kMax))
     throw sceneError(
         fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
-        fmt::format("at most {:.0f}", kMost), needs.remedy(kMost / most_));
+        fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / most_));
   needs.particles = most_;
   needs.device = memoryFor(context.device, most_);
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
@@ -143,7 +143,7 @@ void ParticleFluid::resetModules(FluidStep& step) {
   pipeline_.forEach("reset", [&](FluidModule& module) { module.reset(step); });
 }
 
-void ParticleFluid::comeToRest(const StepContext& context) {
+void ParticleFluid::relaxInitialState(const StepContext& context) {
   Log silent;  // the modules have been reset before, and have said what they had to say
   // Regions act only after the solver, so in long steps gravity would press fluid through their sides.
   constexpr double kLongestFall = 0.05;  // spacings, g·dt²
@@ -180,7 +180,7 @@ double ParticleFluid::largestSpeed(Device& onDevice) {
 }
 
 void ParticleFluid::step(const StepContext& context) {
-  if (state_->restDt) comeToRest(context);
+  if (state_->restDt) relaxInitialState(context);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   if (state_->particles.bound() == 0) return;
   FluidStep step = fluidStep(context);
@@ -208,7 +208,7 @@ void ParticleFluid::give(const ParticleBatch& born, double time) {
 }
 
 void ParticleFluid::frame(const StepContext& context) {
-  if (state_->restDt) comeToRest(context);
+  if (state_->restDt) relaxInitialState(context);
   refresh(context);
 }
 
@@ -247,14 +247,15 @@ void ParticleFluid::warnOfSettings(const SetupContext& context) {
 void ParticleFluid::checkEvents() {
   State& state = *state_;
   // A few lost numbers are tolerated and reported; more means that the simulation has blown up.
-  constexpr std::int64_t kMostNonFinite = 10;
-  constexpr double kMostNonFiniteShare = 1e-3;
+  constexpr std::int64_t kMaxNonFinite = 10;
+  constexpr double kMaxNonFiniteShare = 1e-3;
   state.events = state.neighbors.eventsOnHost();
-  const double most = std::max(double(kMostNonFinite), kMostNonFiniteShare * double(state.particles.bound()));
+  const double most = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
   if (state.events.nonFinite > most)
     throw simulationError(
-        fmt::format("the simulation diverged: {} particles have positions or velocities that are no numbers",
-                    state.events.nonFinite),
+        fmt::format(
+            "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",
+            state.events.nonFinite),
         {}, "use a smaller world.dt, a smaller bulk_modulus, or more solver iterations");
   if (state.particles.device().deterministic() && state.events.cutOffByOrder > 0)
     throw simulationError(
@@ -278,7 +279,7 @@ void ParticleFluid::report(NodeReport& report) {
       {"neighbour lists were cut off (more neighbours than there is room for)", state.events.truncated});
   report.events.push_back({"particles left the domain and were removed", state.events.escaped});
   report.events.push_back(
-      {"particles with positions that are no numbers were removed", state.events.nonFinite});
+      {"particles with positions that are NaN or infinite were removed", state.events.nonFinite});
   pipeline_.forEachEnabled("report", [&](FluidModule& module) { module.report(report); });
 }
 

@@ -26,7 +26,7 @@ struct SpeedSquared {
   ArrayView<const Vec3f> velocities;
   WEIR_HD float operator()(std::int64_t i) const {
     const Vec3f v = velocities[i];
-    // Particles that are no numbers are removed and counted elsewhere.
+    // Particles that are NaN or infinite are removed and counted elsewhere.
     return isFinite(v) ? dot(v, v) : 0.0f;
   }
 };

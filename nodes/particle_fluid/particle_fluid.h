@@ -88,7 +88,7 @@ class ParticleFluid final : public Node {
                        "rest_steps",
                        3000,
                        {.min = 0,
-                        .doc = "At most so many damped steps bring relaxed initial particles to rest in "
+                        .doc = "At most this many damped steps bring relaxed initial particles to rest in "
                                "their regions before the start; 0 leaves them as they were sampled."}};
   Param<std::optional<Vec3f>> domainMin{
       *this,
@@ -154,7 +154,7 @@ class ParticleFluid final : public Node {
   FluidStep fluidStep(const StepContext& time);
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.
-  void comeToRest(const StepContext& context);
+  void relaxInitialState(const StepContext& context);
   void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;

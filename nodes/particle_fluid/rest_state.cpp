@@ -23,10 +23,10 @@ float RestState::Resting::contact() const {
 }
 
 bool RestState::liftUnheld(int steps) {
-  constexpr double kMostCarried = 0.1;
+  constexpr double kMaxCarried = 0.1;
   bool any = false;
   for (Resting& of : batches_)
-    if (of.undecided() && of.carried > kMostCarried * steps) any = of.weightless = true;
+    if (of.undecided() && of.carried > kMaxCarried * steps) any = of.weightless = true;
   return any;
 }
 
@@ -34,7 +34,7 @@ int RestState::reach(int most, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
   // Between two stops; sooner, an implicit step that has just begun to carry pressure looks like the peak.
-  constexpr int kLeastMotion = 8;
+  constexpr int kMinMotion = 8;
   double last = 0;
   int taken = 0, stopped = 0;
   bool moving = true;
@@ -48,7 +48,7 @@ int RestState::reach(int most, const std::function<void()>& step) {
     double square = 0;
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
     // Motion is stopped where it is fastest, which is where the forces vanish.
-    const bool fastest = square <= last && taken - stopped >= kLeastMotion;
+    const bool fastest = square <= last && taken - stopped >= kMinMotion;
     const bool calm = fastest && square <= atRest;
     // Before, pushes are those of particles on their way to where they will rest.
     const bool lifted = (calm || (fastest && 2 * taken > most)) && liftUnheld(taken - stopped);

@@ -38,8 +38,8 @@ struct Contain {
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (!batch.has(i)) return;
-    constexpr int kMostContacts = 4;
-    for (int k = 0; k < kMostContacts; ++k) {
+    constexpr int kMaxContacts = 4;
+    for (int k = 0; k < kMaxContacts; ++k) {
       const BoundaryHit hit = boundaryQuery(container, positions[i]);
       if (!(hit.distance < contact)) return;
       positions[i] += (contact - hit.distance) * hit.normal;

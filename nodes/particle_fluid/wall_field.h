@@ -39,7 +39,7 @@ struct WallFieldView {
     if (!any(at.w > T(0))) return T(0);
     Vec3<T> way = u;
     if (base.size > 0) way -= read(base, i);
-    return keptWhere(at.w > T(0), positivePart(at.w + dot(xyz(at), way)));
+    return zeroUnless(at.w > T(0), positivePart(at.w + dot(xyz(at), way)));
   }
 };
 

@@ -16,7 +16,7 @@ void BoxSampler::validate() const {
           .inParameter(min.name());
 }
 
-double BoxSampler::mostParticles() const {
+double BoxSampler::maxParticleCount() const {
   return static_cast<double>(Lattice::inBox({min, max}, requestedSpacing()).size());
 }
 

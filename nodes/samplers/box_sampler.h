@@ -20,7 +20,7 @@ class BoxSampler final : public Sampler {
   void reset(const SetupContext& context) override;
 
  protected:
-  double mostParticles() const override;
+  double maxParticleCount() const override;
 };
 
 }  // namespace weir

@@ -9,7 +9,7 @@
 
 namespace weir {
 
-double MeshSampler::mostParticles() const {
+double MeshSampler::maxParticleCount() const {
   const TriangleMesh& mesh = *surface;
   const Aabb box = mesh.bounds();
   if (mesh.empty() || !isFinite(box.lo) || !isFinite(box.hi)) return 0;  // reset() says so

@@ -19,7 +19,7 @@ class MeshSampler final : public Sampler {
   void reset(const SetupContext& context) override;
 
  protected:
-  double mostParticles() const override;
+  double maxParticleCount() const override;
   double regionMemory() const override;
 
  private:

@@ -72,15 +72,15 @@ void Sampler::warnOfRounding(const SetupContext& context, double volume, float s
 }
 
 void Sampler::warnOfThinness(const SetupContext& context, double thickness, float spacing) const {
-  if (thickness >= kLeastSpacings * spacing * (1 - kSettingRounding)) return;
+  if (thickness >= kMinSpacings * spacing * (1 - kSettingRounding)) return;
   warnOfSetting(context.log, fmt::format("node '{}'", name()),
                 fmt::format("the region is {:.3g} spacings thick, so the fluid in it is not resolved",
                             thickness / spacing),
-                fmt::format("a spacing of at most {:.2g} m", thickness / kLeastSpacings));
+                fmt::format("a spacing of at most {:.2g} m", thickness / kMinSpacings));
 }
 
 void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
-  particles->most = mostParticles();
+  particles->most = maxParticleCount();
   needs.add(bytesOfArrays(particles->most, particles->positions));
   if (relaxed()) needs.add(regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides

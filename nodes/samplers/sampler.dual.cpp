@@ -13,14 +13,14 @@ struct PutInside {
   ArrayView<Vec3f> positions;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    constexpr int kMostContacts = 4;  // in a corner, leaving one face may mean to cross another
+    constexpr int kMaxContacts = 4;  // in a corner, leaving one face may mean to cross another
     Vec3f p = positions[i];
     BoundaryHit hit = boundaryQuery(outside, p);
-    for (int k = 0; k < kMostContacts && hit.distance < 0; ++k) {
+    for (int k = 0; k < kMaxContacts && hit.distance < 0; ++k) {
       p -= 2 * hit.distance * hit.normal;
       hit = boundaryQuery(outside, p);
     }
-    for (int k = 0; k < kMostContacts && hit.distance < contact; ++k) {
+    for (int k = 0; k < kMaxContacts && hit.distance < contact; ++k) {
       p += (contact - hit.distance) * hit.normal;
       hit = boundaryQuery(outside, p);
     }

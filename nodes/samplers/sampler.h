@@ -61,7 +61,7 @@ class Sampler : public Node {
   };
 
   /// How many particles fill() will make at most, for the spacing that the fluid asks for.
-  virtual double mostParticles() const = 0;
+  virtual double maxParticleCount() const = 0;
   /// Bytes on the device of what a relaxed arrangement takes beside its particles.
   virtual double regionMemory() const { return 0; }
   /// What the fluid below asks for; throws a scene Error if there is none.

@@ -5,7 +5,7 @@
 
 namespace weir {
 
-double SphereSampler::mostParticles() const {
+double SphereSampler::maxParticleCount() const {
   const double spacing = requestedSpacing(), reach = radius + jitter * spacing;
   const double nodes =
       static_cast<double>(Lattice::around(center, static_cast<float>(reach), requestedSpacing()).size());

@@ -22,7 +22,7 @@ class SphereSampler final : public Sampler {
   void reset(const SetupContext& context) override;
 
  protected:
-  double mostParticles() const override;
+  double maxParticleCount() const override;
 };
 
 }  // namespace weir

@@ -90,7 +90,7 @@ inline EightDistances boxDistance(const Shape& box, const Vec3<Lanes>& at) {
   const Lanes beyond = sqrtf(dot(out, out));
   const LaneMask outside = beyond > zero, x = !(q.x < q.y) & !(q.x < q.z), y = !x & !(q.y < q.z);
   const auto along = [&](const LaneMask& nearest, const Lanes& part, const Lanes& axis) {
-    return select(outside, axis * (part / beyond), keptWhere(nearest, axis));
+    return select(outside, axis * (part / beyond), zeroUnless(nearest, axis));
   };
   const Vec3<Lanes> n{along(x, out.x, sign.x), along(y, out.y, sign.y), along(!x & !y, out.z, sign.z)};
   const Vec3<Lanes> normal = rotated(box.rotation, n);

@@ -151,7 +151,7 @@ double StaticBoundary::thickness() const {
 }
 
 void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) const {
-  const double least = inverted ? kLeastSpacings : 1;
+  const double least = inverted ? kMinSpacings : 1;
   if (thickness() >= least * spacing * (1 - kSettingRounding)) return;
   warnOfSetting(context.log, fmt::format("node '{}'", name()),
                 fmt::format("the {} is {:.3g} spacings thick, so {}", inverted ? "room inside" : "solid",

@@ -12,10 +12,10 @@ void TurningModel::validate() const {
     throw sceneError("both caps and a thickness are given, but a wall has no caps", "one of them")
         .inParameter(caps.name());
   const std::size_t vertices = outline().points.size() * static_cast<std::size_t>(segments.get());
-  constexpr std::size_t kMostVertices = 5'000'000;
-  if (vertices > kMostVertices)
+  constexpr std::size_t kMaxVertices = 5'000'000;
+  if (vertices > kMaxVertices)
     throw sceneError(fmt::format("{} segments make {} vertices of this profile", segments.get(), vertices),
-                     fmt::format("at most {} vertices", kMostVertices))
+                     fmt::format("at most {} vertices", kMaxVertices))
         .inParameter(segments.name());
 }
 

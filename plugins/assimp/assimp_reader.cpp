@@ -27,7 +27,7 @@ constexpr const char* kMemoryVariable = "WEIR_MESH_MEMORY_MB";
 constexpr const char* kTimeVariable = "WEIR_MESH_SECONDS";
 
 /// Vertices are numbered by int, and a file may use one mesh in many places.
-constexpr std::size_t kMostVertices = 500'000'000;
+constexpr std::size_t kMaxVertices = 500'000'000;
 
 /// Assimp's readers do not check all that its own triangulation relies on.
 void checkFaces(const aiScene& scene) {
@@ -71,8 +71,8 @@ class SceneTriangles {
  private:
   void add(const aiMesh& mesh, const aiMatrix4x4& transform) {
     const std::size_t first = result_.vertices.size();
-    if (first + mesh.mNumVertices > kMostVertices)
-      throw ioError("the file has more than " + std::to_string(kMostVertices) + " vertices");
+    if (first + mesh.mNumVertices > kMaxVertices)
+      throw ioError("the file has more than " + std::to_string(kMaxVertices) + " vertices");
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D v = transform * mesh.mVertices[i];
       result_.vertices.push_back({v.x, v.y, v.z});
@@ -119,15 +119,15 @@ bool contains(const auto& list, std::string_view item) {
 
 /// A positive integer from the environment, in place of a limit's default.
 std::uint64_t limitFrom(const char* variable, std::uint64_t usual) {
-  constexpr std::uint64_t kMost = 1'000'000'000;
+  constexpr std::uint64_t kMax = 1'000'000'000;
   const char* text = std::getenv(variable);
   if (text == nullptr || *text == 0) return usual;
   const char* end = text + std::strlen(text);
   std::uint64_t number = 0;
   const auto [rest, error] = std::from_chars(text, end, number);
-  if (error != std::errc() || rest != end || number == 0 || number > kMost)
+  if (error != std::errc() || rest != end || number == 0 || number > kMax)
     throw usageError(std::string(variable) + " is " + inQuotes(text),
-                     "an integer from 1 to " + std::to_string(kMost));
+                     "an integer from 1 to " + std::to_string(kMax));
   return number;
 }
 
@@ -135,11 +135,11 @@ constexpr std::uint64_t kMegabyte = std::uint64_t{1} << 20;
 
 /// Far more than a good file needs, and little enough for any machine.
 ForkedLimits limitsFor(std::uint64_t fileSize) {
-  constexpr std::uint64_t kLeastMegabytes = 256, kTimesFile = 10;
-  constexpr std::uint64_t kLeastSeconds = 20, kBytesPerSecond = 1'000'000;
+  constexpr std::uint64_t kMinMegabytes = 256, kTimesFile = 10;
+  constexpr std::uint64_t kMinSeconds = 20, kBytesPerSecond = 1'000'000;
   const std::uint64_t megabytes =
-      limitFrom(kMemoryVariable, kLeastMegabytes + kTimesFile * fileSize / kMegabyte);
-  const std::uint64_t seconds = limitFrom(kTimeVariable, kLeastSeconds + fileSize / kBytesPerSecond);
+      limitFrom(kMemoryVariable, kMinMegabytes + kTimesFile * fileSize / kMegabyte);
+  const std::uint64_t seconds = limitFrom(kTimeVariable, kMinSeconds + fileSize / kBytesPerSecond);
   return {
       .cpuSeconds = static_cast<int>(seconds),
       .seconds = static_cast<int>(3 * std::min<std::uint64_t>(seconds, 100'000'000)),  // disks may be slow
@@ -176,7 +176,7 @@ TriangleMesh unpacked(std::string_view bytes) {
   const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };
   const bool good = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                                 [&](const Vec3i& t) { return there(t.x) && there(t.y) && there(t.z); });
-  if (!good) throw ioError("the file is damaged: what was read from it makes no sense");
+  if (!good) throw ioError("the file is damaged: its contents are inconsistent");
   return mesh;
 }
 

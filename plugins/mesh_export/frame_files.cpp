@@ -20,7 +20,7 @@ FrameFiles::FrameFiles(fs::path folder, std::string extension)
         .at({.file = folder_.string()});
   };
   if (!fs::is_directory(folder_, error)) {
-    if (fs::exists(folder_, error)) throw refuse("it is no folder");
+    if (fs::exists(folder_, error)) throw refuse("it is not a folder");
     fs::create_directory(folder_, error);
     if (error) throw refuse(error.message());
   }

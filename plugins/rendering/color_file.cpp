@@ -85,7 +85,7 @@ Table readPreset(const fs::path& file, const std::string& text) {
   const Value* points = preset.find("RGBPoints");
   const std::string allowed = "a list of presets with \"RGBPoints\": [value, red, green, blue, …]";
   if (points == nullptr || !points->isArray() || points->asArray().size() % 4 != 0)
-    throw ioError("this is no colour map of ParaView's", allowed).at({.file = file.string()});
+    throw ioError("this is not a ParaView colour map", allowed).at({.file = file.string()});
   Table table;
   table.hasValues = true;
   const Value::Array& numbers = points->asArray();

@@ -83,7 +83,8 @@ std::shared_ptr<const EnvironmentImage> readEnvironment(const fs::path& file, fl
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
   if (stbi_is_hdr_from_memory(data, size) == 0)
-    throw wrong(file, "this is no Radiance picture", "a file that begins with #?RADIANCE, as .hdr files do");
+    throw wrong(file, "this is not a Radiance picture",
+                "a file that begins with #?RADIANCE, as .hdr files do");
   if (stbi_info_from_memory(data, size, &width, &height, &channels) == 0)
     throw wrong(file, "the Radiance picture has a damaged head", "a whole .hdr file");
   if (width != 2 * height || width > kWidest)

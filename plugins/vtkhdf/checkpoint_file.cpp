@@ -142,7 +142,7 @@ Checkpoint readWhole(const fs::path& file) {
   const hdf5::File opened = hdf5::File::open(file);
   const hdf5::Group top = opened.root();
   if (!top.isGroup(kRoot))
-    throw ioError("this is no checkpoint", "a file that --checkpoint wrote").at({.file = file.string()});
+    throw ioError("this is not a checkpoint", "a file that --checkpoint wrote").at({.file = file.string()});
   const hdf5::Group root = top.group(kRoot);
   const std::vector<std::int64_t> format = root.intAttribute("format");
   if (format.size() != 1 || format[0] != kFormat)
@@ -195,9 +195,9 @@ void Hdf5CheckpointStore::write(const fs::path& file, const Checkpoint& checkpoi
 
 Checkpoint Hdf5CheckpointStore::read(const fs::path& file) const {
   // A damaged file can crash the library, so another process reads it first.
-  constexpr int kMostSeconds = 600;
+  constexpr int kMaxSeconds = 600;
   try {
-    hdf5::runIsolated([&] { return readWhole(file).version; }, kMostSeconds);
+    hdf5::runIsolated([&] { return readWhole(file).version; }, kMaxSeconds);
     return readWhole(file);
   } catch (Error& e) {
     throw e.at({.file = file.string()});

@@ -18,8 +18,7 @@ class ExportSettings final : public Configurable {
       std::nullopt,
       {.doc = "The attributes to write, such as velocity and density; all if it is left out. Positions are "
               "always written."}};
-  Param<int> every{
-      *this, "every", 1, {.min = 1, .doc = "Write every so manieth frame, beginning with frame 0."}};
+  Param<int> every{*this, "every", 1, {.min = 1, .doc = "Write every n-th frame, starting with frame 0."}};
   Param<std::optional<double>> rate{
       *this,
       "rate",
@@ -27,8 +26,7 @@ class ExportSettings final : public Configurable {
       {.unit = "1/s",
        .min = 0,
        .aboveMin = true,
-       .doc =
-           "In place of every: write so many frames a simulated second, at the times of the run's frames."}};
+       .doc = "Instead of every: the number of frames per simulated second, at times of the run's frames."}};
   Param<float> positionError{
       *this,
       "position_error",

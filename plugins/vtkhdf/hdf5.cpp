@@ -198,11 +198,11 @@ std::vector<std::int64_t> Object::intAttribute(const char* name) const {
   const Handle attribute = checkedHandle(H5Aopen(id(), name, H5P_DEFAULT), H5Aclose, "open an attribute of");
   const Handle type = checkedHandle(H5Aget_type(attribute.get()), H5Tclose, "read an attribute's type of");
   if (H5Tget_class(type.get()) != H5T_INTEGER)
-    throw error("has an attribute " + std::string(name) + " that is no integer");
+    throw error("has an attribute " + std::string(name) + " that is not an integer");
   const Handle space = checkedHandle(H5Aget_space(attribute.get()), H5Sclose, "read an attribute's size of");
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-  constexpr hssize_t kMost = 16;
-  if (count < 1 || count > kMost)
+  constexpr hssize_t kMax = 16;
+  if (count < 1 || count > kMax)
     throw error("has an attribute " + std::string(name) + " of " + std::to_string(count) + " values");
   std::vector<std::int64_t> values(static_cast<std::size_t>(count));
   checked(H5Aread(attribute.get(), H5T_NATIVE_INT64, values.data()), "read an attribute of");
@@ -214,7 +214,7 @@ std::string Object::textAttribute(const char* name) const {
   const Handle type = checkedHandle(H5Aget_type(attribute.get()), H5Tclose, "read an attribute's type of");
   const Handle space = checkedHandle(H5Aget_space(attribute.get()), H5Sclose, "read an attribute's size of");
   if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1)
-    throw error("has an attribute " + std::string(name) + " that is no text");
+    throw error("has an attribute " + std::string(name) + " that is not text");
   if (H5Tis_variable_str(type.get()) > 0) {
     char* text = nullptr;
     checked(H5Aread(attribute.get(), type.get(), &text), "read an attribute of");
@@ -272,8 +272,8 @@ Dataset::Dataset(Handle handle, std::shared_ptr<const std::string> file, std::st
     throw error("has " + std::to_string(dimensions_) + " dimensions", "one or two");
   std::array<hsize_t, 2> size{0, 1};
   checked(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), "read the shape of");
-  constexpr hsize_t kMostRows = hsize_t{1} << 48, kMostColumns = 1 << 10;
-  if (size[0] > kMostRows || size[1] > kMostColumns)
+  constexpr hsize_t kMaxRows = hsize_t{1} << 48, kMaxColumns = 1 << 10;
+  if (size[0] > kMaxRows || size[1] > kMaxColumns)
     throw error("claims " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " numbers");
   rows_ = static_cast<std::int64_t>(size[0]);
   columns_ = static_cast<std::int64_t>(size[1]);
@@ -423,7 +423,7 @@ std::string Group::readText(const std::string& name) const {
   const Handle space = checkedHandle(H5Dget_space(set.get()), H5Sclose, "read the size of a text of");
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0 ||
       H5Sget_simple_extent_npoints(space.get()) != 1)
-    throw error("holds " + inQuotes(name) + ", which is no text of fixed length");
+    throw error("holds " + inQuotes(name) + ", which is not text of fixed length");
   if (H5Tget_size(type.get()) > std::max<hsize_t>(H5Dget_storage_size(set.get()), 1))
     throw error("holds a text " + inQuotes(name) + " that is not all there");
   std::string text(H5Tget_size(type.get()), '\0');

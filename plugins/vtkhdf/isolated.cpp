@@ -23,10 +23,10 @@ std::string runIsolated(const std::function<std::string()>& work, int cpuSeconds
 }
 
 int cpuSecondsFor(const std::filesystem::path& file) {
-  constexpr double kLeast = 20, kMost = 1e6, kBytesPerSecond = 1e6;
+  constexpr double kMin = 20, kMax = 1e6, kBytesPerSecond = 1e6;
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
-  return static_cast<int>(error ? kLeast : std::min(kLeast + double(size) / kBytesPerSecond, kMost));
+  return static_cast<int>(error ? kMin : std::min(kMin + double(size) / kBytesPerSecond, kMax));
 }
 
 }  // namespace weir::hdf5

@@ -84,7 +84,7 @@ fs::path target(const fs::path& file) {
   const fs::file_status status = fs::status(real, error);
   if (fs::is_directory(status)) throw refuse("the export would replace a folder", "the name of a file");
   if (fs::exists(status) && !fs::is_regular_file(status))
-    throw refuse("the export would replace something that is no file", "the name of a file");
+    throw refuse("the export would replace something that is not a file", "the name of a file");
   if (fs::exists(status) && ::access(real.c_str(), W_OK) != 0)
     throw refuse("the file exists and may not be written", "a file that may be written, or a new name");
   if (!fs::is_directory(real.parent_path(), error))

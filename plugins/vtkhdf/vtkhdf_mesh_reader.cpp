@@ -38,7 +38,7 @@ TriangleMesh unpacked(std::string_view bytes) {
   const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };
   const bool good = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                                 [&](const Vec3i& t) { return there(t.x) && there(t.y) && there(t.z); });
-  if (!good) throw ioError("the file is damaged: what was read from it makes no sense");
+  if (!good) throw ioError("the file is damaged: its contents are inconsistent");
   return mesh;
 }
 

@@ -65,7 +65,7 @@ ParticleData unpacked(std::string_view bytes) {
   };
   if (data.positions.empty() || data.positions.size() != data.velocities.size() || !finite(data.positions) ||
       !finite(data.velocities))
-    throw ioError("the file is damaged: what was read from it makes no sense");
+    throw ioError("the file is damaged: its contents are inconsistent");
   return data;
 }
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using hdf5::Dataset;
 using hdf5::Group;
 
-constexpr std::int64_t kMostPoints = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMaxPoints = std::numeric_limits<std::int32_t>::max();
 /// Deflate cannot shrink data further than this, so a file that claims more is damaged.
 constexpr double kStrongestCompression = 1032;
 
@@ -27,7 +27,7 @@ void checkIsFile(const fs::path& file) {
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status)) throw ioError("there is no such file").at({.file = file.string()});
   if (!fs::is_regular_file(status))
-    throw ioError("this is no file but a folder or device").at({.file = file.string()});
+    throw ioError("this is a folder or a device, not a file").at({.file = file.string()});
 }
 
 std::vector<Vec3f> asVectors(const std::vector<float>& numbers) {
@@ -72,7 +72,7 @@ void checkTriangles(const Group& polygons, std::int64_t cells, std::int64_t ids,
   bool good = ids == 3 * cells;
   for (std::size_t i = 0; good && i < offsets.size(); ++i)
     good = offsets[i] == 3 * static_cast<std::int64_t>(i);
-  if (!good) throw polygons.error("holds polygons that are no triangles", "triangles");
+  if (!good) throw polygons.error("holds polygons that are not triangles", "triangles");
 }
 
 VtkHdfArray readArray(const Dataset& set, const std::string& name, std::int64_t first, std::int64_t count) {
@@ -184,9 +184,9 @@ VtkHdfReader::Open::Parts VtkHdfReader::Open::partsOf(std::size_t step) const {
   Parts found{.first = first, .points = {}};
   for (std::int64_t i = first; i < first + here; ++i) {
     const std::int64_t count = counts[static_cast<std::size_t>(i)];
-    if (count < 0 || count > kMostPoints - found.allPoints)
+    if (count < 0 || count > kMaxPoints - found.allPoints)
       throw root->error("claims " + std::to_string(count) + " points in part " + std::to_string(i),
-                        "0 to " + std::to_string(kMostPoints) + " in a step");
+                        "0 to " + std::to_string(kMaxPoints) + " in a step");
     found.points.push_back(count);
     found.allPoints += count;
   }

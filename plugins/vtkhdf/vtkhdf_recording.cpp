@@ -80,7 +80,7 @@ class VtkHdfRecording final : public Recording {
 }  // namespace
 
 std::unique_ptr<Recording> VtkHdfRecordingReader::open(const std::filesystem::path& file) const {
-  constexpr int kMostSeconds = 600;
+  constexpr int kMaxSeconds = 600;
   try {
     hdf5::runIsolated(
         [&] {
@@ -88,7 +88,7 @@ std::unique_ptr<Recording> VtkHdfRecordingReader::open(const std::filesystem::pa
           recording.read(recording.times().size() - 1);
           return std::string();
         },
-        kMostSeconds);
+        kMaxSeconds);
     return std::make_unique<VtkHdfRecording>(file);
   } catch (Error& error) {
     throw error.at({.file = file.string()});

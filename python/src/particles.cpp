@@ -152,7 +152,7 @@ void Particles::assign(const std::string& name, nb::handle values) const {
 nb::object Particles::add(const std::string& name, const std::string& type, const std::string& unit,
                           const std::string& doc) const {
   if (!isName(name))
-    throw usageError(inQuotes(name) + " is no name for an attribute",
+    throw usageError(inQuotes(name) + " is not a valid name for an attribute",
                      "letters, digits, '_' and '-', starting with a letter");
   const AttributeInfo info{name, typeNamed(type), unit, doc};
   ParticleSet& particles = set();

@@ -234,7 +234,7 @@ void PythonScene::insertModule(const std::string& node, std::unique_ptr<Module> 
                                const std::string& name, std::optional<std::size_t> index) {
   PipelineBase& modules = pipeline(node);
   if (!isName(name))
-    throw sceneError(inQuotes(name) + " is no name for a module",
+    throw sceneError(inQuotes(name) + " is not a valid name for a module",
                      "letters, digits, '_' and '-', starting with a letter");
   if (index)
     modules.insert(*index, std::move(module), name);

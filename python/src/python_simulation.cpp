@@ -63,10 +63,10 @@ std::vector<std::unique_ptr<Observer>> makeObservers(const Registry& registry,
 PythonSimulation::PythonSimulation(std::shared_ptr<PythonScene> scene, const std::string& device, int threads,
                                    bool deterministic)
     : scene_(std::move(scene)) {
-  constexpr int kMostThreads = 1024;
-  if (threads < 0 || threads > kMostThreads)
+  constexpr int kMaxThreads = 1024;
+  if (threads < 0 || threads > kMaxThreads)
     throw usageError("found threads=" + std::to_string(threads),
-                     "1 to " + std::to_string(kMostThreads) + ", or 0 for one a core");
+                     "1 to " + std::to_string(kMaxThreads) + ", or 0 for one a core");
   number_ = scene_->simulate(device, threads);
   scene_->device()->setDeterministic(deterministic);
   reset();

@@ -109,7 +109,7 @@ class Comparison:
         for moment in moments.values():
             if moment["particles"] != like["size"] or not moment["finite"]:
                 raise Failed(f"SPlisHSPlasH's {method} holds {moment['particles']} particles, of {like['size']}"
-                             + ("" if moment["finite"] else ", and positions that are no numbers"))
+                             + ("" if moment["finite"] else ", and positions that are NaN or infinite"))
         return {"program": "SPlisHSPlasH", "method": method, "moments": moments}
 
     def all(self, say):

@@ -63,7 +63,7 @@ say "A new plugin"
 "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force" >/dev/null
 fails_with 5 "exists already" "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force"
 for name in "" 2fast My_Force my-force ../force class weir; do
-  fails_with 2 "is no name for a plugin" "$weir/bin/weir" new-plugin "$name" --directory "$folder/other"
+  fails_with 2 "is not a valid name for a plugin" "$weir/bin/weir" new-plugin "$name" --directory "$folder/other"
 done
 fails_with 2 "there is a plugin 'vtkhdf' already" "$weir/bin/weir" new-plugin vtkhdf --directory "$folder/other"
 [ ! -e "$folder/other" ] || fail "a refused plugin left files"

@@ -11,8 +11,8 @@ namespace weir::test {
 /// One to four mistakes in a text that is not empty; the same seed makes the same mistakes.
 inline std::string damaged(std::string bytes, std::uint64_t seed) {
   Random random(seed);
-  constexpr std::size_t kMostMistakes = 4, kLongestPiece = 40;
-  for (std::size_t left = 1 + random.below(kMostMistakes); left > 0 && !bytes.empty(); --left) {
+  constexpr std::size_t kMaxMistakes = 4, kLongestPiece = 40;
+  for (std::size_t left = 1 + random.below(kMaxMistakes); left > 0 && !bytes.empty(); --left) {
     const std::size_t at = random.below(bytes.size());
     const std::size_t size = std::min(1 + random.below(kLongestPiece), bytes.size() - at);
     switch (random.below(6)) {

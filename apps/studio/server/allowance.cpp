@@ -5,7 +5,7 @@
 namespace weir::studio {
 
 Allowance::Seconds Allowance::spend(Seconds time, double share, Clock::time_point now) {
-  left_ = std::min(kMost, left_ + share * Seconds(now - at_)) - time;
+  left_ = std::min(kMax, left_ + share * Seconds(now - at_)) - time;
   at_ = now;
   if (left_ >= Seconds::zero()) return Seconds::zero();
   const Seconds wait = std::min(kLongestWait, -left_ / share);

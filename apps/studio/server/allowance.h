@@ -10,7 +10,7 @@ class Allowance {
  public:
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
-  static constexpr Seconds kMost{0.25};  ///< what can be saved
+  static constexpr Seconds kMax{0.25};  ///< what can be saved
   static constexpr Seconds kLongestWait{2};
 
   explicit Allowance(Clock::time_point now) : at_(now) {}
@@ -21,7 +21,7 @@ class Allowance {
 
  private:
   Clock::time_point at_;
-  Seconds left_ = kMost;  // below 0: it took more than it had
+  Seconds left_ = kMax;  // below 0: it took more than it had
 };
 
 }  // namespace weir::studio

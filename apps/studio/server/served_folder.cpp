@@ -85,7 +85,7 @@ std::string readRegularFile(const fs::path& file, std::string_view name) {
   };
   const OpenFile open(file);
   if (!open.isOpen()) fail(std::generic_category().message(errno));
-  if (!open.isRegular()) fail("it is no regular file");
+  if (!open.isRegular()) fail("it is not a regular file");
   constexpr std::size_t kBlock = 1 << 16;
   std::string text;
   for (ssize_t got = 1; got > 0;) {
@@ -142,7 +142,7 @@ std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
     file.isFolder = i->is_directory(ignored);
     if (!file.isFolder) file.bytes = static_cast<std::int64_t>(i->file_size(ignored));
     files.push_back(std::move(file));
-    if (files.size() == kMostListed) break;
+    if (files.size() == kMaxListed) break;
   }
   if (error) throw ioError("the folder " + inQuotes(folder) + " cannot be read: " + error.message());
   std::sort(files.begin(), files.end(), [](const ServedFile& a, const ServedFile& b) {

@@ -16,13 +16,13 @@ struct ServedFile {
 };
 
 /// The whole of a regular file. Throws an io Error that calls it `name` if it cannot be read, and for all
-/// that is no regular file: a pipe or a device might keep the studio waiting for ever.
+/// that is not a regular file: a pipe or a device might keep the studio waiting for ever.
 std::string readRegularFile(const std::filesystem::path& file, std::string_view name);
 
 class ServedFolder {
  public:
   static constexpr std::int64_t kLargestUpload = std::int64_t{256} << 20;
-  static constexpr std::size_t kMostListed = 5000;
+  static constexpr std::size_t kMaxListed = 5000;
 
   /// Throws an io Error if there is no such folder.
   explicit ServedFolder(const std::filesystem::path& folder);

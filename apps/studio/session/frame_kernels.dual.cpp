@@ -8,7 +8,7 @@ namespace weir::studio {
 
 namespace {
 
-constexpr float kMost = std::numeric_limits<float>::max();
+constexpr float kMax = std::numeric_limits<float>::max();
 
 WEIR_HD float numberOf(float value) {
   return value;
@@ -21,11 +21,11 @@ WEIR_HD float numberOf(const Vec3f& value) {
 }
 
 WEIR_HD bool isNumber(float value) {
-  return value >= -kMost && value <= kMost;
+  return value >= -kMax && value <= kMax;
 }
 
 WEIR_HD Range<float> rangeOfOne(float value) {
-  return isNumber(value) ? Range<float>{value, value} : Range<float>{kMost, -kMost};
+  return isNumber(value) ? Range<float>{value, value} : Range<float>{kMax, -kMax};
 }
 
 WEIR_HD Range<float> unite(const Range<float>& a, const Range<float>& b) {
@@ -35,7 +35,7 @@ WEIR_HD Range<float> unite(const Range<float>& a, const Range<float>& b) {
 WEIR_HD std::uint16_t place(float value, float low, float high) {
   constexpr float kSteps = 65535;
   const float size = high - low;  // infinite where a simulation has diverged
-  if (!(size > 0 && size <= kMost) || !isNumber(value)) return 0;
+  if (!(size > 0 && size <= kMax) || !isNumber(value)) return 0;
   return static_cast<std::uint16_t>(static_cast<int>((value - low) / size * kSteps + 0.5f));
 }
 
@@ -122,14 +122,14 @@ void takeIds(Backend& device, ArrayView<const int> from, const ChosenParticles& 
 template <class Backend, class T>
 void rangeOf(Backend& device, ArrayView<const T> values, const ChosenParticles& particles,
              Range<float>* range) {
-  reduce(device, "range for viewers", particles.count, Range<float>{kMost, -kMost},
+  reduce(device, "range for viewers", particles.count, Range<float>{kMax, -kMax},
          RangeOfParticle<T>{values, particles}, UniteRanges{}, range);
 }
 
 template <class Backend>
 void boundsOf(Backend& device, ArrayView<const Vec3f> points, const ChosenParticles& particles,
               Range<Vec3f>* bounds) {
-  constexpr Range<Vec3f> kNone{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
+  constexpr Range<Vec3f> kNone{{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};
   reduce(device, "bounds for viewers", particles.count, kNone, BoundsOfParticle{points, particles},
          UniteBounds{}, bounds);
 }

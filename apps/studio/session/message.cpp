@@ -27,8 +27,8 @@ std::size_t valuesIn(std::string_view text) {
 }  // namespace
 
 Value readMessage(std::string_view text) {
-  if (valuesIn(text) > kMostMessageValues)
-    throw usageError("the message holds too many values", "at most " + std::to_string(kMostMessageValues),
+  if (valuesIn(text) > kMaxMessageValues)
+    throw usageError("the message holds too many values", "at most " + std::to_string(kMaxMessageValues),
                      "large data belongs into files of its own, which the scene names");
   Value message = parseJson(text, "message");
   if (!message.isObject()) throw usageError("a message is " + message.brief(), "an object");
@@ -112,15 +112,15 @@ LiveCamera cameraOf(const Value& message) {
 }
 
 LivePictureOptions pictureOptionsOf(const Value& message) {
-  constexpr std::int64_t kLeast = 16, kMost = 4096, kMostSamples = 4;
+  constexpr std::int64_t kMin = 16, kMax = 4096, kMaxSamples = 4;
   LivePictureOptions options;
   options.camera = cameraOf(message);
   const auto whole = [&](std::string_view name, std::int64_t least, std::int64_t most, int& to) {
     if (message.find(name) != nullptr) to = static_cast<int>(wholeMember(message, name, least, most));
   };
-  whole("width", kLeast, kMost, options.width);
-  whole("height", kLeast, kMost, options.height);
-  whole("samples", 1, kMostSamples, options.samplesPerAxis);
+  whole("width", kMin, kMax, options.width);
+  whole("height", kMin, kMax, options.height);
+  whole("samples", 1, kMaxSamples, options.samplesPerAxis);
   return options;
 }
 

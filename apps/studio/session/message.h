@@ -13,7 +13,7 @@
 namespace weir::studio {
 
 /// More values than this are refused in a message before it is read: each takes far more memory than in text.
-inline constexpr std::size_t kMostMessageValues = 500'000;
+inline constexpr std::size_t kMaxMessageValues = 500'000;
 
 /// The message as a value. Throws an Error if it is no JSON object, or holds too many values.
 Value readMessage(std::string_view text);

@@ -9,7 +9,7 @@ namespace weir::studio {
 
 namespace {
 
-constexpr std::size_t kMostVideoFrames = 2;  // that wait; then the simulation does
+constexpr std::size_t kMaxVideoFrames = 2;  // that wait; then the simulation does
 
 Error noPictures() {
   return ioError("this Weir cannot draw pictures: no plugin that does is loaded", "the plugin 'rendering'",
@@ -187,7 +187,7 @@ void PictureDesk::serve(Simulation* simulation) {
 
 void PictureDesk::frame(Simulation& simulation) {
   Lock lock(mutex_);
-  idle_.wait(lock, [this] { return !video_ || video_->ending || video_->frames.size() < kMostVideoFrames; });
+  idle_.wait(lock, [this] { return !video_ || video_->ending || video_->frames.size() < kMaxVideoFrames; });
   const bool recording = video_ && !video_->ending;
   if (!recording && requests_.empty()) return;
   if (!capture(simulation, lock)) return;

@@ -8,7 +8,7 @@ namespace weir::studio {
 
 bool QuestionQueue::add(std::uint64_t client, Question question) {
   std::deque<Question>& questions = waiting_[client];
-  if (questions.size() >= kMostOfAClient) return false;
+  if (questions.size() >= kMaxOfAClient) return false;
   questions.push_back(std::move(question));
   return true;
 }

@@ -14,7 +14,7 @@ class QuestionQueue {
  public:
   /// Gets the simulation, or null if there is none.
   using Question = std::function<void(Simulation*)>;
-  static constexpr std::size_t kMostOfAClient = 32;
+  static constexpr std::size_t kMaxOfAClient = 32;
 
   /// False if so many questions of the client wait already.
   bool add(std::uint64_t client, Question question);

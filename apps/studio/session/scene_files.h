@@ -16,7 +16,7 @@ class SceneFiles {
   SceneFiles(const ServedFolder& served, const std::vector<std::filesystem::path>& further);
 
   /// Throws a scene Error if the scene names a file that it may not read: one that lies elsewhere, is hidden,
-  /// or is no regular file. `folder` is what its relative paths are relative to.
+  /// or is not a regular file. `folder` is what its relative paths are relative to.
   void check(const Scene& scene, const std::filesystem::path& folder) const;
 
  private:

@@ -22,7 +22,7 @@ constexpr unsigned kNotFound = 404, kMethodNotAllowed = 405;
 constexpr const char* kJson = "application/json";
 constexpr std::string_view kFile = "/api/file/";
 /// Frames that may be under way to a viewer; more would be shown late.
-constexpr int kMostUnseen = 2;
+constexpr int kMaxUnseen = 2;
 
 std::string_view nameOf(LogLevel level) {
   switch (level) {
@@ -240,11 +240,11 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
 
 void Studio::message(ClientId client, std::string_view text) {
   // Most of what others than the writer ask is short; the rest is refused before it takes any memory.
-  constexpr std::size_t kMostOfAViewer = 64 << 10;
+  constexpr std::size_t kMaxOfAViewer = 64 << 10;
   Value reply = Value::object();
   if (const auto id = idOf(text)) reply["id"] = *id;
   try {
-    if (text.size() > kMostOfAViewer) requireWriter(client);
+    if (text.size() > kMaxOfAViewer) requireWriter(client);
     const Value message = readMessage(text);
     if (const Value* id = message.find("id")) reply["id"] = *id;
     const std::string name = textMember(message, "do");
@@ -497,9 +497,9 @@ void Studio::pause(ClientId client, const Value&, Value&) {
 }
 
 void Studio::step(ClientId client, const Value& message, Value& result) {
-  constexpr std::int64_t kMostFrames = 1'000'000;
+  constexpr std::int64_t kMaxFrames = 1'000'000;
   const std::int64_t frames =
-      message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMostFrames) : 1;
+      message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMaxFrames) : 1;
   requireWriter(client);
   if (needsReset()) reset(client, message, result);
   host_.advance(frames);
@@ -514,10 +514,10 @@ void Studio::seek(ClientId client, const Value& message, Value& result) {
 
 void Studio::setView(ClientId client, const Value& message, Value&) {
   requireWriter(client);
-  constexpr std::int64_t kMostParticles = 20'000'000;
+  constexpr std::int64_t kMaxParticles = 20'000'000;
   FrameView view;
   view.attribute = textMember(message, "attribute");
-  view.most = wholeMember(message, "most", 1, kMostParticles);
+  view.most = wholeMember(message, "most", 1, kMaxParticles);
   host_.show(std::move(view));
 }
 
@@ -545,7 +545,7 @@ void Studio::answerLater(ClientId client, const Value& message, Value& result,
   };
   if (!host_.ask(client, answer))
     throw usageError("this window asks faster than the simulation answers",
-                     "at most " + std::to_string(QuestionQueue::kMostOfAClient) + " questions that wait");
+                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
   result = {};
 }
 
@@ -558,14 +558,14 @@ void Studio::askParticle(ClientId client, const Value& message, Value& result) {
 }
 
 void Studio::askParticles(ClientId client, const Value& message, Value& result) {
-  constexpr std::int64_t kMostRows = 1000;
+  constexpr std::int64_t kMaxRows = 1000;
   ParticlePage page;
   page.node = textMember(message, "node");
   if (message.find("sort") != nullptr) page.sort = textMember(message, "sort");
   if (message.find("descending") != nullptr) page.descending = switchMember(message, "descending");
   if (message.find("from") != nullptr)
     page.from = wholeMember(message, "from", 0, std::numeric_limits<std::int32_t>::max());
-  if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMostRows);
+  if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMaxRows);
   answerLater(client, message, result,
               [page](const Simulation& simulation) { return particlePageValue(simulation, page); });
 }
@@ -615,7 +615,7 @@ void Studio::leaving() {
 
 void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {
   if (!client.wantsFrames) return;
-  if (client.unseen >= kMostUnseen) {
+  if (client.unseen >= kMaxUnseen) {
     client.next = packet;
     return;
   }

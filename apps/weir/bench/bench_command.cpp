@@ -16,12 +16,12 @@ namespace weir::app {
 
 namespace {
 
-constexpr int kMostThreads = 1024;
-constexpr std::int64_t kFewestParticles = 64,
-                       kMostParticles = 2'000'000'000;  // what memory holds is asked at the reset
+constexpr int kMaxThreads = 1024;
+constexpr std::int64_t kMinParticles = 64,
+                       kMaxParticles = 2'000'000'000;  // what memory holds is asked at the reset
 // Without --sizes; more would take hours on a CPU.
-constexpr std::int64_t kMostOnCpu = 600'000;
-constexpr std::int64_t kMostQuick = 64'000;
+constexpr std::int64_t kMaxOnCpu = 600'000;
+constexpr std::int64_t kMaxQuick = 64'000;
 constexpr double kQuickLateAfter = 0.1;  // s
 
 // Frames of 20 steps of 1 ms, and more time than is needed: a benchmark ends when it has its steps.
@@ -81,7 +81,7 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
       ->capture_default_str();
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMaxThreads));
   command_->add_option("--cases", cases_, "What to run, separated by commas; all if it is left out")
       ->type_name("CASES")
       ->delimiter(',');
@@ -90,7 +90,7 @@ BenchCommand::BenchCommand(CLI::App& app, Program& program)
                    "Numbers of particles of the dam break, separated by commas; the nearest block is taken")
       ->type_name("SIZES")
       ->delimiter(',')
-      ->check(CLI::Range(kFewestParticles, kMostParticles));
+      ->check(CLI::Range(kMinParticles, kMaxParticles));
   command_
       ->add_option("--late-after", lateAfter_,
                    "Simulated seconds before developed flow is timed; "
@@ -120,7 +120,7 @@ std::vector<BlockSize> BenchCommand::chosenSizes(bool onCpu) const {
   if (!sizes.empty()) return sizes;
   sizes = blockSizes();
   std::erase_if(sizes, [&](const BlockSize& size) {
-    return (quick_ && size.particles() > kMostQuick) || (onCpu && size.particles() > kMostOnCpu);
+    return (quick_ && size.particles() > kMaxQuick) || (onCpu && size.particles() > kMaxOnCpu);
   });
   return sizes;
 }
@@ -171,7 +171,7 @@ Value BenchCommand::asValue(const std::vector<BenchResult>& results, std::string
   v["command"] = commandLine_;
   v["machine"] = machine_;
   v["copy_bytes_per_second"] = bandwidth_;
-  v["compression_limit"] = kMostMeanCompression;
+  v["compression_limit"] = kMaxMeanCompression;
   v["end"] = end;
   Value& list = v["results"] = Value::array();
   for (const BenchResult& result : results) list.push(resultValue(result, bandwidth_));

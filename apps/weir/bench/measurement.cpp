@@ -113,17 +113,17 @@ std::string divergence(const Moment& moment, const Value& statistics, bool isClo
                        std::int64_t particlesAtStart) {
   const double lost = numberAt(statistics, {"nodes", "water", "particles_not_finite"});
   if (lost != 0)
-    return fmt::format("{:.0f} particles have positions or velocities that are no numbers", lost);
+    return fmt::format("{:.0f} particles have positions or velocities that are NaN or infinite", lost);
   if (const double gone = numberAt(statistics, {"nodes", "water", "particles_escaped"}); gone != 0)
     return fmt::format("{:.0f} particles left the domain", gone);
   const std::int64_t particles = statistics.find("particles")->asInt();
   if (isClosed && particles != particlesAtStart)
     return fmt::format("{} of {} particles are left", particles, particlesAtStart);
   if (!std::isfinite(numberAt(statistics, {"nodes", "water", "kinetic_energy"})))
-    return "the kinetic energy is no number";
-  if (!(moment.meanCompression <= kMostMeanCompression))
+    return "the kinetic energy is NaN or infinite";
+  if (!(moment.meanCompression <= kMaxMeanCompression))
     return fmt::format("the mean compression is {:.3g}, above the limit of {:.3g}", moment.meanCompression,
-                       kMostMeanCompression);
+                       kMaxMeanCompression);
   return {};
 }
 
@@ -146,7 +146,7 @@ bool runMoments(Simulation& simulation, const MeasurementPlan& plan, const std::
     if (!moment) return false;
     result.peakBytes = static_cast<std::int64_t>(simulation.device().memoryUse().peak);
     judge(*moment, simulation, plan.isClosed, particlesAtStart);
-    result.mostParticles = std::max(result.mostParticles, simulation.particleCount());
+    result.maxParticleCount = std::max(result.maxParticleCount, simulation.particleCount());
     result.moments.push_back(std::move(*moment));
     return result.moments.back().diverged.empty();
   };

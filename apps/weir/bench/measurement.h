@@ -21,7 +21,7 @@ struct MeasurementPlan {
 };
 
 /// A mean compression above this is no liquid any more, and means that the run diverged.
-inline constexpr double kMostMeanCompression = 0.5;
+inline constexpr double kMaxMeanCompression = 0.5;
 
 /// What the steps around one moment took.
 struct Moment {
@@ -41,7 +41,7 @@ struct Moment {
 
 struct Measurement {
   std::vector<Moment> moments;
-  std::int64_t mostParticles = 0;
+  std::int64_t maxParticleCount = 0;
   std::int64_t peakBytes = 0;  ///< of the device
   std::string skipped;         ///< why it could not begin, such as too little memory
   std::string failed;          ///< why it broke off

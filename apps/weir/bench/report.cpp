@@ -17,7 +17,7 @@ std::optional<double> shareOfBandwidth(const BenchResult& result, const Moment& 
 }
 
 double bytesPerParticle(const Measurement& measurement) {
-  return static_cast<double>(measurement.peakBytes) / static_cast<double>(measurement.mostParticles);
+  return static_cast<double>(measurement.peakBytes) / static_cast<double>(measurement.maxParticleCount);
 }
 
 /// What may make a time mean less than it seems to, below its line.

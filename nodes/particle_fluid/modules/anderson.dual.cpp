@@ -80,7 +80,7 @@ struct SolveWeights {
       x[j] /= lower[j][j];
     }
     for (int j = 0; j < n; ++j) {
-      if (!(fabs(x[j]) < kMostWeight)) return;
+      if (!(fabs(x[j]) < kMaxWeight)) return;
     }
     for (int j = 0; j < n; ++j) weights->of[j] = float(x[j]);
   }
@@ -104,7 +104,7 @@ struct SolveWeights {
   }
 
   static constexpr double kRegularization = 1e-10;
-  static constexpr double kMostWeight = 1e6;  // beyond it floats keep nothing of the iterates
+  static constexpr double kMaxWeight = 1e6;  // beyond it floats keep nothing of the iterates
 };
 
 /// The next iterate, and the plain one into the history; or the last plain one.

@@ -9,7 +9,7 @@ namespace {
 
 struct Collide {
   // In a corner, leaving one wall may mean entering another.
-  static constexpr int kMostContacts = 4;
+  static constexpr int kMaxContacts = 4;
 
   BoundaryView boundary;
   float radius;
@@ -31,7 +31,7 @@ struct Collide {
     Vec3<Lanes> v;
     LaneMask touching = near;
     int contacts = 0;
-    for (; contacts < kMostContacts && any(touching); ++contacts) {
+    for (; contacts < kMaxContacts && any(touching); ++contacts) {
       const EightDistances hit = boxDistance(box.shape, p);
       touching = touching & (hit.distance < Lanes(radius));
       if (!any(touching)) break;
@@ -67,7 +67,7 @@ struct Collide {
 #ifdef __CUDA_ARCH__
 #pragma unroll 1
 #endif
-    for (; contacts < kMostContacts; ++contacts) {
+    for (; contacts < kMaxContacts; ++contacts) {
       const BoundaryHit hit = boundaryQuery(boundary, p);
       if (!(hit.distance < radius)) break;
       // Few particles touch a wall, so velocities are not read before.

@@ -26,18 +26,18 @@ void Pbf::validate() const {
 void Pbf::warn(const FluidOutlook& outlook) const {
   if (form == PbfForm::kTextbook) return;
   // Its step over that of the textbook form.
-  constexpr double kLeast = 0.1, kMost = 1;
+  constexpr double kMin = 0.1, kMax = 1;
   const double scale = stepFactor;
   const FluidConstants& c = outlook.constants;
   const double step = scale * c.particleMass;
-  if (step >= kLeast * (1 - kSettingRounding) && step <= kMost * (1 + kSettingRounding)) return;
+  if (step >= kMin * (1 - kSettingRounding) && step <= kMax * (1 + kSettingRounding)) return;
   outlook.warn(
       *this,
       fmt::format("at a spacing of {:.4g} m its steps are {:.2g} times those of the textbook form, so "
                   "they {}",
-                  c.spacing, step, step < kLeast ? "hardly act" : "overshoot"),
+                  c.spacing, step, step < kMin ? "hardly act" : "overshoot"),
       fmt::format("\"form\": \"textbook\", a spacing from {:.2g} to {:.2g} m, or \"step\": {:.2g}",
-                  std::cbrt(kLeast / (scale * c.restDensity)), std::cbrt(kMost / (scale * c.restDensity)),
+                  std::cbrt(kMin / (scale * c.restDensity)), std::cbrt(kMax / (scale * c.restDensity)),
                   1 / c.particleMass));
 }
 

@@ -17,7 +17,7 @@ struct Judge {
   bool accelerated;
   bool mixes;       // by Anderson's acceleration
   double farthest;  // m², squared; from here on, lists no longer hold
-  int mostRepeats;  // of a stage
+  int maxRepeats;   // of a stage
   int passes;       // of the last stage
   bool last;        // of the pass: its outcome is not judged, so it is plain
 
@@ -29,8 +29,8 @@ struct Judge {
 
   /// What the next pass is.
   WEIR_HD void plan() const {
-    const bool far = mostRepeats > 0 && sums->farthest > farthest;
-    if (far && control->repeats < mostRepeats) {
+    const bool far = maxRepeats > 0 && sums->farthest > farthest;
+    if (far && control->repeats < maxRepeats) {
       ++control->repeats;
       control->advance = 0;
       return;
@@ -50,11 +50,11 @@ struct Judge {
     // The terms of the sum are floats; it may rise by rounding.
     constexpr double kRounding = 1e-6;
     // Compression that no step touches because it is below the tolerance would gather over the steps.
-    constexpr int kFewest = 3;
+    constexpr int kMin = 3;
     // With acceleration, an objective that no longer falls is at its least, and the compression is what
     // inertia and stiffness ask for.
     constexpr double kStall = 1e-5;
-    constexpr int kOnTheWay = 3;
+    constexpr int kInFlight = 3;
     const std::int64_t particles = count.get();
     const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
     // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
@@ -63,9 +63,9 @@ struct Judge {
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
     control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
     control->metInARow = control->met ? control->metInARow + 1 : 0;
-    const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kOnTheWay &&
+    const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kFewest && (control->metInARow >= meetings || stalls)) {
+    if (control->iterations >= kMin && (control->metInARow >= meetings || stalls)) {
       control->done = 1;
       return;
     }
@@ -78,7 +78,7 @@ struct Judge {
       return;
     }
     // A mixture whose gain is lost in rounding: see anderson.h.
-    if (mixes && !control->exhausted && control->sinceRestart > kOnTheWay && control->momentum > 0 &&
+    if (mixes && !control->exhausted && control->sinceRestart > kInFlight && control->momentum > 0 &&
         sums->objective > (1 - kRounding) * control->objective) {
       control->exhausted = 1;
       control->sinceRestart = 0;

@@ -38,9 +38,9 @@ void SemiImplicitSolver::validate() const {
   }
   float sum = 0;
   for (const float c : polynomial.get()) sum += c;
-  if (!(sum > 0) || polynomial->size() > std::size_t{BulkEnergy::kMostTerms})
+  if (!(sum > 0) || polynomial->size() > std::size_t{BulkEnergy::kMaxTerms})
     throw sceneError("found " + polynomial.value().brief() + " for the polynomial",
-                     "1 to " + std::to_string(BulkEnergy::kMostTerms) + " coefficients, one of them above 0")
+                     "1 to " + std::to_string(BulkEnergy::kMaxTerms) + " coefficients, one of them above 0")
         .inParameter(polynomial.name());
 }
 
@@ -76,12 +76,12 @@ void SemiImplicitSolver::warn(const FluidOutlook& outlook) const {
   }
   // Measured in dam breaks: a mean compression of about 0.01·(S/iterations)^0.8, with S of the fluid that was
   // asked for: one that is stiffened because λ hardly tells its compression is compressed, by λ, no more.
-  constexpr double kOfOne = 0.01, kExponent = 0.8, kMost = 0.05;
+  constexpr double kOfOne = 0.01, kExponent = 0.8, kMax = 0.05;
   const double courant = std::sqrt(c.soundSpeedSquared()) * outlook.dt / c.spacing;
   const double number = courant * courant / c.stiffened;
   const double expected = kOfOne * std::pow(number / iterations, kExponent);
-  if (expected <= kMost * (1 + kSettingRounding)) return;
-  const double goodRatio = std::pow(kMost / kOfOne, 1 / kExponent);
+  if (expected <= kMax * (1 + kSettingRounding)) return;
+  const double goodRatio = std::pow(kMax / kOfOne, 1 / kExponent);
   outlook.warn(
       *this,
       fmt::format("S = (c·dt/d)² = {:.3g} leaves a mean compression of about {:.2g} % after {} iterations",
@@ -109,14 +109,14 @@ bool SemiImplicitSolver::staged(const FluidStep& fluid) const {
   return tolerance.get() && pathStages > 1 && fluid.walls.empty();
 }
 
-int SemiImplicitSolver::mostRepeats() const {
-  constexpr int kMost = 10;
-  return tolerance.get() && !neighborSearches.get() ? kMost : 0;
+int SemiImplicitSolver::maxRepeats() const {
+  constexpr int kMax = 10;
+  return tolerance.get() && !neighborSearches.get() ? kMax : 0;
 }
 
-int SemiImplicitSolver::mostPasses() const {
+int SemiImplicitSolver::maxPasses() const {
   // One may be idle, see BeginPass.
-  return tolerance.get() ? 1 + pathStages * (1 + mostRepeats()) + passes() : passes();
+  return tolerance.get() ? 1 + pathStages * (1 + maxRepeats()) + passes() : passes();
 }
 
 void SemiImplicitSolver::reserve(FluidStep& fluid) {

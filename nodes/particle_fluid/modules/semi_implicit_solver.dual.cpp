@@ -70,7 +70,7 @@ struct PushOf {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
       T r = fastSqrt(dot(d, d));
       // Particles in one place would stay there for ever; the sign makes the two directions opposite.
-      if (mayHold(r < T(shortest))) {
+      if (anyLane(r < T(shortest))) {
         d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
         r = select(r < T(shortest), T(shortest), r);
       }
@@ -89,7 +89,7 @@ struct PushOf {
   WEIR_HD void addWalls(Index i, const T& derivative, Push<T>& total) const {
     const T d = positivePart(read(walls.d, i));
     if (!any(d > T(0))) return;
-    total.wall = keptWhere(d > T(0), -derivative * wallStiffness);
+    total.wall = zeroUnless(d > T(0), -derivative * wallStiffness);
     total.push += total.wall * walls.gradient(i);
     total.divisor += negativePart * wallStiffness * d;
   }
@@ -118,7 +118,7 @@ struct Substitute {
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
   MotionCode code;
-  bool begins = false, ends = false, leavesCodes = false;
+  bool begins = false, ends = false, storesCodes = false;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
@@ -145,7 +145,7 @@ struct Substitute {
       const auto v = velocity + inverseDt * moved;
       write(velocities, i, v);
       if constexpr (std::is_same_v<Vector, Vec3f>)
-        if (leavesCodes) write(state, i, code.of(p, v));
+        if (storesCodes) write(state, i, code.of(p, v));
     } else {
       write(displacement, i, moved);
       write(state, i, {p.x, p.y, p.z, 0});
@@ -358,9 +358,9 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   beginStep(device, fluid);
   start(device, fluid);
   contain(device, fluid);
-  if (recordObjective) objective_->begin(fluid, mostPasses() * iterations + 1);
+  if (recordObjective) objective_->begin(fluid, maxPasses() * iterations + 1);
   record(fluid);
-  for (int pass = 0; pass < mostPasses() && !over_; ++pass) {
+  for (int pass = 0; pass < maxPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, fluid);
     iterate(device, fluid, pass);
   }
@@ -431,7 +431,7 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
                                       displacement(fluid).view(),
                                       states,
                                       MotionCode(c.supportRadius)};
-  update.leavesCodes = fluid.particles.asksForMotionCodes() && fluid.device.kind() == DeviceKind::kCuda;
+  update.storesCodes = fluid.particles.motionCodesRequested() && fluid.device.kind() == DeviceKind::kCuda;
   if (!begun && !searched) start(device, fluid);
   for (int k = 0; k < iterations; ++k) {
     update.begins = k == 0;
@@ -458,7 +458,7 @@ void SemiImplicitSolver::substitute(Backend& device, FluidStep& fluid) {
       parallelForSums(device, "density", count, derivative);
     parallelForSums(device, "substitute", count, update);
   }
-  if (update.leavesCodes) fluid.particles.leaveMotionCodes(states);
+  if (update.storesCodes) fluid.particles.storeMotionCodes(states);
 }
 
 template <class Backend>
@@ -488,17 +488,17 @@ void SemiImplicitSolver::iterate(Backend& device, FluidStep& fluid, int pass) {
                       mixing_.view()};
   constexpr double kReach = 0.25;  // spacings
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
-  constexpr int kMeetingsOfMixtures = 3;
+  constexpr int kMixturesUntilConverged = 3;
   const double reach = kReach * fluid.constants.spacing;
   detail::Judge judge{control_->data(),
                       sums_.data(),
                       count,
                       double(tolerance.get().value_or(-1.0f)),
-                      mixes() ? kMeetingsOfMixtures : 1,
+                      mixes() ? kMixturesUntilConverged : 1,
                       accelerated(),
                       mixes(),
                       reach * reach,
-                      mostRepeats(),
+                      maxRepeats(),
                       passes(),
                       false};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});

@@ -123,8 +123,9 @@ class SemiImplicitSolver final : public FluidModule {
       16,
       {.min = 1,
        .max = 100,
-       .doc = "At most so many stages, of a spacing each, on the way to predicted positions that are further "
-              "away; only with a tolerance, and where the fluid meets no meshes. With 1 there are none."}};
+       .doc =
+           "At most this many stages, of a spacing each, on the way to predicted positions that are further "
+           "away; only with a tolerance, and where the fluid meets no meshes. With 1 there are none."}};
   Param<bool> recordObjective{*this,
                               "record_objective",
                               false,
@@ -183,9 +184,9 @@ class SemiImplicitSolver final : public FluidModule {
   /// changing their velocities, which then do not lead back along it.
   bool staged(const FluidStep& fluid) const;
   /// Of a stage, where its iterations lead so far that their neighbours no longer hold.
-  int mostRepeats() const;
+  int maxRepeats() const;
   /// The most of a step.
-  int mostPasses() const;
+  int maxPasses() const;
   int passes() const { return neighborSearches.get().value_or(tolerance.get() ? 3 : 1); }
   bool searches() const { return stepLength != StepLength::kFull; }
 

@@ -62,7 +62,7 @@ struct Confine {
 
 template <class Backend>
 void VorticityConfinement::stepOn(Backend& device, FluidStep& fluid) {
-  constexpr float kLeastSlope = 0.01f;  // per spacing
+  constexpr float kMinSlope = 0.01f;  // per spacing
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const auto positions = fluid.particles.positions().view();
@@ -73,7 +73,7 @@ void VorticityConfinement::stepOn(Backend& device, FluidStep& fluid) {
     parallelFor(
         device, "confine", count,
         Confine{fluid.neighbors.view(), c.kernel, static_cast<float>(fluid.time.dt) * strength * c.spacing,
-                kLeastSlope / c.spacing, positions, vorticity_->view(), velocities});
+                kMinSlope / c.spacing, positions, vorticity_->view(), velocities});
 }
 
 template void VorticityConfinement::stepOn(ThisBackend&, FluidStep&);

@@ -120,15 +120,15 @@ struct FindIntegralsInLanes {
 
   void operator()(std::int64_t begin, std::int64_t end) const {
     TrianglePairs pairs;
-    for (std::int64_t n = begin; n < end; n += TrianglePairs::kMostParticles)
-      together(n, std::min<std::int64_t>(n + TrianglePairs::kMostParticles, end), pairs);
+    for (std::int64_t n = begin; n < end; n += TrianglePairs::kMaxParticles)
+      together(n, std::min<std::int64_t>(n + TrianglePairs::kMaxParticles, end), pairs);
   }
 
  private:
-  static constexpr int kMostTriangles = TrianglePairs::kMost;  // of a particle
+  static constexpr int kMaxTriangles = TrianglePairs::kMax;  // of a particle
 
   void together(std::int64_t begin, std::int64_t end, TrianglePairs& pairs) const {
-    SolidIntegrals<float> sums[TrianglePairs::kMostParticles];
+    SolidIntegrals<float> sums[TrianglePairs::kMaxParticles];
     for (std::int64_t k = 0; k < find.solids.size; ++k)
       for (std::int64_t n = begin; n < end;) n = some(k, n, end, pairs, sums + (n - begin));
     for (std::int64_t n = begin; n < end; ++n) find.writeSum(find.near[n], sums[n - begin]);
@@ -138,17 +138,17 @@ struct FindIntegralsInLanes {
   std::int64_t some(std::int64_t k, std::int64_t begin, std::int64_t end, TrianglePairs& pairs,
                     SolidIntegrals<float>* sums) const {
     const SolidView& solid = find.solids[k];
-    int triangles[kMostTriangles + Lanes::kCount];
-    Vec3f points[TrianglePairs::kMostParticles];
-    bool alone[TrianglePairs::kMostParticles];
+    int triangles[kMaxTriangles + Lanes::kCount];
+    Vec3f points[TrianglePairs::kMaxParticles];
+    bool alone[TrianglePairs::kMaxParticles];
     pairs.clear();
     std::int64_t n = begin;
     for (; n < end; ++n) {
       const Vec3f p = points[n - begin] = solid.end.toBody(find.positions[find.near[n]]);
       int count = 0;
       if (!(solid.clearance.at(p) > find.reach))
-        count = solid.tree.empty() ? 0 : solid.tree.blocks->near(p, find.reach, triangles, kMostTriangles);
-      alone[n - begin] = count > kMostTriangles || solid.approximate;
+        count = solid.tree.empty() ? 0 : solid.tree.blocks->near(p, find.reach, triangles, kMaxTriangles);
+      alone[n - begin] = count > kMaxTriangles || solid.approximate;
       if (alone[n - begin]) count = 0;
       if (!pairs.hasRoom(count)) break;
       pairs.add(p, triangles, count);

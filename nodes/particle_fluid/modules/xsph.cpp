@@ -12,7 +12,7 @@ void Xsph::validate() const {
 }
 
 void Xsph::reset(FluidStep& fluid) {
-  if (form == XsphForm::kExplicit) fluid.particles.askForMotionCodes();
+  if (form == XsphForm::kExplicit) fluid.particles.requestMotionCodes();
 }
 
 void Xsph::step(FluidStep& fluid) {

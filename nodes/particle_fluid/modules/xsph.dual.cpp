@@ -44,7 +44,7 @@ struct ApproachMean {
       return Vec4<T>{w * faster.x, w * faster.y, w * faster.z, w};
     };
     const auto sum = sumOverMotion(i, neighbors, ExactMotion{positions, present}, v, difference);
-    const auto weight = keptWhere(sum.w > 0, share / sum.w);
+    const auto weight = zeroUnless(sum.w > 0, share / sum.w);
     write(next, i, v + weight * xyz(sum));
   }
 };

@@ -13,7 +13,7 @@ namespace weir::rendering {
 
 namespace {
 
-constexpr int kMostSamples = 4;
+constexpr int kMaxSamples = 4;
 
 const int kTilesPerRow = ShadowTiles::perRowOf(gl::ShadowPass::kResolution);
 
@@ -109,7 +109,7 @@ bool ComputeRenderer::canDraw(const View& view) {
   const bool plain = lighting.tone == ToneCurve::kPlain && lighting.exposure == 1 && view.ground.tiles == 0 &&
                      lighting.sunStrength == 1 && view.environment == EnvironmentLook::kStudio &&
                      !view.transparent;
-  return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * kMostLines;
+  return plain && view.surfaces.empty() && view.waters.empty() && points <= 2 * kMaxLines;
 }
 
 void ComputeRenderer::setLines(const gl::Frame& frame) {
@@ -152,7 +152,7 @@ Picture ComputeRenderer::draw(const View& view) {
   WEIR_CHECK(view.height > 0);
   WEIR_CHECK(view.samplesPerAxis > 0);
   const Aabb casters = spheres_.load(view.particles);
-  const int samples = std::min(view.samplesPerAxis, kMostSamples);
+  const int samples = std::min(view.samplesPerAxis, kMaxSamples);
   gl::Frame frame{
       .view = view,
       .samples = samples,

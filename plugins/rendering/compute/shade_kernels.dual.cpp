@@ -206,7 +206,7 @@ struct Shade {
 
   /// Which of the lines come near the pixels, one bit each.
   struct NearLines {
-    std::uint32_t bits[kMostLines / 32] = {};
+    std::uint32_t bits[kMaxLines / 32] = {};
     bool any = false;
   };
   WEIR_HD NearLines linesAt(int column, int row) const {
@@ -251,10 +251,10 @@ struct Shade {
 
   /// Leaves light below the knee alone, and bends what is above it towards 1.
   WEIR_HD static Number shoulder(const Number& light) {
-    constexpr float kKnee = 0.8f, kMost = 80;
+    constexpr float kKnee = 0.8f, kMax = 80;
     const Mask above = light > Number(kKnee);
     if (!any(above)) return light;
-    const Number over = clamped((light - kKnee) * (1 / (1 - kKnee)), 0.0f, kMost);
+    const Number over = clamped((light - kKnee) * (1 / (1 - kKnee)), 0.0f, kMax);
     return select(above, 1 - (1 - kKnee) * exponential(-over), light);
   }
 

@@ -13,7 +13,7 @@
 namespace weir::rendering {
 
 /// More lines are OpenGL's: each pixel looks at all of them.
-inline constexpr std::size_t kMostLines = 256;
+inline constexpr std::size_t kMaxLines = 256;
 
 /// A line in the picture: a rectangle, in samples. Depth changes from one short side to the other.
 struct ShadedLine {

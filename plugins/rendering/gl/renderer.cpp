@@ -25,7 +25,7 @@
 namespace weir::rendering::gl {
 namespace {
 
-constexpr int kMostSamples = 4;
+constexpr int kMaxSamples = 4;
 constexpr float kNearest = 0;
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
@@ -101,7 +101,7 @@ int Renderer::Passes::samplesFor(const View& view) const {
     throw ioError("a picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
                       " pixels is larger than the OpenGL driver can draw",
                   "at most " + std::to_string(largest_) + " pixels wide and high");
-  return std::min({view.samplesPerAxis, kMostSamples, largest_ / larger});
+  return std::min({view.samplesPerAxis, kMaxSamples, largest_ / larger});
 }
 
 /// Sends what has changed to the GPU; returns the box around all that is seen.

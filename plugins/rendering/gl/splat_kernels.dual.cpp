@@ -19,9 +19,9 @@ struct ClearNearest {
 
 /// -1 … 1 as a number of 16 bits.
 WEIR_HD std::uint32_t sixteenBits(float component) {
-  constexpr float kMost = 65535;
+  constexpr float kMax = 65535;
   const float half = 0.5f + 0.5f * component;
-  return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMost + 0.5f);
+  return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMax + 0.5f);
 }
 
 /// As kNormalSnippet stores it.

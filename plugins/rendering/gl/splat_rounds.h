@@ -98,7 +98,7 @@ struct OfferShare {
 template <class Sphere, class Least, class Offer>
 void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<const Sphere> spheres,
                        ArrayView<Least> least, int width, const Offer& offer) {
-  constexpr std::int64_t kLeast = 4096;  // elements of a round: enough for all threads
+  constexpr std::int64_t kMin = 4096;  // elements of a round: enough for all threads
   Array<SphereGroup> found(device, (spheres.size + Shares::kGroup - 1) / Shares::kGroup);
   const ArrayView<const SphereGroup> groups = static_cast<const Array<SphereGroup>&>(found).view();
   parallelFor(device, "group spheres", groups.size, FindGroup<Sphere>{spheres, found.view()});
@@ -117,7 +117,7 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
                            .slices = groups.size < 4096 ? 8 : 1,
                            .parts = spheres.size < 8192 ? 8 : 1};
   const std::int64_t count = groups.size * slices.slices * slices.parts;
-  for (std::int64_t behind = std::max(count / 12, kLeast); slices.first < count; behind *= 3) {
+  for (std::int64_t behind = std::max(count / 12, kMin); slices.first < count; behind *= 3) {
     behind = std::min(behind, count);
     parallelFor(device, name, behind - slices.first, slices);
     slices.first = behind;

@@ -45,9 +45,9 @@ bool tellsProgress(std::string_view line) {
 
 /// The last lines that a program has written, made safe to show.
 std::string lastLines(std::string_view text) {
-  constexpr std::size_t kMostLines = 4, kLongestLine = 200;
+  constexpr std::size_t kMaxLines = 4, kLongestLine = 200;
   std::vector<std::string> lines;
-  while (!text.empty() && lines.size() < kMostLines) {
+  while (!text.empty() && lines.size() < kMaxLines) {
     const std::size_t end = text.find_last_not_of("\r\n");
     text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
     const std::size_t begin = text.find_last_of("\r\n") + 1;  // npos + 1 is 0

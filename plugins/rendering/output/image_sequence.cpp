@@ -25,8 +25,8 @@ namespace {
 
 /// A picture takes longer to compress than to draw, so several are compressed at once.
 int threadCount() {
-  constexpr unsigned kFewest = 2, kMost = 8, kShare = 3;
-  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / kShare, kFewest, kMost));
+  constexpr unsigned kMin = 2, kMax = 8, kShare = 3;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / kShare, kMin, kMax));
 }
 std::size_t longestQueue() {
   return static_cast<std::size_t>(2 * threadCount());
@@ -48,7 +48,7 @@ Error cannotUse(const fs::path& folder, const std::string& reason) {
 void makeFolder(const fs::path& folder) {
   std::error_code error;
   if (fs::is_directory(folder, error)) return;
-  if (fs::exists(folder, error)) throw cannotUse(folder, "it is no folder");
+  if (fs::exists(folder, error)) throw cannotUse(folder, "it is not a folder");
   fs::create_directory(folder, error);
   if (error) throw cannotUse(folder, error.message());
 }

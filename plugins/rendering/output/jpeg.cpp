@@ -61,10 +61,10 @@ bool compress(const Picture& picture, int quality, Failure& failure, unsigned ch
 }  // namespace
 
 std::string encodeJpeg(const Picture& picture, int quality) {
-  constexpr int kMostQuality = 100;
+  constexpr int kMaxQuality = 100;
   WEIR_CHECK(picture.isWhole());
   WEIR_CHECK(quality >= 1);
-  WEIR_CHECK(quality <= kMostQuality);
+  WEIR_CHECK(quality <= kMaxQuality);
   Failure failure{};
   unsigned char* bytes = nullptr;
   unsigned long size = 0;

@@ -21,7 +21,7 @@ void checkTarget(const fs::path& target) {
   if (fs::is_directory(target, ignored)) throw cannotWrite(target, "it is a folder");
   // A device or a pipe is no file that could be replaced.
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored))
-    throw cannotWrite(target, "it is no regular file");
+    throw cannotWrite(target, "it is not a regular file");
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::exists(folder, ignored))
     throw cannotWrite(target, "there is no folder " + folder.string(), "make the folder first");
@@ -29,9 +29,9 @@ void checkTarget(const fs::path& target) {
 
 /// Makes a new file; its name is returned.
 fs::path makeBeside(const fs::path& target) {
-  constexpr int kMostTries = 1000;
+  constexpr int kMaxTries = 1000;
   constexpr mode_t kReadWriteForAll = 0666;  // less what the process masks
-  for (int i = 1; i <= kMostTries; ++i) {
+  for (int i = 1; i <= kMaxTries; ++i) {
     fs::path path = target;
     path.replace_extension();
     path += ".part" + (i > 1 ? std::to_string(i) : std::string());

@@ -24,7 +24,7 @@ namespace weir::rendering {
 
 namespace {
 
-constexpr std::size_t kMostMessages = 8192, kMostOutput = 1 << 20;
+constexpr std::size_t kMaxMessages = 8192, kMaxOutput = 1 << 20;
 
 void check(int error, const std::string& what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
@@ -141,7 +141,7 @@ std::chrono::nanoseconds Waiting::time() {
 
 PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
                            const ProgramLimits& limits, ProgramOutput output)
-    : mostMessages_(output == ProgramOutput::kKept ? kMostOutput : kMostMessages), limits_(limits) {
+    : mostMessages_(output == ProgramOutput::kKept ? kMaxOutput : kMaxMessages), limits_(limits) {
   const Pair input = makeInput();
   const Descriptor theirInput(input.theirs);
   input_ = input.ours;

@@ -68,7 +68,7 @@ std::int64_t countFrames(const fs::path& video) {
       startFfmpeg(video, {"-hide_banner", "-loglevel", "error", "-nostdin", "-nostats", "-progress", "pipe:2",
                           "-i", urlOf(video), "-map", "0:v:0", "-c", "copy", "-f", "null", "-"});
   if (!ffmpeg->finish())
-    throw ioError("this is no video that ffmpeg can read", "a video that an earlier run wrote")
+    throw ioError("this is not a video that ffmpeg can read", "a video that an earlier run wrote")
         .at({.file = video.string()});
   return toldFrames(*ffmpeg);
 }

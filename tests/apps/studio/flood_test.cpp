@@ -81,7 +81,7 @@ TEST_F(FloodTest, WhatAWindowHasAskedGoesWithIt) {
   writer.state("playing");
   for (int i = 0; i < 20; ++i) {
     const Socket viewer = studio.socket();
-    flood(viewer, kQuestion, QuestionQueue::kMostOfAClient);
+    flood(viewer, kQuestion, QuestionQueue::kMaxOfAClient);
   }
   // The writer's question waits for nobody else's: those that came before it are gone, or take turns with it.
   EXPECT_NE(writer.ask(R"({"id": 3, "do": "particle", "node": "water", "particle": 0})").find("result"),

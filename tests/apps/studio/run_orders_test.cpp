@@ -45,7 +45,7 @@ TEST(QuestionQueueTest, ClientsTakeTurnsAndEachHasALimit) {
   std::string answered;
   std::size_t taken = 0;
   while (queue.add(7, [&](Simulation*) { answered += 'a'; })) ++taken;
-  EXPECT_EQ(taken, QuestionQueue::kMostOfAClient);
+  EXPECT_EQ(taken, QuestionQueue::kMaxOfAClient);
   EXPECT_TRUE(queue.add(9, [&](Simulation*) { answered += 'b'; }));
   EXPECT_TRUE(queue.add(8, [&](Simulation*) { answered += 'c'; }));
   for (int i = 0; i < 4; ++i) queue.next()(nullptr);
@@ -58,8 +58,8 @@ TEST(AllowanceTest, ABurstIsServedAtOnceAndAFloodAtItsShare) {
   using namespace std::chrono_literals;
   const Allowance::Clock::time_point start{};
   Allowance allowance(start);
-  EXPECT_EQ(allowance.spend(Allowance::kMost / 2, 0.1, start).count(), 0);
-  EXPECT_GT(allowance.spend(Allowance::kMost, 0.1, start).count(), 0);
+  EXPECT_EQ(allowance.spend(Allowance::kMax / 2, 0.1, start).count(), 0);
+  EXPECT_GT(allowance.spend(Allowance::kMax, 0.1, start).count(), 0);
   // However it goes on, it gets its share of the time, and a single message never costs it more than the
   // longest wait.
   Allowance::Clock::time_point now = start;

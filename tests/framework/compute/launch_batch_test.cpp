@@ -82,17 +82,17 @@ TEST_P(LaunchBatchTest, SmallUploadsHaveTheirPlaceInTheBatch) {
 
 // A kernel that reads the count before it waits for the kernel before it must not do so where that writes it.
 TEST_P(LaunchBatchTest, WhatTheKernelBeforeWritesIsNotReadAhead) {
-  constexpr int kMost = 3000;
-  Array<std::int64_t> squares(*device, kMost);
+  constexpr int kMax = 3000;
+  Array<std::int64_t> squares(*device, kMax);
   Array<int> count(*device, 1);
   for (int step = 0; step < 8; ++step) {
-    const int present = step % 2 == 0 ? kMost - step : 100 + step;
+    const int present = step % 2 == 0 ? kMax - step : 100 + step;
     squares.fillZero();
     LaunchBatch batch(*device);
     dispatch(*device, [&](auto& d) { writeSquaresOf(d, present, count.data(), squares.view()); });
     batch.end();
     const std::vector<std::int64_t> values = squares.toHost();
-    for (int i = 0; i < kMost; ++i)
+    for (int i = 0; i < kMax; ++i)
       ASSERT_EQ(values[std::size_t(i)], i < present ? std::int64_t{i} * i + 1 : 0)
           << i << " in step " << step;
   }

@@ -13,11 +13,11 @@
 namespace weir::test {
 namespace {
 
-constexpr int kMost = 300;
+constexpr int kMax = 300;
 
 std::vector<int> byWalk(const TriangleTreeView& tree, const Vec3f& p, float radius) {
-  std::vector<int> found(kMost + 1);
-  found.resize(static_cast<std::size_t>(WalkNear(tree, p, radius).next(found.data(), kMost + 1)));
+  std::vector<int> found(kMax + 1);
+  found.resize(static_cast<std::size_t>(WalkNear(tree, p, radius).next(found.data(), kMax + 1)));
   return found;
 }
 
@@ -36,12 +36,12 @@ TEST(BoxBlocks, FindTheSameTrianglesInTheSameOrder) {
       for (const float radius : {0.0f, 0.05f, 0.5f, 4.0f}) {
         if (radius > 1 && i > 2) continue;
         const std::vector<int> expected = byWalk(view, p, radius);
-        std::vector<int> near(kMost + Lanes::kCount);
-        const int count = view.blocks->near(p, radius, near.data(), kMost);
+        std::vector<int> near(kMax + Lanes::kCount);
+        const int count = view.blocks->near(p, radius, near.data(), kMax);
         ASSERT_EQ(static_cast<std::size_t>(count), expected.size())
             << mesh.triangles.size() << ", " << radius;
         found += expected.size();
-        if (count > kMost) {
+        if (count > kMax) {
           ++tooMany;
           continue;
         }
@@ -50,7 +50,7 @@ TEST(BoxBlocks, FindTheSameTrianglesInTheSameOrder) {
       }
     }
     EXPECT_GT(found, 0u);
-    EXPECT_EQ(tooMany > 0, mesh.triangles.size() > kMost);
+    EXPECT_EQ(tooMany > 0, mesh.triangles.size() > kMax);
   }
 }
 

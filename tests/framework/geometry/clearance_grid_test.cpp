@@ -58,8 +58,8 @@ TEST_P(ClearanceGridTest, HasABoundedNumberOfCells) {
   const TriangleMesh mesh = boxMesh({-1000, -1000, -1000}, {1000, 1000, 1000});
   const TriangleTree tree(*device, mesh);
   const ClearanceView view = ClearanceGrid(*device, tree.view(), 1e-3f).view();
-  EXPECT_LE(view.steps.size, ClearanceGrid::kMostCells);
-  EXPECT_GT(view.steps.size, ClearanceGrid::kMostCells / 2);
+  EXPECT_LE(view.steps.size, ClearanceGrid::kMaxCells);
+  EXPECT_GT(view.steps.size, ClearanceGrid::kMaxCells / 2);
   EXPECT_GE(view.cell * static_cast<float>(view.cells.x), 2000);
 }
 

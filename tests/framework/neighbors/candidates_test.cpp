@@ -107,8 +107,8 @@ TEST(Candidates, ListsAllOfAnyNumberButOneself) {
   const detail::ShortPlaces places(memory, count);
   for (std::int64_t i = 0; i < count; ++i) detail::FillShortPlaces{{points.data(), count}, 1, places}(i);
   const auto table = std::make_unique<detail::Candidates>();
-  std::vector<int> list(std::size_t(detail::Candidates::kMost + detail::Candidates::kWrittenBehind) * kEight);
-  for (const int size : {1, 2, 16, 17, 63, 64, 65, 128, 129, 1000, detail::Candidates::kMost}) {
+  std::vector<int> list(std::size_t(detail::Candidates::kMax + detail::Candidates::kWrittenBehind) * kEight);
+  for (const int size : {1, 2, 16, 17, 63, 64, 65, 128, 129, 1000, detail::Candidates::kMax}) {
     table->clear();
     // A gap between two ranges.
     const int first = size / 3, gap = 70;
@@ -117,7 +117,7 @@ TEST(Candidates, ListsAllOfAnyNumberButOneself) {
     table->close();
     const int self = size + gap - 1;
     const int found = table->near(places[self], int(detail::reachOf(0.25f)), unsigned(self + shift),
-                                  list.data(), 0, detail::Candidates::kMost);
+                                  list.data(), 0, detail::Candidates::kMax);
     ASSERT_EQ(found, size - 1);
     for (int k = 0; k < found; ++k) ASSERT_EQ(list[std::size_t(k) * kEight], k < first ? k : k + gap) << size;
     EXPECT_GT(table->near(places[self], int(detail::reachOf(0.25f)), detail::Candidates::kNone, list.data(),

@@ -112,7 +112,7 @@ TEST(CellGrid, HasCellsForItsPointsNotForItsVolume) {
   const CellGrid grid = gridFor(points);
   EXPECT_LE(grid.cellCount(), 4 * 2000);
   EXPECT_GE(grid.cellCount(), 2000 / 4 / 2);
-  for (int axis = 0; axis < 3; ++axis) EXPECT_GE(grid.cells[axis], CellGrid::kLeastCells);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GE(grid.cells[axis], CellGrid::kMinCells);
 }
 
 }  // namespace

@@ -248,7 +248,7 @@ TEST(CellGrid, ShapeFollowsTheBoxWithinTheLimit) {
   const CellGrid wide = chooseCellGrid({{0, 0, 0}, {1e6f, 1, 1e6f}}, 0.1f, 1 << 16);
   EXPECT_LE(wide.cellCount(), 1 << 16);
   EXPECT_GE(wide.cellCount(), 1 << 12);
-  EXPECT_GE(std::min({wide.cells.x, wide.cells.y, wide.cells.z}), CellGrid::kLeastCells);
+  EXPECT_GE(std::min({wide.cells.x, wide.cells.y, wide.cells.z}), CellGrid::kMinCells);
 }
 
 TEST(CellGrid, HasAsManyCellsAsParticlesNeedThatLeaveTheBox) {

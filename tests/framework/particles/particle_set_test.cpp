@@ -94,7 +94,7 @@ TEST_P(ParticleSetTest, MovesWhoeverAsksAndWhateverComesFirst) {
         ASSERT_LE(length(p[k] - moved[i]), 1e-6f * length(moved[i])) << i;
       }
       // Once.
-      EXPECT_FALSE(particles.isToMove());
+      EXPECT_FALSE(particles.hasPendingMotion());
       EXPECT_EQ(particles.positions().toHost(count), p);
     }
   }

@@ -218,11 +218,11 @@ TEST_F(SceneTest, LinksAreChecked) {
 
 TEST_F(SceneTest, TooManyNodesOrLinksAreRefused) {
   std::string nodes = "{";
-  for (std::size_t i = 0; i <= kMostNodes; ++i)
+  for (std::size_t i = 0; i <= kMaxNodes; ++i)
     nodes += (i > 0 ? ", \"n" : "\"n") + std::to_string(i) + R"(": {"type": "Source"})";
   EXPECT_CONTAINS(nodesError(nodes + "}").what(), "2001 nodes");
   std::string links = "[";
-  for (std::size_t i = 0; i <= kMostLinks; ++i) links += i > 0 ? ", 1" : "1";
+  for (std::size_t i = 0; i <= kMaxLinks; ++i) links += i > 0 ? ", 1" : "1";
   EXPECT_CONTAINS(linksError(links + "]").what(), "10001 links");
 }
 

@@ -27,8 +27,8 @@ struct Asked {
 };
 
 std::vector<int> trianglesNear(const TriangleTreeView& tree, const Vec3f& p) {
-  std::vector<int> found(TrianglePairs::kMost);
-  found.resize(static_cast<std::size_t>(WalkNear(tree, p, kH).next(found.data(), TrianglePairs::kMost)));
+  std::vector<int> found(TrianglePairs::kMax);
+  found.resize(static_cast<std::size_t>(WalkNear(tree, p, kH).next(found.data(), TrianglePairs::kMax)));
   return found;
 }
 
@@ -131,7 +131,7 @@ TEST_F(TrianglePairsTest, HaveTheIntegralsOfTrianglesOneByOne) {
       }
     }
   }
-  EXPECT_EQ(most, TrianglePairs::kMostParticles);
+  EXPECT_EQ(most, TrianglePairs::kMaxParticles);
   EXPECT_GT(deep, 0) << "no point of which floats cannot tell whether it is deep inside";
 }
 

@@ -101,7 +101,7 @@ TEST_F(Csv, SaysWhereAndWhatIsWrong) {
 TEST_F(Csv, SaysWhyAFileCannotBeRead) {
   EXPECT_CONTAINS(errorOf([&] { CsvReader().read(folder_ / "none.csv"); }).what(), "No such file");
   EXPECT_CONTAINS(errorOf([&] { CsvReader().read(folder_.path()); }).what(), "it is a folder");
-  EXPECT_CONTAINS(errorOf([&] { CsvReader().read("/dev/zero"); }).what(), "it is no regular file");
+  EXPECT_CONTAINS(errorOf([&] { CsvReader().read("/dev/zero"); }).what(), "it is not a regular file");
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST(PlyErrors, SayWhereAndWhatIsWrong) {
            Case{start + "element vertex 1\nproperty half x\n", 4, "found the type 'half'"},
            Case{start + "element vertex 1\nproperty float\n", 4, "cannot be understood"},
            Case{start + "element f 1\nproperty list float int i\n", 4,
-                "the length of the list 'i' is no integer"},
+                "the length of the list 'i' is not an integer"},
            Case{start + "element point 1\n" + xyz + "end_header\n1 2 3\n", 0, "no element 'vertex'"},
            Case{start + "element vertex 0\n" + xyz + "end_header\n", 0, "'vertex' has no rows"},
            Case{start + "element vertex 1\nend_header\n", 0, "no column 'x'"},

@@ -68,7 +68,7 @@ TEST(Heightfield, FollowsItsProfileAndItsChannel) {
 
 TEST(Heightfield, NoiseStaysInItsBoundsAndHasNoJumps) {
   const Heightfield field({.roughness = 0.1f, .featureSize = 0.5f, .octaves = 3, .seed = 5});
-  constexpr double kMost = 0.1 * (1 + 0.5 + 0.25);
+  constexpr double kMax = 0.1 * (1 + 0.5 + 0.25);
   // An octave changes by at most 2·amplitude·(15/8) over a cell, and all octaves are equally steep.
   constexpr double kSteepest = 3 * 2 * 0.1 * 1.875 / 0.5 * 2;
   constexpr double kStep = 1e-3;
@@ -78,9 +78,9 @@ TEST(Heightfield, NoiseStaysInItsBoundsAndHasNoJumps) {
     low = std::min(low, h), high = std::max(high, h);
     EXPECT_LT(std::abs(field.height(x + kStep, 0.3 * x) - h), kSteepest * kStep);
   }
-  EXPECT_GT(low, -kMost);
-  EXPECT_LT(high, kMost);
-  EXPECT_GT(high - low, 0.5 * kMost);
+  EXPECT_GT(low, -kMax);
+  EXPECT_LT(high, kMax);
+  EXPECT_GT(high - low, 0.5 * kMax);
 }
 
 TEST(Heightfield, RocksStandOutOfTheGround) {

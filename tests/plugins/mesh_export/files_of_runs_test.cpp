@@ -87,7 +87,7 @@ TEST_F(FilesOfRuns, SayWhatIsMissingBeforeTheRun) {
   EXPECT_NE(particles.err.find("the scene has no fluid"), std::string::npos) << particles.err;
   const ChildResult file = run({"--obj", folder.write("taken", "")});
   EXPECT_EQ(file.code, 5);
-  EXPECT_NE(file.err.find("it is no folder"), std::string::npos) << file.err;
+  EXPECT_NE(file.err.find("it is not a folder"), std::string::npos) << file.err;
   EXPECT_EQ(readFile(folder / "taken"), "");
 }
 

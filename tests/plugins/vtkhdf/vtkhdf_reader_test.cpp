@@ -176,7 +176,7 @@ std::string refusal(const std::filesystem::path& file) {
 TEST_F(VtkHdfReaderTest, RefusesWhatIsNoVtkHdf) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(refusal(folder / "missing.vtkhdf"), "there is no such file");
-  EXPECT_EQ(refusal(folder), "this is no file but a folder or device");
+  EXPECT_EQ(refusal(folder), "this is a folder or a device, not a file");
   const auto text = folder / "text.vtkhdf";
   std::ofstream(text) << "x,y,z\n1,2,3\n";
   EXPECT_EQ(refusal(text), "cannot open the file: file signature not found");

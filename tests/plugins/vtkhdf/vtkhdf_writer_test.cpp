@@ -336,7 +336,7 @@ TEST_F(VtkHdfWriterTest, RefusesPathsThatCannotBeAFile) {
   std::ofstream(folder / "plain") << "x";
   EXPECT_NE(refusal(folder / "plain" / "run.vtkhdf").find("folder"), std::string::npos);
   std::filesystem::create_symlink("/dev/full", folder / "full.vtkhdf");
-  EXPECT_EQ(refusal(folder / "full.vtkhdf"), "the export would replace something that is no file");
+  EXPECT_EQ(refusal(folder / "full.vtkhdf"), "the export would replace something that is not a file");
   EXPECT_EQ(refusal("/proc/run.vtkhdf"), "cannot create the file: No such file or directory");
   EXPECT_EQ(GetCapturedStderr(), "") << "HDF5 prints nothing itself";
 }

@@ -263,7 +263,7 @@ TEST_F(LooksOfRuns, WaterMirrorsAndBendsTheSurroundings) {
 
 TEST_F(LooksOfRuns, WrongSurroundingsAreErrors) {
   folder.write("none.hdr", "no picture");
-  EXPECT_CONTAINS(errorOf(surroundedBy("none.hdr"), 5), "this is no Radiance picture");
+  EXPECT_CONTAINS(errorOf(surroundedBy("none.hdr"), 5), "this is not a Radiance picture");
   folder.write("square.hdr", radiance(4, 4, [](int, int) { return std::array<double, 3>{1, 1, 1}; }));
   EXPECT_CONTAINS(errorOf(surroundedBy("square.hdr"), 5), "4 x 4 pixels");
   folder.write("cut.hdr", plainRadiance({1, 1, 1}).substr(0, 60));

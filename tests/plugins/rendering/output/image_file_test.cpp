@@ -54,7 +54,7 @@ TEST(ImageFile, SaysWhatIsWrongWithThePath) {
   EXPECT_CONTAINS(noFolder.what(), "there is no folder " + folder / "no");
   std::filesystem::create_directory(folder / "b.png");
   EXPECT_CONTAINS(errorOf([&] { writePng(folder / "b.png", picture); }).what(), "it is a folder");
-  EXPECT_CONTAINS(errorOf([&] { writePng("/dev/full", picture); }).what(), "it is no regular file");
+  EXPECT_CONTAINS(errorOf([&] { writePng("/dev/full", picture); }).what(), "it is not a regular file");
 }
 
 TEST(ImageFile, RejectsPicturesThatAreNotWhole) {

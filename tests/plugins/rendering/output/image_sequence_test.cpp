@@ -61,7 +61,7 @@ TEST(ImageSequence, ReplacesEarlierFramesAndTellsOfThoseLeftOver) {
 TEST(ImageSequence, SaysAtOnceThatTheFolderCannotBeUsed) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "");
-  EXPECT_CONTAINS(errorOf([&] { ImageSequence images(file); }).what(), "it is no folder");
+  EXPECT_CONTAINS(errorOf([&] { ImageSequence images(file); }).what(), "it is not a folder");
   const Error missing = errorOf([&] { ImageSequence images(folder / "no/new"); });
   EXPECT_EQ(missing.kind(), ErrorKind::kIo);
   EXPECT_EQ(missing.location().file, folder / "no/new");

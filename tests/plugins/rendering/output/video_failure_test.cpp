@@ -199,7 +199,7 @@ TEST(VideoFailure, IsAVideoWithTooFewFrames) {
 TEST(VideoFailure, LeavesTheFramesSoFarWhereThisProgramIsKilled) {
   if (findProgram("ffmpeg").empty() || findProgram("ffprobe").empty())
     GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
-  constexpr int kFrames = 10, kMostWaiting = 5;
+  constexpr int kFrames = 10, kMaxWaiting = 5;
   const TemporaryFolder folder;
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // to see ffmpeg's end, too
   const pid_t child = ::fork();
@@ -207,7 +207,7 @@ TEST(VideoFailure, LeavesTheFramesSoFarWhereThisProgramIsKilled) {
   while (::waitpid(-1, nullptr, 0) > 0) {
   }
   ::prctl(PR_SET_CHILD_SUBREAPER, 0);
-  EXPECT_GE(probeVideo(folder / "a.part.mp4").frames, kFrames - kMostWaiting);
+  EXPECT_GE(probeVideo(folder / "a.part.mp4").frames, kFrames - kMaxWaiting);
 }
 
 class FullDiskTest : public testing::Test {
