@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "framework/particles/flight.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
@@ -107,6 +108,7 @@ void ParticleFluid::restore(const StateReader& from) {
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
+  state.resumed = true;  // solids, which are below, have not taken back their places yet
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
@@ -181,6 +183,7 @@ double ParticleFluid::largestSpeed(Device& onDevice) {
 
 void ParticleFluid::step(const StepContext& context) {
   if (state_->restDt) relaxInitialState(context);
+  if (std::exchange(state_->resumed, false) && state_->particles.bound() > 0) findWalls(context);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   if (state_->particles.bound() == 0) return;
   FluidStep step = fluidStep(context);
@@ -212,6 +215,12 @@ void ParticleFluid::frame(const StepContext& context) {
   refresh(context);
 }
 
+void ParticleFluid::findWalls(const StepContext& context) {
+  state_->walls.place(context.time, 0);
+  FluidStep now = fluidStep(context);
+  WallIntegrals::find(now);
+}
+
 void ParticleFluid::refresh(const StepContext& context) {
   State& state = *state_;
   state.gravity = context.gravity;
@@ -222,9 +231,7 @@ void ParticleFluid::refresh(const StepContext& context) {
                             (1 / float(state.particles.bound())) * extent.sum);
     state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
-    state.walls.place(context.time, 0);
-    FluidStep now = fluidStep(context);
-    WallIntegrals::find(now);
+    findWalls(context);
     dispatch(context.device, [&](auto& device) { densityOn(device); });
   }
   checkEvents();

@@ -148,6 +148,7 @@ class ParticleFluid final : public Node {
     NeighborEvents events;
     std::int64_t restSteps = 0;    // taken before the start
     std::optional<double> restDt;  // s, of those steps; empty once they are taken
+    bool resumed = false;          // and no step made since
   };
 
   double memoryFor(Device& device, double particles) const;
@@ -155,6 +156,8 @@ class ParticleFluid final : public Node {
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.
   void relaxInitialState(const StepContext& context);
+  /// Walls act on the lists of neighbours, too.
+  void findWalls(const StepContext& context);
   void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;

@@ -157,13 +157,14 @@ void SemiImplicitSolver::report(NodeReport& report) {
       control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
   used["max"] = control.most;
   used["last"] = control.iterations;
+  const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
+  used["unmet"] = unmet;
+  // From here on `used` may refer to nothing, as the statistics grow.
   Value& stages = report.statistics["solver_stages"];
   stages = Value::object();
   stages["mean"] =
       control.steps > 0 ? static_cast<double>(control.staged) / static_cast<double>(control.steps) : 0.0;
   stages["max"] = control.mostStages;
-  const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
-  used["unmet"] = unmet;
   report.events.push_back({"steps ended with more compression than the solver's tolerance", unmet});
 }
 

@@ -217,7 +217,7 @@ TEST_F(PicturesOfRuns, AnInterruptedRunLeavesAPlayableVideo) {
 
 TEST_F(PicturesOfRuns, CtrlCEndsARunThatWaitsForAnFfmpegThatHangs) {
   const std::string takes = "head -c 1000000 > /dev/null; ", all = "cat > /dev/null; ";
-  for (const std::string before : {std::string(), takes, all}) {
+  for (const std::string& before : {std::string(), takes, all}) {
     SCOPED_TRACE(before);
     const FakeFfmpeg fake(before + "echo stuck >&2; sleep 1000");
     ChildOptions options;
