@@ -89,7 +89,7 @@ TEST_F(PlyMesh, SaysWhatIsWrongAndWhere) {
   EXPECT_CONTAINS(refusal(""), "does not begin with 'ply'");
   const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   const std::string points = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
-  EXPECT_CONTAINS(refusal(kPoints + faces + points + "3 0 1 4\n"), "m.ply:13:1: a face names vertex 4 of 4");
+  EXPECT_CONTAINS(refusal(kPoints + faces + points + "3 0 1 4\n"), "m.ply:14:1: a face names vertex 4 of 4");
   EXPECT_CONTAINS(refusal(kPoints + faces + points + "3 0 1 -1\n"), "a face names vertex -1 of 4");
   EXPECT_CONTAINS(refusal(kPoints + faces + points + "200 0 1 2\n"), "longer than the file");
   EXPECT_CONTAINS(refusal(kPoints + faces + points), "ends too early");
