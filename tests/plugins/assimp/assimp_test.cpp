@@ -232,7 +232,8 @@ TEST(MeshInAProgram, AFormatThatIsNotReadUnaskedNamesTheWay) {
   const TemporaryFolder folder;
   const std::vector<std::string> run{
       "run",      resourcesFolder() + "/scenes/mesh_in_tank.json",
-      "--frames", "0",    "--set", "water.spacing=0.05",
+      "--frames", "0",
+      "--set",    "water.spacing=0.05",
       "--set",    "mesh.file=" + folder.write("two.dae", std::string(kPlacedTwice))};
   const ChildResult refused = runWeir(run);
   EXPECT_EQ(refused.code, 5) << refused.err;
