@@ -74,7 +74,7 @@ def test_attributes(sim, scene):
         particles.add("tag", "float")
     with pytest.raises(weir.Error, match="float, vec3 or int"):
         particles.add("other", "double")
-    with pytest.raises(weir.Error, match="is no name"):
+    with pytest.raises(weir.Error, match="is not a valid name"):
         particles.add("a b")
     with pytest.raises(weir.Error, match="did you mean 'density'"):
         particles["densty"]

@@ -76,7 +76,7 @@ TEST_F(SceneFilesTest, APipeInTheFolderStopsNobody) {
   ASSERT_EQ(mkfifo((folder / "pipe.csv").c_str(), 0600), 0);
   EXPECT_NE(answerTo("pipe.csv").find("a regular file"), std::string::npos);
   const RunningStudio studio(options, "scene.json");
-  EXPECT_NE(studio.answer("GET /api/file/pipe.json").find("no regular file"), std::string::npos);
+  EXPECT_NE(studio.answer("GET /api/file/pipe.json").find("not a regular file"), std::string::npos);
   EXPECT_NE(studio.answer("GET /api/files").find("pipe.json"), std::string::npos);
   const Socket socket = studio.socket();
   for (const char* request : {R"({"id": 1, "do": "scene.open", "path": "pipe.json"})",

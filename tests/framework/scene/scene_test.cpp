@@ -192,7 +192,8 @@ TEST_F(SceneTest, ModuleErrorsAreLocated) {
       error(R"({"scale": {"params": {"factor": "x"}}})").what(),
       "s.json:2:78: /nodes/w/modules/scale/params/factor: node 'w': parameter 'factor': found \"x\"");
   EXPECT_CONTAINS(error(R"({"new": {"type": "AddRule"}})").what(), "has no place");
-  EXPECT_CONTAINS(error(R"({"new.x": {"type": "AddRule", "after": "add"}})").what(), "no name for a module");
+  EXPECT_CONTAINS(error(R"({"new.x": {"type": "AddRule", "after": "add"}})").what(),
+                  "not a valid name for a module");
   EXPECT_CONTAINS(error(R"({"add": {"after": "ad"}})").hint(), "'add'");
 }
 

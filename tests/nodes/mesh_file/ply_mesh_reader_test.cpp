@@ -68,19 +68,23 @@ TEST_F(PlyMesh, ReadsABoxInAllEncodings) {
 constexpr const char* kPoints =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
 
+std::string pointsAnd(std::string_view rest) {
+  std::string text = kPoints;
+  text += rest;
+  return text;
+}
+
 TEST_F(PlyMesh, ReadsStripsOfTriangles) {
-  const TriangleMesh mesh =
-      read(std::string(kPoints) +
-           "element tristrips 1\nproperty list int int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
-           "8 0 1 2 3 -1 0 1 3\n");
+  const TriangleMesh mesh = read(pointsAnd(
+      "element tristrips 1\nproperty list int int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
+      "8 0 1 2 3 -1 0 1 3\n"));
   EXPECT_EQ(mesh.triangles, (std::vector<Vec3i>{{0, 1, 2}, {2, 1, 3}, {0, 1, 3}}));
 }
 
 TEST_F(PlyMesh, PointsAndLinesAreNoTriangles) {
-  EXPECT_TRUE(read(std::string(kPoints) + "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n").empty());
-  EXPECT_TRUE(read(std::string(kPoints) +
-                   "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-                   "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 1\n0\n")
+  EXPECT_TRUE(read(pointsAnd("end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n")).empty());
+  EXPECT_TRUE(read(pointsAnd("element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 1\n0\n"))
                   .empty());
 }
 

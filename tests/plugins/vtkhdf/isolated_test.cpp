@@ -81,9 +81,9 @@ TEST(Packed, GivesBackWhatWasAddedAndRefusesTheRest) {
   EXPECT_EQ(unpacker.text(), "text");
   EXPECT_EQ(unpacker.all<double>(), std::vector<double>{});
   EXPECT_TRUE(unpacker.atEnd());
-  EXPECT_CONTAINS(errorOf([&] { unpacker.text(); }).message(), "makes no sense");
+  EXPECT_CONTAINS(errorOf([&] { unpacker.text(); }).message(), "contents are inconsistent");
   Unpacker cut(std::string_view(bytes).substr(0, 10));
-  EXPECT_CONTAINS(errorOf([&] { cut.all<int>(); }).message(), "makes no sense");
+  EXPECT_CONTAINS(errorOf([&] { cut.all<int>(); }).message(), "contents are inconsistent");
 }
 
 using VtkHdfParticleReaderTest = InFolder;

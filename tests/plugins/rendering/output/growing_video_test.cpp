@@ -123,7 +123,7 @@ TEST_P(GrowingVideoMp4, SayWhyItCannotBeGoneOnWith) {
   EXPECT_CONTAINS(errorOf([&] { resume(32); }).what(),
                   "64 x 48 cannot be gone on with in pictures of 32 x 48");
   folder.write(std::filesystem::path(file).filename(), "no video");
-  EXPECT_CONTAINS(errorOf([&] { resume(64); }).what(), "no video that ffmpeg can read");
+  EXPECT_CONTAINS(errorOf([&] { resume(64); }).what(), "not a video that ffmpeg can read");
   std::filesystem::remove(file);
   GrowingVideo video(file, {64, 48, kRate});
   show(video, 0, 3);
