@@ -16,6 +16,7 @@
 #include "framework/base/isolated_work.h"
 #include "framework/base/packed.h"
 #include "framework/base/text.h"
+#include "framework/geometry/packed_mesh.h"
 #include "plugins/assimp/folder_files.h"
 
 namespace weir {
@@ -159,25 +160,6 @@ TriangleMesh readHere(const std::filesystem::path& file) {
   if (scene == nullptr)
     throw ioError("the mesh cannot be read: " + printable(importer.GetErrorString(), 300));
   return SceneTriangles(*scene).collect();
-}
-
-std::string packed(const TriangleMesh& mesh) {
-  Packer packer;
-  packer.addAll(mesh.vertices);
-  packer.addAll(mesh.triangles);
-  return packer.take();
-}
-
-/// Believes nothing, as a damaged file may have upset the process that packed it.
-TriangleMesh unpacked(std::string_view bytes) {
-  Unpacker unpacker(bytes);
-  TriangleMesh mesh{.vertices = unpacker.all<Vec3f>(), .triangles = unpacker.all<Vec3i>()};
-  const auto count = static_cast<std::int64_t>(mesh.vertices.size());
-  const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };
-  const bool good = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                                [&](const Vec3i& t) { return there(t.x) && there(t.y) && there(t.z); });
-  if (!good) throw ioError("the file is damaged: its contents are inconsistent");
-  return mesh;
 }
 
 std::string sizeText(std::uint64_t bytes) {

@@ -5,6 +5,7 @@
 
 #include "framework/base/error.h"
 #include "framework/base/packed.h"
+#include "framework/geometry/packed_mesh.h"
 #include "plugins/vtkhdf/isolated.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 
@@ -20,25 +21,6 @@ TriangleMesh readLast(const std::filesystem::path& file) {
   if (mesh.empty())
     throw ioError("the last step holds no triangles", "what --export-surface wrote",
                   "ParticleFile reads what --export wrote");
-  return mesh;
-}
-
-std::string packed(const TriangleMesh& mesh) {
-  Packer packer;
-  packer.addAll(mesh.vertices);
-  packer.addAll(mesh.triangles);
-  return packer.take();
-}
-
-/// Believes nothing, as a damaged file may have upset the process that packed it.
-TriangleMesh unpacked(std::string_view bytes) {
-  Unpacker unpacker(bytes);
-  TriangleMesh mesh{.vertices = unpacker.all<Vec3f>(), .triangles = unpacker.all<Vec3i>()};
-  const auto count = static_cast<std::int64_t>(mesh.vertices.size());
-  const auto there = [&](int vertex) { return vertex >= 0 && vertex < count; };
-  const bool good = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                                [&](const Vec3i& t) { return there(t.x) && there(t.y) && there(t.z); });
-  if (!good) throw ioError("the file is damaged: its contents are inconsistent");
   return mesh;
 }
 
