@@ -144,7 +144,8 @@ std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
     files.push_back(std::move(file));
     if (files.size() == kMaxListed) break;
   }
-  if (error) throw ioError("the folder " + inQuotes(folder) + " cannot be read: " + error.message());
+  if (error && error != std::errc::no_such_file_or_directory)
+    throw ioError("the folder " + inQuotes(folder) + " cannot be read: " + error.message());
   std::sort(files.begin(), files.end(), [](const ServedFile& a, const ServedFile& b) {
     return std::pair(!a.isFolder, a.path) < std::pair(!b.isFolder, b.path);
   });

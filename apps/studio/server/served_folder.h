@@ -34,7 +34,8 @@ class ServedFolder {
   /// Whether a path of the file system leads to a file or folder below this one that is not hidden, or to
   /// where one could be made; links are resolved.
   bool contains(const std::filesystem::path& path) const;
-  /// What lies directly in a folder below this one, sorted, hidden files left out.
+  /// What lies directly in a folder below this one, sorted, hidden files left out; nothing where there is no
+  /// such folder yet. Throws an io Error if it cannot be read.
   std::vector<ServedFile> list(std::string_view folder) const;
   /// Both throw an io Error if the file cannot be read or written, see readRegularFile.
   std::string read(std::string_view path) const;

@@ -42,6 +42,11 @@ TEST_F(ServedFolderTest, NoPathLeadsOut) {
   EXPECT_EQ(ServedFolder(folder.path()).read("secret.txt"), "secret");
 }
 
+TEST_F(ServedFolderTest, AFolderThatIsNotThereYetHoldsNothingAndAFileIsNoFolder) {
+  EXPECT_TRUE(served.list("pictures").empty());
+  EXPECT_THROW(served.list("scene.json"), Error);
+}
+
 TEST_F(ServedFolderTest, ListsFoldersFirstAndHidesHiddenFiles) {
   folder.write("served/.hidden", "");
   const std::vector<ServedFile> files = served.list("");

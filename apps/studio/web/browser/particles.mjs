@@ -19,26 +19,33 @@ export function particlesOfPly(bytes) {
   return particles;
 }
 
+// A server refuses a client that has more than 32 questions open.
+const kQuestionsAtOnce = 16;
+
 /** Of the simulation that runs behind a page. It is asked as the page asks when a particle is clicked. */
 export async function particlesOfPage(page, node, ids) {
   const answers = await page.evaluate(
-    ([node, ids]) =>
+    ([node, ids, atOnce]) =>
       new Promise((resolve, reject) => {
         const socket = new WebSocket(`ws://${location.host}/api/live`);
         const found = [];
-        socket.onopen = () => ids.forEach((particle, id) => socket.send(JSON.stringify({ id, do: "particle", node, particle })));
+        let asked = 0;
+        const ask = () => asked < ids.length && socket.send(JSON.stringify({ id: asked, do: "particle", node, particle: ids[asked++] }));
+        socket.onopen = () => Array.from({ length: atOnce }).forEach(ask);
         socket.onerror = () => reject(new Error("no connection"));
         socket.onmessage = (m) => {
           const answer = typeof m.data === "string" ? JSON.parse(m.data) : {};
           if (answer.id === undefined) return;
+          if (!answer.result) return reject(new Error(m.data));
           found.push(answer.result);
+          ask();
           if (found.length === ids.length) (socket.close(), resolve(found));
         };
       }),
-    [node, ids],
+    [node, ids, kQuestionsAtOnce],
   );
   // Floats come with as many digits as they need.
   const floats = (v) => (Array.isArray(v) ? v.map(Math.fround) : Math.fround(v));
   const read = (attributes) => Object.fromEntries(Object.entries(attributes).map(([name, v]) => [name, floats(v)]));
-  return new Map(answers.filter(Boolean).map((a) => [a.id, read(a.attributes)]));
+  return new Map(answers.map((a) => [a.id, read(a.attributes)]));
 }

@@ -83,7 +83,7 @@ const launch = (dark) =>
 export async function openWindow(context, address, mistakes = []) {
   const page = await context.newPage();
   page.setDefaultTimeout(kPatience);
-  page.on("console", (m) => m.type() === "error" && mistakes.push(m.text()));
+  page.on("console", (m) => m.type() === "error" && mistakes.push(`${m.text()} (${m.location().url})`));
   page.on("pageerror", (e) => mistakes.push(e.message));
   page.on("dialog", (d) => d.accept());
   await watch(page, mistakes);

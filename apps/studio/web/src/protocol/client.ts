@@ -129,6 +129,6 @@ export const upload = (path: string, file: File) =>
 /** The path, or where there is such a file, one with a number: "a_001.mp4". */
 export async function freePath(path: string): Promise<string> {
   const folder = path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "";
-  const taken = new Set((await fetchFiles(folder).catch(() => [])).map((f) => f.path));
+  const taken = new Set((await fetchFiles(folder)).map((f) => f.path));
   return withNumber(path, (p) => taken.has(p));
 }
