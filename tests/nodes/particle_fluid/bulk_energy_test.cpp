@@ -183,7 +183,7 @@ TEST(SolverParameters, SayWhatIsWrong) {
   EXPECT_CONTAINS(refused(object({{"energy", "polynomial"}})), "1 to 8 coefficients");
   EXPECT_CONTAINS(refused(object({{"polynomial", Value::Array{1}}})), "not \"polynomial\"");
   EXPECT_CONTAINS(refused(object({{"energy", "polynomial"}, {"polynomial", Value::Array{1, -1}}})), "-1");
-  EXPECT_CONTAINS(refused(object({{"tolerance", 0.1}})), "no parameter \"tolerance\"");
+  EXPECT_CONTAINS(refused(object({{"tolerance", 0.1}})), "no parameter 'tolerance'");
   AcceleratedSolver accelerated;
   const auto refusedBy = [&](Value v) {
     return std::string(errorOf([&] { accelerated.assignAll(v, {}); }).what());
