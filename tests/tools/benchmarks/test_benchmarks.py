@@ -209,7 +209,7 @@ class Runner(Folder):
             self.assertIn(part, said.getvalue())
 
     def test_the_page_of_this_project_has_the_marker(self):
-        self.assertIn(runner.MARKER, (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8"))
+        self.assertIn(runner.MARKER, (ROOT / "engineering" / "benchmarks.md").read_text(encoding="utf-8"))
 
 
 def compared(name, ms, compression):
