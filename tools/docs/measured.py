@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools" / "benchmarks"))
+import results as benchmarks  # noqa: E402
 
 BLOCK = re.compile(r"(<!-- measured: (\w+) -->\n).*?(<!-- end of measured -->)", re.DOTALL)
-SOFT = 10  # per cent of mean compression from which a row is no water
 
 
 def tables(text):
@@ -88,7 +89,7 @@ def speed(devices):
     lines = ["| device | particles | ms a step | mean compression | bytes a particle |", "|---|---:|---:|---:|---:|"]
     for device in devices:
         for row in device.of("dam"):
-            mark = " **(soft)**" if 100 * float(row["compression"]) > SOFT else ""
+            mark = " **(soft)**" if float(row["compression"]) > benchmarks.SOFT else ""
             lines.append(f"| {short(device.name)} | {row['particles']} | {row['late, batch (ms)']} | {percent(row['compression'])}{mark} | "
                          f"{row['memory (B a particle)']} |")
     return lines

@@ -27,8 +27,8 @@ vorticity;VTKHDF;watertight;XSPH""".replace("\n", "").split(";")
 
 
 def words(text):
-    """Tokens with a letter or a digit, code included."""
-    return sum(1 for token in text.split() if re.search(r"\w", token))
+    """Tokens with a letter or a digit, code included, comments not."""
+    return sum(1 for token in re.sub(r"(?s)<!--.*?-->", "", text).split() if re.search(r"\w", token))
 
 
 def prose(text):
