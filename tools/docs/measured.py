@@ -92,7 +92,8 @@ def speed(devices):
             mark = " **(soft)**" if float(row["compression"]) > benchmarks.SOFT else ""
             lines.append(f"| {short(device.name)} | {row['particles']} | {row['late, batch (ms)']} | {percent(row['compression'])}{mark} | "
                          f"{row['memory (B a particle)']} |")
-    return lines
+    dates = sorted({device.date for device in devices})
+    return [*lines, "", f"Measured on {' and '.join(dates)}; means over steps without a wait between them."]
 
 
 def beside(devices):
