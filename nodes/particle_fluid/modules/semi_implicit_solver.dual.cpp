@@ -223,7 +223,7 @@ struct Update {
   WEIR_HD void operator()(Index i) const {
     if (control != nullptr && (control->done || control->takesBack)) return;
     if (stepLength == StepLength::kFull)
-      move(i, [this](const auto& one, const auto& u) { return fullStep(one, u); });
+      move(i, [this](const auto& one, const auto& u) { return this->fullStep(one, u); });
     else
       forEachOf(i, [this](std::int64_t one) {
         move(one, [this](std::int64_t k, const Vec3f&) { return searchedStep(k); });
