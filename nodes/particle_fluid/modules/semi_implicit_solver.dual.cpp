@@ -8,7 +8,7 @@
 #include "nodes/particle_fluid/modules/first_derivative.h"
 #include "nodes/particle_fluid/modules/semi_implicit_judge.h"
 #include "nodes/particle_fluid/modules/semi_implicit_passes.h"
-#include "nodes/particle_fluid/modules/wall_integrals.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -554,7 +554,7 @@ void SemiImplicitSolver::searchAgain(Backend& device, FluidStep& fluid) {
       detail::MoveOut{control_->data(), displacement(fluid).view(), fluid.particles.velocities().view(),
                       carried_->view(), fluid.particles.positions().view()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
-  WallIntegrals::find(fluid);
+  fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
               detail::MoveBack{carried_->view(), displacement(fluid).view(),
