@@ -72,6 +72,11 @@ const std::map<std::string, const char*> kParameters{
     {"MyPluginPull", R"({"center": [0.1, 0.3, 0.1]})"},
     {"Xsph", R"({"form": "implicit"})"}};
 
+/// Types whose particles are not asked for as those of a fluid are, and the sampler that they get.
+const std::map<std::string, const char*> kOwnSamplers{
+    {"VortexTracers",
+     R"({"type": "BoxSampler", "params": {"min": [0.1, 0.2, 0.1], "max": [0.2, 0.3, 0.2]}})"}};
+
 /// Modules that take the place of another one; all others stand before "predict".
 const std::map<std::string, std::string> kInPlaceOf{{"Pbf", "solver"}, {"Dfsph", "solver"}};
 
@@ -147,9 +152,11 @@ class Resume : public testing::Test {
     const auto link = [&](const std::string& from, const std::string& to) {
       scene["links"].push(Value(from + " -> " + to));
     };
+    const auto sampler = kOwnSamplers.find(type);
+    if (sampler != kOwnSamplers.end()) scene["nodes"]["sampler"] = parseJson(sampler->second, type);
     for (const InputPort* input : node.inputs())
       if (const auto from = kSources.find(input->typeName()); from != kSources.end())
-        link(from->second, "it." + input->name());
+        link(sampler != kOwnSamplers.end() ? "sampler.particles" : from->second, "it." + input->name());
     for (const OutputPort* output : node.outputs()) {
       const auto to = kReaders.find(output->typeName());
       const bool emits = output->typeName() == "ParticleBatch" && type.ends_with("Emitter");
