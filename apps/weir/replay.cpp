@@ -41,11 +41,15 @@ bool has(const RecordedFluid& fluid, std::string_view name) {
                      [&](const RecordedArray& array) { return array.name == name; });
 }
 
+const ParticleSet* ownOf(const Particles& particles) {
+  return particles.exist() ? &particles.set() : nullptr;
+}
+
 }  // namespace
 
 Replay::Replay(Simulation& simulation, const Recording& recording)
     : simulation_(simulation), recording_(recording) {
-  const auto fluids = outputsOf<Fluid>(simulation.scene().graph);
+  const auto fluids = outputsOf<Particles>(simulation.scene().graph);
   std::vector<std::string> names;
   for (const auto& [name, output] : fluids) names.push_back(name);
   std::vector<std::string> wanted = recording.fluids();
@@ -80,7 +84,7 @@ bool Replay::next() {
 
 void Replay::fill(Target& target, const RecordedFluid& from) const {
   auto particles = std::make_unique<ParticleSet>(simulation_.device());
-  const ParticleSet* own = target.particles ? target.particles.get() : (*target.fluid)->particles;
+  const ParticleSet* own = target.particles ? target.particles.get() : ownOf(**target.output);
   const auto count = from.positions.size();
   StateArrays arrays;
   const StateWriter to(arrays);
@@ -92,7 +96,7 @@ void Replay::fill(Target& target, const RecordedFluid& from) const {
   for (const RecordedArray& array : from.arrays)
     if (array.name != "position") addAttribute(array, own, *particles, to);
   particles->restore(StateReader(arrays));
-  (*target.fluid)->particles = particles.get();
+  (*target.output)->assign(*particles);
   target.particles = std::move(particles);
 }
 

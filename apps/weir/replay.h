@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "framework/particles/particles.h"
 #include "framework/run/simulation.h"
 #include "nodes/particle_file/recording.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir::app {
 
@@ -29,7 +29,7 @@ class Replay {
 
  private:
   struct Target {
-    Output<Fluid>* fluid;
+    Output<Particles>* output;
     /// Of recorded attributes alone, so that nothing else can be looked at.
     std::unique_ptr<ParticleSet> particles;
   };

@@ -1,5 +1,6 @@
-// Particles with their attributes, and batches of new ones.
+// Particles with their attributes, what nodes with particles put out, and batches of new ones.
 #pragma once
 
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particle_set.h"
+#include "framework/particles/particles.h"

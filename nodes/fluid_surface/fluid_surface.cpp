@@ -21,7 +21,7 @@ void FluidSurface::estimate(const SetupContext&, MemoryNeeds& needs) {
 
 void FluidSurface::reset(const SetupContext& context) {
   State& state = state_.emplace(context.device);
-  const float d = fluid->constants->spacing;
+  const float d = fluid->material.spacing;
   state.settings = {
       .spacing = d, .radius = kernelRadius * d, .smoothing = smoothing, .anisotropy = anisotropy};
   state.cell = cellSize * d;
@@ -33,8 +33,9 @@ void FluidSurface::reset(const SetupContext& context) {
 void FluidSurface::frame(const StepContext& context) {
   State& state = *state_;
   const ProfileScope scope(context.device.profiler(), name());
-  const std::int64_t count = fluid->particles->refreshCount();
-  state.kernels.make(context.device, fluid->particles->positions(), count, state.settings,
+  ParticleSet& particles = fluid->set();
+  const std::int64_t count = particles.refreshCount();
+  state.kernels.make(context.device, particles.positions(), count, state.settings,
                      KernelField::farthest(state.cell, state.settings.radius));
   state.leftOut = count - state.kernels.size();
   state.field.make(context.device, state.kernels, state.cell);

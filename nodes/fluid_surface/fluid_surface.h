@@ -6,11 +6,12 @@
 
 #include <optional>
 
+#include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/node.h"
+#include "framework/particles/particles.h"
 #include "nodes/fluid_surface/kernel_field.h"
 #include "nodes/fluid_surface/marching_cubes.h"
 #include "nodes/fluid_surface/mesh_smoother.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir {
 
@@ -69,7 +70,7 @@ class FluidSurface final : public Node {
        .doc = "The field's value at the surface, about 1 being full fluid. If it is left out: such that a "
               "flat surface is half a spacing outside of the outermost particles."}};
 
-  Input<Fluid> fluid{*this, "fluid", "The fluid."};
+  Input<Particles> fluid{*this, "fluid", "The particles of the fluid."};
   Output<DynamicMesh> surface{*this, "surface", "Its surface at the time of the last frame."};
 
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;

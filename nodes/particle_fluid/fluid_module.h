@@ -23,7 +23,19 @@
 namespace weir {
 
 struct Boundary;
+struct FluidStep;
 struct WallField;
+
+/// The role of the module that finds what a fluid feels of solids, beside its step wherever the positions of
+/// a step or of a frame need it. The first enabled module of the pipeline that has it is asked.
+class WallFinder {
+ public:
+  /// Fills fluid.walls, which has solids, for the present positions and the solids as walls.views says.
+  virtual void findWalls(FluidStep& fluid) = 0;
+
+ protected:
+  ~WallFinder() = default;
+};
 
 /// The state of a fluid within one step. Between the modules `predict` and the solver, positions are
 /// predicted ones; before and after, they are those of the beginning and the end of the step.
@@ -37,6 +49,10 @@ struct FluidStep {
   Aabb domain;                       ///< particles outside are removed
   ArrayView<const SinkPiece> sinks;  ///< particles inside are removed; on the device
   WallField& walls;                  ///< what rigid meshes do; empty where there are none
+  WallFinder* wallFinder = nullptr;  ///< there wherever the fluid meets solids
+
+  /// Brings `walls` up to date with the present positions.
+  void findWalls();
 };
 
 /// What is known of a fluid's run before its first step, for warnings.

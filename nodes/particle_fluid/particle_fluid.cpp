@@ -22,6 +22,7 @@
 namespace weir {
 
 ParticleFluid::ParticleFluid() {
+  fluid->offer(*this);
   pipeline_.add<Predict>("predict");
   pipeline_.add<SolidApproach>("approach");
   pipeline_.add<NeighborSearch>("neighbors");
@@ -57,7 +58,7 @@ void ParticleFluid::configure(const SetupContext&) {
 
 double ParticleFluid::memoryFor(Device& device, double particles) const {
   FluidRoom room{.particles = particles};
-  for (const Fluid::Request& request : fluid.requests()) room.solids += request.solids;
+  for (const Particles::Request& request : fluid.requests()) room.solids += request.solids;
   NeighborList lists(device);
   lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
@@ -73,7 +74,7 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
   most_ = atFirst + born;
   fluid->most = most_;
-  fluid->spacing = spacing;
+  fluid->material.spacing = spacing;
   // What is proportional to their number is so to 1/spacing³.
   needs.remedy = [d = double(spacing)](double share) {
     const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
@@ -130,7 +131,9 @@ void ParticleFluid::reset(const SetupContext& context) {
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
   if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
-  *fluid = {&state.particles, &constants_, &state.walls.solids, most_, spacing};
+  fluid->material = {
+      .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
+  fluid->assign(state.particles);
 
   for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
@@ -139,6 +142,43 @@ void ParticleFluid::reset(const SetupContext& context) {
   refresh(start);
   warnOfSettings(context);
   state.restDt = context.dt;
+}
+
+std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solids) {
+  const std::int64_t removed = carve(solids);
+  for (const auto& solid : solids) state_->walls.solids.push_back(solid.get());
+  return removed;
+}
+
+std::int64_t ParticleFluid::carve(std::span<const std::unique_ptr<Solid>> solids) {
+  ParticleSet& particles = state_->particles;
+  const std::int64_t count = particles.refreshCount();
+  if (count == 0) return 0;
+  std::vector<SolidView> views;
+  for (const auto& solid : solids) views.push_back(solid->view(0, 0));
+  Device& device = particles.device();
+  const Array<SolidView> onDevice(device, views);
+  Array<int> inside(device, count);
+  dispatch(device, [&](auto& backend) { markInsideOn(backend, onDevice, inside); });
+
+  const std::vector<int> marks = inside.toHost();
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i] == 0) kept.push_back(static_cast<int>(i));
+  const std::int64_t removed = count - static_cast<std::int64_t>(kept.size());
+  if (removed == 0) return 0;
+  const int left = static_cast<int>(kept.size());
+  device.upload(particles.counter(), &left, sizeof(int));
+  const Array<int> order(device, kept);
+  particles.permute(order.view());
+  particles.refreshCount();
+  return removed;
+}
+
+WallFinder* ParticleFluid::wallFinder() const {
+  for (const auto& module : pipeline_.modules())
+    if (auto* finder = module->enabled() ? dynamic_cast<WallFinder*>(module.get()) : nullptr) return finder;
+  return nullptr;
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
@@ -167,8 +207,12 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   State& state = *state_;
-  return {time,     time.device,        constants_, state.particles, state.neighbors, state.boundaries,
-          domain(), state.sinks.view(), state.walls};
+  WallFinder* const finder = wallFinder();
+  if (!state.walls.empty() && finder == nullptr)
+    throw sceneError("the fluid meets solids, but no enabled module of it finds what it feels of them",
+                     "a pipeline with such a module, as WallIntegrals is");
+  return {time,     time.device,        constants_,  state.particles, state.neighbors, state.boundaries,
+          domain(), state.sinks.view(), state.walls, finder};
 }
 
 double ParticleFluid::longestStep(const StepContext& next, double cfl) {
@@ -218,7 +262,7 @@ void ParticleFluid::frame(const StepContext& context) {
 void ParticleFluid::findWalls(const StepContext& context) {
   state_->walls.place(context.time, 0);
   FluidStep now = fluidStep(context);
-  WallIntegrals::find(now);
+  now.findWalls();
 }
 
 void ParticleFluid::refresh(const StepContext& context) {

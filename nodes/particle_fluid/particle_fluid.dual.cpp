@@ -47,6 +47,20 @@ struct Density {
   }
 };
 
+/// Whether particles lie in a solid, or so near that there is no room for them.
+struct MarkInside {
+  ArrayView<const SolidView> solids;
+  float gap;  // m
+  ArrayView<const Vec3f> positions;
+  ArrayView<int> inside;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    bool in = false;
+    for (std::int64_t k = 0; k < solids.size && !in; ++k) in = hasNoRoom(solids[k], positions[i], gap);
+    inside[i] = in ? 1 : 0;
+  }
+};
+
 /// A cell of its own for each particle that has room, so that they keep their order.
 struct RoomKey {
   ArrayView<const SolidView> solids;
@@ -75,6 +89,13 @@ void ParticleFluid::selectOn(Backend& device, const ParticleBatch& born) {
 }
 
 template <class Backend>
+void ParticleFluid::markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside) {
+  parallelFor(device, "carve", inside.size(),
+              MarkInside{solids.view(), kCarveGap * constants_.spacing,
+                         std::as_const(state_->particles).positions().view(), inside.view()});
+}
+
+template <class Backend>
 void ParticleFluid::boundingBoxOn(Backend& device) {
   State& state = *state_;
   reduce(device, "bounding box", state.particles.count(), FluidExtent{},
@@ -98,6 +119,7 @@ void ParticleFluid::densityOn(Backend& device) {
 }
 
 template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);
+template void ParticleFluid::markInsideOn(ThisBackend&, const Array<SolidView>&, Array<int>&);
 template void ParticleFluid::boundingBoxOn(ThisBackend&);
 template void ParticleFluid::speedOn(ThisBackend&);
 template void ParticleFluid::densityOn(ThisBackend&);

@@ -6,26 +6,13 @@
 
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
+#include "framework/particles/particles.h"
+#include "framework/solids/solid_coupling.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
-
-/// What travels from a fluid to renderers, exporters and couplings.
-struct Fluid {
-  static constexpr std::string_view kPortType = "Fluid";
-  /// Of a coupling: how many solids it will add.
-  struct Request {
-    int solids = 0;
-    friend bool operator==(const Request&, const Request&) = default;
-  };
-  ParticleSet* particles = nullptr;
-  const FluidConstants* constants = nullptr;
-  std::vector<Solid*>* solids = nullptr;  ///< that it meets; couplings add to them in reset()
-  double most = 0;                        ///< particles, as estimated; told before there are any
-  float spacing = 0;                      ///< m; likewise
-};
 
 /// The box around the particles of a fluid, and the sum of their positions.
 struct FluidExtent {
@@ -33,7 +20,7 @@ struct FluidExtent {
   Vec3f sum;
 };
 
-class ParticleFluid final : public Node {
+class ParticleFluid final : public Node, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
@@ -105,7 +92,7 @@ class ParticleFluid final : public Node {
   Inputs<ParticleBatch> emitters{*this, "emitters", "Particles that are born in each step."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Solids and containers that the fluid does not enter."};
   Inputs<SinkRegion> sinks{*this, "sinks", "Regions in which the fluid's particles are removed."};
-  Output<Fluid> fluid{*this, "fluid", "The fluid."};
+  Output<Particles> fluid{*this, "fluid", "The fluid's particles."};
 
   ParticleFluid();
 
@@ -121,6 +108,11 @@ class ParticleFluid final : public Node {
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
   std::int64_t particleCount() const override { return state_ ? state_->particles.bound() : 0; }
+
+  /// From its reset on.
+  const FluidConstants& constants() const { return constants_; }
+  /// Those that it meets, from the reset of the couplings on.
+  const std::vector<Solid*>& solids() const { return state_->walls.solids; }
 
  private:
   /// What exists from reset on, on the device of that reset.
@@ -151,6 +143,12 @@ class ParticleFluid final : public Node {
     bool resumed = false;          // and no step made since
   };
 
+  std::int64_t accept(std::span<const std::unique_ptr<Solid>> solids) override;
+  /// Removes the particles that have no room beside these; returns how many.
+  std::int64_t carve(std::span<const std::unique_ptr<Solid>> solids);
+  /// The enabled module that has the role; null if there is none.
+  WallFinder* wallFinder() const;
+
   double memoryFor(Device& device, double particles) const;
   FluidStep fluidStep(const StepContext& time);
   void resetModules(FluidStep& step);
@@ -167,6 +165,8 @@ class ParticleFluid final : public Node {
   double largestSpeed(Device& device);
   template <class Backend>
   void selectOn(Backend& device, const ParticleBatch& born);
+  template <class Backend>
+  void markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside);
   template <class Backend>
   void boundingBoxOn(Backend& device);
   template <class Backend>

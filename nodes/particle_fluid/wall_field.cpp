@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/wall_field.h"
 
 #include "framework/graph/memory_estimate.h"
+#include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
 
@@ -23,6 +24,12 @@ void WallField::fit(ParticleSet& particles) {
   kick.resizeDiscarding(stride);
   share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
                                  "Displacement by solids in the last step, over the gradient of Φ."});
+}
+
+void FluidStep::findWalls() {
+  if (walls.empty()) return;
+  WEIR_CHECK(wallFinder != nullptr);
+  wallFinder->findWalls(*this);
 }
 
 double WallField::memoryFor(double particles, int solidCount) const {

@@ -58,7 +58,7 @@ double SemiAnalyticalSFI::mostSpeed(double from, double to) const {
 double SemiAnalyticalSFI::longestStep(const StepContext& next, double cfl) {
   double spacing = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fluid.size(); ++i)
-    spacing = std::min(spacing, double(fluid[i].constants->spacing));
+    spacing = std::min(spacing, double(fluid[i].material.spacing));
   return timeToFly(cfl * spacing, mostSpeed(next.time, next.time + next.dt), 0);
 }
 
@@ -99,6 +99,7 @@ TriangleMesh SemiAnalyticalSFI::simplifiedMesh(const TriangleMesh& mesh, const s
 }
 
 void SemiAnalyticalSFI::configure(const SetupContext&) {
+  for (std::size_t i = 0; i < fluid.size(); ++i) couplingOf(fluid, i);
   fluid.request({static_cast<int>(solids.size())});
 }
 
@@ -130,7 +131,7 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
   lastFrame_ = 0;
   radius_ = 0;
   float detail = std::numeric_limits<float>::max();
-  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].constants->spacing);
+  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].material.spacing);
   for (std::size_t k = 0; k < solids.size(); ++k) {
     for (const Vec3f& vertex : solids[k].vertices)
       radius_ = std::max(radius_, double(length(vertex - pivot.get())));
@@ -144,39 +145,13 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
     forces->solids.push_back({from, {}, {}});
   }
   for (std::size_t i = 0; i < fluid.size(); ++i) {
-    const std::int64_t removed = carve(fluid[i]);
+    const std::int64_t removed = couplingOf(fluid, i).accept(parts_.get());
     carved_ += removed;
     if (removed > 0)
       context.log.warn(
           fmt::format("node '{}': {} of the particles of '{}' start inside solids and are left out", name(),
                       removed, fluid.links()[i]->node().name()));
-    for (const auto& part : *parts_) fluid[i].solids->push_back(part.get());
   }
-}
-
-std::int64_t SemiAnalyticalSFI::carve(Fluid& from) {
-  ParticleSet& particles = *from.particles;
-  const std::int64_t count = particles.refreshCount();
-  if (count == 0) return 0;
-  std::vector<SolidView> views;
-  for (const auto& part : *parts_) views.push_back(part->view(0, 0));
-  Device& device = particles.device();
-  const Array<SolidView> onDevice(device, views);
-  Array<int> inside(device, count);
-  dispatch(device, [&](auto& backend) { markInsideOn(backend, from, onDevice, inside); });
-
-  const std::vector<int> marks = inside.toHost();
-  std::vector<int> kept;
-  for (std::size_t i = 0; i < marks.size(); ++i)
-    if (marks[i] == 0) kept.push_back(static_cast<int>(i));
-  const std::int64_t removed = count - static_cast<std::int64_t>(kept.size());
-  if (removed == 0) return 0;
-  const int left = static_cast<int>(kept.size());
-  device.upload(particles.counter(), &left, sizeof(int));
-  const Array<int> order(device, kept);
-  particles.permute(order.view());
-  particles.refreshCount();
-  return removed;
 }
 
 void SemiAnalyticalSFI::frame(const StepContext& context) {

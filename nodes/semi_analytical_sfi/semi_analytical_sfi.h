@@ -15,8 +15,7 @@
 
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
-#include "framework/solids/solid.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include "framework/solids/solid_coupling.h"
 
 namespace weir {
 
@@ -92,7 +91,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
        .doc = "Largest deviation, in particle spacings, of the coarser meshes that take the "
               "place of fine ones; 0 keeps every triangle."}};
 
-  Inputs<Fluid> fluid{*this, "fluid", "The fluids that meet the solids.", true};
+  Inputs<Particles> fluid{*this, "fluid", "The fluids that meet the solids.", true};
   Inputs<TriangleMesh> solids{*this, "solids", "The solids' surfaces, in their places at time 0.", true};
   Output<SolidForces> forces{*this, "forces", "What the fluids do to the solids."};
 
@@ -116,9 +115,6 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;
   TriangleMesh simplifiedMesh(const TriangleMesh& mesh, const std::string& from, float spacing,
                               Log& log) const;
-  std::int64_t carve(Fluid& from);
-  template <class Backend>
-  void markInsideOn(Backend& device, const Fluid& in, const Array<SolidView>& views, Array<int>& inside);
 
   State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};
   State<std::int64_t> carved_{*this, "carved"};

@@ -77,22 +77,22 @@ class AttributeCopy {
 
 class ParticleSequence::Frame final : public Snapshot {
  public:
-  struct Particles {
+  struct Columns {
     std::int64_t count = 0;
     std::vector<AttributeCopy> attributes;
   };
 
   std::int64_t number = 0;
-  std::vector<Particles> fluids;  // in the order of the sources
+  std::vector<Columns> sources;  // in the order of sources_
 };
 
 void ParticleSequence::begin(Simulation& simulation) {
   sources_.clear();
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
+  for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph))
     sources_.push_back({node, output});
   if (sources_.empty())
-    throw ioError("there are no particles to write: the scene has no fluid",
-                  "a scene with a ParticleFluid, or another node that puts out a Fluid")
+    throw ioError("there is nothing to write: the scene has no particles",
+                  "a scene with a ParticleFluid, or another node that puts out Particles")
         .at({.file = folder_.string()});
   files_.emplace(folder_, ".ply");
 }
@@ -102,8 +102,9 @@ std::unique_ptr<Snapshot> ParticleSequence::capture(Simulation& simulation, std:
   auto frame = std::make_unique<Frame>();
   frame->number = simulation.frame();
   for (const Source& source : sources_) {
-    ParticleSet& particles = *(*source.fluid)->particles;
-    Frame::Particles& to = frame->fluids.emplace_back();
+    Frame::Columns& to = frame->sources.emplace_back();
+    if (!(*source.output)->exist()) continue;
+    ParticleSet& particles = (*source.output)->set();
     to.count = particles.refreshCount();
     for (const AttributeInfo& info : particles.attributes())
       to.attributes.emplace_back(particles, info, to.count);
@@ -114,9 +115,10 @@ std::unique_ptr<Snapshot> ParticleSequence::capture(Simulation& simulation, std:
 void ParticleSequence::write(Snapshot& snapshot) {
   auto& frame = static_cast<Frame&>(snapshot);
   for (std::size_t i = 0; i < sources_.size(); ++i) {
+    if (frame.sources[i].attributes.empty()) continue;
     std::vector<PlyColumn> columns;
-    for (AttributeCopy& attribute : frame.fluids[i].attributes) attribute.addTo(columns);
-    files_->write(sources_[i].node, frame.number, plyOf(frame.fluids[i].count, columns));
+    for (AttributeCopy& attribute : frame.sources[i].attributes) attribute.addTo(columns);
+    files_->write(sources_[i].node, frame.number, plyOf(frame.sources[i].count, columns));
   }
 }
 

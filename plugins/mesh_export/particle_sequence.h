@@ -1,7 +1,8 @@
-// --ply-particles DIR: each frame's particles as PLY files, one for each fluid: water_00012.ply.
+// --ply-particles DIR: each frame's particles as PLY files, one for each node that puts out
+// Particles: water_00012.ply.
 //
 // The points have x, y, z and vx, vy, vz, as the node ParticleFile reads them back, and all other attributes
-// of the fluid; vectors are three properties, with _x, _y and _z behind the attribute's name.
+// of the particles; vectors are three properties, with _x, _y and _z behind the attribute's name.
 #pragma once
 
 #include <memory>
@@ -9,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "framework/particles/particles.h"
 #include "framework/run/output_kind.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 #include "plugins/mesh_export/frame_files.h"
 
 namespace weir {
@@ -21,7 +22,7 @@ class ParticleSequence final : public Observer {
 
   std::string name() const override { return "particle files"; }
   std::string_view stateName() const override { return "particle_files"; }
-  /// Throws an io Error if the scene has no fluid, or the folder cannot be used.
+  /// Throws an io Error if the scene has no particles, or the folder cannot be used.
   void begin(Simulation& simulation) override;
   void resume(Simulation& simulation, const StateReader&) override { begin(simulation); }
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override;
@@ -31,7 +32,7 @@ class ParticleSequence final : public Observer {
  private:
   struct Source {
     std::string node;
-    const Output<Fluid>* fluid;
+    const Output<Particles>* output;
   };
   class Frame;
 

@@ -61,8 +61,9 @@ void writeDensity(const std::filesystem::path& file, const std::vector<ParticleV
   grid->insertMeta("time", openvdb::DoubleMetadata(time));
   Accessor voxels = grid->getAccessor();
   for (const ParticleVolume& fluid : fluids)
-    for (const Vec3f& position : fluid.positions)
-      if (isNear(position, side)) addParticle(position, fluid.volume / (side * side * side), side, voxels);
+    for (std::size_t i = 0; i < fluid.positions.size(); ++i)
+      if (isNear(fluid.positions[i], side))
+        addParticle(fluid.positions[i], fluid.volumeOf(i) / (side * side * side), side, voxels);
   std::ostringstream bytes;
   try {
     openvdb::io::Stream(bytes).write(openvdb::GridCPtrVec{grid});

@@ -10,10 +10,12 @@
 
 namespace weir {
 
-/// Particles of one size.
 struct ParticleVolume {
   std::span<const Vec3f> positions;  ///< m
   float volume = 0;                  ///< of a particle, m³
+  std::span<const float> volumes;    ///< of each particle in place of that; empty where all have the same
+
+  float volumeOf(std::size_t i) const { return volumes.empty() ? volume : volumes[i]; }
 };
 
 /// Writes a sparse grid "density", a fog volume: the share of each voxel that is filled, about 1 within a

@@ -9,7 +9,7 @@
 
 #include "framework/compute/host_copy.h"
 #include "framework/graph/outputs_of.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include "framework/particles/particles.h"
 #include "plugins/openvdb/density_grid.h"
 
 namespace weir {
@@ -23,8 +23,10 @@ constexpr const char* kOption = "vdb";
 class VolumeSnapshot final : public Snapshot {
  public:
   struct Part {
+    explicit Part(Device& device) : positions(device), volumes(device) {}
     HostCopy<Vec3f> positions;
-    float volume = 0;  ///< of a particle, m³
+    HostCopy<float> volumes;  ///< of each particle, m³; empty where all have the same
+    float volume = 0;         ///< the one that all have
   };
   std::vector<Part> parts;
   float spacing = 0;  ///< the smallest, m
@@ -43,9 +45,11 @@ class VolumeExport final : public Observer {
     if (!fs::is_directory(folder_, error)) fs::create_directory(folder_, error);
     if (error) throw ioError("the folder cannot be made: " + error.message()).at({.file = folder_.string()});
     voxel_ = static_cast<const VolumeSettings&>(*simulation.scene().sections.at(kOption)).voxel;
-    for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) fluids_.push_back(output);
-    if (fluids_.empty())
-      throw ioError("there is no volume to export: the scene has no fluid", "a scene with a ParticleFluid")
+    for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph))
+      sources_.push_back(output);
+    if (sources_.empty())
+      throw ioError("there is no volume to export: the scene has no particles",
+                    "a scene with a ParticleFluid, or another node that puts out Particles")
           .at({.file = folder_.string()});
   }
 
@@ -55,19 +59,15 @@ class VolumeExport final : public Observer {
     to->time = simulation.time();
     to->frame = simulation.frame();
     to->spacing = std::numeric_limits<float>::max();
-    // A coupling may hand on a fluid that it got; its particles count once.
+    // A node may hand on particles that it got; they count once.
     std::vector<const ParticleSet*> seen;
-    for (const Output<Fluid>* output : fluids_) {
-      const Fluid& fluid = **output;
-      if (fluid.particles == nullptr || std::count(seen.begin(), seen.end(), fluid.particles) > 0) continue;
-      if (to->parts.size() == seen.size()) to->parts.push_back({HostCopy<Vec3f>(simulation.device()), 0});
-      VolumeSnapshot::Part& part = to->parts[seen.size()];
-      seen.push_back(fluid.particles);
-      const std::int64_t count = fluid.particles->refreshCount();
-      part.positions.resize(count);
-      part.positions.start(0, fluid.particles->positions().data(), count);
-      part.volume = fluid.constants->particleVolume;
-      to->spacing = std::min(to->spacing, fluid.constants->spacing);
+    for (const Output<Particles>* output : sources_) {
+      const Particles& source = **output;
+      if (!source.exist() || std::count(seen.begin(), seen.end(), &source.set()) > 0) continue;
+      if (to->parts.size() == seen.size()) to->parts.emplace_back(simulation.device());
+      start(source, to->parts[seen.size()]);
+      seen.push_back(&source.set());
+      to->spacing = std::min(to->spacing, source.material.spacing);
     }
     return to;
   }
@@ -75,7 +75,8 @@ class VolumeExport final : public Observer {
   void write(Snapshot& snapshot) override {
     auto& from = static_cast<VolumeSnapshot&>(snapshot);
     std::vector<ParticleVolume> fluids;
-    for (VolumeSnapshot::Part& part : from.parts) fluids.push_back({part.positions.wait(), part.volume});
+    for (VolumeSnapshot::Part& part : from.parts)
+      fluids.push_back({part.positions.wait(), part.volume, part.volumes.wait()});
     writeDensity(folder_ / fmt::format("frame_{:05}.vdb", from.frame), fluids, voxel_ * from.spacing,
                  from.time);
   }
@@ -83,9 +84,19 @@ class VolumeExport final : public Observer {
   void end(Simulation&, RunEnd) override {}
 
  private:
+  static void start(const Particles& source, VolumeSnapshot::Part& part) {
+    const std::int64_t count = source.set().refreshCount();
+    part.positions.resize(count);
+    part.positions.start(0, source.set().positions().data(), count);
+    const Array<float>* own = source.ownValues(source.material.volume);
+    part.volumes.resize(own != nullptr ? count : 0);
+    if (own != nullptr) part.volumes.start(0, own->data(), count);
+    part.volume = source.material.volume.value;
+  }
+
   fs::path folder_;
   float voxel_ = 0;  // spacings
-  std::vector<const Output<Fluid>*> fluids_;
+  std::vector<const Output<Particles>*> sources_;
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 
 #include "framework/base/text.h"
 #include "framework/graph/outputs_of.h"
+#include "framework/particles/particles.h"
 #include "framework/solids/motion_of.h"
 #include "nodes/emitters/nozzle_emitter.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
@@ -100,9 +100,9 @@ void SceneCapture::checkFollowed(const Simulation& simulation, const std::string
                        [&](const auto& output) { return output.first == followed; });
   };
   const SceneGraph& graph = simulation.scene().graph;
-  if (puts(outputsOf<Fluid>(graph)) || puts(outputsOf<TriangleMesh>(graph))) return;
-  throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no fluid and no mesh",
-                   "a node that puts out a Fluid or a mesh")
+  if (puts(outputsOf<Particles>(graph)) || puts(outputsOf<TriangleMesh>(graph))) return;
+  throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no particles and no mesh",
+                   "a node that puts out Particles or a mesh")
       .at({.file = simulation.scene().file, .pointer = pointer});
 }
 
@@ -163,26 +163,27 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
 void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const {
   std::size_t i = 0;
   snapshot.particles = 0;
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
-    const Fluid& fluid = **output;
-    const std::int64_t count = fluid.particles->refreshCount();
+  for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph)) {
+    if (!(*output)->exist()) continue;
+    ParticleSet& particles = (*output)->set();
+    const std::int64_t count = particles.refreshCount();
     snapshot.particles += count;
     if (!showsParticles(*output)) continue;
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;
-    to.spacing = fluid.constants->spacing;
-    to.positions.start(fluid.particles->positions(), count);
-    if (settings_.arrows->spacing.get()) to.velocities.start(fluid.particles->velocities(), count);
+    to.spacing = (*output)->material.spacing;
+    to.positions.start(particles.positions(), count);
+    if (settings_.arrows->spacing.get()) to.velocities.start(particles.velocities(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.colorType = std::nullopt;
     if (to.look != nullptr && to.look->look == FluidLook::kWater) {
       const std::string& by = to.look->foam->by;
       if (by != "none")
-        startColors(*fluid.particles, by, "/render/fluids/" + std::to_string(place) + "/foam/by", count, to);
+        startColors(particles, by, "/render/fluids/" + std::to_string(place) + "/foam/by", count, to);
     } else if (const std::string& by = settings_.color->by; by != "none") {
-      snapshot.colorUnit = startColors(*fluid.particles, by, "/render/color/by", count, to);
+      snapshot.colorUnit = startColors(particles, by, "/render/color/by", count, to);
     }
   }
 }

@@ -23,9 +23,9 @@ constexpr const char* kOptionName = "export";
 /// The attribute that becomes the file's Points.
 constexpr std::string_view kPositionName = "position";
 
-Error noFluid(const std::filesystem::path& file) {
-  return ioError("there is nothing to export: the scene has no fluid",
-                 "a scene with a ParticleFluid, or another node that puts out a Fluid")
+Error noParticles(const std::filesystem::path& file) {
+  return ioError("there is nothing to export: the scene has no particles",
+                 "a scene with a ParticleFluid, or another node that puts out Particles")
       .at({.file = file.string()});
 }
 
@@ -80,7 +80,7 @@ class ParticleExport::Frame final : public Snapshot {
     time_ = time;
     spacing_ = std::numeric_limits<double>::infinity();
     for (const Source& source : sources)
-      spacing_ = std::min<double>(spacing_, (*source.fluid)->constants->spacing);
+      spacing_ = std::min<double>(spacing_, (*source.output)->material.spacing);
     counts_.clear();
     std::int64_t total = 0;
     for (const Source& source : sources) total += counts_.emplace_back(source.particles().refreshCount());
@@ -137,7 +137,7 @@ ParticleExport::ParticleExport(std::filesystem::path file) : file_(std::move(fil
 ParticleExport::~ParticleExport() = default;
 
 void ParticleExport::begin(Simulation& simulation) {
-  findFluids(simulation);
+  findSources(simulation);
   checkWritable(file_);
   const auto section = simulation.scene().sections.find("export");
   if (section != simulation.scene().sections.end())
@@ -171,11 +171,11 @@ void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
   }
 }
 
-void ParticleExport::findFluids(Simulation& simulation) {
+void ParticleExport::findSources(Simulation& simulation) {
   sources_.clear();
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph))
+  for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph))
     sources_.push_back({node, output});
-  if (sources_.empty()) throw noFluid(file_);
+  if (sources_.empty()) throw noParticles(file_);
 }
 
 std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::unique_ptr<Snapshot> used) {
@@ -201,15 +201,15 @@ void ParticleExport::write(Snapshot& snapshot) {
 }
 
 void ParticleExport::chooseSources() {
-  // A coupling may hand on a fluid that it got; its particles must be there once only.
+  // A node may hand on particles that it got; they must be there once only.
   std::vector<const ParticleSet*> seen;
   std::erase_if(sources_, [&](const Source& source) {
-    const ParticleSet* particles = (*source.fluid)->particles;
-    if (particles == nullptr || std::count(seen.begin(), seen.end(), particles) > 0) return true;
-    seen.push_back(particles);
+    const Particles& particles = **source.output;
+    if (!particles.exist() || std::count(seen.begin(), seen.end(), &particles.set()) > 0) return true;
+    seen.push_back(&particles.set());
     return false;
   });
-  if (sources_.empty()) throw noFluid(file_);
+  if (sources_.empty()) throw noParticles(file_);
 }
 
 void ParticleExport::chooseColumns(const Simulation& simulation) {

@@ -1,4 +1,5 @@
-// --export FILE.vtkhdf: writes the particles of all fluids of a scene, frame by frame, to one file.
+// --export FILE.vtkhdf: writes the particles of all fluids, and of all other nodes with Particles, of a
+// scene, frame by frame, to one file.
 //
 // Its PointData holds every attribute of the particles: velocity, density, id, and what modules and plugins
 // add. If the scene has several fluids, it holds those that all of them have, and a number that says which
@@ -16,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/particles/particles.h"
 #include "framework/run/output_kind.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 #include "plugins/vtkhdf/export_settings.h"
 #include "plugins/vtkhdf/vtkhdf_writer.h"
 
@@ -34,7 +35,7 @@ class ParticleExport final : public Observer {
   ~ParticleExport() override;
 
   std::string name() const override { return "export"; }
-  /// Throws an io Error if the scene has no fluid or the file cannot be written.
+  /// Throws an io Error if the scene has no particles or the file cannot be written.
   void begin(Simulation& simulation) override;
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override;
   /// Throws an io Error if the frame cannot be written. The frames before it stay readable.
@@ -53,8 +54,8 @@ class ParticleExport final : public Observer {
 
   struct Source {
     std::string name;  ///< the node's
-    const Output<Fluid>* fluid;
-    ParticleSet& particles() const { return *(*fluid)->particles; }
+    const Output<Particles>* output;
+    ParticleSet& particles() const { return (*output)->set(); }
   };
   class Frame;
 
@@ -63,7 +64,7 @@ class ParticleExport final : public Observer {
   bool several() const { return sources_.size() > 1; }
   bool isColumn(std::string_view name) const;
 
-  void findFluids(Simulation& simulation);
+  void findSources(Simulation& simulation);
   // At frame 0.
   void chooseSources();
   void chooseColumns(const Simulation& simulation);

@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "framework/base/text.h"
+#include "framework/particles/particles.h"
 #include "framework/scene/moved_modules.h"
 #include "framework/scene/scene_file.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 #include "python/src/errors.h"
 #include "python/src/python_module.h"
 
@@ -146,13 +146,14 @@ Module& PythonScene::module(const std::string& node, const std::string& name) co
 
 ParticleSet& PythonScene::particles(const std::string& name) const {
   for (OutputPort* output : node(name).outputs()) {
-    if (output->typeName() != Fluid::kPortType) continue;
-    ParticleSet* found = (*static_cast<Output<Fluid>&>(*output)).particles;
-    if (found != nullptr) return *found;
+    if (output->typeName() != weir::Particles::kPortType) continue;
+    const weir::Particles& found = *static_cast<Output<weir::Particles>&>(*output);
+    if (found.exist()) return found.set();
     throw usageError("there are no particles yet", "a weir.Simulation of the scene, which makes them")
         .inNode(name);
   }
-  throw usageError("the node puts out no fluid", "the node of a fluid").inNode(name);
+  throw usageError("the node puts out no particles", "the node of a fluid or of other particles")
+      .inNode(name);
 }
 
 void PythonScene::addNode(const std::string& type, const std::string& name, const Value& parameters) {

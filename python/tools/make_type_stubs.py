@@ -59,7 +59,7 @@ def ports(about: dict) -> list[str]:
         lines += [f"{port['name']}: Port", quoted(port["doc"])]
     if "modules" in about:
         lines.append("modules: Modules")
-    if any(port["type"] == "Fluid" for port in about["outputs"]):
+    if any(port["type"] == "Particles" for port in about["outputs"]):
         lines += ["particles: Particles", "positions: Any", "velocities: Any", "ids: Any", "count: int"]
     return lines
 

@@ -175,7 +175,7 @@ _module_classes: dict[str, type[ModuleHandle]] = {}
 
 def _make_node_class(name: str, about: dict) -> type[Node]:
     members: dict[str, Any] = {}
-    if any(port["type"] == "Fluid" for port in about["outputs"]):
+    if any(port["type"] == "Particles" for port in about["outputs"]):
         members.update(_fluid_members())
     if "modules" in about:
         members["modules"] = property(lambda self: Modules(self._core, self._name), doc="Its modules, by name.")

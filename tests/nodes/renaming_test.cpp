@@ -34,7 +34,7 @@ std::vector<Vec3f> positionsWhenNamed(Device& device, const std::string& first, 
   scene->reset();
   while (scene->advanceFrame(false)) {
   }
-  return scene.node<ParticleFluid>("water").fluid->particles->positions().toHost(scene->particleCount());
+  return scene.node<ParticleFluid>("water").fluid->set().positions().toHost(scene->particleCount());
 }
 
 TEST(Renaming, ANodeChangesNoBitOfARun) {

@@ -40,12 +40,11 @@ constexpr const char* kScene = R"({"weir": 1,
 /// Where an output of "it" goes to, by its type. Meshes in the room are stirred.
 const std::map<std::string, std::string> kReaders{{"ParticleBatch", "water.initial"},
                                                   {"TriangleMesh", "stirrer.solids"},
-                                                  {"Fluid", "walls.fluid"},
                                                   {"Boundary", "water.boundaries"},
                                                   {"SinkRegion", "water.sinks"}};
 /// Where an input of "it" gets its values from.
 const std::map<std::string, std::string> kSources{
-    {"ParticleBatch", "block.particles"}, {"TriangleMesh", "board.surface"}, {"Fluid", "water.fluid"}};
+    {"ParticleBatch", "block.particles"}, {"TriangleMesh", "board.surface"}, {"Particles", "water.fluid"}};
 
 /// Parameters with which a type has something to do; those that are not named do with their defaults.
 const std::map<std::string, const char*> kParameters{
@@ -65,6 +64,7 @@ const std::map<std::string, const char*> kParameters{
     {"Terrain", R"({"size": [0.3, 0.3], "cells": 8, "position": [0.15, -0.05, 0.15], "thickness": 0.02})"},
     {"TurningModel",
      R"({"profile": [[0, 0.2], [0.03, 0.2], [0.03, 0.25], [0, 0.25]], "position": [0.05, 0, 0.05]})"},
+    {"VortexTracers", R"({"spacing": 0.03, "circulation": 0.5})"},
     {"WavePaddle", R"({"stroke": 0.2, "period": 0.5, "ramp": 0, "acceleration": 30})"},
     {"MyPluginProbe", R"({"min": [0, 0, 0], "max": [0.15, 0.05, 0.3]})"},
     {"SemiImplicitSolver", R"({"step_length": "global", "record_objective": true})"},
@@ -73,6 +73,11 @@ const std::map<std::string, const char*> kParameters{
     {"Pbf", R"({"record_objective": true})"},
     {"MyPluginPull", R"({"center": [0.1, 0.3, 0.1]})"},
     {"Xsph", R"({"form": "implicit"})"}};
+
+/// Types whose particles are not asked for as those of a fluid are, and the sampler that they get.
+const std::map<std::string, const char*> kOwnSamplers{
+    {"VortexTracers",
+     R"({"type": "BoxSampler", "params": {"min": [0.1, 0.2, 0.1], "max": [0.2, 0.3, 0.2]}})"}};
 
 /// Modules that take the place of another one; all others stand before "predict".
 const std::map<std::string, std::string> kInPlaceOf{
@@ -119,7 +124,7 @@ bool putOutput(const OutputPort& port, const StateWriter& to) {
     return true;
   }
   // The particles of a fluid are states, and the others do not change.
-  return dynamic_cast<const Output<Fluid>*>(&port) != nullptr ||
+  return dynamic_cast<const Output<Particles>*>(&port) != nullptr ||
          dynamic_cast<const Output<Boundary>*>(&port) != nullptr ||
          dynamic_cast<const Output<SinkRegion>*>(&port) != nullptr;
 }
@@ -129,7 +134,7 @@ class Resume : public testing::Test {
   Resume() {
     registerNodes(registry);
     registry.addService<MeshReader>("tetrahedra", [] { return std::make_unique<Tetrahedra>(); });
-    for (const char* name : {"wave_paddle", "dfsph", "vortex_force", "my_plugin"})
+    for (const char* name : {"wave_paddle", "dfsph", "vortex_force", "tracers", "my_plugin"})
       plugins_.push_back(
           std::make_unique<Plugin>(buildFolder() + "/lib/weir/test_plugins/weir_" + name + ".so", registry));
     folder_.write("mesh.tetrahedron", "");
@@ -150,12 +155,16 @@ class Resume : public testing::Test {
     const auto link = [&](const std::string& from, const std::string& to) {
       scene["links"].push(Value(from + " -> " + to));
     };
+    const auto sampler = kOwnSamplers.find(type);
+    if (sampler != kOwnSamplers.end()) scene["nodes"]["sampler"] = parseJson(sampler->second, type);
     for (const InputPort* input : node.inputs())
       if (const auto from = kSources.find(input->typeName()); from != kSources.end())
-        link(from->second, "it." + input->name());
+        link(sampler != kOwnSamplers.end() ? "sampler.particles" : from->second, "it." + input->name());
     for (const OutputPort* output : node.outputs()) {
       const auto to = kReaders.find(output->typeName());
       const bool emits = output->typeName() == "ParticleBatch" && type.ends_with("Emitter");
+      // Of the nodes with particles fluids alone meet solids.
+      if (type == "ParticleFluid") link("it." + output->name(), "walls.fluid");
       if (to != kReaders.end()) link("it." + output->name(), emits ? "water.emitters" : to->second);
     }
     return scene;
@@ -218,6 +227,7 @@ TEST_F(Resume, EveryNodeTypeGoesOnBitByBit) {
   }
   EXPECT_EQ(tested, registry.nodes().size());
   EXPECT_TRUE(registry.nodes().contains("WavePaddle"));
+  EXPECT_TRUE(registry.nodes().contains("VortexTracers"));
   EXPECT_TRUE(registry.nodes().contains("MyPluginProbe"));
 }
 
@@ -244,7 +254,7 @@ class ForgetfulPaddle final : public Node, public RigidMotion {
  public:
   static constexpr NodeInfo kInfo{"ForgetfulPaddle", "Moves meshes, and forgets where they are."};
   const NodeInfo& info() const override { return kInfo; }
-  Inputs<Fluid> fluid{*this, "fluid", "The fluids.", true};
+  Inputs<Particles> fluid{*this, "fluid", "The fluids.", true};
   Inputs<TriangleMesh> solids{*this, "solids", "The paddle.", true};
 
   void reset(const SetupContext& context) override {
@@ -252,7 +262,7 @@ class ForgetfulPaddle final : public Node, public RigidMotion {
     parts_.clear();
     for (std::size_t k = 0; k < solids.size(); ++k)
       parts_.push_back(std::make_unique<Solid>(context.device, solids[k], SolidSurface{}, *this, 0.03f));
-    for (const auto& part : parts_) fluid[0].solids->push_back(part.get());
+    couplingOf(fluid, 0).accept(parts_);
   }
   void step(const StepContext& context) override { position_ += 2 * context.dt; }
   Pose poseAt(double) const override { return {{}, {static_cast<float>(position_), 0, 0}}; }

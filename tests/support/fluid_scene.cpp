@@ -42,7 +42,7 @@ void FluidScene::frame() {
 }
 
 std::vector<Vec3f> FluidScene::byId(const Array<Vec3f>& values) const {
-  ParticleSet& particles = *fluid_->fluid->particles;
+  ParticleSet& particles = fluid_->fluid->set();
   const std::int64_t n = particles.refreshCount();
   const std::vector<int> ids = particles.ids().toHost(n);
   const std::vector<Vec3f> unordered = values.toHost(n);
@@ -52,11 +52,11 @@ std::vector<Vec3f> FluidScene::byId(const Array<Vec3f>& values) const {
 }
 
 std::vector<Vec3f> FluidScene::positions() const {
-  return byId(fluid_->fluid->particles->positions());
+  return byId(fluid_->fluid->set().positions());
 }
 
 std::vector<Vec3f> FluidScene::velocities() const {
-  return byId(fluid_->fluid->particles->velocities());
+  return byId(fluid_->fluid->set().velocities());
 }
 
 NodeReport FluidScene::report() {

@@ -121,7 +121,7 @@ class Column {
   }
 
   Bulk measure() const {
-    const ParticleSet& particles = *fluid_->fluid->particles;
+    const ParticleSet& particles = fluid_->fluid->set();
     const std::vector<Vec3f> positions = particles.positions().toHost(particles.bound());
     const std::vector<float> densities = particles.get<float>("density").toHost(particles.bound());
     const double height = kTall * kBlockWidth / kWidth;
@@ -135,7 +135,7 @@ class Column {
         weight *= t > 0 && t < 1 ? 0.5 * (1 - std::cos(2 * std::numbers::pi * t)) : 0;
       }
       number += weight;
-      weighted += weight * double(densities[i]) / fluid_->fluid->constants->restDensity;
+      weighted += weight * double(densities[i]) / fluid_->constants().restDensity;
     }
     return {number / volume, weighted / number};
   }

@@ -70,7 +70,7 @@ RestingTank::RestingTank(Device& device, const Tank& tank, const TankWater& wate
 }
 
 double RestingTank::height() const {
-  const ParticleSet& particles = *fluid_->fluid->particles;
+  const ParticleSet& particles = fluid_->fluid->set();
   const std::vector<Vec3f> positions = particles.positions().toHost(particles.bound());
   double sum = 0;
   for (const Vec3f& p : positions) sum += double(p.y) / kSpacing;
@@ -80,7 +80,7 @@ double RestingTank::height() const {
 
 void RestingTank::settle(double seconds, std::optional<double> wallFactor) {
   // No parameter of scenes: it is found here once for all of them.
-  auto& constants = const_cast<FluidConstants&>(*fluid_->fluid->constants);
+  auto& constants = const_cast<FluidConstants&>(fluid_->constants());
   const float before = constants.wallFactor;
   constexpr int kFrame = 50;  // the grid follows the fluid at frames
   const std::int64_t begin = steps_, end = steps_ + std::llround(seconds / kStep);

@@ -11,8 +11,8 @@
 #include "framework/compute/readback.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/outputs_of.h"
+#include "framework/particles/particles.h"
 #include "framework/solids/motion_of.h"
-#include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir::studio {
 
@@ -48,8 +48,8 @@ class FrameMaker::FluidFrame {
         values_(device),
         onHost_(device) {}
 
-  Value make(const std::string& node, const Fluid& fluid, const FrameView& view, PacketWriter& writer) {
-    ParticleSet& particles = *fluid.particles;
+  Value make(const std::string& node, const Particles& source, const FrameView& view, PacketWriter& writer) {
+    ParticleSet& particles = source.set();
     const std::int64_t total = particles.refreshCount();
     const ChosenParticles chosen = choose(particles, total, view.most);
     const bool hasValues = place(particles, view.attribute, chosen);
@@ -75,7 +75,7 @@ class FrameMaker::FluidFrame {
     v["node"] = node;
     v["total"] = total;
     v["count"] = chosen.count;
-    v["spacing"] = fluid.constants->spacing;
+    v["spacing"] = source.material.spacing;
     v["low"] = vectorValue({x.low, y.low, z.low});
     v["high"] = vectorValue({x.high, y.high, z.high});
     v["positions"] = part(pointsAt, chosen.count * kPointBytes);
@@ -171,7 +171,8 @@ Packet FrameMaker::make(const Simulation& simulation, const FrameView& view) {
   header["frame"] = simulation.frame();
   header["time"] = simulation.time();
   Value fluids = Value::array(), poses = Value::object();
-  for (const auto& [node, output] : outputsOf<Fluid>(simulation.scene().graph)) {
+  for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph)) {
+    if (!(*output)->exist()) continue;
     std::unique_ptr<FluidFrame>& fluid = fluids_[node];
     if (!fluid) fluid = std::make_unique<FluidFrame>(device_);
     fluids.push(fluid->make(node, **output, view, writer_));

@@ -9,16 +9,16 @@
 #include "framework/base/error.h"
 #include "framework/base/text.h"
 #include "framework/graph/outputs_of.h"
-#include "nodes/particle_fluid/particle_fluid.h"
+#include "framework/particles/particles.h"
 
 namespace weir::studio {
 
 namespace {
 
-/// The particles of a node's fluid, or null.
+/// A node's particles, or null.
 ParticleSet* particlesOf(const Simulation& simulation, const std::string& node) {
-  for (const auto& [name, output] : outputsOf<Fluid>(simulation.scene().graph))
-    if (name == node) return &*(*output)->particles;
+  for (const auto& [name, output] : outputsOf<Particles>(simulation.scene().graph))
+    if (name == node && (*output)->exist()) return &(*output)->set();
   return nullptr;
 }
 

@@ -12,6 +12,10 @@ void WavePaddle::validate() const {
     throw sceneError("the direction is 0", "a direction").inParameter(direction.name());
 }
 
+void WavePaddle::configure(const SetupContext&) {
+  fluid.request({static_cast<int>(solids.size())});
+}
+
 double WavePaddle::wantedAt(double time) const {
   const double fade = ramp > 0 ? std::min(time / ramp, 1.0) : 1.0;
   return fade * 0.5 * stroke * std::sin(2 * std::numbers::pi * time / period);
@@ -27,11 +31,13 @@ void WavePaddle::reset(const SetupContext& context) {
   chooseVelocity(0, context.dt);
   parts_->clear();
   float detail = std::numeric_limits<float>::max();
-  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].constants->spacing);
+  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].material.spacing);
   for (std::size_t k = 0; k < solids.size(); ++k)
     parts_->push_back(std::make_unique<Solid>(context.device, solids[k], SolidSurface{}, *this, detail));
   for (std::size_t i = 0; i < fluid.size(); ++i)
-    for (const auto& part : *parts_) fluid[i].solids->push_back(part.get());
+    if (const std::int64_t removed = couplingOf(fluid, i).accept(parts_.get()); removed > 0)
+      context.log.warn("node '" + name() + "': " + std::to_string(removed) +
+                       " particles start inside the paddle and are left out");
 }
 
 Pose WavePaddle::poseAt(double time) const {
@@ -42,7 +48,7 @@ Pose WavePaddle::poseAt(double time) const {
 double WavePaddle::longestStep(const StepContext&, double cfl) {
   double spacing = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fluid.size(); ++i)
-    spacing = std::min(spacing, double(fluid[i].constants->spacing));
+    spacing = std::min(spacing, double(fluid[i].material.spacing));
   return velocity_ != 0 ? cfl * spacing / std::abs(*velocity_) : std::numeric_limits<double>::infinity();
 }
 

@@ -16,7 +16,7 @@
 
 #include <weir/mesh.h>
 #include <weir/node.h>
-#include <weir/particle_fluid.h>
+#include <weir/particles.h>
 #include <weir/solid.h>
 
 namespace wave_paddle {
@@ -40,10 +40,11 @@ class WavePaddle final : public Node, public RigidMotion {
                             50,
                             {.unit = "m/s^2", .min = 0, .aboveMin = true, .doc = "The most of the drive."}};
 
-  Inputs<Fluid> fluid{*this, "fluid", "The fluids in which it makes waves.", true};
+  Inputs<Particles> fluid{*this, "fluid", "The fluids in which it makes waves.", true};
   Inputs<TriangleMesh> solids{*this, "solids", "The paddle, where it is at time 0.", true};
 
   void validate() const override;
+  void configure(const SetupContext& context) override;
   void reset(const SetupContext& context) override;
   double longestStep(const StepContext& next, double cfl) override;
   /// Comes after the step of the fluids, which are above it.

@@ -2,7 +2,6 @@
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/modules/accelerated_passes.h"
-#include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/scratch.h"
 #include "nodes/particle_fluid/step_length.h"
 
@@ -260,7 +259,7 @@ void AcceleratedSolver::searchAgain(Backend& device, const PressureProblem& prob
                               .carried = carried_->view(),
                               .positions = problem.predicted()});
   fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
-  WallIntegrals::find(fluid);
+  fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
               detail::MoveBack{.carried = carried_->view(),

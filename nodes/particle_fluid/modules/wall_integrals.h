@@ -6,19 +6,18 @@
 
 namespace weir {
 
-class WallIntegrals final : public FluidModule {
+class WallIntegrals final : public FluidModule, public WallFinder {
  public:
   static constexpr ModuleInfo kInfo{
       "WallIntegrals", kFamily,
       "Integrates the kernel over the solids near each particle, so that the solver feels them."};
   const ModuleInfo& info() const override { return kInfo; }
 
-  void step(FluidStep& fluid) override { find(fluid); }
-
-  /// Fills fluid.walls for the present positions and the solids as walls.views says. Does nothing without
-  /// solids.
-  static void find(FluidStep& fluid) {
-    if (!fluid.walls.empty()) dispatch(fluid.device, [&](auto& device) { findOn(device, fluid); });
+  void step(FluidStep& fluid) override {
+    if (!fluid.walls.empty()) findWalls(fluid);
+  }
+  void findWalls(FluidStep& fluid) override {
+    dispatch(fluid.device, [&](auto& device) { findOn(device, fluid); });
   }
 
  private:

@@ -15,8 +15,8 @@ void Probe::reset(const SetupContext&) {
 
 void Probe::frame(const StepContext&) {
   const Aabb box{min, max};
-  const std::int64_t count = fluid->particles->refreshCount();
-  const std::vector<Vec3f> positions = fluid->particles->positions().toHost(count);
+  const std::int64_t count = fluid->set().refreshCount();
+  const std::vector<Vec3f> positions = fluid->set().positions().toHost(count);
   inside_ =
       std::count_if(positions.begin(), positions.end(), [&](const Vec3f& p) { return box.contains(p); });
   mostInside_ = std::max(*mostInside_, *inside_);

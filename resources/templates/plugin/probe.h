@@ -2,7 +2,7 @@
 #pragma once
 
 #include <weir/node.h>
-#include <weir/particle_fluid.h>
+#include <weir/particles.h>
 
 namespace my_plugin {
 
@@ -16,7 +16,7 @@ class Probe final : public Node {
   Param<Vec3f> min{*this, "min", {0, 0, 0}, {.unit = "m", .doc = "Lower corner of the box."}};
   Param<Vec3f> max{*this, "max", {1, 1, 1}, {.unit = "m", .doc = "Upper corner of the box."}};
 
-  Input<Fluid> fluid{*this, "fluid", "The fluid to look at."};
+  Input<Particles> fluid{*this, "fluid", "The particles to look at, a fluid's or others."};
 
   void validate() const override;
   void reset(const SetupContext& context) override;

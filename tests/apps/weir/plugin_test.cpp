@@ -348,7 +348,7 @@ TEST(Plugins, AttributesOfAModuleTravelWithTheirParticles) {
   const std::atomic<bool> never = false;
   while (simulation.advanceFrame(never)) {
   }
-  const ParticleSet& particles = *water.fluid->particles;
+  const ParticleSet& particles = water.fluid->set();
   const std::int64_t n = particles.bound();
   const std::vector<int> ids = particles.ids().toHost(n);
   const std::vector<float> tags = particles.get<float>("tag").toHost(n);

@@ -42,7 +42,7 @@ class ParticleFileTest : public OnDevice {
   }
   void reset() { graph_.reset({*device, log_, registry_, {}, kDt, 1}); }
   void step(std::int64_t index) { graph_.step({*device, log_, {}, double(index) * kDt, kDt, index}); }
-  ParticleSet& particles() { return *fluid_->fluid->particles; }
+  ParticleSet& particles() { return fluid_->fluid->set(); }
   std::vector<Vec3f> positions() { return particles().positions().toHost(particles().refreshCount()); }
   std::vector<Vec3f> velocities() { return particles().velocities().toHost(particles().refreshCount()); }
 

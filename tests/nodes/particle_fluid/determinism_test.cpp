@@ -74,7 +74,7 @@ void keep(Bits& bits, const std::string& name, const std::vector<T>& values) {
 
 /// All that is known of a fluid.
 Bits bitsOf(ParticleFluid& water) {
-  ParticleSet& particles = *water.fluid->particles;
+  ParticleSet& particles = water.fluid->set();
   const std::int64_t count = particles.refreshCount();
   Bits bits;
   for (const AttributeInfo& info : particles.attributes()) {
@@ -86,7 +86,7 @@ Bits bitsOf(ParticleFluid& water) {
       keep(bits, info.name, particles.get<float>(info.name).toHost(count));
   }
   int number = 0;
-  for (Solid* solid : *water.fluid->solids) {
+  for (Solid* solid : water.solids()) {
     const SolidImpulse impulse = solid->impulse().toHost().front();
     keep(bits, "solid " + std::to_string(number++),
          std::vector<double>{impulse.linear.x, impulse.linear.y, impulse.linear.z, impulse.angular.x,

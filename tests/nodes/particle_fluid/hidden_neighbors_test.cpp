@@ -88,7 +88,7 @@ TEST(HiddenNeighbors, AreThosePairsThatTheMeshCuts) {
       const StepContext time{*device, log};
       const std::vector<const Boundary*> none;
       FluidStep step{time, *device, constants, particles, neighbors, none, everywhere, {}, walls};
-      WallIntegrals::find(step);
+      WallIntegrals().findWalls(step);
 
       const Pairs found = listedPairs(particles, neighbors);
       int hidden = 0, pairs = 0;

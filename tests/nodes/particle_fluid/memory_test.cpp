@@ -100,7 +100,7 @@ TEST(FluidMemory, IsNotMadeForMoreParticlesThanThereWillBe) {
   CpuDevice device(2);
   SimulatedScene scene(device, sceneOf({}));
   run(scene);
-  const auto& particles = *scene.node<ParticleFluid>("water").fluid->particles;
+  const auto& particles = scene.node<ParticleFluid>("water").fluid->set();
   EXPECT_LE(particles.capacity(), scene->memoryNeeds().particles);
 }
 

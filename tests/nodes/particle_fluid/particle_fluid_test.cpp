@@ -73,7 +73,7 @@ TEST(ParticleFluid, AttributesOfModulesTravelWithTheirParticles) {
     const auto device = openDevice(name);
     FluidScene scene(*device, jitteredCube(6, 0.01f, 0.2f, 1), {}, object({{"spacing", 0.01f}}));
     scene.reset(1e-3);
-    ParticleSet& particles = *scene.fluid().fluid->particles;
+    ParticleSet& particles = scene.fluid().fluid->set();
     Array<float>& tag = particles.add<float>({"tag", AttributeType::kFloat, "", "Ten times the id."});
     std::vector<float> tags;
     for (const int id : particles.ids().toHost(particles.bound()))

@@ -221,7 +221,7 @@ TEST_P(SolverAcceleration, StepsReadNothingBackAndAllocateNothing) {
 /// Kinetic energy, that of height, and that of compression, in J.
 double energyOf(FluidScene& scene) {
   const NodeReport report = scene.report();
-  const ParticleSet& particles = *scene.fluid().fluid->particles;
+  const ParticleSet& particles = scene.fluid().fluid->set();
   double compression = 0;
   for (const float density : particles.get<float>("density").toHost(particles.bound())) {
     const double over = std::max(double(density) / 1000 - 1, 0.0);

@@ -71,7 +71,7 @@ TEST(SemiImplicitSolver, DensityAgreesWithDoublePrecision) {
     const auto device = openDevice(name);
     FluidScene scene(*device, positions, {}, object({{"calibration", "lattice"}}));
     scene.reset(1e-3);
-    const ParticleSet& particles = *scene.fluid().fluid->particles;
+    const ParticleSet& particles = scene.fluid().fluid->set();
     const std::vector<float> densities = particles.get<float>("density").toHost(particles.bound());
     const std::vector<int> ids = particles.ids().toHost(particles.bound());
     for (std::size_t k = 0; k < ids.size(); ++k)

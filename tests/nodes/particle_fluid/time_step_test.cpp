@@ -84,7 +84,7 @@ std::map<int, Vec3f> positionsById(ParticleSet& particles) {
 TEST_P(FluidTimeStep, AFastJetMovesNoFartherThanAllowed) {
   SimulatedScene scene(*device, kJet);
   scene->reset();
-  ParticleSet& particles = *scene.node<ParticleFluid>("water").fluid->particles;
+  ParticleSet& particles = scene.node<ParticleFluid>("water").fluid->set();
   std::map<int, Vec3f> before;
   double farthest = 0, time = 0;
   while (scene->advanceFrame(kGoOn, [&] {
@@ -146,7 +146,7 @@ Outcome splashOn(Device& device) {
   while (scene->advanceFrame(kGoOn)) {
   }
   return {scene->stepsDone(), scene->stepLengths(),
-          positionsById(*scene.node<ParticleFluid>("water").fluid->particles)};
+          positionsById(scene.node<ParticleFluid>("water").fluid->set())};
 }
 
 void expectSame(const Outcome& a, const Outcome& b) {
@@ -191,7 +191,7 @@ TEST_P(FluidTimeStep, GravityFollowsItsKeyframes) {
     NodeReport report;
     ParticleFluid& water = scene.node<ParticleFluid>("water");
     water.report(report);
-    const std::vector<Vec3f> velocities = water.fluid->particles->velocities().toHost(water.particleCount());
+    const std::vector<Vec3f> velocities = water.fluid->set().velocities().toHost(water.particleCount());
     for (const Vec3f& v : velocities) {
       EXPECT_NEAR(v.x, 0.5 * 8 * 0.4, 0.006) << change;
       EXPECT_NEAR(v.y, -0.5 * 4 * 0.4, 0.003) << change;

@@ -228,7 +228,7 @@ TEST(SemiAnalyticalSFI, CarvesWhatIsBornInside) {
     // One layer of 10 by 10 leaves in each step: those at x < 0.01 - d/4 = 0.005 have room, which are 5
     // columns.
     EXPECT_EQ(scene.fluid().particleCount(), 50);
-    for (const Vec3f& p : scene.fluid().fluid->particles->positions().toHost(50)) EXPECT_LT(p.x, 0);
+    for (const Vec3f& p : scene.fluid().fluid->set().positions().toHost(50)) EXPECT_LT(p.x, 0);
     NodeReport report;
     block.report(report);
     EXPECT_EQ(report.statistics["particles_carved"].asInt(), 50);

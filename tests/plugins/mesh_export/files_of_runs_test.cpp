@@ -84,7 +84,7 @@ TEST_F(FilesOfRuns, SayWhatIsMissingBeforeTheRun) {
   EXPECT_NE(surface.err.find("the scene has no FluidSurface"), std::string::npos) << surface.err;
   const ChildResult particles = run({"--ply-particles", folder / "ply"}, kNoSurface);
   EXPECT_EQ(particles.code, 5);
-  EXPECT_NE(particles.err.find("the scene has no fluid"), std::string::npos) << particles.err;
+  EXPECT_NE(particles.err.find("the scene has no particles"), std::string::npos) << particles.err;
   const ChildResult file = run({"--obj", folder.write("taken", "")});
   EXPECT_EQ(file.code, 5);
   EXPECT_NE(file.err.find("it is not a folder"), std::string::npos) << file.err;

@@ -30,7 +30,7 @@ struct FluidState {
 };
 
 FluidState stateOf(Simulation& simulation, const char* fluid) {
-  ParticleSet& set = *static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->particles;
+  ParticleSet& set = static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->set();
   const std::int64_t n = set.refreshCount();
   return {set.positions().toHost(n), set.velocities().toHost(n), set.get<float>("density").toHost(n),
           set.ids().toHost(n)};
@@ -187,7 +187,7 @@ TEST_P(ParticleExportTest, TellsSeveralFluidsApart) {
 }
 
 ParticleSet& particlesOf(Simulation& simulation, const char* fluid) {
-  return *static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->particles;
+  return static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->set();
 }
 
 TEST_P(ParticleExportTest, WritesAttributesThatOthersAdd) {
@@ -234,7 +234,7 @@ TEST_P(ParticleExportTest, RefusesASceneWithoutAFluid) {
   ParticleExport exporter(file_);
   const Error error = errorOf([&] { exporter.begin(*sim); });
   EXPECT_EQ(error.kind(), ErrorKind::kIo);
-  EXPECT_CONTAINS(error.message(), "the scene has no fluid");
+  EXPECT_CONTAINS(error.message(), "the scene has no particles");
   EXPECT_EQ(error.location().file, file_.string());
 }
 

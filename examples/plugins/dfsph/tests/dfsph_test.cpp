@@ -72,9 +72,9 @@ struct Measured {
 };
 
 /// Slow and obvious. The density is the fluid's own attribute, as it includes the walls.
-Measured measure(const Fluid& fluid) {
-  const FluidConstants& c = *fluid.constants;
-  const ParticleSet& particles = *fluid.particles;
+Measured measure(const ParticleFluid& water) {
+  const FluidConstants& c = water.constants();
+  const ParticleSet& particles = water.fluid->set();
   const std::int64_t n = particles.bound();
   const auto x = particles.positions().toHost(n), v = particles.velocities().toHost(n);
   const auto density = particles.get<float>("density").toHost(n);
@@ -126,7 +126,7 @@ void run(const char* pluginFile, const char* text, const Check& check) {
 void runAll(const char* pluginFile) {
   double most = 0, mostGrowth = 0;
   run(pluginFile, kDam, [&](Simulation& simulation, ParticleFluid& water) {
-    const Measured now = measure(*water.fluid);
+    const Measured now = measure(water);
     NodeReport report;
     water.report(report);
     const auto of = [&](const char* solver, const char* what) {
@@ -145,15 +145,15 @@ void runAll(const char* pluginFile) {
   run(pluginFile, kTank, [&](Simulation& simulation, ParticleFluid& water) {
     const auto& tank = dynamic_cast<SemiAnalyticalSFI&>(*simulation.scene().graph.find("tank"));
     const double force = tank.forces->solids.front().force.y;
-    const double weight = 9.8 * double(water.particleCount()) * water.fluid->constants->particleMass;
+    const double weight = 9.8 * double(water.particleCount()) * water.constants().particleMass;
     std::printf("t = %.2f s: force on the tank %.2f N, weight %.2f N\n", simulation.time(), force, weight);
     expect(std::abs(force + weight) < 0.05 * weight, "the force on the tank over the weight", force / weight);
   });
 
   Vec3d drift{};
   run(pluginFile, kDrops, [&](Simulation&, ParticleFluid& water) {
-    drift = momentumPerMass(*water.fluid->particles);
-    most = std::max(most, measure(*water.fluid).compression);
+    drift = momentumPerMass(water.fluid->set());
+    most = std::max(most, measure(water).compression);
   });
   expect(std::sqrt(dot(drift, drift)) < 1e-3, "the drops' momentum per mass in m/s",
          std::sqrt(dot(drift, drift)));

@@ -57,7 +57,7 @@ int run(const char* pluginFile) {
   const std::atomic<bool> never = false;
   simulation.advanceFrame(never);
 
-  const ParticleSet& particles = *water.fluid->particles;
+  const ParticleSet& particles = water.fluid->set();
   const auto positions = particles.positions().toHost(particles.bound());
   const auto velocities = particles.velocities().toHost(particles.bound());
   double worst = 0, largest = 0;

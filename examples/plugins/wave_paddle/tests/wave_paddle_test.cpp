@@ -76,7 +76,7 @@ void run(const char* pluginFile, double mostAcceleration, bool follows) {
     const double most = mostAcceleration * (t - timeBefore) * (1 + 1e-9);
     if (timeBefore > 0)
       expect(std::abs(v - velocityBefore) <= most, "the change of velocity", t, v - velocityBefore, most);
-    expect(leastX(*water.fluid->particles) > x, "the fluid's edge", t, leastX(*water.fluid->particles), x);
+    expect(leastX(water.fluid->set()) > x, "the fluid's edge", t, leastX(water.fluid->set()), x);
     velocityBefore = v;
     timeBefore = t;
   }

@@ -53,10 +53,10 @@ int run(const char* pluginFile) {
     Simulation& simulation = *made;
     simulation.reset();
     auto& water = dynamic_cast<ParticleFluid&>(*simulation.scene().graph.find("water"));
-    const double start = meanX(*water.fluid->particles);
+    const double start = meanX(water.fluid->set());
     const std::atomic<bool> never = false;
     while (simulation.advanceFrame(never)) {
-      const double found = meanX(*water.fluid->particles);
+      const double found = meanX(water.fluid->set());
       const double expected = start * std::cos(kRate * simulation.time());
       const bool right = std::abs(found - expected) < 0.02 * start;
       if (!right) ++wrong;

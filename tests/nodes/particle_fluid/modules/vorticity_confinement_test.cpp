@@ -32,7 +32,7 @@ TEST(VorticityConfinement, RigidRotationHasTwiceItsSpinAndIsLeftAlone) {
     scene.gravity = {};
     scene.reset(1e-4);
     scene.step();
-    const ParticleSet& particles = *scene.fluid().fluid->particles;
+    const ParticleSet& particles = scene.fluid().fluid->set();
     const std::vector<Vec3f> found = particles.get<Vec3f>("vorticity").toHost(particles.bound());
     const std::vector<int> ids = particles.ids().toHost(particles.bound());
     const std::vector<Vec3f> after = scene.velocities();

@@ -1,6 +1,6 @@
 // Colours of port types: the same hue for the same name, evenly told apart.
 
-const kKnown: { [type: string]: number } = { ParticleBatch: 200, Boundary: 30, Fluid: 165, TriangleMesh: 285, SinkRegion: 350 };
+const kKnown: { [type: string]: number } = { ParticleBatch: 200, Boundary: 30, Particles: 165, TriangleMesh: 285, SinkRegion: 350 };
 
 export function hueOf(type: string): number {
   const known = kKnown[type];

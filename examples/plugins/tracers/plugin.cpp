@@ -1,0 +1,7 @@
+#include <weir/plugin.h>
+
+#include "tracers.h"
+
+WEIR_PLUGIN("tracers", "Particles that are no fluid: tracers in a vortex.", registry) {
+  registry.addNode<tracers::VortexTracers>();
+}
