@@ -414,4 +414,60 @@ inline int storeChosen(int* to, const LaneInts& values, unsigned bits) {
 
 #endif
 
+// For loops over arrays within a call: Pack is as many floats as a turn handles, Lanes on the CPU and one
+// float elsewhere.
+
+#ifdef WEIR_HAS_LANES
+
+using Pack = Lanes;
+
+inline Pack loadPack(const float* from) {
+  return Lanes::load(from);
+}
+/// Which of first, first + 1, … are below the end.
+inline LaneMask packBelow(int first, int end) {
+  return LaneInts::from(first) < end;
+}
+inline float sumOfPack(const Pack& a) {
+  return sumOfLanes(a);
+}
+/// The numbers 0, 1, …
+inline Pack countingPack() {
+  return Lanes(Lanes::Vector{0, 1, 2, 3, 4, 5, 6, 7});
+}
+inline void storePack(float* to, const Pack& a) {
+  __builtin_memcpy(to, &a.v, sizeof a.v);
+}
+/// Whether a turn has nothing to do where the condition does not hold; of eight, mostly one holds.
+inline bool canSkip(const LaneMask&) {
+  return false;
+}
+
+#else
+
+using Pack = float;
+
+WEIR_HD inline Pack loadPack(const float* from) {
+  return *from;
+}
+WEIR_HD inline bool packBelow(int first, int end) {
+  return first < end;
+}
+WEIR_HD inline float sumOfPack(Pack a) {
+  return a;
+}
+WEIR_HD inline Pack countingPack() {
+  return 0;
+}
+WEIR_HD inline void storePack(float* to, Pack a) {
+  *to = a;
+}
+WEIR_HD inline bool canSkip(bool condition) {
+  return !condition;
+}
+
+#endif
+
+inline constexpr int kPack = sizeof(Pack) / sizeof(float);
+
 }  // namespace weir
