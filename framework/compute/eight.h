@@ -43,6 +43,11 @@ WEIR_HD inline int asInt(std::int64_t i) {
   return static_cast<int>(i);
 }
 
+/// The index that lane `lane` stands for.
+WEIR_HD inline std::int64_t indexOf(std::int64_t i, int /*lane*/) {
+  return i;
+}
+
 /// Calls f(i) for the one index that this is, or one by one for the eight.
 template <class F>
 WEIR_HD void forEachOf(std::int64_t i, const F& f) {
@@ -140,6 +145,9 @@ template <class T>
 
 inline LaneInts asInt(Eight i) {
   return LaneInts::from(static_cast<int>(i.first));
+}
+inline std::int64_t indexOf(Eight i, int lane) {
+  return i.first + lane;
 }
 template <class F>
 void forEachOf(Eight i, const F& f) {

@@ -46,6 +46,28 @@ WEIR_HD inline bool anyLane(bool) {
   return true;
 }
 
+/// Calls f(l) for each lane l where the condition holds, with 0 for one number.
+template <class F>
+WEIR_HD void forEachLane(bool condition, const F& f) {
+  if (condition) f(0);
+}
+WEIR_HD inline float laneOf(float a, int /*lane*/) {
+  return a;
+}
+WEIR_HD inline void setLane(float& a, int /*lane*/, float value) {
+  a = value;
+}
+template <class T>
+WEIR_HD Vec3f laneOf(const Vec3<T>& a, int lane) {
+  return {laneOf(a.x, lane), laneOf(a.y, lane), laneOf(a.z, lane)};
+}
+template <class T>
+WEIR_HD void setLane(Vec3<T>& a, int lane, const Vec3f& value) {
+  setLane(a.x, lane, value.x);
+  setLane(a.y, lane, value.y);
+  setLane(a.z, lane, value.z);
+}
+
 /// t where it is above zero, otherwise (also where it is no number) zero.
 WEIR_HD inline float positivePart(float t) {
   return t > 0 ? t : 0;
@@ -222,6 +244,22 @@ struct Lanes {
 #endif
 };
 
+inline Vec3<Lanes> select(const LaneMask& condition, const Vec3<Lanes>& ifTrue, const Vec3<Lanes>& ifFalse) {
+  return {select(condition, ifTrue.x, ifFalse.x), select(condition, ifTrue.y, ifFalse.y),
+          select(condition, ifTrue.z, ifFalse.z)};
+}
+
+template <class F>
+[[gnu::always_inline]] inline void forEachLane(const LaneMask& condition, const F& f) {
+  for (unsigned bits = condition.bits(); bits != 0; bits &= bits - 1) f(__builtin_ctz(bits));
+}
+inline float laneOf(const Lanes& a, int lane) {
+  return a.v[lane];
+}
+inline void setLane(Lanes& a, int lane, float value) {
+  a.v[lane] = value;
+}
+
 namespace detail {
 
 using HalfLanes = float __attribute__((vector_size(16)));
@@ -375,5 +413,61 @@ inline int storeChosen(int* to, const LaneInts& values, unsigned bits) {
 }
 
 #endif
+
+// For loops over arrays within a call: Pack is as many floats as a turn handles, Lanes on the CPU and one
+// float elsewhere.
+
+#ifdef WEIR_HAS_LANES
+
+using Pack = Lanes;
+
+inline Pack loadPack(const float* from) {
+  return Lanes::load(from);
+}
+/// Which of first, first + 1, … are below the end.
+inline LaneMask packBelow(int first, int end) {
+  return LaneInts::from(first) < end;
+}
+inline float sumOfPack(const Pack& a) {
+  return sumOfLanes(a);
+}
+/// The numbers 0, 1, …
+inline Pack countingPack() {
+  return Lanes(Lanes::Vector{0, 1, 2, 3, 4, 5, 6, 7});
+}
+inline void storePack(float* to, const Pack& a) {
+  __builtin_memcpy(to, &a.v, sizeof a.v);
+}
+/// Whether a turn has nothing to do where the condition does not hold; of eight, mostly one holds.
+inline bool canSkip(const LaneMask&) {
+  return false;
+}
+
+#else
+
+using Pack = float;
+
+WEIR_HD inline Pack loadPack(const float* from) {
+  return *from;
+}
+WEIR_HD inline bool packBelow(int first, int end) {
+  return first < end;
+}
+WEIR_HD inline float sumOfPack(Pack a) {
+  return a;
+}
+WEIR_HD inline Pack countingPack() {
+  return 0;
+}
+WEIR_HD inline void storePack(float* to, Pack a) {
+  *to = a;
+}
+WEIR_HD inline bool canSkip(bool condition) {
+  return !condition;
+}
+
+#endif
+
+inline constexpr int kPack = sizeof(Pack) / sizeof(float);
 
 }  // namespace weir

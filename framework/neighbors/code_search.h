@@ -1,4 +1,5 @@
-// The search for neighbours of many particles on CUDA: it writes the codes of packed lists at once.
+// The search for neighbours on CUDA, which writes the codes of packed lists at once. Few particles are
+// searched for by teams of threads (TeamSearch); what follows is about many, with a thread each (CodeSearch).
 //
 // The general search (FindNeighbors) writes indices into scratch memory, looks which windows they need, and
 // encodes them. This one chooses windows first, around the cells of the group's particles and those above and
@@ -15,6 +16,7 @@
 #include <algorithm>
 
 #include "framework/compute/parallel.h"
+#include "framework/neighbors/cell_rows.h"
 #include "framework/neighbors/crowding.h"
 #include "framework/neighbors/group_threads.h"
 #include "framework/particles/fine_cell.h"
@@ -263,12 +265,74 @@ struct CodeSearch {
   }
 };
 
+/// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
+/// device otherwise; all indices are codes there.
+template <class Find>
+struct TeamSearch {
+  static constexpr Standing kLeaves = Standing::kCounts;
+  Find find;
+
+  __device__ void operator()(std::int64_t i, const Team& team) const {
+    const int self = static_cast<int>(i);
+    const Vec3f p = find.positions[i];
+    const PackedLists& lists = find.writer.packer.lists;
+    const RowsWithinReach rows(p, find.grid);
+    const Vec3i own = find.grid.cellOf(p);
+    constexpr int kCells = 27;
+    int found = 0;
+    float crowd = 0;
+    for (int start = 0; start < kCells; start += team.size) {
+      const int c = start + team.lane;
+      int begin = 0, end = 0;
+      if (c < kCells) range(own, c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1, rows, begin, end);
+      for (; team.ask(begin < end) != 0; begin += kTogether) {
+        Vec3f at[kTogether];
+        for (int l = 0; l < kTogether; ++l)
+          if (begin + l < end) at[l] = find.positions[begin + l];
+        for (int l = 0; l < kTogether; ++l) {
+          const int j = begin + l;
+          const Vec3f d = at[l] - p;
+          const float squared = dot(d, d);
+          if (j < end) crowd += crowdingAt(squared, find.grid);
+          const bool near = j < end && squared < find.radiusSquared && j != self;
+          const unsigned all = team.ask(near);
+          const int place = found + countBits(all & ((1u << team.lane) - 1));
+          if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
+          found += countBits(all);
+        }
+      }
+    }
+    crowd = team.sum(crowd);
+    if (team.lane != 0) return;
+    if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
+    find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
+    find.writer.crowd(i, p, crowd);
+  }
+
+ private:
+  static constexpr int kTogether = 4;  // candidates of a cell
+
+  __device__ void range(const Vec3i& own, int dx, int dy, int dz, const RowsWithinReach& rows, int& begin,
+                        int& end) const {
+    const CellGrid& grid = find.grid;
+    const RowPart part = rows(dy, dz);
+    if (dx < part.first || dx > part.last) return;
+    const int c =
+        grid.index({CellGrid::step(own.x, dx, grid.cells.x), CellGrid::step(own.y, dy, grid.cells.y),
+                    CellGrid::step(own.z, dz, grid.cells.z)});
+    begin = find.cellStart[c];
+    end = find.cellStart[c + 1];
+  }
+};
+
 }  // namespace detail
 
-/// Makes the lists of all particles, packed.
-template <class Find>
-void searchCodes(CudaDevice& device, std::string_view name, Count count, int capacity, const Find& find,
+/// Makes the lists of all particles, packed: of at most kFew, which have no fine cells, by teams.
+template <std::int64_t kFew, class Find>
+void searchOnGpu(CudaDevice& device, std::string_view name, Count count, int capacity, const Find& find,
                  const FineCell* fine) {
+  constexpr TeamPlan kPlan{Team::kMax, kFew};
+  if (fine == nullptr) return parallelForTeams<kPlan>(device, name, count, detail::TeamSearch<Find>{find});
   const int words = detail::CodeSearch<Find>::wordsFor(capacity, find.writer.packer.lists.capacity);
   parallelForWithScratch(device, name, count, words, detail::CodeSearch<Find>{find, fine, words});
 }

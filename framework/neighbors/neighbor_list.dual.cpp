@@ -136,7 +136,6 @@ struct ListWriter {
   int* truncated;
   ListPacker packer;  // on CUDA
 
-  WEIR_HD int* list(std::int64_t i) const { return entries + listPlace(i, room); }
   WEIR_HD void finish(std::int64_t i, int found, int kept) const {
     if (found > kept) atomicAdd(truncated, 1);
     counts[i] = kept;
@@ -149,6 +148,7 @@ struct ListWriter {
   }
 };
 
+/// The search of every back end, with which the others are compared.
 struct FindNeighbors {
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
@@ -157,13 +157,6 @@ struct FindNeighbors {
   ListWriter writer;
 
   Count count;
-
-  /// Straight into the list.
-  WEIR_HD void operator()(std::int64_t i) const {
-    FoundNeighbors to{Scratch{writer.list(i), kInterleaved}};
-    const int found = find(i, to);
-    writer.finish(i, found, to.kept);
-  }
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
@@ -204,64 +197,21 @@ struct FindNeighbors {
   }
 };
 
-/// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
-/// device otherwise; all indices are codes there.
-struct FindNeighborsInTeams {
-  static constexpr Standing kLeaves = Standing::kCounts;
-  FindNeighbors find;
-
-  WEIR_HD void operator()(std::int64_t i, const Team& team) const {
-    const int self = static_cast<int>(i);
-    const Vec3f p = find.positions[i];
-    const PackedLists& lists = find.writer.packer.lists;
-    const RowsWithinReach rows(p, find.grid);
-    const Vec3i own = find.grid.cellOf(p);
-    constexpr int kCells = 27;
-    int found = 0;
-    float crowd = 0;
-    for (int start = 0; start < kCells; start += team.size) {
-      const int c = start + team.lane;
-      int begin = 0, end = 0;
-      if (c < kCells) range(own, c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1, rows, begin, end);
-      for (; team.ask(begin < end) != 0; begin += kTogether) {
-        Vec3f at[kTogether];
-        for (int l = 0; l < kTogether; ++l)
-          if (begin + l < end) at[l] = find.positions[begin + l];
-        for (int l = 0; l < kTogether; ++l) {
-          const int j = begin + l;
-          const Vec3f d = at[l] - p;
-          const float squared = dot(d, d);
-          if (j < end) crowd += crowdingAt(squared, find.grid);
-          const bool near = j < end && squared < find.radiusSquared && j != self;
-          const unsigned all = team.ask(near);
-          const int place = found + countBits(all & ((1u << team.lane) - 1));
-          if (near && place < find.writer.capacity) *lists.code(i, place) = static_cast<std::uint16_t>(j);
-          found += countBits(all);
-        }
-      }
-    }
-    crowd = team.sum(crowd);
-    if (team.lane != 0) return;
-    if (i % kListGroup == 0) lists.groups[i / kListGroup] = ListGroup{};
-    find.writer.finish(i, found, found < find.writer.capacity ? found : find.writer.capacity);
-    find.writer.crowd(i, p, crowd);
-  }
-
- private:
-  static constexpr int kTogether = 4;  // candidates of a cell
-
-  WEIR_HD void range(const Vec3i& own, int dx, int dy, int dz, const RowsWithinReach& rows, int& begin,
-                     int& end) const {
-    const CellGrid& grid = find.grid;
-    const RowPart part = rows(dy, dz);
-    if (dx < part.first || dx > part.last) return;
-    const int c =
-        grid.index({CellGrid::step(own.x, dx, grid.cells.x), CellGrid::step(own.y, dy, grid.cells.y),
-                    CellGrid::step(own.z, dz, grid.cells.z)});
-    begin = find.cellStart[c];
-    end = find.cellStart[c + 1];
-  }
-};
+template <class Backend>
+void searchPortably(Backend& device, std::string_view name, Count count, [[maybe_unused]] int capacity,
+                    const FindNeighbors& find) {
+#ifdef __CUDACC__
+  parallelForWithScratch(device, name, count, capacity, find);
+#else
+  // Straight into the list.
+  parallelFor(device, name, count, [find](std::int64_t i) {
+    const ListWriter& writer = find.writer;
+    FoundNeighbors to{Scratch{writer.entries + listPlace(i, writer.room), kInterleaved}};
+    const int found = find.find(i, to);
+    writer.finish(i, found, to.kept);
+  });
+#endif
+}
 
 // Sorting and listing borrow memory that nobody needs meanwhile.
 
@@ -360,7 +310,17 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
   const ArrayView<const Vec3f> positions = particles.positions().view();
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
-#ifdef WEIR_HAS_LANES
+  const ListWriter writer{
+      capacity_,       room_,
+      entries_.data(), counts_.data(),
+      crowding,        places,
+      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, count.bound <= kAllInWindows}};
+  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
+  if (usesPortableSearch_) return searchPortably(device, kName, count, capacity_, find);
+#if defined(__CUDACC__)
+  static_assert(kFewForTeams <= kAllInWindows);
+  searchOnGpu<kFewForTeams>(device, kName, count, capacity_, find, fine);
+#elif defined(WEIR_HAS_LANES)
   const detail::ShortPlaces shortPlaces(columns_, positions.size);
   parallelForEights(device, "columns", count,
                     detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
@@ -377,20 +337,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                                   {crowding, positions.size},
                                   events_.data()});
 #else
-  const ListWriter writer{
-      capacity_,       room_,
-      entries_.data(), counts_.data(),
-      crowding,        places,
-      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, count.bound <= kAllInWindows}};
-  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
-  constexpr TeamPlan kPlan{32, kFewForTeams};
-  static_assert(kPlan.few <= kAllInWindows);
-  if (fine != nullptr)
-    searchCodes(device, kName, count, capacity_, find, fine);
-  else if (packs_)
-    parallelForTeams<kPlan>(device, kName, count, FindNeighborsInTeams{find});
-  else
-    parallelFor(device, kName, count, find);
+  searchPortably(device, kName, count, capacity_, find);
 #endif
 }
 

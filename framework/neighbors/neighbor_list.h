@@ -157,6 +157,10 @@ class NeighborList {
   /// many, build() makes it larger by itself. The mean of their positions helps where the box has many cells.
   void fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean = {});
 
+  /// Searches as every back end can, in place of the way that is fastest on this one: the same neighbours, in
+  /// lists of another order. Tests compare the two.
+  void usePortableSearch() { usesPortableSearch_ = true; }
+
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
   /// reciprocal unless truncated. Uses all scratch memory of the particles.
@@ -211,6 +215,7 @@ class NeighborList {
   int capacity_ = 0;
   int room_ = 0;  // for a list; at least the capacity
   bool packs_;
+  bool usesPortableSearch_ = false;
   CellGrid grid_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles

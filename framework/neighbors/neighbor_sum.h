@@ -94,6 +94,20 @@ WEIR_HD inline NeighborsOf<Index> neighborsAhead(const Index& i, const NeighborV
 WEIR_HD inline detail::TeamList neighborsAhead(const TeamIndex& at, const NeighborView& list) {
   return {at, list.counts, list.packed};
 }
+
+/// The neighbours of particle i, or of eight particles, to be summed over. A kernel asks for them before it
+/// reads what the kernel before it may have written: a team reads lists ahead, which stand since the search,
+/// and then waits for that kernel.
+template <class Index>
+WEIR_HD inline NeighborsOf<Index> neighborsOf(const Index& i, const NeighborView& list) {
+  return {i, list};
+}
+WEIR_HD inline detail::TeamList neighborsOf(const TeamIndex& at, const NeighborView& list) {
+  const detail::TeamList ahead(at, list.counts, list.packed);
+  awaitBefore(at);
+  return ahead;
+}
+
 template <class T, class Index, class F, class... Element>
 [[gnu::always_inline]] WEIR_HD inline auto sumOverNeighbors(const NeighborsOf<Index>& of, const F& f,
                                                             const ArrayView<const Element>&... elements) {

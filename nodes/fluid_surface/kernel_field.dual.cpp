@@ -97,15 +97,11 @@ struct LocalKernel {
     const float across = yy * dy * dy + 2 * yz * dy * dz + zz * dz * dz;
     // The least that q² is on this line.
     if (across * xx - along * along >= xx) return;
-#ifdef WEIR_HAS_LANES
-    static_assert(BlockKey::kSide == Lanes::kCount);
-    const Lanes x(Lanes::Vector{0, 1, 2, 3, 4, 5, 6, 7});
-    const Lanes sum = Lanes::load(row) + valueAt(x - Lanes(center.x), along, across);
-    __builtin_memcpy(row, &sum.v, sizeof sum.v);
-#else
-    for (int x = 0; x < BlockKey::kSide; ++x)
-      row[x] += valueAt(static_cast<float>(x) - center.x, along, across);
-#endif
+    static_assert(BlockKey::kSide % kPack == 0);
+    for (int first = 0; first < BlockKey::kSide; first += kPack) {
+      const Pack x = static_cast<float>(first) + countingPack();
+      storePack(row + first, loadPack(row + first) + valueAt(x - Pack(center.x), along, across));
+    }
   }
 
  private:

@@ -66,7 +66,7 @@ struct Reorder {
   }
 };
 
-/// Weighted sums over the particles near one, seen from it. T is float, or Lanes of them.
+/// Weighted sums over the particles near one, seen from it. T is float, or a Pack of them.
 template <class T>
 struct Moments {
   T weight{}, x{}, y{}, z{}, xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
@@ -80,12 +80,10 @@ struct Moments {
   }
 };
 
-#ifdef WEIR_HAS_LANES
-Moments<float> sumOf(const Moments<Lanes>& m) {
-  return {sumOfLanes(m.weight), sumOfLanes(m.x),  sumOfLanes(m.y),  sumOfLanes(m.z),  sumOfLanes(m.xx),
-          sumOfLanes(m.yy),     sumOfLanes(m.zz), sumOfLanes(m.xy), sumOfLanes(m.xz), sumOfLanes(m.yz)};
+WEIR_HD Moments<float> sumOf(const Moments<Pack>& m) {
+  return {sumOfPack(m.weight), sumOfPack(m.x),  sumOfPack(m.y),  sumOfPack(m.z),  sumOfPack(m.xx),
+          sumOfPack(m.yy),     sumOfPack(m.zz), sumOfPack(m.xy), sumOfPack(m.xz), sumOfPack(m.yz)};
 }
-#endif
 
 WEIR_HD Vec3f meanOf(const Moments<float>& m) {
   return Vec3f{m.x, m.y, m.z} / m.weight;
@@ -124,11 +122,7 @@ struct MakeKernel {
   }
 
   WEIR_HD Moments<float> momentsAt(const Vec3f& p) const {
-#ifdef WEIR_HAS_LANES
-    Moments<Lanes> moments;
-#else
-    Moments<float> moments;
-#endif
+    Moments<Pack> moments;
     const Vec3i cell = grid.cellOf(p);
     const bool inside = cell.x > 0 && cell.x + 1 < grid.cells.x;
     for (int dz = -1; dz <= 1; ++dz)
@@ -145,36 +139,22 @@ struct MakeKernel {
           addRange(cellStart[c], cellStart[c + 1], p, moments);
         }
       }
-#ifdef WEIR_HAS_LANES
     return sumOf(moments);
-#else
-    return moments;
-#endif
   }
 
-#ifdef WEIR_HAS_LANES
-  void addRange(int begin, int end, const Vec3f& p, Moments<Lanes>& moments) const {
-    const Lanes inverseSquare(1 / (settings.radius * settings.radius));
-    for (int j = begin; j < end; j += Lanes::kCount) {
-      const Vec3<Lanes> d{Lanes::load(sorted.x.data + j) - p.x, Lanes::load(sorted.y.data + j) - p.y,
-                          Lanes::load(sorted.z.data + j) - p.z};
-      const Lanes q2 = dot(d, d) * inverseSquare;
-      const LaneMask near = (LaneInts::from(j) < end) & (q2 < Lanes(1.0f));
+  WEIR_HD void addRange(int begin, int end, const Vec3f& p, Moments<Pack>& moments) const {
+    const Pack inverseSquare(1 / (settings.radius * settings.radius));
+    for (int j = begin; j < end; j += kPack) {
+      const Vec3<Pack> d{loadPack(sorted.x.data + j) - p.x, loadPack(sorted.y.data + j) - p.y,
+                         loadPack(sorted.z.data + j) - p.z};
+      const Pack q2 = dot(d, d) * inverseSquare;
+      const auto near = packBelow(j, end) & (q2 < Pack(1.0f));
+      if (canSkip(near)) continue;
       // What is beyond the range may be no number.
       moments.add(zeroUnless(near, 1 - q2 * sqrtf(q2)),
                   {zeroUnless(near, d.x), zeroUnless(near, d.y), zeroUnless(near, d.z)});
     }
   }
-#else
-  WEIR_HD void addRange(int begin, int end, const Vec3f& p, Moments<float>& moments) const {
-    const float inverseSquare = 1 / (settings.radius * settings.radius);
-    for (int j = begin; j < end; ++j) {
-      const Vec3f d{sorted.x[j] - p.x, sorted.y[j] - p.y, sorted.z[j] - p.z};
-      const float q2 = dot(d, d) * inverseSquare;
-      if (q2 < 1) moments.add(1 - q2 * sqrtf(q2), d);
-    }
-  }
-#endif
 
   /// The root of a variance over the usual one.
   WEIR_HD static float axisOf(double variance, float usual) {

@@ -9,31 +9,6 @@
 
 namespace weir {
 
-/// In a corner, leaving one wall may mean entering another.
-inline constexpr int kMaxContacts = 4;
-
-/// p, moved out of solids that are nearer than `radius`.
-WEIR_HD inline Vec3f movedOut(const BoundaryView& boundary, float radius, Vec3f p) {
-  for (int contacts = 0; contacts < kMaxContacts; ++contacts) {
-    const BoundaryHit hit = boundaryQuery(boundary, p);
-    if (!(hit.distance < radius)) break;
-    p += (radius - hit.distance) * hit.normal;
-  }
-  return p;
-}
-
-#ifdef WEIR_HAS_EIGHT
-/// The same of those `near` a box among eight.
-inline Vec3<Lanes> movedOut(const Shape& box, float radius, Vec3<Lanes> p, LaneMask near) {
-  for (int contacts = 0; contacts < kMaxContacts && any(near); ++contacts) {
-    const EightDistances hit = boxDistance(box, p);
-    near = near & (hit.distance < Lanes(radius));
-    p = select(near, p + (radius - hit.distance) * hit.normal, p);
-  }
-  return p;
-}
-#endif
-
 /// Changes displacements so that no particle is nearer to a solid than `radius`.
 struct Contain {
   BoundaryView boundary;
@@ -45,29 +20,17 @@ struct Contain {
   /// its last depends on when the host hears of it.
   const int* done = nullptr;
 
-#ifdef WEIR_HAS_EIGHT
-  void operator()(Eight i) const {
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
     if (done != nullptr && *done != 0) return;
-    const Vec4<Lanes> before = read(state, i);
-    const Vec3<Lanes> p = xyz(before);
-    if (boundary.count != 1 || !isBox(boundary.first)) return forEachNear(boundary, radius, i, p, *this);
-    const LaneMask near = !(clearance(boundary, p) > Lanes(radius));
-    if (!any(near)) return;
-    const Vec3<Lanes> q = movedOut(boundary.first.shape, radius, p, near);
-    const LaneMask moved = !((p.x == q.x) & (p.y == q.y) & (p.z == q.z));
+    const auto before = read(state, i);
+    const auto p = xyz(before);
+    auto q = p;
+    moveOut(boundary, radius, q, [](const auto&, const auto&) {});
+    const auto moved = !((p.x == q.x) & (p.y == q.y) & (p.z == q.z));
     if (!any(moved)) return;
     write(displacement, i, select(moved, q - read(predicted, i), read(displacement, i)));
     write(state, i, {q.x, q.y, q.z, zeroUnless(!moved, before.w)});
-  }
-#endif
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    if (done != nullptr && *done != 0) return;
-    const Vec3f p = xyz(state[i]);
-    const Vec3f q = movedOut(boundary, radius, p);
-    if (p == q) return;
-    displacement[i] = q - predicted[i];
-    state[i] = {q.x, q.y, q.z, 0};
   }
 };
 

@@ -26,8 +26,7 @@ WEIR_HD inline float relativeDensity(std::int64_t i, const NeighborView& neighbo
 template <class Index>
 WEIR_HD NumberAt<Index> relativeDensity(Index i, const NeighborView& neighbors, const SpikyKernel& kernel,
                                         float particleVolume, const ArrayView<const Vec4f>& state) {
-  const auto list = neighborsAhead(i, neighbors);
-  awaitBefore(i);
+  const auto list = neighborsOf(i, neighbors);
   const auto s = read(state, i);
   const auto value = [&]<class T>(const auto&, const Vec4<T>& t) {
     const Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};

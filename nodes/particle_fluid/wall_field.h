@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "framework/compute/compact_once.h"
 #include "framework/compute/eight.h"
-#include "framework/compute/parallel.h"
 #include "framework/particles/particle_set.h"
 #include "framework/solids/solid.h"
 #include "nodes/particle_fluid/displacement.h"
@@ -111,33 +111,10 @@ struct WallField {
   std::vector<SolidView> placed_;  // what `views` holds
 };
 
-namespace detail {
-
-template <class Is>
-struct Mark {
-  Is is;
-  ArrayView<std::uint8_t> marks;
-  WEIR_HD void operator()(std::int64_t i) const { marks[i] = is(i) ? 1 : 0; }
-};
-
-struct IsMarked {
-  ArrayView<const std::uint8_t> marks;
-  WEIR_HD bool operator()(std::int64_t i) const { return marks[i] != 0; }
-};
-
-}  // namespace detail
-
-// What a compaction asks twice, as that of the CPU does, had better be cheap, so the answers are kept.
 template <class Backend, class Is>
 void WallField::list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
                      Array<int>& counter) {
-  if constexpr (std::is_same_v<Backend, CudaDevice>) {
-    compact(device, name, count, is, indices.view(), counter.data());
-  } else {
-    parallelFor(device, name, count, detail::Mark<Is>{is, marks.view()});
-    compact(device, "list", count, detail::IsMarked{std::as_const(marks).view()}, indices.view(),
-            counter.data());
-  }
+  compactOnce(device, name, count, is, marks, indices.view(), counter.data());
 }
 
 }  // namespace weir

@@ -24,12 +24,14 @@ struct BoundaryPiece {
   }
 };
 
-/// The nearest solid.
-struct BoundaryHit {
-  float distance = 0;  ///< m, negative inside the solid
-  Vec3f normal;        ///< unit, out of the solid
-  float restitution = 0, friction = 0;
+/// The nearest solid of one point, or of several.
+template <class T>
+struct BoundaryHitOf {
+  T distance{};    ///< m, negative inside the solid
+  Vec3<T> normal;  ///< unit, out of the solid
+  T restitution{}, friction{};
 };
+using BoundaryHit = BoundaryHitOf<float>;
 
 struct BoundaryView {
   const BoundaryPiece* pieces = nullptr;

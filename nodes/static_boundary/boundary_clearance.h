@@ -2,9 +2,8 @@
 // asked for more. Where they must be and are one box, as tanks mostly are, eight points ask it at once.
 #pragma once
 
-#include <bit>
-
 #include "framework/compute/eight.h"
+#include "framework/compute/repeat.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
@@ -66,47 +65,76 @@ WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   return least;
 }
 
-#ifdef WEIR_HAS_EIGHT
-
-inline Vec3<Lanes> select(const LaneMask& condition, const Vec3<Lanes>& ifTrue, const Vec3<Lanes>& ifFalse) {
-  return {select(condition, ifTrue.x, ifFalse.x), select(condition, ifTrue.y, ifFalse.y),
-          select(condition, ifTrue.z, ifFalse.z)};
+/// Which points may be nearer to a boundary than `radius`.
+template <class T>
+WEIR_HD auto mayTouch(const BoundaryView& boundary, float radius, const Vec3<T>& p) {
+  return !(clearance(boundary, p) > T(radius));
 }
 
-struct EightDistances {
-  Lanes distance;
-  Vec3<Lanes> normal;
-};
+/// Calls f(k) for the indices k among those of i, with positions p, that may be nearer to a boundary than
+/// `radius`.
+template <class Index, class T, class F>
+WEIR_HD void forEachNear(const BoundaryView& boundary, float radius, Index i, const Vec3<T>& p, const F& f) {
+  forEachLane(mayTouch(boundary, radius, p), [&](int lane) { f(indexOf(i, lane)); });
+}
 
-/// signedDistance() of eight points from a box, in the same operations.
-inline EightDistances boxDistance(const Shape& box, const Vec3<Lanes>& at) {
+/// BoundaryPiece::query() of a box, without branches.
+template <class T>
+WEIR_HD BoundaryHitOf<T> boxQuery(const BoundaryPiece& piece, const Vec3<T>& at) {
   using namespace detail;
-  const Lanes zero(0.0f), one(1.0f);
-  const Vec3<Lanes> p = rotated(conjugate(box.rotation), at - spread<Lanes>(box.position));
-  const Vec3<Lanes> q{abs(p.x) - box.halfSize.x, abs(p.y) - box.halfSize.y, abs(p.z) - box.halfSize.z};
-  const Vec3<Lanes> sign{select(p.x < zero, -one, one), select(p.y < zero, -one, one),
-                         select(p.z < zero, -one, one)};
-  const Vec3<Lanes> out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};
-  const Lanes beyond = sqrtf(dot(out, out));
-  const LaneMask outside = beyond > zero, x = !(q.x < q.y) & !(q.x < q.z), y = !x & !(q.y < q.z);
-  const auto along = [&](const LaneMask& nearest, const Lanes& part, const Lanes& axis) {
+  const Shape& box = piece.shape;
+  const T zero(0.0f), one(1.0f);
+  const Vec3<T> p = rotated(conjugate(box.rotation), at - spread<T>(box.position));
+  const Vec3<T> q{abs(p.x) - box.halfSize.x, abs(p.y) - box.halfSize.y, abs(p.z) - box.halfSize.z};
+  const Vec3<T> sign{select(p.x < zero, -one, one), select(p.y < zero, -one, one),
+                     select(p.z < zero, -one, one)};
+  const Vec3<T> out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};
+  const T beyond = sqrtf(dot(out, out));
+  const auto outside = beyond > zero, x = !(q.x < q.y) & !(q.x < q.z), y = !x & !(q.y < q.z);
+  const auto along = [&](const auto& nearest, const T& part, const T& axis) {
     return select(outside, axis * (part / beyond), zeroUnless(nearest, axis));
   };
-  const Vec3<Lanes> n{along(x, out.x, sign.x), along(y, out.y, sign.y), along(!x & !y, out.z, sign.z)};
-  const Vec3<Lanes> normal = rotated(box.rotation, n);
-  const Lanes distance = select(outside, beyond, select(x, q.x, select(y, q.y, q.z)));
-  return box.inverted ? EightDistances{-distance, -normal} : EightDistances{distance, normal};
+  const Vec3<T> n{along(x, out.x, sign.x), along(y, out.y, sign.y), along(!x & !y, out.z, sign.z)};
+  const Vec3<T> normal = rotated(box.rotation, n);
+  const T distance = select(outside, beyond, select(x, q.x, select(y, q.y, q.z)));
+  const T restitution(piece.restitution), friction(piece.friction);
+  if (box.inverted) return {-distance, -normal, restitution, friction};
+  return {distance, normal, restitution, friction};
 }
 
-/// Calls f(k) for the indices k among the eight, with positions p, that may be nearer to a boundary than
-/// `radius`.
-template <class F>
-[[gnu::always_inline]] inline void forEachNear(const BoundaryView& boundary, float radius, Eight i,
-                                               const Vec3<Lanes>& p, const F& f) {
-  unsigned near = ~(clearance(boundary, p) > Lanes(radius)).bits() & 0xffu;
-  for (; near != 0; near &= near - 1) f(i.first + std::countr_zero(near));
+/// boundaryQuery() of several points, for those that are `asked`.
+template <class T, class Mask>
+WEIR_HD BoundaryHitOf<T> boundaryQuery(const BoundaryView& boundary, const Vec3<T>& p, const Mask& asked) {
+  if (boundary.count == 1 && isBox(boundary.first)) return boxQuery(boundary.first, p);
+  BoundaryHitOf<T> hits;
+  forEachLane(asked, [&](int lane) {
+    const BoundaryHit hit = boundaryQuery(boundary, laneOf(p, lane));
+    setLane(hits.distance, lane, hit.distance);
+    setLane(hits.normal, lane, hit.normal);
+    setLane(hits.restitution, lane, hit.restitution);
+    setLane(hits.friction, lane, hit.friction);
+  });
+  return hits;
+}
+WEIR_HD inline BoundaryHit boundaryQuery(const BoundaryView& boundary, const Vec3f& p, bool /*asked*/) {
+  return boundaryQuery(boundary, p);
 }
 
-#endif
+/// Moves p, one point or several, out of solids that are nearer than `radius`. At each contact it calls
+/// touch(touching, hit) for the points that are touching.
+template <class T, class F>
+WEIR_HD void moveOut(const BoundaryView& boundary, float radius, Vec3<T>& p, const F& touch) {
+  constexpr int kMaxContacts = 4;  // in a corner, leaving one wall may mean entering another
+  auto touching = mayTouch(boundary, radius, p);
+  if (!any(touching)) return;
+  repeatUpTo(kMaxContacts, [&] {
+    const auto hit = boundaryQuery(boundary, p, touching);
+    touching = touching & (hit.distance < T(radius));
+    if (!any(touching)) return false;
+    p = select(touching, p + (radius - hit.distance) * hit.normal, p);
+    touch(touching, hit);
+    return true;
+  });
+}
 
 }  // namespace weir

@@ -225,6 +225,68 @@ TEST_P(NeighborListTest, CountsListsThatAreCutOff) {
   EXPECT_EQ(listedPairs(particles, list).size(), 20u * 8u);
 }
 
+/// Points in a few tight clusters, far from each other.
+std::vector<Vec3f> clusteredPoints(int count) {
+  std::vector<Vec3f> points;
+  for (unsigned cluster = 0; cluster < 8; ++cluster) {
+    const Vec3f at{0.9f * float(cluster % 2), 0.9f * float(cluster / 2 % 2), 0.9f * float(cluster / 4)};
+    const std::vector<Vec3f> some = randomPoints(count / 8, at, at + Vec3f{0.12f, 0.12f, 0.12f}, cluster);
+    points.insert(points.end(), some.begin(), some.end());
+  }
+  return points;
+}
+
+std::vector<Vec3f> onePointInEachCell(int side, float cell) {
+  std::vector<Vec3f> points;
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x)
+        points.push_back(cell * Vec3f{float(x) + 0.5f, float(y) + 0.5f, float(z) + 0.5f});
+  return points;
+}
+
+TEST_P(NeighborListTest, EverySearchFindsWhatThePortableOneFinds) {
+  struct Case {
+    std::vector<Vec3f> points;
+    float radius;
+    int capacity;
+    bool overflows;
+  };
+  // Few and many, which CUDA searches in different ways.
+  const Case cases[] = {{randomPoints(2000, {}, {1, 1, 1}, 3), 0.1f, 64, false},
+                        {randomPoints(40000, {}, {1, 1, 1}, 4), 0.05f, 64, false},
+                        {clusteredPoints(2000), 0.05f, 200, false},
+                        {onePointInEachCell(12, 0.1f), 0.101f, 32, false},
+                        {onePointInEachCell(34, 0.1f), 0.101f, 32, false},
+                        {clusteredPoints(2000), 0.1f, 24, true},
+                        {clusteredPoints(40000), 0.02f, 24, true}};
+  for (const auto& [points, radius, capacity, overflows] : cases) {
+    ParticleSet particles = makeParticles(points), same = makeParticles(points);
+    NeighborList fast(*device), portable(*device);
+    portable.usePortableSearch();
+    const auto count = std::int64_t(points.size());
+    for (NeighborList* list : {&fast, &portable}) {
+      list->configure(radius, capacity);
+      list->fitGrid({{0, 0, 0}, {1, 1, 1}}, count);
+    }
+    fast.build(particles, kEverywhere);
+    portable.build(same, kEverywhere);
+    ASSERT_EQ(particles.ids().toHost(count), same.ids().toHost(count));
+    EXPECT_EQ(fast.countsOnHost(count), portable.countsOnHost(count)) << count;
+    EXPECT_EQ(fast.eventsOnHost().truncated, portable.eventsOnHost().truncated) << count;
+    EXPECT_EQ(fast.eventsOnHost().truncated > 0, overflows) << count;
+    if (!overflows) {
+      EXPECT_EQ(listedPairs(particles, fast), listedPairs(same, portable)) << count;
+      continue;
+    }
+    // Which neighbours a list that is cut off has is for the search to choose.
+    const std::vector<Vec3f> p = particles.positions().toHost(count);
+    const std::vector<std::vector<int>> lists = fast.listsOnHost(count);
+    for (std::size_t i = 0; i < lists.size(); ++i)
+      for (const int j : lists[i]) ASSERT_LT(length(p[std::size_t(j)] - p[i]), radius * 1.000001f) << i;
+  }
+}
+
 TEST_P(NeighborListTest, RemovesWhatIsOutsideOrNoNumberAndCountsIt) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
