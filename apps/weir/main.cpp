@@ -16,6 +16,7 @@
 #include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 
 namespace weir::app {
@@ -146,6 +147,9 @@ int runGuarded(int argc, char** argv) {
   } catch (const Error& e) {
     program.log().error(e.what());
     return exitCode(e.kind());
+  } catch (const Interrupted&) {
+    program.log().info("interrupted before the first step");
+    return kInterrupted;
   } catch (const std::bad_alloc&) {
     program.log().error("out of memory");
     return kSimulationFailed;

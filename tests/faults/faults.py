@@ -56,9 +56,9 @@ SCENARIOS = [
     Scenario("encoder-write",  VIDEO,    "write",  "ENOSPC",  "ffmpeg"),
 ]
 
-# What a run may leave beside the files of a run that ended well: the checkpoint before the last one, and the pieces
-# that a resumed run needs to go on with its video.
-EXTRA = {"run.previous.h5"}
+# What a run may leave beside the files of a run that ended well: the checkpoint before the last one, and frames of a
+# video that could not be joined with those before its last checkpoint.
+EXTRA = {"run.previous.h5", "run.from_13.mp4"}
 # Not the same from run to run: times, and what ffmpeg makes of its threads.
 VARYING = (".json", ".jsonl", ".h5", ".vtkhdf", ".mp4")
 LIMIT = 60
