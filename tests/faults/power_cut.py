@@ -29,7 +29,7 @@ Entry = collections.namedtuple("Entry", "what file where data")
 
 
 def run(weir, *arguments, **more):
-    return subprocess.run([weir, *arguments], capture_output=True, text=True, errors="replace", timeout=120, **more)
+    return subprocess.run([weir, *arguments], capture_output=True, text=True, errors="replace", timeout=900, **more)
 
 
 def read_record(path):
