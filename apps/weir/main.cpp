@@ -1,11 +1,13 @@
 // The command line program: commands and options, and the one place where errors become messages.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <new>
 
 #include "apps/weir/bench/bench_command.h"
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
+#include "apps/weir/describe_file.h"
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
 #include "apps/weir/render_command.h"
@@ -14,6 +16,7 @@
 #include "apps/weir/studio_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 
 namespace weir::app {
@@ -93,7 +96,13 @@ int runProgram(Program& program, int argc, char** argv) {
       ->type_name("DIR");
 
   CLI::App* schema = app.add_subcommand("schema", "Print the JSON Schema of scene files");
-  CLI::App* info = app.add_subcommand("info", "Show version, devices and plugins");
+  std::vector<std::string> files;
+  bool sceneOnly = false;
+  CLI::App* info = app.add_subcommand(
+      "info", "Show version, devices and plugins; or what files hold, and whether they are whole");
+  info->add_option("files", files, "Checkpoints, exports, meshes or files of particles")
+      ->type_name("FILE...");
+  info->add_flag("--scene", sceneOnly, "Print the scene that a file holds, and nothing else");
   CLI::App* completion = app.add_subcommand("completion", "Print a script for completion in bash");
   for (CLI::App* command : {validate, nodes, schema, info})
     command->add_option("--plugin", plugins, "Load this plugin; may be repeated")
@@ -120,9 +129,34 @@ int runProgram(Program& program, int argc, char** argv) {
   if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));
   if (makePlugin->parsed()) return newPlugin(program, newName, newFolder);
   if (schema->parsed()) print(writeJson(sceneSchema(registry)));
+  if (info->parsed() && sceneOnly && files.empty())
+    throw usageError("--scene needs a file", "a checkpoint, or an export that Weir wrote");
+  if (info->parsed() && !files.empty()) return describeFiles(program, files, sceneOnly);
   if (info->parsed()) print(describeProgram(program, registry));
   if (completion->parsed()) print(bashCompletion(app));
   return kDone;
+}
+
+/// runProgram() with its errors as messages and exit codes.
+int runGuarded(int argc, char** argv) {
+  Program program;
+  try {
+    const int code = runProgram(program, argc, argv);
+    finishPrinting();
+    return code;
+  } catch (const Error& e) {
+    program.log().error(e.what());
+    return exitCode(e.kind());
+  } catch (const Interrupted&) {
+    program.log().info("interrupted before the first step");
+    return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    program.log().error("out of memory");
+    return kSimulationFailed;
+  } catch (const std::exception& e) {
+    program.log().error(std::string("a mistake in the program, please report it: ") + e.what());
+    return kSimulationFailed;
+  }
 }
 
 }  // namespace
@@ -131,19 +165,11 @@ int runProgram(Program& program, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   weir::app::openStandardStreams();
-  weir::app::Program program;
   try {
-    const int code = weir::app::runProgram(program, argc, argv);
-    weir::app::finishPrinting();
-    return code;
-  } catch (const weir::Error& e) {
-    program.log().error(e.what());
-    return exitCode(e.kind());
+    return weir::app::runGuarded(argc, argv);
   } catch (const std::bad_alloc&) {
-    program.log().error("out of memory");
-    return weir::kSimulationFailed;
-  } catch (const std::exception& e) {
-    program.log().error(std::string("a mistake in the program, please report it: ") + e.what());
+    // Not even enough for the program's log.
+    std::fputs("error: out of memory\n", stderr);
     return weir::kSimulationFailed;
   }
 }

@@ -1,6 +1,7 @@
 #include "framework/base/forked_work.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/base/interruption.h"
 
 namespace weir {
 
@@ -98,10 +100,19 @@ void sendAll(int pipe, const std::string& bytes) {
 }
 
 /// All that the pipe gives, or the first `most` bytes of it and one more.
+/// Throws Interrupted where that ends this work.
+void waitForBytes(int pipe) {
+  constexpr int kMilliseconds = 100;
+  pollfd waiting{pipe, POLLIN, 0};
+  do InterruptibleWork::endIfAsked();
+  while (::poll(&waiting, 1, kMilliseconds) == 0);
+}
+
 std::string readToEnd(int pipe, std::uint64_t most) {
   std::string bytes;
   std::vector<char> block(std::size_t{1} << 16);
   while (true) {
+    waitForBytes(pipe);
     const ssize_t more = ::read(pipe, block.data(), block.size());
     if (more < 0 && errno == EINTR) continue;
     if (more <= 0) return bytes;
@@ -129,7 +140,12 @@ ForkedWork::ForkedWork(const std::function<std::string()>& work, const ForkedLim
 ForkedEnd ForkedWork::wait() {
   WEIR_CHECK(child_ > 0);
   ForkedEnd end;
-  end.bytes = readToEnd(pipe_, resultBytes_);
+  try {
+    end.bytes = readToEnd(pipe_, resultBytes_);
+  } catch (...) {
+    ::kill(child_, SIGKILL);  // the destructor waits for it
+    throw;
+  }
   const bool tooMuch = resultBytes_ > 0 && end.bytes.size() > resultBytes_;
   if (tooMuch) ::kill(child_, SIGKILL);
   end.done = !tooMuch && !end.bytes.empty() && end.bytes.back() == '\0';

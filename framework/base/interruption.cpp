@@ -9,6 +9,7 @@ namespace {
 // A signal handler can reach nothing but a global.
 std::atomic<bool> interruptionAsked = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
+thread_local bool mayEnd = false;
 
 void onSignal(int) {
   interruptionAsked = true;
@@ -45,6 +46,20 @@ Interruption::~Interruption() {
 
 const std::atomic<bool>& Interruption::asked() {
   return interruptionAsked;
+}
+
+InterruptibleWork::InterruptibleWork() : outer_(mayEnd) {
+  mayEnd = true;
+}
+
+InterruptibleWork::~InterruptibleWork() {
+  mayEnd = outer_;
+}
+
+void InterruptibleWork::endIfAsked() {
+  if (!mayEnd || !interruptionAsked) return;
+  mayEnd = false;
+  throw Interrupted();
 }
 
 }  // namespace weir

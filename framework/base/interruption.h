@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 
 namespace weir {
 
@@ -18,6 +19,30 @@ class Interruption {
 
   /// Of the last one that was made; those who wait for another program look at it, too.
   static const std::atomic<bool>& asked();
+};
+
+/// What ends an InterruptibleWork.
+class Interrupted final : public std::exception {
+ public:
+  const char* what() const noexcept override { return "interrupted"; }
+};
+
+/// While it lives, work of this thread that nobody has seen anything of yet, such as setting up a scene, may
+/// end anywhere by Interrupted once an Interruption asks for it.
+class InterruptibleWork {
+ public:
+  InterruptibleWork();
+  ~InterruptibleWork();
+  InterruptibleWork(const InterruptibleWork&) = delete;
+  InterruptibleWork& operator=(const InterruptibleWork&) = delete;
+
+  /// Throws Interrupted if this thread does such work and is asked to end; once, so that what cleans up
+  /// behind it is not ended in turn. Whatever takes long calls it: parallel loops, waiting for other
+  /// processes.
+  static void endIfAsked();
+
+ private:
+  bool outer_;
 };
 
 }  // namespace weir

@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "framework/base/interruption.h"
+
 namespace weir {
 namespace {
 
@@ -29,6 +31,7 @@ struct Call {
 }  // namespace
 
 void CpuThreads::run(std::int64_t n, void (*task)(void* context, std::int64_t k), void* context) {
+  InterruptibleWork::endIfAsked();
   Call call{.task = task, .context = context};
   call.started.store(true, std::memory_order_release);
   runUnordered(n, Call::runOne, &call);

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "framework/base/error.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 
 namespace weir {
@@ -17,6 +18,8 @@ void callGuarded(std::string_view source, const std::function<std::string()>& pa
     if (!filesSayEnough || e.location().file.empty()) e.at({.part = part()});
     throw;
   } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& e) {
     throw simulationError("it threw an exception: " + printable(e.what(), 500)).at({.part = part()});

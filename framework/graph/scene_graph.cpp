@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #include "framework/compute/profiler.h"
 
@@ -233,6 +234,7 @@ void SceneGraph::restore(const StateReader& from) {
 void SceneGraph::reset(const SetupContext& context) {
   configure(context);
   for (Node* node : order_) {
+    InterruptibleWork::endIfAsked();
     const ProfileScope scope(context.device.profiler(), node->name());
     call(*node, "reset", context.device, [&] { node->reset(context); });
   }

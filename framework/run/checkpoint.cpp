@@ -174,9 +174,13 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
   fs::remove(link, ignored);
   fs::create_hard_link(file_, link, ignored);
   if (!ignored) fs::rename(link, previous, ignored);
+  if (ignored) fs::remove(link, ignored);
   std::error_code error;
   fs::rename(draft, file_, error);
-  if (error) throw ioError("cannot write the checkpoint: " + error.message()).at({.file = file_.string()});
+  if (error) {
+    fs::remove(draft, ignored);
+    throw ioError("cannot write the checkpoint: " + error.message()).at({.file = file_.string()});
+  }
   syncFolderOf(file_);
   writtenAt_ = std::chrono::steady_clock::now();
 }

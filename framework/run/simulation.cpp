@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "framework/base/check.h"
+#include "framework/base/interruption.h"
 #include "framework/compute/host_memory.h"
 #include "framework/compute/profiler.h"
 #include "framework/graph/state.h"
@@ -103,6 +104,7 @@ void Simulation::checkMemory(const SetupContext& context) {
 }
 
 void Simulation::reset(std::optional<std::int64_t> last) {
+  const InterruptibleWork work;
   setUp(last, log_);
   fresh_ = false;
   refresh();
@@ -125,6 +127,7 @@ void Simulation::save(const StateWriter& to) const {
 }
 
 void Simulation::resume(const StateReader& from, std::optional<std::int64_t> last) {
+  const InterruptibleWork work;
   setUp(last, log_);
   const StateReader clock = from.in("clock");
   clock.get("frame", frame_);

@@ -40,10 +40,6 @@ std::optional<std::size_t> firstNotFinite(const ParticleData& data) {
 
 }  // namespace
 
-ParticleData ParticleReader::readAt(const std::filesystem::path&, double) const {
-  throw sceneError("a time is given, but files of this kind hold one moment only", "no time");
-}
-
 void ParticleFile::validate() const {
   if (file->empty())
     throw sceneError("no file is given", "the path of a file with particles").inParameter(file.name());

@@ -464,6 +464,8 @@ File File::reopen(const std::filesystem::path& file) {
 File File::open(const std::filesystem::path& file) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.get(), false, true);
+  if (H5Fis_hdf5(file.c_str()) == 0)
+    throw ioError("this is not an HDF5 file, or one without its beginning").at({.file = file.string()});
   File opened(Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose), file.string());
   if (opened.handle_.get() < 0) throw opened.error("open the file");
   return opened;
@@ -492,7 +494,10 @@ void File::reserve() {
 
 void File::flush() {
   reserve();
-  if (H5Fflush(handle_.get(), H5F_SCOPE_LOCAL) < 0) throw error("write the file");
+  // A write that failed once stays to be done: without the second attempt a single failure on the way to the
+  // disk would leave half an index, which is no file.
+  for (int attempt = 0; H5Fflush(handle_.get(), H5F_SCOPE_LOCAL) < 0; ++attempt)
+    if (attempt > 0) throw error("write the file");
 }
 
 void File::sync() {

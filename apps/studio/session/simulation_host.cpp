@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/base/interruption.h"
 #include "framework/run/statistics.h"
 
 namespace weir::studio {
@@ -163,6 +164,8 @@ void SimulationHost::guarded(const std::function<void()>& f) {
   } catch (const Error& e) {
     problem_ = problemOf(e);
     log_.error(e.what());
+  } catch (const Interrupted&) {
+    problem_ = problemOf(simulationError("the scene was not set up, as the studio ends"));
   } catch (const std::bad_alloc&) {
     problem_ = problemOf(simulationError("out of memory"));
   } catch (const std::exception& e) {

@@ -3,6 +3,7 @@
 #include "framework/run/info_source.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
 #include "plugins/vtkhdf/export_settings.h"
+#include "plugins/vtkhdf/file_contents.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
 #include "plugins/vtkhdf/surface_export.h"
@@ -38,5 +39,8 @@ WEIR_PLUGIN("vtkhdf",
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
   registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });
   registry.addService<CheckpointStore>("hdf5", [] { return std::make_unique<Hdf5CheckpointStore>(); });
+  registry.addService<FileContentsReader>("checkpoints",
+                                          [] { return std::make_unique<CheckpointContents>(); });
+  registry.addService<FileContentsReader>("vtkhdf", [] { return std::make_unique<VtkHdfContents>(); });
   registry.addService<InfoSource>("vtkhdf", [] { return std::make_unique<Hdf5Info>(); });
 }

@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""Runs a small scene with every output and makes one call of the C library fail, for each call in turn.
+
+  faults.py --weir build/cpu/bin/weir --layer build/cpu/lib/weir/faults/failing_calls.so [--seconds 40]
+            [--scenario NAME]... [--all] [--jobs 1] [--seed 1]
+
+Whatever fails, the run must end with exit code 4 or 5 and a message that names the file (or with 0 and all
+outputs as they would have been), without a signal and in time; what is there then must be whole, and nothing else
+may be left. SCENARIOS has what can fail and how. Without --all, a sample of the calls is tried that fits into
+--seconds. Found failures are printed with the command that shows them again.
+"""
+import argparse
+import collections
+import concurrent.futures
+import os
+import random
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SCENE = os.path.join(HERE, "block.json")
+
+DATA = ["--export", "run.vtkhdf", "--export-surface", "skin.vtkhdf", "--ply-particles", "particles",
+        "--ply", "ply", "--obj", "obj", "--checkpoint", "run.h5", "--checkpoint-every", "6",
+        "--stats", "run.json", "--series", "run.jsonl"]
+PICTURES = ["--images", "images", "--checkpoint", "run.h5", "--checkpoint-every", "12"]
+VIDEO = ["--video", "run.mp4", "--checkpoint", "run.h5", "--checkpoint-every", "12"]
+
+Scenario = collections.namedtuple("Scenario", "name outputs call error program")
+SCENARIOS = [
+    # name                     outputs   call      fails as   in
+    Scenario("open",           DATA,     "open",   "EMFILE",  "weir"),
+    Scenario("open-io",        DATA,     "open",   "EIO",     "weir"),
+    Scenario("write-full",     DATA,     "write",  "ENOSPC",  "weir"),
+    Scenario("write-short",    DATA,     "write",  "short",   "weir"),
+    Scenario("write-io",       DATA,     "write",  "EIO",     "weir"),
+    Scenario("write-again",    DATA,     "write",  "EINTR",   "weir"),
+    Scenario("fsync",          DATA,     "fsync",  "EIO",     "weir"),
+    Scenario("rename",         DATA,     "rename", "EIO",     "weir"),
+    Scenario("close",          DATA,     "close",  "EIO",     "weir"),
+    Scenario("memory",         DATA,     "malloc", "ENOMEM",  "weir"),
+    Scenario("images-open",    PICTURES, "open",   "EMFILE",  "weir"),
+    Scenario("images-write",   PICTURES, "write",  "ENOSPC",  "weir"),
+    Scenario("images-short",   PICTURES, "write",  "short",   "weir"),
+    Scenario("images-rename",  PICTURES, "rename", "EIO",     "weir"),
+    Scenario("images-close",   PICTURES, "close",  "EIO",     "weir"),
+    Scenario("video-open",     VIDEO,    "open",   "EMFILE",  "weir"),
+    Scenario("video-write",    VIDEO,    "write",  "ENOSPC",  "weir"),
+    Scenario("video-fsync",    VIDEO,    "fsync",  "EIO",     "weir"),
+    Scenario("video-rename",   VIDEO,    "rename", "EIO",     "weir"),
+    Scenario("encoder-open",   VIDEO,    "open",   "EIO",     "ffmpeg"),
+    Scenario("encoder-write",  VIDEO,    "write",  "ENOSPC",  "ffmpeg"),
+]
+
+# What a run may leave beside the files of a run that ended well: the checkpoint before the last one, and frames of a
+# video that could not be joined with those before its last checkpoint.
+EXTRA = {"run.previous.h5", "run.from_13.mp4"}
+# Not the same from run to run: times, and what ffmpeg makes of its threads.
+VARYING = (".json", ".jsonl", ".h5", ".vtkhdf", ".mp4")
+LIMIT = 60
+
+
+def files_in(folder):
+    found = set()
+    for where, _, names in os.walk(folder):
+        found.update(os.path.relpath(os.path.join(where, name), folder) for name in names)
+    return found
+
+
+def contents(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+class Faults:
+    def __init__(self, weir, layer, where):
+        self.weir, self.layer, self.where = os.path.abspath(weir), os.path.abspath(layer), where
+        self.references = {}
+
+    def arguments(self, scenario, folder):
+        outputs = [word if word.startswith("--") or word.isdigit() else os.path.join(folder, word)
+                   for word in scenario.outputs]
+        return [self.weir, "run", SCENE, "--quiet", "--device", "cpu", "--threads", "1"] + outputs
+
+    def run(self, scenario, folder, at=0):
+        """The finished process, and how many calls there were; counts are of a run that ended by itself."""
+        counts = folder + ".counts"
+        environment = dict(os.environ, LD_PRELOAD=self.layer, WEIR_FAULT_PROGRAM=scenario.program,
+                           WEIR_FAULT_FOLDER=folder + "/", WEIR_FAULT_CALL=scenario.call,
+                           WEIR_FAULT_AT=str(at), WEIR_FAULT_AS=scenario.error, WEIR_FAULT_COUNTS=counts)
+        os.makedirs(folder)
+        command = self.arguments(scenario, folder)
+        try:
+            done = subprocess.run(command, env=environment, capture_output=True, text=True, errors="replace",
+                                  timeout=LIMIT)
+        except subprocess.TimeoutExpired:
+            return None, {}
+        numbers = {}
+        if os.path.exists(counts):
+            with open(counts, encoding="ascii") as file:
+                for name, number in (line.split() for line in file):  # once for each process
+                    numbers[name] = max(numbers.get(name, 0), int(number))
+            os.remove(counts)
+        return done, numbers
+
+    def reference(self, scenario):
+        """The folder of a run in which nothing failed, and its numbers of calls."""
+        key = (tuple(scenario.outputs), scenario.program)
+        if key not in self.references:
+            folder = os.path.join(self.where, f"whole{len(self.references)}")
+            done, numbers = self.run(scenario._replace(call="none"), folder)
+            if done is None or done.returncode != 0:
+                sys.exit("the run without a fault failed: " + (done.stderr if done else "it did not end"))
+            self.references[key] = folder, numbers
+        return self.references[key]
+
+    def damaged(self, folder):
+        """What `weir info` says against checkpoints and exports, and ffprobe against videos."""
+        files = sorted(os.path.join(folder, name) for name in files_in(folder) if name.endswith((".h5", ".vtkhdf")))
+        said = ""
+        if files:
+            info = subprocess.run([self.weir, "info"] + files, capture_output=True, text=True, timeout=LIMIT)
+            said = info.stderr if info.returncode != 0 else ""
+        return said
+
+    def check(self, scenario, at, folder):
+        """What is wrong, as a text; "" if nothing is."""
+        whole, _ = self.reference(scenario)
+        done, _ = self.run(scenario, folder, at)
+        if done is None:
+            return f"did not end within {LIMIT} s"
+        said = done.stderr.strip()
+        if done.returncode < 0:
+            return f"ended by signal {-done.returncode}: {said[-400:]}"
+        expected, found = files_in(whole), files_in(folder)
+        problems = []
+        if done.returncode not in (0, 4, 5):
+            problems.append(f"exit code {done.returncode}: {said[-400:]}")
+        if done.returncode != 0:
+            if "error: " not in said:
+                problems.append("no error message")
+            elif scenario.call != "malloc" and folder not in said.split("error: ", 1)[1]:
+                problems.append("the message does not name the file: " + said[-300:])
+        if done.returncode == 0 and expected - found:
+            problems.append("exit code 0, but these are missing: " + ", ".join(sorted(expected - found)))
+        if found - expected - EXTRA:
+            problems.append("left over: " + ", ".join(sorted(found - expected - EXTRA)))
+        for name in sorted(found & expected):
+            if not name.endswith(VARYING) and contents(os.path.join(folder, name)) != contents(os.path.join(whole, name)):
+                problems.append(f"{name} is not what it would have been (exit code {done.returncode})")
+        broken = self.damaged(folder)
+        if broken:
+            problems.append("damaged: " + broken.strip()[-400:])
+        return "; ".join(problems)
+
+    def trial(self, scenario, at):
+        folder = os.path.join(self.where, f"{scenario.name}-{at}")
+        try:
+            problem = self.check(scenario, at, folder)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+        if problem:
+            settings = {"LD_PRELOAD": self.layer, "WEIR_FAULT_PROGRAM": scenario.program,
+                        "WEIR_FAULT_FOLDER": folder + "/", "WEIR_FAULT_CALL": scenario.call, "WEIR_FAULT_AT": at,
+                        "WEIR_FAULT_AS": scenario.error}
+            command = [f"{name}={value}" for name, value in settings.items()] + self.arguments(scenario, folder)
+            print(f"FAILED {scenario.name} {at}: {problem}\n    mkdir {folder}; " + shlex.join(command), flush=True)
+        return not problem
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--weir", required=True)
+    parser.add_argument("--layer", required=True)
+    parser.add_argument("--scenario", action="append", help="of SCENARIOS; all without it")
+    parser.add_argument("--all", action="store_true", help="every call, however long it takes")
+    parser.add_argument("--at", type=int, action="append", help="this call only")
+    parser.add_argument("--most", type=int, default=0, help="at most so many calls of a scenario, evenly spread")
+    parser.add_argument("--seconds", type=float, default=40, help="of a sample")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+
+    scenarios = [s for s in SCENARIOS if not options.scenario or s.name in options.scenario]
+    unknown = set(options.scenario or []) - {s.name for s in SCENARIOS}
+    if unknown:
+        parser.error("no scenario is called " + ", ".join(sorted(unknown)))
+    if shutil.which("ffmpeg") is None:
+        scenarios = [s for s in scenarios if s.outputs is not VIDEO]
+
+    start = time.monotonic()
+    tried, bad = collections.Counter(), collections.Counter()
+    with tempfile.TemporaryDirectory(prefix="weir-faults-") as where, \
+            concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        faults = Faults(options.weir, options.layer, where)
+        lists = {}
+        for scenario in scenarios:
+            calls = list(range(1, faults.reference(scenario)[1].get(scenario.call, 0) + 1))
+            if options.most and len(calls) > options.most:
+                step = len(calls) / options.most
+                calls = [calls[int(k * step)] for k in range(options.most)]
+            if not options.all:
+                random.Random(options.seed + len(lists)).shuffle(calls)
+            lists[scenario.name] = options.at or calls
+
+        def attempt(scenario, at):
+            if not options.all and not options.at and time.monotonic() - start > options.seconds:
+                return
+            tried[scenario.name] += 1
+            if not faults.trial(scenario, at):
+                bad[scenario.name] += 1
+
+        if options.all or options.at:
+            work = [(scenario, at) for scenario in scenarios for at in lists[scenario.name]]
+        else:  # one of each scenario in turn
+            longest = max(map(len, lists.values()))
+            work = [(s, lists[s.name][k]) for k in range(longest) for s in scenarios if k < len(lists[s.name])]
+        for done in [pool.submit(attempt, *item) for item in work]:
+            done.result()
+    for scenario in scenarios:
+        print(f"{scenario.name:15} {len(lists[scenario.name]):7} calls, {tried[scenario.name]:6} failed in turn, "
+              f"{bad[scenario.name]} wrong")
+    print(f"{sum(tried.values())} runs in {time.monotonic() - start:.0f} s, {sum(bad.values())} wrong")
+    if not all(lists.values()):
+        print("a scenario has no calls")
+        return 1
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
