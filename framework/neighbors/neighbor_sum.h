@@ -80,21 +80,11 @@ template <class T, class F, class... Element>
   return sumOverNeighbors<T>(detail::TeamList(at, list.counts, list.packed), f, elements...);
 }
 
-/// The neighbours of particle i, or of eight particles, for kernels that may read them ahead: a team does,
-/// others go on as above.
 template <class Index>
 struct NeighborsOf {
   const Index& i;
   const NeighborView& list;
 };
-template <class Index>
-WEIR_HD inline NeighborsOf<Index> neighborsAhead(const Index& i, const NeighborView& list) {
-  return {i, list};
-}
-WEIR_HD inline detail::TeamList neighborsAhead(const TeamIndex& at, const NeighborView& list) {
-  return {at, list.counts, list.packed};
-}
-
 /// The neighbours of particle i, or of eight particles, to be summed over. A kernel asks for them before it
 /// reads what the kernel before it may have written: a team reads lists ahead, which stand since the search,
 /// and then waits for that kernel.

@@ -77,8 +77,7 @@ struct PushOf {
   // Inline, so that what is the same for all particles is prepared once for all.
   template <class Index, class Weight = AsStored>
   [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
-    const auto list = neighborsAhead(i, neighbors);
-    awaitBefore(i);
+    const auto list = neighborsOf(i, neighbors);
     const auto s = read(weighted, i);
     const auto ownWeight = own * weight(s.w);
     const auto self = asInt(i);
