@@ -1,7 +1,7 @@
 # Decides for which instruction sets, beside those of the whole build, the kernels of the CPU are compiled.
 #
-# Sets WEIR_CPU_ISAS, empty where there is nothing to choose (other processors, other compilers), and for each
-# of them WEIR_CPU_ISA_OPTIONS_<isa>.
+# Sets WEIR_CPU_ISAS and for each of them WEIR_CPU_ISA_OPTIONS_<isa>; where there is nothing to choose (other
+# processors, other compilers), WEIR_CPU_ISAS is empty and WEIR_CPU_ISAS_REASON says why.
 #
 # An inline function of a header that is compiled with such options must not become the one that the linker
 # keeps for everybody, or programs would die on processors without them. -fno-weak, which only GCC has, makes
@@ -9,7 +9,12 @@
 # has several copies; -w, because warnings that matter come from the baseline's compilation of the same source.
 
 set(WEIR_CPU_ISAS "")
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+set(WEIR_CPU_ISAS_REASON "")
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  set(WEIR_CPU_ISAS_REASON "others are for x86-64, and this is ${CMAKE_SYSTEM_PROCESSOR}")
+elseif(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(WEIR_CPU_ISAS_REASON "only GCC keeps kernels for AVX2 and AVX-512 apart (-fno-weak): a build by GCC is faster")
+else()
   include(CheckCXXSourceCompiles)
   set(CMAKE_REQUIRED_FLAGS "-march=x86-64-v4 -fno-weak")
   check_cxx_source_compiles(
@@ -20,5 +25,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILE
     set(WEIR_CPU_ISAS avx2 avx512)
     set(WEIR_CPU_ISA_OPTIONS_avx2 -march=x86-64-v3 -fno-weak -w -DWEIR_FOR_AVX2)
     set(WEIR_CPU_ISA_OPTIONS_avx512 -march=x86-64-v4 -fno-weak -w -DWEIR_FOR_AVX512)
+  else()
+    set(WEIR_CPU_ISAS_REASON "WEIR_COMPILER_HAS_CPU_ISAS is off, or this GCC does not know x86-64-v4")
   endif()
 endif()

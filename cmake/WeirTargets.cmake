@@ -24,8 +24,19 @@ function(weir_add_tests name directory)
   weir_add_sources(weir_${name}_tests ${CMAKE_CURRENT_SOURCE_DIR}/${directory})
   target_link_libraries(weir_${name}_tests PRIVATE ${ARGN} GTest::gtest GTest::gtest_main)
   # A test is compiled more often than it runs: what it tests is in the libraries, as fast as it is for users.
-  target_compile_options(weir_${name}_tests PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)
+  set(optimised $<IF:$<CONFIG:Release>,-O1,>)
+  if(WEIR_SANITIZE)
+    set(optimised -O0)
+  endif()
+  target_compile_options(weir_${name}_tests PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${optimised}>)
   target_precompile_headers(weir_${name}_tests PRIVATE
     "$<$<COMPILE_LANGUAGE:CXX>:${PROJECT_SOURCE_DIR}/tests/support/precompiled.h>")
-  gtest_discover_tests(weir_${name}_tests TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 900)
+  # `ctest -L fast` leaves out those of tests/slow_tests.txt.
+  file(STRINGS ${CMAKE_CURRENT_SOURCE_DIR}/slow_tests.txt slow REGEX "^[^#]")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/slow_tests.txt)
+  list(JOIN slow ":" slow)
+  gtest_discover_tests(weir_${name}_tests TEST_PREFIX ${name}/ TEST_FILTER "-${slow}" TEST_LIST ${name}_fast_tests
+                       DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 900 LABELS fast)
+  gtest_discover_tests(weir_${name}_tests TEST_PREFIX ${name}/ TEST_FILTER "${slow}" TEST_LIST ${name}_slow_tests
+                       DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 900)
 endfunction()

@@ -7,6 +7,7 @@
 #include "nodes/fluid_surface/fluid_surface.h"
 #include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_file/particle_file.h"
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/drag.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
@@ -54,6 +55,8 @@ void registerNodes(Registry& registry) {
   registry.addModule<NeighborSearch>();
   registry.addModule<WallIntegrals>();
   registry.addModule<SemiImplicitSolver>();
+  registry.addModule<AcceleratedSolver>();
+  registry.addService<MovedParameters>("SemiImplicitSolver", movedFromSemiImplicitSolver);
   registry.addModule<Pbf>();
   registry.addModule<Xsph>();
   registry.addModule<SurfaceTension>();

@@ -20,7 +20,7 @@ class StudioCommand {
   CLI::App& command() { return *command_; }
 
  private:
-  Program& program_;
+  [[maybe_unused]] Program& program_;  // used where the studio is built
   CLI::App* command_;
   std::string scene_;
   std::string folder_;

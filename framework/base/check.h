@@ -73,8 +73,9 @@ struct CheckLeft {
 };
 
 struct CheckStart {
+  // Binds weaker than arithmetic and shifts, and stronger than the comparisons above.
   template <class A>
-  CheckLeft<A> operator<<(const A& a) const {
+  CheckLeft<A> operator<=>(const A& a) const {
     return {a};
   }
 };
@@ -87,6 +88,6 @@ struct CheckStart {
 // A macro, because only the preprocessor can quote the expression and its place.
 #define WEIR_CHECK(expression)                                                                       \
   do {                                                                                               \
-    const ::weir::detail::CheckResult weirCheck = ::weir::detail::CheckStart{} << expression;        \
+    const ::weir::detail::CheckResult weirCheck = ::weir::detail::CheckStart{} <=> expression;       \
     if (!weirCheck.ok) ::weir::detail::failCheck(#expression, weirCheck.values, __FILE__, __LINE__); \
   } while (false)

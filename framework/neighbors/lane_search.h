@@ -135,13 +135,13 @@ struct LaneSearch {
     /// The candidates of the cell of i, and of three more where all four hold few. A candidate is less than
     /// five cells away along the row then, and counts as more than three if it is more than four.
     [[gnu::noinline]] void collect(int i) {
-      const CellGrid& grid = search.grid;
-      const Vec3i cell = grid.cellOf(search.positions[i]);
+      const CellGrid& cellGrid = search.grid;
+      const Vec3i cell = cellGrid.cellOf(search.positions[i]);
       const int* start = search.cellStart.data;
-      const int own = grid.index(cell);
+      const int own = cellGrid.index(cell);
       constexpr int kTogether = 4, kFew = 24;
       const bool holdFew =
-          cell.x > 0 && cell.x + kTogether < grid.cells.x && start[own + kTogether] - start[own] <= kFew;
+          cell.x > 0 && cell.x + kTogether < cellGrid.cells.x && start[own + kTogether] - start[own] <= kFew;
       const int cells = holdFew ? kTogether : 1;
       rowsEnd = start[own + cells];
       rowCount = 0;
@@ -150,22 +150,23 @@ struct LaneSearch {
         rows[rowCount++] = {begin, end};
         inAll += end - begin;
       };
-      const int y[] = {CellGrid::step(cell.y, -1, grid.cells.y), cell.y,
-                       CellGrid::step(cell.y, 1, grid.cells.y)};
-      const int z[] = {CellGrid::step(cell.z, -1, grid.cells.z), cell.z,
-                       CellGrid::step(cell.z, 1, grid.cells.z)};
-      if (cell.x > 0 && cell.x + cells < grid.cells.x) {
+      const int y[] = {CellGrid::step(cell.y, -1, cellGrid.cells.y), cell.y,
+                       CellGrid::step(cell.y, 1, cellGrid.cells.y)};
+      const int z[] = {CellGrid::step(cell.z, -1, cellGrid.cells.z), cell.z,
+                       CellGrid::step(cell.z, 1, cellGrid.cells.z)};
+      if (cell.x > 0 && cell.x + cells < cellGrid.cells.x) {
         // The cells of a row stand side by side.
         for (const int layer : z)
           for (const int row : y) {
-            const int* at = start + grid.index({cell.x, row, layer});
+            const int* at = start + cellGrid.index({cell.x, row, layer});
             add(at[-1], at[cells + 1]);
           }
       } else {
         for (const int layer : z)
           for (const int row : y)
             for (int dx = -1; dx <= 1; ++dx) {
-              const int* at = start + grid.index({CellGrid::step(cell.x, dx, grid.cells.x), row, layer});
+              const int* at =
+                  start + cellGrid.index({CellGrid::step(cell.x, dx, cellGrid.cells.x), row, layer});
               add(at[0], at[1]);
             }
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/base/text.h"
+#include "framework/scene/moved_modules.h"
 #include "framework/scene/scene_file.h"
 #include "framework/scene/sections.h"
 
@@ -149,7 +150,9 @@ class Builder {
       if (node.pipeline() == nullptr)
         throw(place / "modules")
             .error(*modules, "a " + type->asString() + " has no modules", "no \"modules\"");
-      node.pipeline()->assign(*modules, registry_, place / "modules");
+      const Place here = place / "modules";
+      node.pipeline()->assign(withMovedParameters(*modules, *node.pipeline(), registry_, here, warnings_),
+                              registry_, here);
     }
     if (node.pipeline() != nullptr) validateModules(node, place / "modules");
   }

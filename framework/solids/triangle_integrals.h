@@ -64,9 +64,10 @@ class TriangleIntegrator {
   WEIR_HD Mask prepare(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, Triangle& triangle) const {
     Vec3<T>* corner = triangle.corner;
     corner[0] = relative(a), corner[1] = relative(b), corner[2] = relative(c);
-    Mask reaches = isWithin(corner[0].x, corner[1].x, corner[2].x) &
-                   isWithin(corner[0].y, corner[1].y, corner[2].y) &
-                   isWithin(corner[0].z, corner[1].z, corner[2].z);
+    const Mask reachesX = isWithin(corner[0].x, corner[1].x, corner[2].x);
+    const Mask reachesY = isWithin(corner[0].y, corner[1].y, corner[2].y);
+    const Mask reachesZ = isWithin(corner[0].z, corner[1].z, corner[2].z);
+    const Mask reaches = reachesX & reachesY & reachesZ;
     if (!any(reaches)) return reaches;
     triangle.normal = unit(cross(corner[1] - corner[0], corner[2] - corner[0]));
     // The nearest corner gives the least rounding.
@@ -76,7 +77,8 @@ class TriangleIntegrator {
     const Vec3<T> nearest = chosen(select(first, rr[0], rr[1]) < rr[2], nearer, corner[2]);
     triangle.delta = -dot(nearest, triangle.normal);
     triangle.side = select(triangle.delta < T(0), T(-1), T(1));
-    return reaches & (magnitude(triangle.delta) < T(1)) & (dot(triangle.normal, triangle.normal) > T(0));
+    const Mask isNear = magnitude(triangle.delta)<T(1), hasArea = dot(triangle.normal, triangle.normal)> T(0);
+    return reaches & isNear & hasArea;
   }
 
   /// A lower bound of the distance of a triangle, squared: that of its plane, and within the plane how far p

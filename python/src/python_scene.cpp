@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "framework/base/text.h"
+#include "framework/scene/moved_modules.h"
 #include "framework/scene/scene_file.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "python/src/errors.h"
@@ -211,6 +212,7 @@ void PythonScene::assign(const Target& target, const Value& values) {
     simulation_->setDuration(duration->asDouble());
     if (values.asObject().size() == 1) return;
   }
+  if (target.kind == Target::Kind::kModule && assignMoved(target, values)) return;
   try {
     owner.assignAll(values, placeOf(target));
   } catch (Error& e) {
@@ -218,6 +220,42 @@ void PythonScene::assign(const Target& target, const Value& values) {
     throw;
   }
   noteChange(owner, target, values);
+}
+
+bool PythonScene::assignMoved(const Target& target, const Value& values) {
+  Module& before = module(target.name, target.module);
+  Value params = before.changedValues();
+  for (const auto& [name, value] : values.asObject()) params[name] = value;
+  std::string type(before.info().type);
+  if (!readMoved(target.name, target.module, type, params)) return false;
+  try {
+    if (type == before.info().type) {
+      before.assignAll(params, placeOf(target));
+      noteChange(before, target, params);
+      return true;
+    }
+    std::unique_ptr<Module> made = registry()->createModule(type);
+    made->assignAll(params, placeOf(target));
+    made->enable(before.enabled());
+    insertModule(target.name, std::move(made), target.module, {});
+  } catch (Error& e) {
+    throw e.inNode(target.name);
+  }
+  return true;
+}
+
+bool PythonScene::readMoved(const std::string& node, const std::string& name, std::string& type,
+                            Value& params) {
+  Value modules = Value::object();
+  modules[name]["type"] = type;
+  modules[name]["params"] = params;
+  std::vector<std::string> warnings;
+  const Place place{"", "/nodes/" + node + "/modules", ""};
+  modules = withMovedParameters(std::move(modules), pipeline(node), *registry(), place, warnings);
+  for (const std::string& warning : warnings) log().warn(warning);
+  type = modules.find(name)->find("type")->asString();
+  params = *modules.find(name)->find("params");
+  return !warnings.empty();
 }
 
 void PythonScene::noteChange(const Configurable& of, const Target& target, const Value& values) {

@@ -87,12 +87,16 @@ nb::object moduleObject(const PythonScene& scene, const std::string& node, const
 void insertModule(PythonScene& scene, const std::string& node, nb::object module, const std::string& name,
                   std::optional<std::size_t> index, nb::handle parameters) {
   std::unique_ptr<Module> made;
-  if (nb::isinstance<nb::str>(module))
-    made = scene.registry()->createModule(nb::cast<std::string>(module));
-  else
+  Value params = toValue(parameters);
+  if (nb::isinstance<nb::str>(module)) {
+    auto type = nb::cast<std::string>(module);
+    if (params.isObject()) scene.readMoved(node, name, type, params);
+    made = scene.registry()->createModule(type);
+  } else {
     made = nb::cast<ModuleBase&>(module).give(module);
+  }
   try {
-    made->assignAll(toValue(parameters), {});
+    made->assignAll(params, {});
   } catch (Error& e) {
     throw e.inNode(node);
   }

@@ -144,7 +144,8 @@ def tell(say, result):
 def as_incompressible_as(tolerance):
     """Settings of a fluid that can have, and is iterated to, at most this mean compression."""
     return [f"water.bulk_modulus={max(1e6, PRESSURE / tolerance):.3g}",
-            f"water.solver.tolerance={max(1e-6, tolerance):.3g}", f"water.solver.iterations={MOST_ITERATIONS}",
+            "water.solver.type=AcceleratedSolver", f"water.solver.tolerance={max(1e-6, tolerance):.3g}",
+            f"water.solver.max_iterations={MOST_ITERATIONS}",
             "water.solver.acceleration=anderson", "water.solver.neighbor_searches=1"]
 
 

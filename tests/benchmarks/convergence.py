@@ -97,14 +97,15 @@ class Runner:
 
     def row(self, spacing, dt):
         a = self.arguments
-        tolerant = {"iterations": a.most, "tolerance": a.tolerance}
-        accelerated = tolerant | {"acceleration": a.acceleration}
-        settled = self.run(spacing, dt, a.duration, {"params": accelerated})
+        def solver(acceleration):
+            return {"type": "AcceleratedSolver",
+                    "params": {"max_iterations": a.most, "tolerance": a.tolerance, "acceleration": acceleration}}
+        settled = self.run(spacing, dt, a.duration, solver(a.acceleration))
         if a.heights:
             return " | ".join([f"| {spacing:g} | {1000 * dt:g}", iterations(settled), stages(settled), unmet(settled),
                                self.outcome(settled)]) + " |"
-        plain = self.run(spacing, dt, a.short, {"params": tolerant}, "lattice")
-        quick = self.run(spacing, dt, a.short, {"params": accelerated}, "lattice")
+        plain = self.run(spacing, dt, a.short, solver("none"), "lattice")
+        quick = self.run(spacing, dt, a.short, solver(a.acceleration), "lattice")
         untuned = self.run(spacing, dt, a.duration, {})
         count = max(1, round(settled["solver_iterations"]["mean"])) if settled else 3
         pbf = self.run(spacing, dt, a.duration, {"type": "Pbf", "params": {"iterations": count}})

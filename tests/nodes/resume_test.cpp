@@ -67,13 +67,16 @@ const std::map<std::string, const char*> kParameters{
      R"({"profile": [[0, 0.2], [0.03, 0.2], [0.03, 0.25], [0, 0.25]], "position": [0.05, 0, 0.05]})"},
     {"WavePaddle", R"({"stroke": 0.2, "period": 0.5, "ramp": 0, "acceleration": 30})"},
     {"MyPluginProbe", R"({"min": [0, 0, 0], "max": [0.15, 0.05, 0.3]})"},
-    {"SemiImplicitSolver", R"({"tolerance": 0.01, "acceleration": "anderson", "record_objective": true})"},
+    {"SemiImplicitSolver", R"({"step_length": "global", "record_objective": true})"},
+    {"AcceleratedSolver", R"({"tolerance": 0.01, "max_iterations": 3, "acceleration": "anderson",
+                              "record_objective": true})"},
     {"Pbf", R"({"record_objective": true})"},
     {"MyPluginPull", R"({"center": [0.1, 0.3, 0.1]})"},
     {"Xsph", R"({"form": "implicit"})"}};
 
 /// Modules that take the place of another one; all others stand before "predict".
-const std::map<std::string, std::string> kInPlaceOf{{"Pbf", "solver"}, {"Dfsph", "solver"}};
+const std::map<std::string, std::string> kInPlaceOf{
+    {"Pbf", "solver"}, {"Dfsph", "solver"}, {"AcceleratedSolver", "solver"}};
 
 /// Reads a mesh without looking into the file.
 class Tetrahedra final : public MeshReader {

@@ -107,6 +107,21 @@ def test_modules_are_parametrised_disabled_inserted_and_replaced(scene):
         modules.insert("drag", "Darg", before="solver")
 
 
+def test_parameters_that_moved_make_the_solver_the_other_one(scene):
+    modules = scene.water.modules
+    modules["solver"].iterations = 40
+    modules["solver"].tolerance = 0.01
+    written = json.loads(scene.to_json())["nodes"]["water"]["modules"]["solver"]
+    assert written == {"type": "AcceleratedSolver",
+                       "params": {"tolerance": 0.01, "max_iterations": 40, "acceleration": "none"}}
+    modules["solver"].acceleration = "anderson"
+    assert modules["solver"].acceleration == "anderson"
+    modules.replace("solver", weir.modules.SemiImplicitSolver, tolerance=0.02)
+    assert modules["solver"].tolerance == pytest.approx(0.02)
+    modules.replace("solver", weir.modules.SemiImplicitSolver, path_stages=4)
+    assert "AcceleratedSolver" not in scene.to_json()
+
+
 def test_sections_and_groups(scene):
     if "render" not in dir(scene):
         pytest.skip("the plugin that draws pictures is not there")

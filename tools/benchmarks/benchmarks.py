@@ -26,8 +26,8 @@ def arguments(argv):
                              "are of one device, the later ones' times are taken")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "bench", metavar="DIR", help="where all is written")
     parser.add_argument("--docs", action="store_true",
-                        help="keep the results in docs/benchmarks/, in place of earlier ones of the same device, and write "
-                             "the page docs/benchmarks.md anew from all that is there")
+                        help="keep the results in engineering/benchmarks/, in place of earlier ones of the same device, and write "
+                             "the page engineering/benchmarks.md anew from all that is there")
     parser.add_argument("--no-plots", action="store_true", help="do without matplotlib")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
     options, rest = parser.parse_known_args(argv)
@@ -96,7 +96,7 @@ def write_docs(docs, options):
     shutil.copy(options.out / PLOT, images / PLOT)
 
 
-def main(argv, docs=ROOT / "docs"):
+def main(argv, docs=ROOT / "engineering"):
     options = arguments(argv)
     options.out = options.out.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -107,7 +107,7 @@ def main(argv, docs=ROOT / "docs"):
         keep(files, docs)
         write_docs(docs, options)
     elif options.docs:
-        print(f"weir bench ended with code {code}, so docs/ is left as it is", file=sys.stderr)
+        print(f"weir bench ended with code {code}, so engineering/ is left as it is", file=sys.stderr)
     print(options.out / "README.md")
     return code
 

@@ -38,6 +38,14 @@ def case_table(results):
     return lines
 
 
+def soft_rows(results):
+    """Says which rows are no water."""
+    rows = [f"{count(row.particles)} ({row.case})" for row in results.rows if row.is_soft]
+    if not rows:
+        return []
+    return [f"Compressed by more than {100 * benchmarks.SOFT:.0f} % on average, so that they show capacity and not water: {', '.join(rows)}."]
+
+
 def module_table(results, case="dam", moment="late"):
     """Milliseconds of each module of the fluid by size."""
     rows = [row for row in results.rows if row.case == case and row.moment(moment)]
@@ -115,7 +123,7 @@ def markdown(many, peers, picture):
     lines = [f"![Time of a step by number of particles]({picture})", ""] if picture else []
     for results in many:
         lines += [f"### {results.device}", "", machine_line(results), "", *case_table(results), ""]
-        for part in (growth(results), module_table(results), peer_table(results, peers) if results.on_cuda else []):
+        for part in (soft_rows(results), growth(results), module_table(results), peer_table(results, peers) if results.on_cuda else []):
             lines += [*part, ""] if part else []
     lines += ["The others:", ""] + [f"- {peer['name']}: {peer['source']}" for peer in peers]
     return "\n".join(lines) + "\n"

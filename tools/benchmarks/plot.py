@@ -4,6 +4,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+import results as benchmarks  # noqa: E402
 
 COLORS = ("#1f77b4", "#2ca02c", "#9467bd", "#17becf")
 PEER_STYLES = (("s", "#d62728"), ("v", "#7f7f7f"), ("^", "#ff7f0e"), ("D", "#8c564b"))
@@ -18,6 +19,10 @@ def draw(many, peers, file):
             if series:
                 axis.loglog(*zip(*series), style, color=color, marker="o", markersize=4,
                             label=f"Weir, {results.device.split(',')[0]}, {label}, late")
+    soft = [(row.particles, row.ms("late")) for results in many for row in results.rows
+            if row.case in {case for case, _, _ in CASES} and row.is_soft and row.ms("late")]
+    if soft:
+        axis.loglog(*zip(*soft), "kx", markersize=9, label=f"compressed by more than {100 * benchmarks.SOFT:.0f} %: capacity, not water")
     for (marker, color), peer in zip(PEER_STYLES * len(peers), peers):
         for moment, face in (("late", color), ("early", "none")):
             points = [(n, ms) for n, ms in zip(peer["particles"], peer[moment + "_ms"]) if ms]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 FORM = 1  # "weir_bench" in the files
+SOFT = 0.1  # a mean compression from which a row shows capacity, and not water
 
 
 class Unusable(Exception):
@@ -29,6 +30,10 @@ class Row:
     def ms(self, name):
         moment = self.moment(name)
         return moment["step_ms_median"] if moment else None
+
+    @property
+    def is_soft(self):
+        return any(moment.get("compression_mean", 0) > SOFT for moment in self.moments.values())
 
     @property
     def particles(self):

@@ -56,8 +56,8 @@ RestingTank::RestingTank(Device& device, const Tank& tank, const TankWater& wate
       members({{"spacing", kSpacing}, {"support_ratio", water.supportRatio}, {"bulk_modulus", kBulkModulus}}),
       {});
   const Value solver =
-      members({{"tolerance", water.tolerance}, {"iterations", 1000}, {"acceleration", "nesterov"}});
-  made->pipeline()->assign(members({{"solver", members({{"params", solver}})}}), registry_, {});
+      members({{"type", "AcceleratedSolver"}, {"params", members({{"tolerance", water.tolerance}})}});
+  made->pipeline()->assign(members({{"solver", solver}}), registry_, {});
   fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::move(made), "water"));
   graph_.link(SceneGraph::parseLink("block.particles -> water.initial"));
   if (water.mesh) {

@@ -2,7 +2,8 @@
 """Checks what the documentation says: runs its commands, validates its scenes, and looks up its code, paths and links.
 
 Each page has a folder of its own below out/check_docs, which holds links to what the repository has, so commands find scenes and
-leave nothing behind. What is not run says why; documents.py tells how a page says so. Ends with 1 if anything is wrong.
+leave nothing behind. What is not run says why; documents.py tells how a page says so. Of the engineering notebook and of the files beside
+README.md only links are followed: their commands are those of their day. Ends with 1 if anything is wrong.
 """
 
 import argparse
@@ -20,10 +21,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import commands  # noqa: E402
 import documents  # noqa: E402
+import measured  # noqa: E402
+import prose  # noqa: E402
 from documents import Mistake  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("framework", "nodes", "plugins", "apps", "tests", "tools", "examples", "resources", "cmake", "docs")
+ROOMS = ("framework", "nodes", "plugins", "apps", "tests", "tools", "examples", "resources", "cmake", "docs", "engineering")
 LONGEST = 600  # seconds that one block may take
 LANGUAGES = {"sh", "json", "jsonc", "cpp", "python", "cmake", "text"}
 
@@ -51,8 +54,8 @@ def merged(into, piece):
 class PageCheck:
     """One page: what was done with it, and what is wrong."""
 
-    def __init__(self, path, name, build, folder):
-        self.path, self.name, self.build, self.folder = path, name, build, folder
+    def __init__(self, path, name, build, folder, links_only=False):
+        self.path, self.name, self.build, self.folder, self.links_only = path, name, build, folder, links_only
         self.checker = commands.Checker(ROOT, build)
         self.mistakes, self.skipped = [], []
         self.compared = {}  # the last block that was compared with a file, by its name
@@ -66,15 +69,22 @@ class PageCheck:
         except Mistake as mistake:
             self.mistakes.append(str(mistake))
             return self
-        self.prepare()
-        for block in page.blocks:
-            self.guarded(block.line, lambda block=block: self.check_block(block))
-        for line, code in page.codes:
-            self.guarded(line, lambda code=code: self.check_code(code))
+        if not self.links_only:
+            self.prepare()
+            self.check_text()
+            for block in page.blocks:
+                self.guarded(block.line, lambda block=block: self.check_block(block))
+            for line, code in page.codes:
+                self.guarded(line, lambda code=code: self.check_code(code))
         for line, target in page.links:
             self.guarded(line, lambda target=target: self.check_link(target, page))
         self.seconds = time.monotonic() - start
         return self
+
+    def check_text(self):
+        """Pages for users have no history."""
+        for line in prose.lines_with_hashes(self.path.read_text()):
+            self.mistakes.append(f"{self.name}:{line}: a commit hash belongs into engineering/")
 
     def guarded(self, line, check):
         try:
@@ -110,7 +120,7 @@ class PageCheck:
         elif block.language == "sh":
             self.check_script(block, text)
         elif block.language in ("json", "jsonc"):
-            self.check_json(block.mark, text)
+            self.check_json(block, text)
         elif block.language == "python":
             self.check_python(block, text)
         elif block.language != "text":
@@ -118,7 +128,7 @@ class PageCheck:
         if block.mark.file and not block.mark.scene:
             target = self.folder / block.mark.file
             target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(without_comments(text) if block.language == "jsonc" else text)
+            target.write_text(text)
 
     def compare(self, source, text):
         """Each line stands in the file, in this order; `…` stands for anything."""
@@ -189,9 +199,11 @@ class PageCheck:
             self.execute(["bash", "-euo", "pipefail", "-c", failing + "\n" + text], block.line, block.mark.exit)
             self.counts["run"] += len(found)
 
-    def check_json(self, mark, text):
+    def check_json(self, block, text):
+        """A whole scene is validated as it stands, so comments are right where the program reads them."""
+        mark = block.mark
         try:
-            value = self.parsed(without_comments(text), bool(mark.scene))
+            value = self.parsed(without_comments(text) if block.language == "jsonc" else text, bool(mark.scene))
         except ValueError as error:
             raise Mistake(f"this is no JSON: {error}") from None
         target = self.folder / (mark.file or "checked_scene.json")
@@ -207,7 +219,7 @@ class PageCheck:
         elif not isinstance(value, dict) or "weir" not in value:
             raise Mistake("a piece of a scene needs a mark that says into which scene it belongs")
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(json.dumps(value, ensure_ascii=False, indent=2))
+        target.write_text(json.dumps(value, ensure_ascii=False, indent=2) if mark.scene else text)
         plugin = ["--plugin", mark.plugin] if mark.plugin else []
         self.execute([str(self.build / "bin/weir"), "validate", str(target), *plugin], 0, mark.exit)
         self.counts["scenes"] += 1
@@ -267,18 +279,32 @@ class PageCheck:
                 raise Mistake(f"the link to {target} leads to no heading; there are: {', '.join(sorted(anchors))}")
 
 
+def is_for_users(page):
+    return page.parent.name == "docs" or page.name == "README.md" and page.parent == ROOT
+
+
 def pages_of(names):
     found = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    found += [*sorted((ROOT / "engineering").glob("*.md")), *sorted(p for p in ROOT.glob("*.md") if p not in found)]
     if not names:
         return found
-    wanted = [p for p in found if p.stem in names or p.name in names]
-    unknown = set(names) - {p.stem for p in found} - {p.name for p in found}
+    wanted = [p for p in found if is_for_users(p) and (p.stem in names or p.name in names)]
+    unknown = set(names) - {p.stem for p in wanted} - {p.name for p in wanted}
     if unknown:
         raise SystemExit(f"check: there is no page {', '.join(sorted(unknown))}")
     return wanted
 
 
-def report(checks):
+def mistakes_of_all():
+    """What is wrong with the pages together."""
+    words = sum(prose.words(page.read_text()) for page in (ROOT / "docs").glob("*.md"))
+    if words > prose.MOST_WORDS:
+        yield f"docs/ has {words:,} words, at most {prose.MOST_WORDS:,} are allowed: tools/docs/prose.py tells them by page"
+    for name in measured.stale(write=False):
+        yield f"{name} has other numbers than those measured: run tools/docs/measured.py"
+
+
+def report(checks, others=()):
     for c in checks:
         done = ", ".join(f"{number} {what}" for what, number in c.counts.items() if number)
         print(f"{c.name}: {done or 'nothing to check'}; {len(c.skipped)} not run; {c.seconds:.0f} s")
@@ -288,7 +314,7 @@ def report(checks):
     print(f"{total['run']} commands run, {total['checked']} commands looked up, {total['scenes']} scenes validated, "
           f"{total['compared']} pieces of code compared, {total['names']} paths and links followed, "
           f"{sum(len(c.skipped) for c in checks)} blocks not run.")
-    mistakes = [m for c in checks for m in c.mistakes]
+    mistakes = [*(m for c in checks for m in c.mistakes), *others]
     for mistake in mistakes:
         print(f"MISTAKE {mistake}", file=sys.stderr)
     return 1 if mistakes else 0
@@ -304,8 +330,9 @@ def main():
     build = chosen.build.resolve()
     pages = pages_of([name.strip() for name in chosen.only.split(",") if name.strip()])
     with ThreadPoolExecutor(chosen.jobs) as pool:
-        jobs = [pool.submit(PageCheck(p, p.relative_to(ROOT).as_posix(), build, chosen.out.resolve() / p.stem).run) for p in pages]
-        code = report([job.result() for job in jobs])
+        jobs = [pool.submit(PageCheck(p, p.relative_to(ROOT).as_posix(), build, chosen.out.resolve() / p.stem, not is_for_users(p)).run)
+                for p in pages]
+        code = report([job.result() for job in jobs], () if chosen.only else list(mistakes_of_all()))
     return code
 
 

@@ -34,6 +34,9 @@ def on_config(config):
     for entry in config.nav:
         if "Reference" in entry:
             entry["Reference"] = section
+        if "Engineering notebook" in entry:
+            pages = sorted(p.name for p in (ROOT / "engineering").glob("*.md") if p.name != "README.md")
+            entry["Engineering notebook"] = [f"engineering/{name}" for name in ["README.md", *pages]]
     add_unnamed_pages(config)
     return config
 
@@ -47,20 +50,34 @@ def add_unnamed_pages(config):
 
 
 def target_of(page, link):
-    """The path in the repository that a link of a page of docs/ leads to, if it leads out of docs/."""
-    path = posixpath.normpath(posixpath.join("docs", posixpath.dirname(page), link))
-    return None if path.startswith(("docs/", "../")) else path
+    """The path in the repository that a link of a page of the site leads to."""
+    folder = posixpath.dirname(page) if page.startswith("engineering/") else posixpath.join("docs", posixpath.dirname(page))
+    path = posixpath.normpath(posixpath.join(folder, link))
+    return None if path.startswith("../") else path
 
 
 def page_of(path):
-    return f"files/{path}.md"
+    """The page of the site that shows a path of the repository: the notebook has pages of its own, like docs/."""
+    if path.startswith("docs/"):
+        return path.removeprefix("docs/")
+    return path if path.startswith("engineering/") and path.endswith(".md") else f"files/{path}.md"
+
+
+def add_notebook(files, config):
+    """The engineering notebook, with its pictures."""
+    for source in sorted((ROOT / "engineering").rglob("*")):
+        if source.suffix in PICTURES | {".md"}:
+            path = source.relative_to(ROOT).as_posix()
+            files.append(File.generated(config, path, abs_src_path=str(source)))
 
 
 def on_files(files, config):
+    add_notebook(files, config)
     wanted = {path for f in files.documentation_pages() for _, link, _ in LINK.findall(Path(f.abs_src_path).read_text())
               if (path := target_of(f.src_uri, link))}
     for path in sorted(wanted):
-        add_file_page(path)
+        if page_of(path).startswith("files/"):
+            add_file_page(path)
     for path, text in made.items():
         # Pages of files are reached by links alone.
         inclusion = InclusionLevel.NOT_IN_NAV if path.startswith("files/") else InclusionLevel.INCLUDED
@@ -95,9 +112,10 @@ def add_file_page(path):
 def on_page_markdown(markdown, page, **_):
     def replaced(match):
         path = target_of(page.file.src_uri, match[2])
-        if path is None or page_of(path) not in made:
+        if path is None or page_of(path).startswith("files/") and page_of(path) not in made:
             return match[0]
-        return match[1] + posixpath.relpath(page_of(path), posixpath.dirname(page.file.src_uri) or ".") + ")"
+        anchor = "" if page_of(path).startswith("files/") else match[3] or ""
+        return match[1] + posixpath.relpath(page_of(path), posixpath.dirname(page.file.src_uri) or ".") + anchor + ")"
 
     return LINK.sub(replaced, markdown)
 

@@ -71,7 +71,7 @@ def arguments(argv):
     parser.add_argument("--no-plots", action="store_true",
                         help="numbers only, on a machine without Python's matplotlib")
     parser.add_argument("--docs", action="store_true",
-                        help="write the table and the pictures into docs/validation.md, too; needs all checks")
+                        help="write the table and the pictures into engineering/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
     parsed = parser.parse_args(argv)
     wanted = [key.strip() for key in parsed.only.split(",") if key.strip()]
@@ -111,8 +111,8 @@ def pictures_of(check, outcome, out):
 
 
 def write_docs(results, done, out):
-    """Replaces what follows the marker in docs/validation.md, and the pictures of that page."""
-    page, images = ROOT / "docs" / "validation.md", ROOT / "docs" / "images" / "validation"
+    """Replaces what follows the marker in engineering/validation.md, and the pictures of that page."""
+    page, images = ROOT / "engineering" / "validation.md", ROOT / "engineering" / "images" / "validation"
     text = page.read_text(encoding="utf-8")
     if MARKER not in text:
         raise program.RunFailed(f"{page} has no line {MARKER}")

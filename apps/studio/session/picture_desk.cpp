@@ -80,9 +80,7 @@ void PictureDesk::startVideo(std::filesystem::path file, const LivePictureOption
   if (!pictures_) throw noPictures();
   const std::lock_guard lock(mutex_);
   if (video_) throw usageError("a video is being made already", "one at a time", "stop it first");
-  video_.emplace();
-  video_->file = std::move(file);
-  video_->options = options;
+  video_ = Video{.file = std::move(file), .options = options};
   status_ = {.state = VideoState::kRecording};
   tell(true);
 }

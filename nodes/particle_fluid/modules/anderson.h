@@ -22,7 +22,7 @@
 #include "framework/base/vec.h"
 #include "framework/compute/device.h"
 #include "framework/compute/parallel.h"
-#include "nodes/particle_fluid/modules/semi_implicit_control.h"
+#include "nodes/particle_fluid/modules/accelerated_control.h"
 
 namespace weir {
 

@@ -12,12 +12,12 @@ namespace weir::rendering::gl {
 // Depths that kernels lower with atomicMin, as bits: alone, or in the upper half. Threads may see them late,
 // which only costs time, so the CPU reads several with one instruction. The thread sanitizer need not know.
 #if defined(WEIR_HAS_LANES)
-[[gnu::no_sanitize("thread")]] inline Number depthsFrom(const std::uint32_t* first) {
+__attribute__((no_sanitize("thread"))) inline Number depthsFrom(const std::uint32_t* first) {
   Ints bits;
   __builtin_memcpy(&bits, first, sizeof bits);
   return numbersOfBits(bits);
 }
-[[gnu::no_sanitize("thread")]] inline Number depthsFrom(const std::uint64_t* first) {
+__attribute__((no_sanitize("thread"))) inline Number depthsFrom(const std::uint64_t* first) {
   Ints low, high;
   __builtin_memcpy(&low, first, sizeof low);
   __builtin_memcpy(&high, first + kPixels / 2, sizeof high);

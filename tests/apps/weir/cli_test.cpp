@@ -266,7 +266,7 @@ TEST_F(Cli, NodesSchemaInfoAndCompletion) {
   EXPECT_EQ(nodes.code, 0);
   for (const char* type : {"ParticleFluid", "StaticBoundary", "SquareEmitter", "TurningModel", "MeshFile",
                            "BoxSampler", "SphereSampler", "MeshSampler", "ParticleFile", "SemiImplicitSolver",
-                           "CircleEmitter", "MeshEmitter", "Sink", "Terrain"})
+                           "AcceleratedSolver", "CircleEmitter", "MeshEmitter", "Sink", "Terrain"})
     EXPECT_CONTAINS(nodes.out, type);
   const ChildResult one = runWeir({"nodes", "ParticleFluid"});
   EXPECT_CONTAINS(one.out, "support_ratio");

@@ -48,6 +48,17 @@ TEST(Error, KindsAreExitCodes) {
   EXPECT_EQ(exitCode(ErrorKind::kIo), 5);
 }
 
+TEST(Check, TakesAWholeSideOfAComparison) {
+  const int a = 3;
+  WEIR_CHECK(a << 1 == a + a);
+  try {
+    WEIR_CHECK(a << 1 < a + 1);
+    FAIL() << "nothing was thrown";
+  } catch (const InternalError& e) {
+    EXPECT_CONTAINS(e.what(), "6 < 4");
+  }
+}
+
 TEST(Check, PrintsBothValues) {
   const int a = 3, b = 2;
   WEIR_CHECK(b < a);

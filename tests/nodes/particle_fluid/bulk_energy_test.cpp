@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "tests/nodes/particle_fluid/siisph_reference.h"
 #include "tests/support/devices.h"
@@ -24,10 +25,11 @@ std::vector<Vec3d> toDouble(const std::vector<Vec3f>& vectors) {
 
 /// A fluid whose solver has these parameters, calibrated to a lattice.
 FluidScene fluidWith(Device& device, const std::vector<Vec3f>& positions, float spacing, Value solver,
-                     std::pair<const char*, Value> stiffness = {"mu", 1.0}) {
+                     std::pair<const char*, Value> stiffness = {"mu", 1.0},
+                     const char* type = "SemiImplicitSolver") {
   return FluidScene(device, positions, {},
                     object({{"spacing", spacing}, {"calibration", "lattice"}, stiffness}),
-                    object({{"solver", object({{"params", std::move(solver)}})},
+                    object({{"solver", object({{"type", type}, {"params", std::move(solver)}})},
                             {"viscosity", object({{"params", object({{"strength", 0.0}})}})}}));
 }
 
@@ -144,9 +146,10 @@ TEST(SolverTolerance, IsMetAndNoFurtherIterationIsMade) {
     const char* const accelerations[] = {"none", "nesterov", "anderson"};
     int counts[3] = {};
     for (int k = 0; k < 3; ++k) {
-      Value solver = object({{"iterations", 2000}, {"tolerance", 0.004}, {"neighbor_searches", 1}});
+      Value solver = object({{"max_iterations", 2000}, {"tolerance", 0.004}, {"neighbor_searches", 1}});
       solver["acceleration"] = accelerations[k];
-      FluidScene scene = fluidWith(*device, positions, kSpacing, solver, {"bulk_modulus", 1e6});
+      FluidScene scene =
+          fluidWith(*device, positions, kSpacing, solver, {"bulk_modulus", 1e6}, "AcceleratedSolver");
       scene.gravity = {};
       scene.reset(kDt);
       scene.step();
@@ -158,8 +161,9 @@ TEST(SolverTolerance, IsMetAndNoFurtherIterationIsMade) {
       EXPECT_LT(count, 2000) << name;
       counts[k] = count;
       // One iteration less does not meet it; mixtures must meet it three times.
-      solver["iterations"] = count - (k == 2 ? 3 : 1);
-      FluidScene shorter = fluidWith(*device, positions, kSpacing, solver, {"bulk_modulus", 1e6});
+      solver["max_iterations"] = count - (k == 2 ? 3 : 1);
+      FluidScene shorter =
+          fluidWith(*device, positions, kSpacing, solver, {"bulk_modulus", 1e6}, "AcceleratedSolver");
       shorter.gravity = {};
       shorter.reset(kDt);
       shorter.step();
@@ -179,7 +183,13 @@ TEST(SolverParameters, SayWhatIsWrong) {
   EXPECT_CONTAINS(refused(object({{"energy", "polynomial"}})), "1 to 8 coefficients");
   EXPECT_CONTAINS(refused(object({{"polynomial", Value::Array{1}}})), "not \"polynomial\"");
   EXPECT_CONTAINS(refused(object({{"energy", "polynomial"}, {"polynomial", Value::Array{1, -1}}})), "-1");
-  EXPECT_CONTAINS(refused(object({{"tolerance", 0.0}})), "tolerance");
+  EXPECT_CONTAINS(refused(object({{"tolerance", 0.1}})), "no parameter 'tolerance'");
+  AcceleratedSolver accelerated;
+  const auto refusedBy = [&](Value v) {
+    return std::string(errorOf([&] { accelerated.assignAll(v, {}); }).what());
+  };
+  EXPECT_CONTAINS(refusedBy(object({{"tolerance", 0.0}})), "tolerance");
+  EXPECT_CONTAINS(refusedBy(object({{"iterations", 3}})), "max_iterations");
 }
 
 }  // namespace

@@ -51,8 +51,10 @@ struct Scene {
 };
 
 std::vector<Scene> scenes() {
-  const std::string tolerant = R"("solver": {"params": {"tolerance": 0.01, "acceleration": "nesterov"}})";
-  const std::string mixing = R"("solver": {"params": {"tolerance": 0.02, "acceleration": "anderson"}})";
+  const std::string tolerant =
+      R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3}})";
+  const std::string mixing =
+      R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.02, "max_iterations": 3, "acceleration": "anderson"}})";
   return {{"walls of signed distance", splash("", kTank, kTankLink)},
           {"a tolerance", splash(tolerant, kTank, kTankLink)},
           {"a tolerance and mixtures", splash(mixing, kTank, kTankLink)},

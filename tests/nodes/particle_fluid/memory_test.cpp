@@ -50,15 +50,17 @@ const char* const kSolidLinks =
 const std::vector<Variant> kVariants{
     {"", "", "", ""},
     {"", R"(, "support_ratio": 2.4)", "", ""},
-    {R"("solver": {"params": {"tolerance": 0.01, "acceleration": "anderson"}})", "", "", ""},
-    {R"("solver": {"params": {"tolerance": 0.01, "acceleration": "nesterov", "step_length": "global"}})", "",
-     "", ""},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "anderson"}})",
+     "", "", ""},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "step_length": "global"}})",
+     "", "", ""},
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
         "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
      R"(, "support_ratio": 2)", "", ""},
     {"", "", kSolids, kSolidLinks},
-    {R"("solver": {"params": {"acceleration": "anderson"}})", "", kSolids, kSolidLinks},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "anderson"}})",
+     "", kSolids, kSolidLinks},
 };
 
 TEST(FluidMemory, ComesToWhatIsEstimated) {

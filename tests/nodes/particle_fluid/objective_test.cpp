@@ -65,10 +65,12 @@ TEST(ObjectiveRecord, AgreesWithDoublePrecisionAfterEveryIteration) {
     Value solver;
     Energy energy;
   };
-  const Case cases[] = {{"SemiImplicitSolver", object({}), b0},
-                        {"SemiImplicitSolver", object({{"energy", "b2"}, {"step_length", "particle"}}), b2},
-                        {"SemiImplicitSolver", object({{"tolerance", 1e-6}, {"neighbor_searches", 1}}), b0},
-                        {"Pbf", object({}), b0}};
+  const Case cases[] = {
+      {"SemiImplicitSolver", object({}), b0},
+      {"SemiImplicitSolver", object({{"energy", "b2"}, {"step_length", "particle"}}), b2},
+      {"AcceleratedSolver", object({{"tolerance", 1e-6}, {"acceleration", "none"}, {"neighbor_searches", 1}}),
+       b0},
+      {"Pbf", object({}), b0}};
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     for (const Case& c : cases) {
@@ -76,7 +78,7 @@ TEST(ObjectiveRecord, AgreesWithDoublePrecisionAfterEveryIteration) {
       std::vector<Vec3f> end;
       for (const int iterations : {1, 4}) {
         Value solver = c.solver;
-        solver["iterations"] = iterations;
+        solver[c.type == std::string("AcceleratedSolver") ? "max_iterations" : "iterations"] = iterations;
         const std::vector<double> psi = objectives(*device, start, c.type, solver, end);
         ASSERT_EQ(psi.size(), std::size_t(iterations + 1));
         const double before = expectedObjective(start, start, c.energy);

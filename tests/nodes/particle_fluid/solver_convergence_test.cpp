@@ -26,7 +26,7 @@ FluidScene fluidWith(Device& device, const std::vector<Vec3f>& positions,
   return FluidScene(
       device, positions, velocities,
       object({{"spacing", kSpacing}, {"calibration", "lattice"}, {"bulk_modulus", bulkModulus}}),
-      object({{"solver", object({{"params", std::move(solver)}})},
+      object({{"solver", object({{"type", "AcceleratedSolver"}, {"params", std::move(solver)}})},
               {"viscosity", object({{"params", object({{"strength", 0.0}})}})}}));
 }
 
@@ -36,7 +36,7 @@ void addTank(FluidScene& scene, const Value& parameters) {
 }
 
 Value tolerantSolver(double tolerance, const std::string& acceleration = "nesterov") {
-  return object({{"iterations", 1000}, {"tolerance", tolerance}, {"acceleration", acceleration}});
+  return object({{"max_iterations", 1000}, {"tolerance", tolerance}, {"acceleration", acceleration}});
 }
 
 /// Of each kind that there is.
@@ -74,7 +74,8 @@ TEST_P(SolverAcceleration, NeverEndsAboveTheObjectiveItBeganWith) {
     const std::vector<Vec3f> velocities = randomVelocities(positions.size(), hostile.speed, 6);
     for (const Energy& energy : energies) {
       for (const int iterations : {2, 5, 20}) {
-        Value solver = object({{"iterations", iterations},
+        Value solver = object({{"max_iterations", iterations},
+                               {"tolerance", Value()},
                                {"acceleration", GetParam()},
                                {"energy", energy.name},
                                {"step_length", energy.stepLength},
@@ -120,10 +121,10 @@ TEST_P(SolverAcceleration, LeadsToWherePlainIterationsLead) {
     const auto device = openDevice(name);
     std::vector<Vec3f> start;
     const auto after = [&](int iterations, bool accelerated) {
-      Value solver = object({{"iterations", iterations}, {"neighbor_searches", 1}});
-      if (accelerated) solver["acceleration"] = GetParam();
+      Value solver = object({{"max_iterations", iterations}, {"neighbor_searches", 1}});
+      solver["acceleration"] = accelerated ? GetParam() : std::string("none");
       // Walls take part in iterations that are accelerated or end by a tolerance; this one is never met.
-      if (!accelerated) solver["tolerance"] = 1e-6;
+      solver["tolerance"] = accelerated ? Value() : Value(1e-6);
       FallingBlock block(*device, solver);
       block.scene.reset(5e-3);
       block.scene.step();
@@ -168,11 +169,13 @@ TEST_P(SolverAcceleration, FollowsTheForceOfMeshes) {
   const std::vector<Vec3f> velocities(positions.size(), Vec3f{0, -1, 0});
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
-    SolidScene scene(
-        *device, positions, velocities,
-        object({{"spacing", kSpacing}, {"calibration", "lattice"}, {"bulk_modulus", 1e6}}),
-        object({{"solver", object({{"params", object({{"iterations", 200}, {"acceleration", GetParam()}})}})},
-                {"viscosity", object({{"enabled", false}})}}));
+    SolidScene scene(*device, positions, velocities,
+                     object({{"spacing", kSpacing}, {"calibration", "lattice"}, {"bulk_modulus", 1e6}}),
+                     object({{"solver", object({{"type", "AcceleratedSolver"},
+                                                {"params", object({{"tolerance", Value()},
+                                                                   {"max_iterations", 200},
+                                                                   {"acceleration", GetParam()}})}})},
+                             {"viscosity", object({{"enabled", false}})}}));
     scene.gravity = {};
     SemiAnalyticalSFI& contact = scene.couple({boxMesh({-2, -1, -2}, {2, 0, 2})});
     scene.reset(kDt);
@@ -265,7 +268,7 @@ TEST(SolverTolerance, SaysWhichStepsDidNotMeetIt) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     Value solver = tolerantSolver(1e-4);
-    solver["iterations"] = 5;
+    solver["max_iterations"] = 5;
     solver["neighbor_searches"] = 3;
     FluidScene scene = fluidWith(*device, positions, {}, solver);
     scene.gravity = {};

@@ -194,6 +194,13 @@ class Runner(Folder):
         self.assertIn("### CPU", text)
         self.assertEqual(text.count("### H100"), 1)
 
+    def test_rows_that_are_no_water_are_named(self):
+        deep = entry("dam", 22986960, 8.0)
+        deep["moments"][1]["compression_mean"] = 0.24
+        text = page.markdown([results.read(self.file("deep.json", written([*DAM, deep])))], [], None)
+        self.assertIn("capacity and not water: 22,986,960 (dam).", text)
+        self.assertNotIn("capacity", page.markdown([results.read(self.file("dam.json", written(DAM)))], [], None))
+
     @unittest.skipUnless(HAS_MATPLOTLIB, "needs matplotlib")
     def test_a_run_that_broke_off_leaves_the_documents(self):
         docs = self.docs()
@@ -209,7 +216,7 @@ class Runner(Folder):
             self.assertIn(part, said.getvalue())
 
     def test_the_page_of_this_project_has_the_marker(self):
-        self.assertIn(runner.MARKER, (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8"))
+        self.assertIn(runner.MARKER, (ROOT / "engineering" / "benchmarks.md").read_text(encoding="utf-8"))
 
 
 def compared(name, ms, compression):

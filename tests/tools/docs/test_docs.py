@@ -1,5 +1,6 @@
 """The checker of the documentation must find what is wrong, and say where. Argument: the folder of a build."""
 
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -10,6 +11,8 @@ sys.path.insert(0, str(ROOT / "tools" / "docs"))
 import check  # noqa: E402
 import commands  # noqa: E402
 import documents  # noqa: E402
+import measured  # noqa: E402
+import prose  # noqa: E402
 
 BUILD = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else ROOT / "build" / "cpu"
 
@@ -65,13 +68,25 @@ class CheckedPage(unittest.TestCase):
     def test_scenes_are_validated(self):
         scene = '{ "weir": 1, "nodes": { "water": { "type": "ParticleFluid", "params": { "%s": 0.1 } } } }'
         self.assertEqual(self.check(f"```json\n{scene % 'spacing'}\n```\n").counts["scenes"], 1)
-        self.assertEqual(self.check(f"```jsonc\n{scene % 'spacing'}  // text\n```\n").mistakes, [])
+        self.assertEqual(self.check(f"```jsonc\n{scene % 'spacing'}\n```\n").mistakes, [])
+        self.expect_mistake(f"```json\n{scene % 'spacing'}  // text\n```\n", 1, "no JSON")
         self.expect_mistake(f"```json\n{scene % 'spcing'}\n```\n", 1, "spcing")
         self.expect_mistake('```json\n{ "weir": 1, \n```\n', 1, "no JSON")
         self.expect_mistake('```json\n{ "modules": {} }\n```\n', 1, "a mark that says into which scene")
         mark = "<!-- check: into resources/scenes/dam_break.json at nodes.water -->\n"
         self.assertEqual(self.check(mark + '```json\n"params": { "spacing": 0.1 }\n```\n').mistakes, [])
         self.expect_mistake(mark + '```json\n"params": { "spcing": 0.1 }\n```\n', 2, "spcing")
+
+    def test_comments_are_right_where_the_program_reads_them(self):
+        scene = '{ "weir": 1, "nodes": { "water": { "type": "ParticleFluid" } } }  // text\n'
+        file = Path(self.folder.name) / "scene.json"
+        file.write_text(scene)
+        refused = subprocess.run([BUILD / "bin" / "weir", "validate", file], capture_output=True, check=False).returncode != 0
+        self.assertEqual(bool(self.check(f"```jsonc\n{scene}```\n").mistakes), refused)
+
+    def test_pages_for_users_have_no_commit_hashes(self):
+        self.expect_mistake("# a\n\nFaster since 9b5e73a.\n", 3, "commit hash")
+        self.assertEqual(self.check("The defaced facade of 1234567 particles in 2026.\n").mistakes, [])
 
     def test_code_must_stand_in_its_file(self):
         mark = "<!-- check: from framework/graph/plugin.h -->\n"
@@ -115,6 +130,40 @@ class CheckedPage(unittest.TestCase):
             self.skipTest("they are not built")
         self.assertEqual(self.check("`weir_framework_tests --gtest_filter='*Vec*'`\n").mistakes, [])
         self.expect_mistake("`weir_framework_tests --gtest_filter='*NoneIsSo*'`\n", 1, "NoneIsSo")
+
+
+class Prose(unittest.TestCase):
+    def test_words_sentences_and_terms_are_counted_without_code_and_tables(self):
+        text = "# Title\n\nOne two. Three `a b c` four!\n\n```sh\nls -l\n```\n\n| a | b |\n|---|---|\n\n- item one\n- item two\n"
+        self.assertEqual(prose.prose(text), ["One two. Three `a b c` four!", "- item one", "- item two"])
+        self.assertEqual(len(list(prose.sentences(text))), 4)
+        self.assertEqual(prose.words("a | b |\n|---|"), 2)
+        self.assertEqual(len(prose.long_sentences(" ".join(["word"] * 31) + ". Short one.")), 1)
+        self.assertEqual(prose.lacking_terms("A checkpoint of a plugin.", "| checkpoint | a file |"), ["plugin"])
+
+    def test_the_pages_of_the_repository_keep_their_limits(self):
+        self.assertEqual(list(check.mistakes_of_all()), [])
+
+
+class Measured(unittest.TestCase):
+    def test_blocks_of_numbers_are_written_between_their_marks(self):
+        page = "before\n<!-- measured: validated -->\nold\n<!-- end of measured -->\nafter\n"
+        new = measured.filled(page, measured.measured())
+        self.assertTrue(new.startswith("before\n<!-- measured: validated -->\n\n| check |"))
+        self.assertTrue(new.endswith("|\n\n<!-- end of measured -->\nafter\n"))
+        self.assertEqual(measured.filled(new, measured.measured()), new)
+        with self.assertRaises(SystemExit):
+            measured.filled(page.replace("validated", "none"), [])
+
+    def test_rows_that_are_no_water_say_so(self):
+        rows = [{"case": "dam", "particles": "8", "late, batch (ms)": "1", "compression": c, "memory (B a particle)": "9"} for c in ("0.05", "0.24")]
+        lines = measured.speed([measured.Device("CPU", "2026-01-01", rows, [])])
+        self.assertEqual(["soft" in line for line in lines[2:4]], [False, True])
+        self.assertIn("2026-01-01", lines[-1])
+
+    def test_tables_are_read_with_their_headings(self):
+        found = list(measured.tables("# A\n\n| a | b |\n|---|--:|\n| 1 | 2 |\n\n## B\n\n| c |\n|---|\n"))
+        self.assertEqual(found, [("A", ["a", "b"], [["1", "2"]]), ("B", ["c"], [])])
 
 
 class Splitting(unittest.TestCase):

@@ -111,7 +111,7 @@ class Checks(unittest.TestCase):
         with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
             validate.arguments(["--weir", "w", "--only", "efflux", "--docs"])
         self.assertIn("--only cannot be given", said.getvalue())
-        self.assertIn(validate.MARKER, (ROOT / "docs" / "validation.md").read_text(encoding="utf-8"))
+        self.assertIn(validate.MARKER, (ROOT / "engineering" / "validation.md").read_text(encoding="utf-8"))
 
     def test_a_lab_asks_the_program_for_what_is_needed(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -135,8 +135,9 @@ step("the health of a run says what is wrong, and why", async () => {
   await hands.pressInGraph("Escape");
   await hands.set(hands.aside(), "gravity", "vec3", [0, -1e8, 0]);
   await page.getByRole("button", { name: "Play" }).click();
-  await page.getByRole("button", { name: "Health: bad" }).click();
-  await why.getByText(/^Compression: /).waitFor();
+  await page.locator(".light", { hasText: "compression" }).and(page.locator(".watch, .bad")).waitFor();
+  await page.getByRole("button", { name: /^Health: (look at it|bad)/ }).click();
+  await why.getByText("Above 1 % the liquid loses volume").waitFor();
   await why.getByRole("button", { name: "Show water" }).first().click();
   await page.locator('[data-node="water"].selected').waitFor();
   await page.keyboard.press("Escape");

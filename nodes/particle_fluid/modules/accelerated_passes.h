@@ -1,11 +1,11 @@
-// Where a step of SemiImplicitSolver with a tolerance goes between its iterations: in stages along the way to
+// Where a step of AcceleratedSolver with a tolerance goes between its iterations: in stages along the way to
 // the predicted positions, and to searches for neighbours where the iterations have led. See the class
 // comment.
 #pragma once
 
 #include "framework/compute/reductions.h"
 #include "nodes/particle_fluid/displacement.h"
-#include "nodes/particle_fluid/modules/semi_implicit_control.h"
+#include "nodes/particle_fluid/modules/accelerated_control.h"
 
 namespace weir::detail {
 

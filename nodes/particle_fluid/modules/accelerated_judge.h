@@ -1,9 +1,10 @@
-// How the iterations of SemiImplicitSolver go on, decided on the device.
+// How the iterations of AcceleratedSolver go on, decided on the device.
 #pragma once
 
 #include "framework/compute/parallel.h"
+#include "nodes/particle_fluid/modules/accelerated_control.h"
 #include "nodes/particle_fluid/modules/anderson.h"
-#include "nodes/particle_fluid/modules/semi_implicit_control.h"
+#include "nodes/particle_fluid/solver_sums.h"
 
 namespace weir::detail {
 

@@ -1,25 +1,10 @@
-// What SemiImplicitSolver's iterations report of themselves, and what decides on the device how they go on,
+// What AcceleratedSolver's iterations report of themselves, and what decides on the device how they go on,
 // so that nobody waits for it.
 #pragma once
 
 #include <cstdint>
 
-#include "framework/base/host_device.h"
-
 namespace weir {
-
-/// Over all particles: sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last
-/// search, m².
-struct SolverSums {
-  double compression = 0, objective = 0, slope = 0, farthest = 0;
-};
-
-struct AddSums {
-  WEIR_HD SolverSums operator()(const SolverSums& a, const SolverSums& b) const {
-    return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
-            a.farthest > b.farthest ? a.farthest : b.farthest};
-  }
-};
 
 struct SolverControl {
   int done = 0;          // of this step: whether to make no more iterations
@@ -36,7 +21,7 @@ struct SolverControl {
   std::int64_t steps = 0, passes = 0, total = 0;
   int most = 0;
   int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
-  // Of the way to the predicted positions, see the class comment of SemiImplicitSolver.
+  // Of the way to the predicted positions, see the class comment of AcceleratedSolver.
   int stages = 1;           // of this step
   float stride = 0;         // s; what a stage goes on by, over the velocity
   int stage = 1;            // of this step, from 1 on

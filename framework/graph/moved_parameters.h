@@ -1,0 +1,33 @@
+// Parameters that a module type once had and another type now has. A scene that sets one of them gets the
+// other type, with a warning that says what to write. Announced as a service:
+//
+//   registry.addService<MovedParameters>("MyOldSolver", [] { return std::make_unique<MyMoved>(); });
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "framework/base/value.h"
+
+namespace weir {
+
+class MovedParameters {
+ public:
+  static constexpr std::string_view kInterface = "MovedParameters";
+  struct Parameter {
+    std::string_view before, now;
+    Value otherwise;  ///< its default before, which the other type gets where a scene does not set it
+  };
+  virtual ~MovedParameters() = default;
+  virtual std::string_view from() const = 0;
+  virtual std::string_view to() const = 0;
+  /// Those that only the other type has now.
+  virtual std::vector<Parameter> parameters() const = 0;
+  /// Those of both that have another name or default in the other.
+  virtual std::vector<Parameter> renamed() const = 0;
+  /// Whether these parameters, one of parameters() at least, did anything. Otherwise the type stays, and
+  /// those that moved are left out.
+  virtual bool matter(const Value& params) const = 0;
+};
+
+}  // namespace weir

@@ -1,0 +1,142 @@
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
+
+#include <fmt/format.h>
+
+#include "framework/graph/setting_warning.h"
+#include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/wall_field.h"
+
+namespace weir {
+
+namespace {
+
+class Moved final : public MovedParameters {
+ public:
+  std::string_view from() const override { return "SemiImplicitSolver"; }
+  std::string_view to() const override { return AcceleratedSolver::kInfo.type; }
+  std::vector<Parameter> parameters() const override {
+    return {{"tolerance", "tolerance", Value()},
+            {"acceleration", "acceleration", "none"},
+            {"neighbor_searches", "neighbor_searches", Value()},
+            {"path_stages", "path_stages", 16}};
+  }
+  std::vector<Parameter> renamed() const override { return {{"iterations", "max_iterations", 3}}; }
+  bool matter(const Value& params) const override {
+    const auto differs = [&](std::string_view name, const Value& neutral) {
+      const Value* value = params.find(name);
+      return value != nullptr && !value->isNull() && !(*value == neutral);
+    };
+    // Stages of the path there are with a tolerance only.
+    return differs("tolerance", {}) || differs("acceleration", "none") || differs("neighbor_searches", 1);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<MovedParameters> movedFromSemiImplicitSolver() {
+  return std::make_unique<Moved>();
+}
+
+void AcceleratedSolver::reset(FluidStep& fluid) {
+  PressureSolver::reset(fluid);
+  control_ = Array<Control>(fluid.device);
+  control_->assign(std::vector<Control>{Control{}});
+  farthest_ = Array<float>(fluid.device);
+  farthest_.resize(1);
+  controlSeen_.emplace(fluid.device);
+  passes_ = 0;
+  mixing_.release();
+  carried_ = carries() ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
+                                                      "By pressure and walls, at the last search in a step."})
+                       : nullptr;
+}
+
+void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
+  if (tolerance.get()) {
+    const FluidConstants& c = outlook.constants;
+    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K').
+    const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
+    if (atRest > *tolerance.get() * (1 + kSettingRounding))
+      outlook.warn(*this,
+                   fmt::format("a tolerance of {:.3g} cannot be met: at rest the fluid's mean compression is "
+                               "{:.3g}, from its weight and bulk_modulus",
+                               *tolerance.get(), atRest),
+                   fmt::format("a tolerance of at least {:.2g}, or a bulk_modulus of at least {:.2g} Pa",
+                               atRest, 0.5 * outlook.pressure / *tolerance.get()));
+    return;
+  }
+  warnOfFew(outlook, maxIterations, "a tolerance");
+}
+
+bool AcceleratedSolver::isDone() {
+  if (!tolerance.get()) return false;
+  const std::optional<Control> seen = controlSeen_->poll();
+  if (!seen || seen->passes != passes_) return false;
+  over_ = seen->over != 0;
+  return seen->done != 0;
+}
+
+void AcceleratedSolver::endPass(int pass) {
+  if (!tolerance.get() || pass + 1 < passes()) return;
+  if (controlSeen_->pending()) controlSeen_->wait();
+  controlSeen_->request(control_->data());
+  over_ = controlSeen_->wait().over != 0;
+}
+
+bool AcceleratedSolver::staged(const FluidStep& fluid) const {
+  return tolerance.get() && pathStages > 1 && fluid.walls.empty();
+}
+
+int AcceleratedSolver::maxRepeats() const {
+  constexpr int kMax = 10;
+  return tolerance.get() && !neighborSearches.get() ? kMax : 0;
+}
+
+int AcceleratedSolver::maxPasses() const {
+  // One may be idle, see BeginPass.
+  return tolerance.get() ? 1 + pathStages * (1 + maxRepeats()) + passes() : passes();
+}
+
+void AcceleratedSolver::reserve(FluidStep& fluid) {
+  const bool walls = !fluid.walls.empty();
+  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), walls);
+  if (accelerated() && !mixes()) fitScratch(fluid, plain_);
+  if (accelerated() && !mixes() && walls) fitScratch(fluid, plainShare_);
+  PressureSolver::reserve(fluid, controlled());
+}
+
+double AcceleratedSolver::memory(const FluidRoom& room) const {
+  // What reserve() fits, and the attribute of reset().
+  const double n = room.particles;
+  double bytes = PressureSolver::memory(room);
+  if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
+  if (accelerated() && !mixes()) bytes += bytesOfArrays(n, plain_);
+  if (accelerated() && !mixes() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
+  if (controlled() && !searches()) bytes += bytesOfArrays(n, excess_);
+  if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
+  return bytes;
+}
+
+void AcceleratedSolver::report(NodeReport& report) {
+  PressureSolver::report(report);
+  Value& used = report.statistics["solver_iterations"];
+  used = maxIterations.get();
+  if (!tolerance.get() || control_->size() == 0) return;
+  const Control control = control_->toHost().front();
+  used = Value::object();
+  used["mean"] =
+      control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
+  used["max"] = control.most;
+  used["last"] = control.iterations;
+  const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
+  used["unmet"] = unmet;
+  // From here on `used` may refer to nothing, as the statistics grow.
+  Value& stages = report.statistics["solver_stages"];
+  stages = Value::object();
+  stages["mean"] =
+      control.steps > 0 ? static_cast<double>(control.staged) / static_cast<double>(control.steps) : 0.0;
+  stages["max"] = control.mostStages;
+  report.events.push_back({"steps ended with more compression than the solver's tolerance", unmet});
+}
+
+}  // namespace weir

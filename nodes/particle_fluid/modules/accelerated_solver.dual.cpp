@@ -1,0 +1,277 @@
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
+#include "nodes/particle_fluid/containment.h"
+#include "nodes/particle_fluid/modules/accelerated_judge.h"
+#include "nodes/particle_fluid/modules/accelerated_passes.h"
+#include "nodes/particle_fluid/modules/wall_integrals.h"
+#include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/step_length.h"
+
+namespace weir {
+
+namespace {
+
+using Control = AcceleratedSolver::Control;
+
+/// f, unless the pass is done.
+template <class F>
+struct UnlessDone {
+  F f;
+  const int* done = nullptr;  // null where nobody knows
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    if (done == nullptr || !*done) f(i);
+  }
+};
+
+/// An iteration, unless this one takes back what acceleration made of the last.
+struct Update {
+  StepOf step;
+  const Control* control;  // null without tolerance and acceleration
+  ArrayView<const Vec3f> predicted;
+  ArrayView<Vec3f> displacement;
+  ArrayView<Vec4f> state;
+  AndersonHistory history;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    if (control != nullptr && (control->done || control->takesBack)) return;
+    step(i, [this](const auto& k, const auto& u, const auto& change) {
+      if (!history.empty()) write(history.startsOf(control->entry), k, u);
+      const auto moved = u + change;
+      write(displacement, k, moved);
+      const auto p = read(predicted, k) + moved;
+      write(state, k, {p.x, p.y, p.z, 0});
+    });
+  }
+};
+
+/// Goes on along the change since the last plain update, or back to it.
+struct Extrapolate {
+  const Control* control;
+  ArrayView<Vec3f> plain;
+  ArrayView<float> plainShare;  // of the walls; empty without them
+  ArrayView<const Vec3f> predicted;
+  ArrayView<Vec3f> displacement;
+  ArrayView<float> share;
+  ArrayView<Vec4f> state;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    if (control->done) return;
+    if (plainShare.size > 0) share[i] = extrapolated(plainShare[i], share[i]);
+    const Vec3f u = displacement[i], moved = extrapolated(plain[i], u);
+    if (moved == u) return;
+    displacement[i] = moved;
+    const Vec3f p = predicted[i] + moved;
+    state[i] = {p.x, p.y, p.z, 0};
+  }
+
+  template <class T>
+  WEIR_HD T extrapolated(T& before, const T& now) const {
+    if (control->takesBack) return before;
+    // Nothing is before the first.
+    const T moved = control->momentum == 0 ? now : now + control->momentum * (now - before);
+    before = now;
+    return moved;
+  }
+};
+
+/// What walls do to the velocities beside holding the fluid: bounce and friction.
+struct MeetWalls {
+  PushOf pushOf;
+  BoundaryView boundary;
+  float reach;  // m, at which a wall holds a particle
+  float inverseDt;
+  ArrayView<const Vec3f> positions;
+  ArrayView<const Vec3f> displacement;
+  ArrayView<Vec3f> velocities;
+
+#ifdef WEIR_HAS_EIGHT
+  void operator()(Eight i) const {
+    forEachNear(boundary, reach, i, read(positions, i), *this);
+  }
+#endif
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const BoundaryHit wall = boundaryQuery(boundary, positions[i]);
+    if (!(wall.distance < reach)) return;
+    // Whatever moved a particle beside the fluid's push is the wall.
+    const Vec3f u = displacement[i], v = velocities[i];
+    const float held = inverseDt * dot(u - pushOf(i).push, wall.normal);
+    if (!(held > 0)) return;
+    velocities[i] = heldByWall(v, wall, -dot(v - inverseDt * u, wall.normal), held);
+  }
+};
+
+}  // namespace
+
+template <class Backend>
+void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
+  const PressureProblem problem = problemOf(fluid);
+  reserve(fluid);
+  fluid.walls.forgetShares();
+  beginStep(device, fluid);
+  problem.start(device);
+  contain(device, problem);
+  if (recordObjective) objective_->begin(fluid, maxPasses() * maxIterations + 1);
+  record(fluid);
+  for (int pass = 0; pass < maxPasses() && !over_; ++pass) {
+    if (pass > 0) searchAgain(device, problem);
+    iterate(device, problem, pass);
+  }
+  problem.finish(device);
+  if (controlled()) meetWalls(device, problem);
+}
+
+template <class Backend>
+void AcceleratedSolver::beginStep(Backend& device, FluidStep& fluid) {
+  if (!controlled()) return;
+  const Count count = fluid.particles.count();
+  const float dt = static_cast<float>(fluid.time.dt);
+  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
+  over_ = false;
+  if (staged(fluid))
+    reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, Max{}, farthest_.data());
+  constexpr float kStage = 1;  // spacings
+  parallelFor(device, "begin", 1,
+              detail::BeginStep{.control = control_->data(),
+                                .farthest = staged(fluid) ? farthest_.data() : nullptr,
+                                .dt = dt,
+                                .stage = kStage * fluid.constants.spacing,
+                                .most = pathStages});
+  if (staged(fluid))
+    parallelFor(device, "go back", count,
+                detail::GoBack{control_->data(), velocities, fluid.particles.positions().view()});
+}
+
+template <class Backend>
+void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem, int pass) {
+  const Count count = problem.fluid.particles.count();
+  const StepOf step = stepOf(problem, pass > 0 ? carried_->view() : ArrayView<Vec3f>{});
+  const Update update{.step = step,
+                      .control = controlled() ? control_->data() : nullptr,
+                      .predicted = problem.predicted(),
+                      .displacement = problem.displacement(),
+                      .state = problem.state(),
+                      .history = mixing_.view()};
+  UnlessDone<EnergyDerivative> density{problem.derivative(excess_.view())};
+  if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});
+  ++passes_;
+  for (int k = 0; k < maxIterations && !isDone(); ++k) {
+    // Walls may have moved particles since the pass was done, and what was found before that counts; how many
+    // iterations come until the host hears of the end must not.
+    if (controlled() && k > 0) density.done = &control_->data()->done;
+    parallelForEights(device, "density", count, density);
+    if (searches())
+      parallelForEights(device, "propose", count,
+                        Propose{step.pushOf, problem.displacement(), proposal_.view()});
+    if (controlled() || stepLength == StepLength::kGlobal)
+      reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
+    if (controlled()) judge(device, problem, /*last=*/k + 1 == maxIterations);
+    parallelForEights(device, "update", count, update);
+    // The host may hear of the end of a pass, and of all passes, some iterations later.
+    const Control* control = control_->data();
+    const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
+    contain(device, problem, done);
+    record(problem.fluid);
+    if (!accelerated()) continue;
+    accelerate(device, problem);
+    contain(device, problem, done);
+  }
+  endPass(pass);
+}
+
+template <class Backend>
+void AcceleratedSolver::judge(Backend& device, const PressureProblem& problem, bool last) {
+  constexpr double kReach = 0.25;  // spacings
+  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
+  constexpr int kMixturesUntilConverged = 3;
+  const double reach = kReach * problem.fluid.constants.spacing;
+  parallelFor(device, "judge", 1,
+              detail::Judge{.control = control_->data(),
+                            .sums = sums_.data(),
+                            .count = problem.fluid.particles.count(),
+                            .tolerance = double(tolerance.get().value_or(-1.0f)),
+                            .meetings = mixes() ? kMixturesUntilConverged : 1,
+                            .accelerated = accelerated(),
+                            .mixes = mixes(),
+                            .farthest = reach * reach,
+                            .maxRepeats = maxRepeats(),
+                            .passes = passes(),
+                            .last = last});
+  controlSeen_->request(control_->data());
+}
+
+template <class Backend>
+void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& problem) {
+  const Count count = problem.fluid.particles.count();
+  const WallFieldView walls = problem.fluid.walls.view();
+  if (mixes())
+    return mixing_.mix(device, count, control_->data(),
+                       {.displacement = problem.displacement(),
+                        .share = walls.share,
+                        .predicted = problem.predicted(),
+                        .state = problem.state()});
+  parallelFor(device, "extrapolate", count,
+              Extrapolate{.control = control_->data(),
+                          .plain = plain_.view(),
+                          .plainShare = walls.empty() ? ArrayView<float>{} : plainShare_.view(),
+                          .predicted = problem.predicted(),
+                          .displacement = problem.displacement(),
+                          .share = walls.share,
+                          .state = problem.state()});
+}
+
+template <class Backend>
+void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
+  if (!controlled()) return;
+  for (const Boundary* boundary : problem.fluid.boundaries)
+    parallelForEights(device, "contain", problem.fluid.particles.count(),
+                      Contain{.boundary = boundary->view(),
+                              .radius = problem.fluid.constants.contact,
+                              .predicted = problem.predicted(),
+                              .displacement = problem.displacement(),
+                              .state = problem.state(),
+                              .done = done});
+}
+
+template <class Backend>
+void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& problem) {
+  constexpr float kTouching = 1.001f;
+  FluidStep& fluid = problem.fluid;
+  for (const Boundary* boundary : fluid.boundaries)
+    parallelForEights(device, "walls", fluid.particles.count(),
+                      MeetWalls{.pushOf = problem.push(),
+                                .boundary = boundary->view(),
+                                .reach = kTouching * fluid.constants.contact,
+                                .inverseDt = problem.inverseDt(),
+                                .positions = problem.predicted(),
+                                .displacement = problem.displacement(),
+                                .velocities = fluid.particles.velocities().view()});
+}
+
+template <class Backend>
+void AcceleratedSolver::searchAgain(Backend& device, const PressureProblem& problem) {
+  FluidStep& fluid = problem.fluid;
+  parallelFor(device, "move", fluid.particles.count(),
+              detail::MoveOut{.control = control_->data(),
+                              .displacement = problem.displacement(),
+                              .velocities = fluid.particles.velocities().view(),
+                              .carried = carried_->view(),
+                              .positions = problem.predicted()});
+  fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
+  WallIntegrals::find(fluid);
+  // The sort has put the particles, and what is carried, into another order and other memory.
+  parallelFor(device, "move", fluid.particles.count(),
+              detail::MoveBack{.carried = carried_->view(),
+                               .displacement = problem.displacement(),
+                               .positions = problem.predicted(),
+                               .state = problem.state()});
+  if (fluid.walls.empty()) return;
+  fluid.walls.base = std::as_const(*carried_).view();
+  fluid.walls.keepLegal(fluid.particles.positions());
+}
+
+template void AcceleratedSolver::stepOn(ThisBackend&, FluidStep&);
+
+}  // namespace weir

@@ -1,0 +1,222 @@
+// The iterations of SemiImplicitSolver in fewer passes over the particles, for speed alone; whoever reads for
+// the method need not open this. The first iteration takes its densities from the kernel's sums that the
+// search for neighbours has made on its way (NeighborList::crowding and places) and starts without
+// displacements; the last one ends in positions and velocities, with the motion codes of those.
+#pragma once
+
+#include <limits>
+
+#include "framework/compute/eight.h"
+#include "framework/compute/wide_access.h"
+#include "framework/neighbors/motion_code.h"
+#include "nodes/particle_fluid/pressure_problem.h"
+
+namespace weir {
+
+/// Where the crowding stands there in place of Ḃ, which is then factor·e: in the first of several iterations.
+struct OfCrowding {
+  static constexpr bool kFirst = true;
+  float volumeAtZero;  // V0·W(0)
+  float least;         // that e may be
+  float factor;
+
+  WEIR_HD float operator()(float crowding) const {
+    const float e = volumeAtZero * crowding - 1;
+    return factor * (e > least ? e : least);
+  }
+};
+
+/// Makes positions weighted with Ḃ of what the search has summed.
+struct FirstDerivative {
+  float volumeAtZero;  // V0·W(0)
+  BulkEnergy energy;
+  bool tension;
+  ArrayView<const Vec3f> predicted;
+  ArrayView<const float> crowding;
+  ArrayView<Vec4f> weighted;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    const auto p = read(predicted, i);
+    const auto e = excessOf(volumeAtZero * read(crowding, i), tension);
+    write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
+  }
+};
+
+/// The same where the search has left position and crowding, for CUDA.
+struct DerivativeOfPlace {
+  float volumeAtZero;
+  BulkEnergy energy;
+  bool tension;
+  ArrayView<Vec4f> places;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec4f at = loadWhole(places[i]);
+    storeWhole(places[i], {at.x, at.y, at.z, energy.derivative(excessOf(volumeAtZero * at.w, tension))});
+  }
+};
+
+/// An iteration of SemiImplicitSolver. The first one starts without displacements, the last one ends in
+/// positions and velocities, so that a step needs no other passes for these.
+template <class Weight>
+struct FusedSubstitute {
+  // The search for neighbours comes before the first, and a sum of densities before the others.
+  static constexpr Standing kLeaves = Standing::kLists,
+                            kReadsAhead = Weight::kFirst ? Standing::kCounts : Standing::kLists;
+  static constexpr int kBlocksTogether = 6;
+  PushOf pushOf;
+  Weight weight;
+  float inverseDt;
+  ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
+  ArrayView<Vec3f> displacement;
+  ArrayView<Vec4f> state;
+  MotionCode code;
+  bool begins = false, ends = false, storesCodes = false;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    using Vector = Vec3<NumberAt<Index>>;
+    const bool first = Weight::kFirst || begins, last = !Weight::kFirst && ends;
+    // A team is few threads that wait for memory most of the time; others have no registers to spare.
+    constexpr bool kEarly = std::is_same_v<Index, TeamIndex>;
+    Vector u, predicted, velocity;
+    if constexpr (kEarly) {
+      if (!first) u = readAhead(displacement, i);
+      predicted = readAhead(positions, i);
+      if (last) velocity = readAhead(velocities, i);
+    }
+    const auto at = pushOf(i, weight);
+    if constexpr (!kEarly)
+      if (!first) u = read(displacement, i);
+    const auto moved = u + (at.push - u) / at.divisor;
+    pushOf.followWalls(i, at);
+    if constexpr (!kEarly) predicted = read(positions, i);
+    const auto p = predicted + moved;
+    if (last) {
+      write(positions, i, p);
+      if constexpr (!kEarly) velocity = read(velocities, i);
+      const auto v = velocity + inverseDt * moved;
+      write(velocities, i, v);
+      if constexpr (std::is_same_v<Vector, Vec3f>)
+        if (storesCodes) write(state, i, code.of(p, v));
+    } else {
+      write(displacement, i, moved);
+      write(state, i, {p.x, p.y, p.z, 0});
+    }
+  }
+};
+
+/// What the search for neighbours has left. To be asked for first of all in a step, as displacements and
+/// positions take its place.
+struct SearchSums {
+  ArrayView<const float> crowding;  // empty where there is none
+  bool places = false;              // whether PressureProblem::state() holds positions and crowding
+
+  static SearchSums of(FluidStep& fluid) {
+    const ArrayView<const float> crowding = fluid.neighbors.crowding(fluid.particles);
+    const ArrayView<const Vec4f> places = fluid.neighbors.places(fluid.particles);
+    // The search knows neither walls nor what they hide from each other.
+    if (!fluid.walls.empty()) return {};
+    return {.crowding = crowding, .places = places.size > 0};
+  }
+  bool empty() const { return !places && crowding.size == 0; }
+};
+
+template <class Backend>
+class FusedSubstitution {
+ public:
+  FusedSubstitution(Backend& device, const PressureProblem& problem)
+      : device_(device),
+        problem_(problem),
+        found_(SearchSums::of(problem.fluid)),
+        volumeAtZero_(problem.fluid.constants.particleVolume * problem.fluid.constants.kernel.value0),
+        predicted_(problem.predicted()),
+        // What the search has written is the first of what neighbours are asked for.
+        state_(found_.places ? problem.weighted() : problem.state()),
+        weighted_(found_.places ? problem.state() : problem.weighted()) {}
+
+  /// A step of iterations of full length.
+  void step(int iterations) const {
+    ParticleSet& particles = problem_.fluid.particles;
+    const bool codes = particles.motionCodesRequested() && problem_.fluid.device.kind() == DeviceKind::kCuda;
+    if (found_.empty()) problem_.start(device_);
+    for (int k = 0; k < iterations; ++k) {
+      const bool begins = k == 0, ends = k + 1 == iterations;
+      if (begins && !ends && iterateFromCrowding()) continue;
+      if (begins)
+        sumFirstDensities();
+      else
+        sumDensities();
+      auto update = substitute(AsStored{});
+      update.begins = begins, update.ends = ends, update.storesCodes = codes;
+      parallelForSums(device_, "substitute", count(), update);
+    }
+    if (codes) particles.storeMotionCodes(state_);
+  }
+
+ private:
+  Count count() const { return problem_.fluid.particles.count(); }
+
+  template <class Weight>
+  FusedSubstitute<Weight> substitute(const Weight& weight) const {
+    PushOf pushOf = problem_.push();
+    pushOf.weighted = weighted_;
+    return {.pushOf = pushOf,
+            .weight = weight,
+            .inverseDt = problem_.inverseDt(),
+            .positions = predicted_,
+            .velocities = problem_.fluid.particles.velocities().view(),
+            .displacement = problem_.displacement(),
+            .state = state_,
+            .code = MotionCode(problem_.fluid.constants.supportRadius)};
+  }
+
+  /// On CUDA the first of several iterations may do without a pass for Ḃ.
+  bool iterateFromCrowding() const {
+    if constexpr (std::is_same_v<Backend, CudaDevice>) {
+      if (!found_.places || !problem_.energy.isQuadratic()) return false;
+      const OfCrowding weight{.volumeAtZero = volumeAtZero_,
+                              .least = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
+                              .factor = problem_.energy.derivative(1.0f)};
+      parallelForSums(device_, "substitute", count(), substitute(weight));
+      return true;
+    } else {
+      return false;
+    }
+  }
+
+  void sumFirstDensities() const {
+    const BulkEnergy& energy = problem_.energy;
+    if (found_.places)
+      parallelFor(device_, "density", count(),
+                  DerivativeOfPlace{.volumeAtZero = volumeAtZero_,
+                                    .energy = energy,
+                                    .tension = problem_.tension,
+                                    .places = weighted_});
+    else if (found_.crowding.size > 0)
+      parallelForEights(device_, "density", count(),
+                        FirstDerivative{.volumeAtZero = volumeAtZero_,
+                                        .energy = energy,
+                                        .tension = problem_.tension,
+                                        .predicted = predicted_,
+                                        .crowding = found_.crowding,
+                                        .weighted = weighted_});
+    else
+      sumDensities();
+  }
+
+  void sumDensities() const {
+    EnergyDerivative derivative = problem_.derivative();
+    derivative.state = state_, derivative.weighted = weighted_;
+    parallelForSums(device_, "density", count(), derivative);
+  }
+
+  Backend& device_;
+  const PressureProblem& problem_;
+  SearchSums found_;
+  float volumeAtZero_;
+  ArrayView<Vec3f> predicted_;
+  ArrayView<Vec4f> state_, weighted_;
+};
+
+}  // namespace weir

@@ -1,0 +1,183 @@
+// The problem that a pressure solver solves in each step, and the two sums over neighbours that it takes:
+// of all displacements u = x − x* from the predicted positions, the one with the least
+//
+//   Σ_i E_i,   E_i = |u_i|²/2 + (c·dt)²·B(λ_i)
+//
+// (the paper's Eq. 7, over m/dt²). The density pass gives λ and Ḃ(λ); the push gives the bracket and the
+// divisor of Eq. 14. Walls of meshes add Φ to λ and ∇Φ to the push, see wall_field.h.
+#pragma once
+
+#include "nodes/particle_fluid/bulk_energy.h"
+#include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/wall_field.h"
+
+namespace weir {
+
+/// e = λ − 1, where it counts.
+template <class T>
+WEIR_HD T excessOf(const T& lambda, bool tension) {
+  return tension ? lambda - 1 : positivePart(lambda - 1);
+}
+
+/// The density pass: adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
+struct EnergyDerivative {
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
+  NeighborView neighbors;
+  SpikyKernel kernel;
+  float particleVolume;
+  BulkEnergy energy;
+  bool tension;
+  WallFieldView walls;
+  ArrayView<const Vec3f> displacement;
+  ArrayView<const Vec4f> state;
+  ArrayView<Vec4f> weighted;
+  ArrayView<float> excess;  // empty where nobody asks for it
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
+    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
+    const auto e = excessOf(lambda, tension);
+    const auto s = read(state, i);
+    write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
+    if (excess.size > 0) write(excess, i, e);
+  }
+};
+
+/// Ḃ as the density pass has left it beside a position.
+struct AsStored {
+  static constexpr bool kFirst = false;
+  template <class T>
+  WEIR_HD const T& operator()(const T& derivative) const {
+    return derivative;
+  }
+};
+
+/// What pushes a particle, and how far it may go: the bracket of Eq. 14 is `push` - displacement.
+template <class T>
+struct Push {
+  Vec3<T> push;
+  T divisor;
+  T wall;  // the part wall·∇Φ of the push comes from walls
+};
+
+struct PushOf {
+  NeighborView neighbors;
+  SpikyKernel kernel;
+  float stiffness;      // (c·dt)²·V0
+  float shortest;       // m; closer pairs are treated as this far apart, along their direction
+  float own, others;    // weights of Ḃ_i and Ḃ_j
+  float negativePart;   // |Ḃ⁻|
+  float wallStiffness;  // (c·dt)²
+  WallFieldView walls;
+  ArrayView<const Vec4f> weighted;
+
+  // Inline, so that what is the same for all particles is prepared once for all.
+  template <class Index, class Weight = AsStored>
+  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
+    const auto list = neighborsAhead(i, neighbors);
+    awaitBefore(i);
+    const auto s = read(weighted, i);
+    const auto ownWeight = own * weight(s.w);
+    const auto self = asInt(i);
+    const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
+      Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
+      T r = fastSqrt(dot(d, d));
+      // Particles in one place would stay there for ever; the sign makes the two directions opposite.
+      if (anyLane(r < T(shortest))) {
+        d.x = select(r == T(0), select(j > self, T(shortest), T(-shortest)), d.x);
+        r = select(r < T(shortest), T(shortest), r);
+      }
+      const T a = fastDivide(stiffness * kernel.slope(r), r);
+      const T b = (ownWeight + others * weight(t.w)) * a;
+      return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
+    };
+    const auto sum = sumOverNeighbors<Vec4f>(list, pairPush, weighted);
+    Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
+    if (!walls.empty()) addWalls(i, weight(s.w), total);
+    return total;
+  }
+
+  /// The gradient of what walls add to the energy: with λ it depends on the particle's own place alone.
+  template <class Index, class T>
+  WEIR_HD void addWalls(Index i, const T& derivative, Push<T>& total) const {
+    const T d = positivePart(read(walls.d, i));
+    if (!any(d > T(0))) return;
+    total.wall = zeroUnless(d > T(0), -derivative * wallStiffness);
+    total.push += total.wall * walls.gradient(i);
+    total.divisor += negativePart * wallStiffness * d;
+  }
+
+  /// Moves the share of the walls in the displacement like the displacement itself.
+  template <class Index, class T>
+  WEIR_HD void followWalls(Index i, const Push<T>& at, float stepLength = 1) const {
+    if (walls.empty()) return;
+    const T share = read(walls.share, i);
+    write(walls.share, i, share + stepLength * (at.wall - share) / at.divisor);
+  }
+};
+
+/// Of one step; all arrays are the particles' own scratch memory.
+struct PressureProblem {
+  FluidStep& fluid;
+  const BulkEnergy& energy;
+  bool conservative, tension;
+
+  /// (c·dt)².
+  float stiffness() const {
+    const float dt = static_cast<float>(fluid.time.dt);
+    return fluid.constants.soundSpeedSquared() * dt * dt;
+  }
+  float inverseDt() const { return 1 / static_cast<float>(fluid.time.dt); }
+  ArrayView<Vec3f> predicted() const { return fluid.particles.positions().view(); }
+  /// x − x*. The first one takes the place of the crowding.
+  ArrayView<Vec3f> displacement() const { return fluid.particles.scratch().view(); }
+  /// Positions, in the iterations.
+  ArrayView<Vec4f> state() const { return fluid.particles.places().view(); }
+  /// Position and Ḃ of each particle, after the density pass.
+  ArrayView<Vec4f> weighted() const { return fluid.particles.wideScratch().view(); }
+
+  /// The density pass, which leaves e where it is asked for.
+  EnergyDerivative derivative(ArrayView<float> excess = {}) const {
+    return {.neighbors = fluid.neighbors.view(),
+            .kernel = fluid.constants.kernel,
+            .particleVolume = fluid.constants.particleVolume,
+            .energy = energy,
+            .tension = tension,
+            .walls = fluid.walls.view(),
+            .displacement = displacement(),
+            .state = state(),
+            .weighted = weighted(),
+            .excess = excess};
+  }
+  PushOf push() const {
+    constexpr float kShortest = 1e-4f;  // spacings
+    return {.neighbors = fluid.neighbors.view(),
+            .kernel = fluid.constants.kernel,
+            .stiffness = stiffness() * fluid.constants.particleVolume,
+            .shortest = kShortest * fluid.constants.spacing,
+            .own = 1,
+            .others = conservative ? 1.0f : 0.0f,
+            .negativePart = energy.negativePart(),
+            .wallStiffness = stiffness(),
+            .walls = fluid.walls.view(),
+            .weighted = weighted()};
+  }
+  /// Displacements of 0.
+  template <class Backend>
+  void start(Backend& device) const {
+    parallelFor(device, "start", fluid.particles.count(),
+                StartDisplacement{predicted(), state(), displacement()});
+  }
+  /// The end of the step, from the displacements.
+  template <class Backend>
+  void finish(Backend& device) const {
+    const ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
+    parallelFor(device, "finish", fluid.particles.count(),
+                FinishDisplacement{inverseDt(), displacement(), predicted(), velocities});
+  }
+};
+
+}  // namespace weir
