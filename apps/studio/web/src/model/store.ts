@@ -243,6 +243,10 @@ function forgetFrames(): void {
   set({ shown: null, looking: null, every: 1 });
 }
 
+/** The frames that were asked for last: they may come late. */
+let lately: number[] = [];
+const kLately = 16;
+
 /** Shows a recorded frame, or the run where it is the present one; `stay` keeps that one from following the run. */
 export async function lookAt(frame: number, stay = false): Promise<void> {
   const present = get().status.frame ?? 0;
@@ -250,9 +254,10 @@ export async function lookAt(frame: number, stay = false): Promise<void> {
   set({ looking: to < present || stay ? to : null });
   come.newest = Math.max(come.newest, to);
   come.asked = -1;
+  lately = [...lately, to].slice(-kLately);
   await request("run.seek", { frame: to });
-  // Another one came: so of these frames the server has kept fewer.
-  if (come.asked < 0 || come.asked === to || to === present) return;
+  // Another one came that was not asked for, late, before: so of these frames the server has kept fewer.
+  if (come.asked < 0 || come.asked === present || lately.includes(come.asked)) return;
   let { every } = get();
   while (to % every === 0 && every < present) every *= 2;
   set({ every });
