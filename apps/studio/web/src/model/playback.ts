@@ -12,15 +12,13 @@ export interface Pace {
 
 /** Where playback is some seconds of clock later; at an end it begins anew or has ended. */
 export function advance(at: number, seconds: number, { rate, speed, way, loop, last }: Pace): { at: number; ended: boolean } {
-  const to = at + way * rate * speed * seconds;
+  // The time of a browser's frame may be before that of the event that began it.
+  const to = at + way * rate * speed * Math.max(seconds, 0);
   if (to >= 0 && to <= last) return { at: to, ended: false };
   if (!loop || last <= 0) return { at: way > 0 ? last : 0, ended: true };
   const length = last + 1;
   return { at: Math.min(((to % length) + length) % length, last), ended: false };
 }
-
-/** The recorded frame nearest to this one. */
-export const recordedNear = (frame: number, every: number): number => every * Math.round(frame / every);
 
 /** 1, 2 or 5 times a power of ten, at least this much. */
 export function niceStep(least: number): number {

@@ -108,8 +108,6 @@ export interface Studio {
   shown: { frame: number; time: number } | null;
   /** A recorded frame that is looked at; else the view follows the run. */
   looking: number | null;
-  /** Of the frames of a long run the server keeps the multiples of this. */
-  every: number;
   /** When the run was begun to be built, in ms: what the log said before is of another one. */
   built: number;
   /** Meshes that were dropped, and where; each is asked about. */
@@ -170,7 +168,6 @@ export const useStudio = create<Studio>()(
       dialog: null,
       shown: null,
       looking: null,
-      every: 1,
       wanted: null,
       dropped: [],
       built: 0,
@@ -226,26 +223,21 @@ export const client = new Client({
   picture: (packet) => viewers.picture(packet),
 });
 
-/** The newest frame of the run that has come, and the last one that has come because it was asked for. */
-const come = { newest: -1, asked: -1 };
+/** The newest frame of the run that has come. */
+const come = { newest: -1 };
 
 /** While recorded frames are looked at, what the run goes on to is not shown. */
 function isWanted(frame: number): boolean {
   const isNew = frame > come.newest;
   if (isNew) come.newest = frame;
-  else come.asked = frame;
   return get().looking === null || !isNew;
 }
 
 /** Another run begins. */
 function forgetFrames(): void {
   come.newest = -1;
-  set({ shown: null, looking: null, every: 1 });
+  set({ shown: null, looking: null });
 }
-
-/** The frames that were asked for last: they may come late. */
-let lately: number[] = [];
-const kLately = 16;
 
 /** Shows a recorded frame, or the run where it is the present one; `stay` keeps that one from following the run. */
 export async function lookAt(frame: number, stay = false): Promise<void> {
@@ -253,14 +245,7 @@ export async function lookAt(frame: number, stay = false): Promise<void> {
   const to = Math.min(Math.max(Math.round(frame), 0), present);
   set({ looking: to < present || stay ? to : null });
   come.newest = Math.max(come.newest, to);
-  come.asked = -1;
-  lately = [...lately, to].slice(-kLately);
   await request("run.seek", { frame: to });
-  // Another one came that was not asked for, late, before: so of these frames the server has kept fewer.
-  if (come.asked < 0 || come.asked === present || lately.includes(come.asked)) return;
-  let { every } = get();
-  while (to % every === 0 && every < present) every *= 2;
-  set({ every });
 }
 
 export function say(error: unknown): void {

@@ -1,7 +1,7 @@
 // All frames of the run on a ruler: which are recorded, which one is shown, and their playback.
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
-import { advance, recordedNear, ticks } from "../model/playback";
+import { advance, ticks } from "../model/playback";
 import { lookAt, useStudio } from "../model/store";
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -24,15 +24,15 @@ function usePlayback(speed: number, loop: boolean) {
     const end = begin.status.frame ?? 0;
     let at = begin.looking ?? end;
     const tick = async (now: number) => {
-      const { status, every, shown, looking: still } = useStudio.getState();
+      const { status, looking: still } = useStudio.getState();
       if (stopped || still === null) return;
       const last = status.frame ?? 0;
       const rate = status.duration ? (status.frames ?? 0) / status.duration : 30;
       const next = advance(at, (now - before) / 1000, { rate, speed, way, loop, last });
       before = now;
       at = next.at;
-      const frame = Math.min(recordedNear(at, every), last);
-      if (frame !== shown?.frame || frame !== still) await lookAt(frame, !next.ended || way < 0);
+      const frame = Math.min(Math.round(at), last);
+      if (frame !== still) await lookAt(frame, !next.ended || way < 0);
       if (stopped) return;
       if (next.ended) setWay(0);
       else requestAnimationFrame(tick);
@@ -54,7 +54,6 @@ function usePlayback(speed: number, loop: boolean) {
 export function Timeline() {
   const status = useStudio((s) => s.status);
   const looking = useStudio((s) => s.looking);
-  const every = useStudio((s) => s.every);
   const [speed, setSpeed] = useState(1);
   const [loop, setLoop] = useState(true);
   const { way, play, stop } = usePlayback(speed, loop);
@@ -64,7 +63,7 @@ export function Timeline() {
   const share = (f: number) => `${(100 * f) / frames}%`;
   const idle = frame === 0;
   const go = (f: number) => (stop(), void lookAt(f));
-  const dense = every / frames < kBand;
+  const dense = 1 / frames < kBand;
   return (
     <div className="timeline" role="group" aria-label="Recorded frames">
       <button aria-label="First frame" title="First frame" disabled={idle} onClick={() => go(0)}><Icon name="first" /></button>
@@ -77,7 +76,7 @@ export function Timeline() {
       </select>
       <div className="ruler">
         <i className={dense ? "recorded band" : "recorded"} style={{ width: share(frame) }} />
-        {!dense && Array.from({ length: Math.floor(frame / every) + 1 }, (_, i) => <i key={i} className="mark" style={{ left: share(i * every) }} />)}
+        {!dense && Array.from({ length: frame + 1 }, (_, i) => <i key={i} className="mark" style={{ left: share(i) }} />)}
         {ticks(0, frames, kTicks).map((t) => <span key={t} className={t > 0.97 * frames ? "tick last" : "tick"} style={{ left: share(t) }}>{t.toLocaleString("en")}</span>)}
         <i className="present" style={{ left: share(frame) }} />
         <input
