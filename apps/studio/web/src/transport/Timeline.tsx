@@ -32,7 +32,7 @@ function usePlayback(speed: number, loop: boolean) {
       before = now;
       at = next.at;
       const frame = Math.min(Math.round(at), last);
-      if (frame !== still) await lookAt(frame, !next.ended || way < 0);
+      if (frame !== still || next.ended) await lookAt(frame, !next.ended || way < 0);
       if (stopped) return;
       if (next.ended) setWay(0);
       else requestAnimationFrame(tick);
