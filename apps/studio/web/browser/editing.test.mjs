@@ -280,6 +280,58 @@ step("the list of nodes follows the keys", async () => {
   await page.keyboard.press("Escape");
 });
 
+step("a node is found by what people call it, in spite of a typo, and lies at the pointer", async () => {
+  await hands.pressInGraph("f");
+  await hands.stillness();
+  const graph = await page.locator(".graph").boundingBox();
+  // At the lower edge, where the list has no room below the pointer.
+  const spot = await page.evaluate(([left, bottom]) => {
+    for (let y = bottom - 60; y > bottom - 200; y -= 10)
+      for (let x = left + 260; x < left + 800; x += 20)
+        if (document.elementFromPoint(x, y)?.classList.contains("react-flow__pane")) return { x, y };
+  }, [graph.x, graph.y + graph.height]);
+  await page.mouse.dblclick(spot.x, spot.y);
+  await page.getByRole("textbox", { name: "Search nodes" }).waitFor();
+  assert.deepEqual((await page.locator(".add-menu .heading").allInnerTexts()).slice(0, 2), ["Liquids", "Sources of particles"]);
+  await page.keyboard.type("droplte");
+  await page.locator('.add-menu [aria-selected="true"]').filter({ hasText: "SphereSampler" }).waitFor();
+  await page.keyboard.press("Enter");
+  const box = await hands.node("sphere_sampler").boundingBox();
+  assert.ok(box.x <= spot.x && spot.x <= box.x + box.width && box.y <= spot.y && spot.y <= box.y + box.height, JSON.stringify([spot, box]));
+  await hands.pressInGraph("Tab");
+  await page.locator(".add-menu .heading").filter({ hasText: "Recently used" }).waitFor();
+  await page.keyboard.press("Escape");
+  await hands.pressInGraph("Control+z");
+  await hands.node("sphere_sampler").waitFor({ state: "detached" });
+});
+
+step("Ctrl+K finds parameters, modules, nodes and templates", async () => {
+  const find = async (text, first) => {
+    await page.keyboard.press("Control+k");
+    await page.getByRole("textbox", { name: "Find anything" }).waitFor();
+    await page.keyboard.type(text);
+    await page.locator('.palette [aria-selected="true"]').filter({ hasText: first }).waitFor();
+    await page.keyboard.press("Enter");
+    await page.locator(".palette").waitFor({ state: "detached" });
+  };
+  const focused = (label) => page.waitForFunction((l) => document.activeElement.getAttribute("aria-label") === l, label);
+  await find("gravity", "gravity");
+  await focused("gravity x");
+  await find("rest dens", "rest_density");
+  await focused("rest_density");
+  assert.deepEqual(await chosen(), ["water"]);
+  await find("surface tension", "SurfaceTension");
+  await page.locator('aside [data-module="surface_tension"] button.title[aria-expanded="true"]').waitFor();
+  await hands.pressInGraph("Control+z");
+  await page.locator('aside [data-module="surface_tension"]').waitFor({ state: "detached" });
+  await find("tank", "tank");
+  assert.deepEqual(await chosen(), ["tank"]);
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("goblet");
+  await page.locator(".palette [role=option]").filter({ hasText: "template" }).first().waitFor();
+  await page.keyboard.press("Escape");
+});
+
 step("a number changes the run while it is dragged, and the drag is one step to undo", async () => {
   await hands.pointAtGraph();
   const gravity = page.locator('[data-param="world"]');
@@ -300,6 +352,43 @@ step("a number changes the run while it is dragged, and the drag is one step to 
   assert.ok(Number(await value()) < Number(during));
   await hands.pressInGraph("Control+z");
   assert.equal(await value(), before);
+});
+
+step("a number is dragged anywhere on it, finely with Shift, and typed after a click", async () => {
+  await hands.select("tank");
+  const field = hands.aside().getByLabel("max y", { exact: true });
+  const before = Number(await field.inputValue());
+  const { x, y, width, height } = await field.boundingBox();
+  const by = async (pixels, key) => {
+    await page.mouse.move(x + width / 2, y + height / 2);
+    await page.mouse.down();
+    if (key) await page.keyboard.down(key);
+    await page.mouse.move(x + width / 2 + pixels, y + height / 2, { steps: 4 });
+    await page.mouse.up();
+    if (key) await page.keyboard.up(key);
+    const now = Number(await field.inputValue());
+    await hands.pressInGraph("Control+z");
+    assert.equal(Number(await field.inputValue()), before);
+    return now - before;
+  };
+  const whole = await by(40), fine = await by(40, "Shift"), coarse = await by(40, "Control");
+  assert.ok(fine > 0 && Math.abs(whole / fine - 10) < 1 && Math.abs(coarse / whole - 10) < 1, `${[fine, whole, coarse]}`);
+  await hands.type(field, before);
+  assert.equal(Number(await field.inputValue()), before);
+});
+
+step("ports that fit light up while a link is dragged", async () => {
+  await hands.node("block").locator(".source").hover();
+  await page.mouse.down();
+  const { x, y } = await hands.node("block").boundingBox();
+  await page.mouse.move(x + 60, y - 30, { steps: 3 });
+  const marks = (type) => page.locator(`.scene-node .${type}[data-fits]`).evaluateAll((ports) => ports.map((p) => `${p.dataset.nodeid}.${p.dataset.handleid} ${p.dataset.fits}`).sort());
+  const targets = await marks("target");
+  assert.ok(targets.includes("water.emitters yes") && targets.includes("water.initial no") && targets.includes("water.boundaries no"), `${targets}`);
+  assert.ok((await marks("source")).every((p) => p.endsWith(" no")));
+  await page.mouse.up();
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("[data-fits]").count(), 0);
 });
 
 step("the table has all particles, sorted by any attribute, and goes on while the scene runs", async () => {
@@ -354,6 +443,40 @@ step("recorded frames are seen again", async () => {
   await hands.pressInGraph(".");
   await page.waitForFunction((n) => document.querySelector(".time").textContent.includes(`frame ${n}/`), before + 1);
   assert.equal(await slider.inputValue(), String(before + 1));
+});
+
+step("recorded frames are played backwards and forwards, plots mark the one that is shown, and a reset ends it", async () => {
+  const last = await frame();
+  const press = (name) => page.getByRole("button", { name, exact: true }).click();
+  assert.equal(await page.locator(".ruler .tick").last().innerText(), String(kScene.world.duration * kScene.world.frame_rate));
+  assert.equal(await page.getByRole("slider", { name: "Frame" }).getAttribute("max"), "120");
+  await press("Loop");
+  await press("Recorded backwards");
+  await time("frame 0, 0.000 s").waitFor();
+  await page.getByRole("button", { name: "Recorded backwards", pressed: false }).waitFor();
+  await page.getByRole("tab", { name: "Plots" }).click();
+  await page.locator(".plot .cursor").first().waitFor({ state: "attached" });
+  // Slowly: a machine that is busy leaves frames out.
+  await page.getByLabel("Speed of playback").selectOption("0.1");
+  await page.evaluate(() => {
+    window.framesSeen = [];
+    const told = document.querySelector(".time");
+    new MutationObserver(() => window.framesSeen.push(/frame (\d+), /.exec(told.textContent)?.[1] ?? null)).observe(told, { characterData: true, subtree: true, childList: true });
+  });
+  await press("Recorded forwards");
+  await time(/^\d+\.\d+ \/ 4\.00 s/).waitFor();
+  const seenFrames = (await page.evaluate(() => window.framesSeen)).filter((f) => f !== null).map(Number);
+  assert.deepEqual(seenFrames, [...seenFrames].sort((a, b) => a - b));
+  assert.ok(new Set(seenFrames).size > 1 && seenFrames.at(-1) < last, `${seenFrames} of ${last}`);
+  await page.locator(".plot .cursor").first().waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "First frame" }).click();
+  await time("frame 0, 0.000 s").waitFor();
+  await press("Reset");
+  await time(/^0\.000 \/ 4\.00 s · frame 0\//).waitFor();
+  for (let i = 1; i <= 2; ++i) {
+    await hands.pressInGraph(".");
+    await time(`frame ${i}/`).waitFor();
+  }
 });
 
 step("every press of a step is one frame, also in a video", async () => {

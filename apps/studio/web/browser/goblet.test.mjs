@@ -202,15 +202,46 @@ step("the server draws pictures, and records a video from the view's camera", as
   assert.equal(video.toString("latin1", 4, 8), "ftyp");
 });
 
-step("a mesh that is dropped becomes a node", async () => {
-  const files = await page.evaluateHandle(() => {
+const kCorner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/** Drops a file on a part of the page. */
+async function drop(part, name, text) {
+  const files = await page.evaluateHandle(([name, text]) => {
     const dropped = new DataTransfer();
-    dropped.items.add(new File(["v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"], "corner.obj"));
+    dropped.items.add(new File([text], name));
     return dropped;
-  });
-  await page.dispatchEvent(".graph", "drop", { dataTransfer: files });
+  }, [name, text]);
+  await page.dispatchEvent(part, "drop", { dataTransfer: files });
+}
+
+step("a mesh that is dropped becomes a node", async () => {
+  await drop(".graph", "corner.obj", kCorner);
+  await page.getByRole("dialog", { name: "What shall it be?" }).getByRole("button", { name: "Only the mesh" }).click();
   await page.getByLabel("Name", { exact: true }).and(page.locator('[value="corner"]')).waitFor();
   assert.match(await readFile(join(server.folder, "meshes/corner.obj"), "latin1"), /^v 0 0 0/);
+});
+
+step("a mesh that is dropped is asked about, and is linked as an obstacle", async () => {
+  await drop(".viewport", "rock.obj", kCorner);
+  await page.getByRole("dialog", { name: "What shall it be?" }).getByRole("button", { name: "Obstacle" }).click();
+  await page.getByLabel("Name", { exact: true }).and(page.locator('[value="rock_obstacle"]')).waitFor();
+  for (const link of ["rock.surface -> rock_obstacle.meshes", "rock_obstacle.boundary -> water.boundaries"]) await hands.edge(link).waitFor({ state: "attached" });
+  await hands.pressInGraph("Control+z");
+  await hands.node("rock_obstacle").waitFor({ state: "detached" });
+});
+
+step("a scene that is dropped is opened, and what is neither is refused in words", async () => {
+  const before = await page.locator(".scene-node").count();
+  for (const [name, text, why] of [["notes.txt", "water", "notes.txt is neither a scene"], ["package.json", "{}", "package.json is not a scene of Weir"]]) {
+    await drop(".graph", name, text);
+    await page.getByRole("alert").filter({ hasText: why }).waitFor();
+  }
+  assert.equal(await page.locator(".scene-node").count(), before);
+  await drop(".viewport", "goblet.json", JSON.stringify({ weir: 1, title: "Dropped", nodes: { ball: { type: "SphereSampler" } } }));
+  await hands.node("ball").waitFor();
+  // Beside the scene of that name, which stays as it is.
+  await page.locator(".bar .title").filter({ hasText: "goblet_001.json" }).waitFor();
+  assert.deepEqual(meaningOf(await server.read("goblet.json")), meaningOf(goblet));
 });
 
 step("the page had nothing to complain of", () => assert.deepEqual(mistakes, []));

@@ -125,6 +125,24 @@ step("a failure is shown until the scene is another one, and Play tries again", 
   await page.locator(".problem-line").waitFor({ state: "detached" });
 });
 
+step("the health of a run says what is wrong, and why", async () => {
+  await page.getByRole("button", { name: /^Health: (good|look at it)/ }).click();
+  const why = dialog("Health of the run");
+  await why.getByText(/^Lost: 0/).waitFor();
+  await page.keyboard.press("Escape");
+  await why.waitFor({ state: "detached" });
+  await hands.select("water");
+  await hands.pressInGraph("Escape");
+  await hands.set(hands.aside(), "gravity", "vec3", [0, -1e8, 0]);
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.locator(".light", { hasText: "compression" }).and(page.locator(".watch, .bad")).waitFor();
+  await page.getByRole("button", { name: /^Health: (look at it|bad)/ }).click();
+  await why.getByText("Above 1 % the liquid loses volume").waitFor();
+  await why.getByRole("button", { name: "Show water" }).first().click();
+  await page.locator('[data-node="water"].selected').waitFor();
+  await page.keyboard.press("Escape");
+});
+
 step("New takes the old world away, and can be undone", async () => {
   assert.notEqual(await page.locator(".load").innerText(), "0 particles");
   await page.getByRole("button", { name: "New", exact: true }).click();

@@ -3,12 +3,14 @@ import { ReactFlowProvider } from "@xyflow/react";
 import { useEffect, useRef, useState } from "react";
 import { Dialog } from "./files/Dialog";
 import { takeFiles } from "./files/dropped";
+import { DropDialog } from "./files/DropDialog";
 import { FileBar, save } from "./files/FileBar";
 import { Offer } from "./files/Offer";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Insight } from "./insight/Insight";
 import { askRun, client, problemOf, resetRun, useStudio } from "./model/store";
 import { Modules, PropertyPanel } from "./properties/PropertyPanel";
+import { Timeline } from "./transport/Timeline";
 import { Transport } from "./transport/Transport";
 import { Viewport } from "./viewport/Viewport";
 
@@ -23,6 +25,10 @@ function useGlobalKeys(): void {
       if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "s") {
         e.preventDefault();
         return save();
+      }
+      if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "k") {
+        e.preventDefault();
+        return useStudio.setState({ dialog: "find" });
       }
       const at = e.target as Element;
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -148,8 +154,9 @@ export function App() {
         <div className="properties"><PropertyPanel /></div>
         <Insight />
       </aside>
-      <div className="bottom"><Problem /><Transport /></div>
+      <div className="bottom"><Problem /><Timeline /><Transport /></div>
       <Inside />
+      <DropDialog />
       <Offer />
       <Lost />
       <Message />

@@ -7,7 +7,18 @@ import {
   addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
   pipelineOf, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
-import { search } from "../src/model/search";
+import { advance, counted, niceStep, ticks } from "../src/model/playback";
+import { pointAt } from "../src/insight/Plot";
+import { titleOf, unitOf } from "../src/model/quantities";
+import { distance, search } from "../src/model/search";
+import { hostOf, nodesToAdd } from "../src/graph/addable";
+import { isScene, kindOfFile, stemOf } from "../src/files/kinds";
+import { kUses, withMesh } from "../src/model/fromFile";
+import { lightsOf, nodeIn, warningsOf, worst } from "../src/model/health";
+import { Box3, PerspectiveCamera, Vector3 } from "three";
+import { distanceFor } from "../src/viewport/view";
+import { roleOf } from "../src/model/roles";
+import { synonymsOf } from "../src/model/synonyms";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { NodeType, Types } from "../src/model/types";
 import { fileNameOf, withNumber } from "../src/model/names";
@@ -80,6 +91,65 @@ test("search finds letters in order, and word beginnings first", () => {
   const names = ["StaticBoundary", "SquareEmitter", "Sink", "SphereSampler"];
   expect(search("sqem", names, (n) => n)).toEqual(["SquareEmitter"]);
   expect(search("ss", names, (n) => n)[0]).toBe("SphereSampler");
+});
+
+describe("search", () => {
+  // As the server tells them.
+  const docs: { [name: string]: string } = {
+    BoxSampler: "Fills a box with particles.", CircleEmitter: "A round nozzle that emits a jet of particles along its -y axis.",
+    MeshEmitter: "Emits particles from the surface of a mesh, along the normals of its triangles.",
+    ParticleFluid: "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH).",
+    SemiAnalyticalSFI: "Couples fluids with rigid triangle meshes, at rest or in motion.", SphereSampler: "Fills a sphere with particles.",
+    StaticBoundary: "Solids or containers that do not move: shapes and meshes by signed distance.", Sink: "Removes the particles of fluids.",
+    SurfaceTension: "Draws the fluid's surface together.", Xsph: "Smooths velocities between neighbours (artificial viscosity).",
+  };
+  const find = (query: string) => search(query, Object.keys(docs), (name) => ({ name, doc: docs[name]!, synonyms: synonymsOf(name) }));
+  test("knows the words of those who look for water, tanks, walls, jets and viscosity", () => {
+    expect(find("water")[0]).toBe("ParticleFluid");
+    expect(find("tank")[0]).toBe("StaticBoundary");
+    expect(find("wall")).toContain("SemiAnalyticalSFI");
+    expect(find("collider")[0]).toBe("StaticBoundary");
+    expect(find("jet")[0]).toBe("MeshEmitter");
+    expect(find("jet")).toContain("CircleEmitter");
+    expect(find("visc")).toEqual(expect.arrayContaining(["Xsph", "ParticleFluid"]));
+  });
+  test("forgives typos, and not everything", () => {
+    expect(find("smaplr")).toEqual(expect.arrayContaining(["BoxSampler", "SphereSampler"]));
+    expect(find("emiter")[0]).toBe("MeshEmitter");
+    expect(find("boundry")[0]).toBe("StaticBoundary");
+    expect(find("surfcae tension")[0]).toBe("SurfaceTension");
+    for (const nonsense of ["qqq", "xylophone", "zzzzzz"]) expect(find(nonsense)).toEqual([]);
+  });
+  test("ranks what is written so above letters that are scattered", () => {
+    expect(find("emit").slice(0, 2)).toEqual(["MeshEmitter", "CircleEmitter"]);
+    expect(find("emit")).not.toContain("SemiAnalyticalSFI");
+    expect(find("box")[0]).toBe("BoxSampler");
+    expect(find("sink")[0]).toBe("Sink");
+  });
+  test("measures slips", () => {
+    expect([distance("abc", "abc"), distance("abc", "acb"), distance("abc", "ab"), distance("kitten", "sitting")]).toEqual([0, 1, 1, 3]);
+  });
+  test("has all words of a query", () => {
+    expect(find("box sampler")).toEqual(["BoxSampler"]);
+    expect(find("sphere particles")).toEqual(["SphereSampler"]);
+  });
+});
+
+describe("what can be added", () => {
+  test("is told apart by what it gives, whoever made it", () => {
+    expect([roleOf(fluid).name, roleOf(sampler).name, roleOf(undefined).name]).toEqual(["Liquids", "Sources of particles", "Others"]);
+    const plugin: NodeType = { ...sampler, outputs: [{ name: "out", type: "Boundary", doc: "" }] };
+    expect(roleOf(plugin).icon).toBe("solid");
+  });
+  test("has a role each as its group", () => {
+    expect(nodesToAdd(types, () => true, () => {}).map((i) => [i.name, i.group])).toEqual([["ParticleFluid", "Liquids"], ["BoxSampler", "Sources of particles"]]);
+  });
+  test("is, of modules, put into the node that is selected, or else the first that takes them", () => {
+    const [two, second] = addNode(linked(), "ParticleFluid", { x: 0, y: 0 });
+    expect(hostOf(two, types, "FluidModule", [])).toBe("particle_fluid");
+    expect(hostOf(two, types, "FluidModule", ["box_sampler", second])).toBe(second);
+    expect(hostOf(emptyScene(), types, "FluidModule", [])).toBeNull();
+  });
 });
 
 describe("a graph", () => {
@@ -275,4 +345,124 @@ test("a packet is read where its header says", () => {
   new Int32Array(buffer, 128, 3).set([0, 0, 0]);
   const packet = readPacket(buffer);
   expect(packet.kind === "geometry" && [...packet.meshes[0]!.vertices]).toEqual([1, 2, 3]);
+});
+
+describe("playback of recorded frames", () => {
+  const pace = { rate: 30, speed: 1, way: 1 as const, loop: false, last: 60 };
+  test("goes by the clock, forwards and backwards", () => {
+    expect(advance(10, 0.5, pace)).toEqual({ at: 25, ended: false });
+    expect(advance(10, 0.5, { ...pace, speed: 0.1 }).at).toBeCloseTo(11.5);
+    expect(advance(40, 1, { ...pace, way: -1 }).at).toBe(10);
+    expect(advance(0, -0.01, pace)).toEqual({ at: 0, ended: false });
+  });
+  test("ends at the ends, or begins anew", () => {
+    expect(advance(50, 1, pace)).toEqual({ at: 60, ended: true });
+    expect(advance(5, 1, { ...pace, way: -1 })).toEqual({ at: 0, ended: true });
+    expect(advance(50, 1, { ...pace, loop: true })).toEqual({ at: 19, ended: false });
+    expect(advance(5, 1, { ...pace, loop: true, way: -1 })).toEqual({ at: 36, ended: false });
+    expect(advance(0, 1, { ...pace, loop: true, last: 0 })).toEqual({ at: 0, ended: true });
+  });
+});
+
+describe("rulers", () => {
+  test("have round ticks, few enough", () => {
+    expect(ticks(0, 150, 12)).toEqual([0, 20, 40, 60, 80, 100, 120, 140]);
+    expect(ticks(0.13, 0.58, 4)).toEqual([0.2, 0.4]);
+    expect(ticks(1, 1, 4)).toEqual([1]);
+    expect(niceStep(0.03)).toBe(0.05);
+    for (const high of [1, 7, 33, 1e-6, 12345]) expect(ticks(0, high, 5).length).toBeLessThanOrEqual(6);
+  });
+  test("count in words", () => {
+    expect([counted(0, "frame"), counted(1, "frame"), counted(2000, "frame")]).toEqual(["0 frames", "1 frame", "2,000 frames"]);
+  });
+});
+
+test("plots read off the last value before a time", () => {
+  const points = [[0, 5], [1, 6], [2, 7]] as const;
+  expect([-1, 0, 0.5, 1, 9].map((t) => pointAt([...points], t)[1])).toEqual([5, 5, 5, 6, 7]);
+  expect([unitOf("water.kinetic_energy"), unitOf("step (ms)"), titleOf("water.compression.mean")]).toEqual(["J", "ms", "water: compression mean"]);
+});
+
+describe("dropped files", () => {
+  test("are told apart by name and content", () => {
+    expect(["a.JSON", "b.obj", "c.tar.stl", "d.csv", "notes.txt", "none"].map(kindOfFile)).toEqual(["scene", "mesh", "mesh", "particles", "other", "other"]);
+    expect([isScene('{"weir":1,"nodes":{}}'), isScene('{"name":"x"}'), isScene("[1"), isScene("null")]).toEqual([true, false, false, false]);
+    expect(stemOf("folder/cup.v2.obj")).toBe("cup.v2");
+  });
+  const port = (name: string, type: string) => ({ name, type, doc: "", required: false, many: true });
+  const known: Types = {
+    ...types,
+    nodes: {
+      MeshFile: { ...sampler, outputs: [port("surface", "TriangleMesh")] },
+      StaticBoundary: { ...sampler, inputs: [port("meshes", "TriangleMesh")], outputs: [port("boundary", "Boundary")] },
+      MeshSampler: { ...sampler, inputs: [port("surface", "TriangleMesh")] }, MeshEmitter: { ...sampler, inputs: [port("surface", "TriangleMesh")] },
+      ParticleFluid: { ...fluid, inputs: ["initial", "emitters"].map((n) => port(n, "ParticleBatch")).concat(port("boundaries", "Boundary")) },
+    },
+  };
+  const [water] = addNode(emptyScene(), "ParticleFluid", { x: 0, y: 0 }, "water");
+  const links = (use: string, scene = water) => withMesh(scene, known, "meshes/cup.obj", "cup", kUses.find((u) => u.name === use)!, { x: 0, y: 0 })[0].links;
+  test("become what they shall be, linked to the fluid", () => {
+    expect(links("Obstacle")).toEqual(["cup.surface -> cup_obstacle.meshes", "cup_obstacle.boundary -> water.boundaries"]);
+    expect(links("Fill it")).toEqual(["cup.surface -> cup_fill.surface", "cup_fill.particles -> water.initial"]);
+    expect(links("Emit from it")).toEqual(["cup.surface -> cup_emit.surface", "cup_emit.particles -> water.emitters"]);
+    expect(links("Only the mesh")).toBeUndefined();
+    expect(links("Obstacle", emptyScene())).toEqual(["cup.surface -> cup_obstacle.meshes"]);
+    const [container, name] = withMesh(water, known, "meshes/cup.obj", "cup", kUses[1]!, { x: 0, y: 0 });
+    expect(container.nodes[name]).toEqual({ type: "StaticBoundary", params: { inverted: true } });
+    expect(container.nodes["cup"]).toEqual({ type: "MeshFile", params: { file: "meshes/cup.obj" } });
+  });
+});
+
+describe("the health of a run", () => {
+  const report = (mean: number, escaped = 0, bad = 0) => ({ nodes: { water: { particles: 1000, compression: { mean, max: 2 * mean }, particles_escaped: escaped, particles_not_finite: bad }, tank: { type: "StaticBoundary" } } });
+  const levels = (numbers: ReturnType<typeof report>) => lightsOf(numbers, []).map((l) => l.level);
+  test("is told by compression and lost particles, with the node", () => {
+    expect(levels(report(0.0006))).toEqual(["good", "good", "unknown"]);
+    expect(levels(report(0.02))[0]).toBe("watch");
+    expect(levels(report(1.78))[0]).toBe("bad");
+    expect(lightsOf(report(1.78), [])[0]).toMatchObject({ value: "180 %", node: "water" });
+    expect(levels(report(0, 1))[1]).toBe("watch");
+    expect(levels(report(0, 0, 5))[1]).toBe("bad");
+    expect(lightsOf(null, []).map((l) => l.level)).toEqual(["unknown", "unknown", "unknown"]);
+  });
+  test("is told by energy that grows while no particles come", () => {
+    const sample = (time: number, kinetic: number, potential: number, particles = 10) => ({ time, values: { "water.kinetic_energy": kinetic, "water.potential_energy": potential, particles } });
+    const energy = (...samples: ReturnType<typeof sample>[]) => lightsOf(null, samples)[2]!.level;
+    expect(energy(sample(0, 0, 10), sample(1, 4, 5.9), sample(2, 2, 4))).toBe("good");
+    expect(energy(sample(0, 0, 10), sample(1, 4, 6.5))).toBe("good");
+    expect(energy(sample(0, 0, 10), sample(1, 4, 8.5))).toBe("watch");
+    expect(energy(sample(0, 1, 1), sample(1, 40, 1))).toBe("bad");
+    expect(energy(sample(0, 1, 1, 10), sample(1, 40, 1, 20))).toBe("unknown");
+  });
+  test("is as bad as its worst light", () => {
+    expect(worst([{ level: "good" }, { level: "bad" }, { level: "watch" }])).toBe("bad");
+    expect(worst([])).toBe("unknown");
+  });
+  test("has the warnings of this run, each once, at their nodes", () => {
+    const log = [
+      { level: "warning" as const, text: "node 'cup': the mesh has holes", at: 5 }, { level: "warning" as const, text: "node 'nozzle': changes the flux by +15 %", at: 20 },
+      { level: "warning" as const, text: "node 'nozzle': changes the flux by +15 %", at: 21 }, { level: "info" as const, text: "node 'water': built", at: 22 },
+    ];
+    expect(warningsOf(["tank: is thin"], { rare_events: [{ node: "water", what: "particles left the domain", count: 3 }] }, log, 10, ["tank", "water", "nozzle"])).toEqual([
+      { text: "tank: is thin", node: "tank", count: 1 }, { text: "water: 3 particles left the domain", node: "water", count: 1 },
+      { text: "node 'nozzle': changes the flux by +15 %", node: "nozzle", count: 2 },
+    ]);
+    expect([nodeIn("/links/0: 'a.b' is wrong", ["a"]), nodeIn("nothing", ["nothing"])]).toEqual(["a", null]);
+  });
+});
+
+test("a camera that is fitted sees all of a box, and no more than it must", () => {
+  for (const [size, aspect] of [[[1, 1, 1], 2], [[0.2, 3, 0.2], 1.6], [[5, 0.5, 1], 0.7]] as const)
+    for (const direction of [[0.8, 0.6, 1], [0, 1, 0.001], [0, 1, 0], [-1, 0.2, 0]]) {
+      const half = new Vector3(...size).multiplyScalar(0.5), d = new Vector3(...direction).normalize();
+      const tall = Math.tan((20 * Math.PI) / 180);
+      const camera = new PerspectiveCamera(40, aspect, 0.001, 100);
+      camera.position.copy(d).multiplyScalar(distanceFor(new Box3(half.clone().negate(), half), d, tall, tall * aspect));
+      camera.lookAt(0, 0, 0);
+      camera.updateMatrixWorld();
+      const seen = [...Array(8).keys()].map((i) => half.clone().multiply(new Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)).project(camera));
+      const outermost = Math.max(...seen.flatMap((p) => [Math.abs(p.x), Math.abs(p.y)]));
+      expect(outermost).toBeGreaterThan(0.99);
+      expect(outermost).toBeLessThan(1.01);
+    }
 });

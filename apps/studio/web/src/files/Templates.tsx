@@ -11,12 +11,12 @@ export function Templates({ onChoose, onClose }: { onChoose(path: string): void;
   const [all, setAll] = useState<Template[]>([]);
   const [query, setQuery] = useState("");
   useEffect(() => void fetchTemplates().then(setAll, say), []);
-  const found = query ? search(query, all, (t) => `${nameOf(t)} ${t.title}`) : all;
+  const found = query ? search(query, all, (t) => ({ name: `${nameOf(t)} ${t.title}`, doc: t.description })) : all;
   const groups = [...new Set(found.map((t) => t.group))];
   return (
     <Dialog title="Start from a template" className="templates" onClose={onClose}>
       <h2>Start from a template</h2>
-      <input aria-label="Search templates" data-first placeholder="Search" value={query} onChange={(e) => setQuery(e.target.value)} />
+      <input aria-label="Search templates" data-first placeholder="Search" value={query} onChange={(e) => setQuery(e.target.value)} onKeyDown={(e) => e.key === "Enter" && found[0] && onChoose(found[0].path)} />
       {groups.map((group) => (
         <section key={group} aria-label={group}>
           {groups.length > 1 && <h3>{group}</h3>}

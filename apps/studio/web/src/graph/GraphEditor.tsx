@@ -1,7 +1,7 @@
 // The graph of nodes and links, and all that is done to it by mouse and keyboard.
 import {
   Controls, ReactFlow, useReactFlow, useStore, ViewportPortal, type Connection, type Edge, type EdgeChange, type Node, type NodeChange,
-  type OnConnectEnd, type ReactFlowInstance, type Viewport, type XYPosition,
+  type OnConnectEnd, type OnConnectStart, type ReactFlowInstance, type Viewport, type XYPosition,
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { takeFiles } from "../files/dropped";
@@ -21,6 +21,8 @@ import { FarLinks, Link } from "./Link";
 import { NoteNode } from "./NoteNode";
 import { Overview } from "./Overview";
 import { SceneNode, type SceneNodeData } from "./SceneNode";
+import { surface as asked } from "./surface";
+import { takeModule } from "./takeModule";
 
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kEdgeTypes = { default: Link };
@@ -54,6 +56,27 @@ const openInside = (_: unknown, n: Node): void => {
   if (n.type === "scene" && (n.data as SceneNodeData).type?.modules) useStudio.setState({ inside: n.id });
 };
 
+/** Where the list of nodes lies, and where the pointer was that asked for it. */
+interface Menu {
+  x: number;
+  y: number;
+  point: XYPosition;
+  dangling: Dangling | null;
+}
+
+const kMenu = { width: 340, height: 350 };
+/** A new node lies with its name under the pointer. */
+const kGrip = { x: 40, y: 14 };
+const kApart = 36;
+
+/** The place, or one beside it where a node has its corner there already. */
+function freePlace(scene: Scene, { x, y }: XYPosition): XYPosition {
+  const taken = (p: XYPosition) => Object.values(scene.layout?.nodes ?? {}).some((q) => Math.abs(q.x - p.x) < kApart / 2 && Math.abs(q.y - p.y) < kApart / 2);
+  let place = { x: Math.round(x), y: Math.round(y) };
+  while (taken(place)) place = { x: place.x + kApart, y: place.y + kApart };
+  return place;
+}
+
 export function GraphEditor() {
   const { nodes, edges, measured } = useFlow();
   const far = useStore(isFar);
@@ -61,12 +84,22 @@ export function GraphEditor() {
   const flow = useReactFlow();
   const surface = useRef<HTMLDivElement>(null);
   const pointer = useRef({ x: 300, y: 200 });
-  const [menu, setMenu] = useState<{ x: number; y: number; dangling: Dangling | null } | null>(null);
+  const [menu, setMenu] = useState<Menu | null>(null);
   const [dragged, setDragged] = useState<{ [id: string]: XYPosition }>({});
   const opened = useStudio((s) => s.opened);
   const types = useStudio((s) => s.types);
 
-  useEffect(() => void setTimeout(() => flow.fitView({ padding: 0.15, maxZoom: 1, minZoom: kLegible }), kMounted), [flow, opened, types]);
+  // An empty graph would be fitted to its first node, which would leave the pointer.
+  useEffect(() => void setTimeout(() => {
+    if (flow.getNodes().length > 0) void flow.fitView({ padding: 0.15, maxZoom: 1, minZoom: kLegible });
+  }, kMounted), [flow, opened, types]);
+  useEffect(() => {
+    asked.middle = () => {
+      const { left, top, width, height } = surface.current!.getBoundingClientRect();
+      return freePlace(useStudio.getState().scene, flow.screenToFlowPosition({ x: left + width / 2, y: top + height / 2 }));
+    };
+    asked.fit = () => void flow.fitView({ padding: 0.15, maxZoom: 1, duration: 200 });
+  }, [flow]);
 
   // What is chosen elsewhere, as by a message, a key or a drop, is brought into view.
   const chosen = useStudio((s) => (s.selected.length === 1 ? s.selected[0]! : null));
@@ -78,25 +111,30 @@ export function GraphEditor() {
 
   const openMenu = useCallback((x: number, y: number, dangling: Dangling | null = null) => {
     const box = surface.current!.getBoundingClientRect();
-    setMenu({ x: Math.min(x - box.left, box.width - 330), y: Math.min(y - box.top, box.height - 340), dangling });
+    const inside = (v: number, most: number) => Math.max(0, Math.min(v, most));
+    setMenu({ x: inside(x - box.left, box.width - kMenu.width), y: inside(y - box.top, box.height - kMenu.height), point: { x, y }, dangling });
   }, []);
 
+  const close = useCallback(() => (setMenu(null), surface.current?.focus({ preventScroll: true })), []);
+
   const add = useCallback((type: string) => {
-    const box = surface.current!.getBoundingClientRect();
-    const at = flow.screenToFlowPosition({ x: menu!.x + box.left, y: menu!.y + box.top });
+    const at = flow.screenToFlowPosition(menu!.point);
     edit((s) => {
-      const [next, name] = addNode(s, type, at);
-      useStudio.setState({ selected: [name] });
+      const [next, name] = addNode(s, type, freePlace(s, { x: at.x - kGrip.x, y: at.y - kGrip.y }));
+      useStudio.setState({ selected: [name], selectedLinks: [] });
       const link = menu!.dangling && types && linkTo(next, types, name, menu!.dangling);
       return link ? addLink(next, link) : next;
     });
+    close();
+  }, [flow, menu, types, close]);
+
+  const module = useCallback((type: string) => {
+    takeModule(type, flow.screenToFlowPosition(menu!.point));
     setMenu(null);
-    surface.current?.focus();
-  }, [flow, menu, types]);
+  }, [flow, menu]);
 
   const note = useCallback((frame: boolean) => {
-    const box = surface.current!.getBoundingClientRect();
-    const at = flow.screenToFlowPosition({ x: menu!.x + box.left, y: menu!.y + box.top });
+    const at = flow.screenToFlowPosition(menu!.point);
     edit((s) => {
       const id = freeNoteId(s);
       useStudio.setState({ selected: [id], selectedLinks: [] });
@@ -123,7 +161,11 @@ export function GraphEditor() {
   }, []);
   const selectionDropped = useCallback((e: unknown, all: Node[]) => dropped(e, undefined, all), [dropped]);
 
-  const connectEnd = useCallback<OnConnectEnd>((event, state) => connectEnded(event, state, openMenu), [openMenu]);
+  const connectEnd = useCallback<OnConnectEnd>((event, state) => {
+    markPorts(surface.current!, null);
+    connectEnded(event, state, openMenu);
+  }, [openMenu]);
+  const connectStart = useCallback<OnConnectStart>((_, from) => markPorts(surface.current!, from), []);
   const moves = useCallback(() => void (surface.current!.dataset["moving"] = ""), []);
   // At whole pixels the layer of nodes is copied to the screen as it is, and texts are sharp.
   const moved = useCallback((_: unknown, { x, y, zoom }: Viewport) => {
@@ -151,7 +193,7 @@ export function GraphEditor() {
       <ReactFlow
         nodes={shown} edges={edges} nodeTypes={kNodeTypes} edgeTypes={kEdgeTypes} onNodesChange={onNodesChange} onNodeDragStop={dropped}
         onSelectionDragStop={selectionDropped}
-        onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectEnd={connectEnd}
+        onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectStart={connectStart} onConnectEnd={connectEnd}
         onNodeDoubleClick={openInside}
         onMoveStart={moves} onMoveEnd={moved}
         nodeDragThreshold={kTremble} nodeClickDistance={kTremble} paneClickDistance={kTremble}
@@ -168,7 +210,7 @@ export function GraphEditor() {
       </ReactFlow>
       </FarLinks.Provider>
       {nodes.length === 0 && types && <p className="empty-hint">Tab or a double click adds a node. Templates, above, are scenes to start from.</p>}
-      {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onNote={note} onClose={() => setMenu(null)} />}
+      {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onModule={module} onNote={note} onClose={close} />}
     </div>
   );
 }
@@ -181,6 +223,20 @@ function linkTo(scene: Scene, types: Types, name: string, d: Dangling): LinkEnds
   return d.side === "output"
     ? { from: d.node, output: d.port, to: name, input: port.name }
     : { from: name, output: port.name, to: d.node, input: d.port };
+}
+
+/** While a link is dragged from a port, those that it may go to light up, and all others fade. */
+function markPorts(surface: Element, from: { nodeId: string | null; handleId: string | null; handleType: string | null } | null): void {
+  const { scene, types } = useStudio.getState();
+  for (const port of surface.querySelectorAll<HTMLElement>(".react-flow__handle")) {
+    const { nodeid, handleid } = port.dataset;
+    delete port.dataset["fits"];
+    if (!from || !types || !nodeid || !handleid || (nodeid === from.nodeId && handleid === from.handleId)) continue;
+    const one = { node: from.nodeId ?? "", port: from.handleId ?? "" }, other = { node: nodeid, port: handleid };
+    const [a, b] = from.handleType === "source" ? [one, other] : [other, one];
+    const faces = port.classList.contains(from.handleType === "source" ? "target" : "source");
+    port.dataset["fits"] = faces && linkProblem(scene, types, { from: a.node, output: a.port, to: b.node, input: b.port }) === null ? "yes" : "no";
+  }
 }
 
 /** A link that ends nowhere opens the list; one that ends at a wrong port says why it is wrong. */

@@ -3,12 +3,13 @@ import { Handle, Position, type HandleProps, type NodeProps } from "@xyflow/reac
 import { memo, useContext } from "react";
 import { Icon } from "../Icon";
 import { collapse } from "../model/scene";
+import { roleOf } from "../model/roles";
 import { edit, useStudio } from "../model/store";
 import { inputFor, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
 import { FarLinks } from "./Link";
-import { portColor } from "./ports";
+import { portColor, roleColor } from "./ports";
 
 export interface SceneNodeData extends Record<string, unknown> {
   name: string;
@@ -19,7 +20,12 @@ export interface SceneNodeData extends Record<string, unknown> {
   problem: string | null;
   /** The port that the problem names. */
   wrongPort: string | null;
+  /** What the scene or the run warns of here. */
+  warning: string | null;
 }
+
+/** Milliseconds below which nobody asks where the time goes. */
+const kWorthTelling = 0.01;
 
 /** Milliseconds a step of the last run, of a node and its modules. */
 function useTime(name: string): number | null {
@@ -51,12 +57,13 @@ function Port({ far, ...port }: HandleProps & { far: boolean; style: React.CSSPr
 }
 
 export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps & { data: SceneNodeData }) {
-  const { name, typeName, type, collapsed, off, problem, wrongPort } = data;
+  const { name, typeName, type, collapsed, off, problem, wrongPort, warning } = data;
+  const role = roleOf(type);
   const time = useTime(name);
   const far = useContext(FarLinks) !== null;
   const classes = ["scene-node", selected && "selected", off, problem && "wrong", collapsed && "collapsed"];
   return (
-    <div className={classes.filter(Boolean).join(" ")} title={problem ?? type?.doc} data-node={name}>
+    <div className={classes.filter(Boolean).join(" ")} title={problem ?? type?.doc} data-node={name} style={{ "--role": roleColor(role) } as React.CSSProperties}>
       <header>
         <button
           className="fold"
@@ -66,8 +73,9 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           {collapsed ? "▸" : "▾"}
         </button>
         <strong>{name}</strong>
-        {off ? <span className="badge">{off}</span> : time !== null && <span className="badge">{msText(time)}</span>}
-        <small>{typeName} {type?.modules && <Icon name="modules" />}</small>
+        {warning && <span className="badge warns" title={warning} role="img" aria-label={`Warning: ${warning}`}><Icon name="warning" /></span>}
+        {off ? <span className="badge">{off}</span> : time !== null && time >= kWorthTelling && <span className="badge">{msText(time)}</span>}
+        <small><span className="sign" title={role.name}><Icon name={role.icon} /></span> {typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
       <div className="ports">
         {off === "bypassed" && type && <Passages type={type} />}

@@ -4,6 +4,7 @@ import type { Edge, Node, NodeChange } from "@xyflow/react";
 import { useCallback, useMemo, useRef, useState } from "react";
 import { linksOf, linkText, type Scene } from "../model/scene";
 import { problemOf, useStudio } from "../model/store";
+import { useWarnings } from "../model/warnings";
 import { carries, forRunner, offOf } from "../model/switchedOff";
 import type { Problem, Types } from "../model/types";
 import { placeAll } from "./arrange";
@@ -59,6 +60,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
   const problem = useStudio(problemOf);
   const selected = useStudio((s) => s.selected);
   const selectedLinks = useStudio((s) => s.selectedLinks);
+  const warnings = useWarnings();
   const [sizes, setSizes] = useState<ReadonlyMap<string, Size>>(new Map());
   const kept = useRef({ data: new Kept<SceneNodeData>(), nodes: new Kept<Node>(), edges: new Kept<Edge>() }).current;
   const measured = useCallback((changes: NodeChange[]) => {
@@ -76,7 +78,8 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
       const { x, y } = at[name] ?? { x: 0, y: 0 };
       const collapsed = at[name]?.collapsed ?? false, type = types?.nodes[typeName], off = offOf(scene, name);
       const told = wrong(name) ? text ?? null : null, wrongPort = portOf(problem, name), isSelected = chosen.has(name);
-      const data = kept.data.get(name, [typeName, type, off, collapsed, told, wrongPort], () => ({ name, typeName, type, off, collapsed, problem: told, wrongPort }));
+      const warning = warnings.filter((w) => w.node === name).map((w) => w.text).join("\n") || null;
+      const data = kept.data.get(name, [typeName, type, off, collapsed, told, wrongPort, warning], () => ({ name, typeName, type, off, collapsed, problem: told, wrongPort, warning }));
       return kept.nodes.get(name, [x, y, data, isSelected, sizes.get(name)], (before) => {
         const was = before?.data as SceneNodeData | undefined;
         // Its ports are where they were, unless they are others now.
@@ -105,7 +108,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
     });
     for (const k of Object.values(kept)) k.turn();
     return { nodes, edges };
-  }, [scene, types, problem, selected, selectedLinks, sizes, kept]);
+  }, [scene, types, problem, warnings, selected, selectedLinks, sizes, kept]);
   return { ...flow, measured };
 }
 

@@ -11,3 +11,6 @@ export function hueOf(type: string): number {
 }
 
 export const portColor = (type: string): string => `hsl(${hueOf(type)} 70% var(--port-light))`;
+
+/** Of a role, as that of what it gives. */
+export const roleColor = (role: { port: string }): string => (role.port ? portColor(role.port) : "var(--soft)");

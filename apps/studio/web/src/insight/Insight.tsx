@@ -2,6 +2,7 @@
 import { useMemo, useState } from "react";
 import { useStudio } from "../model/store";
 import { msText } from "../model/time";
+import { titleOf } from "../model/quantities";
 import type { JsonObject } from "../model/types";
 import { ParticleTable } from "./ParticleTable";
 import { Plot } from "./Plot";
@@ -30,13 +31,14 @@ function Times() {
 
 function Plots() {
   const samples = useStudio((s) => s.samples);
+  const cursor = useStudio((s) => (s.looking === null ? null : s.shown?.time ?? null));
   const [filter, setFilter] = useState("");
   const names = useMemo(() => Object.keys(samples.at(-1)?.values ?? {}), [samples]);
-  const shown = names.filter((n) => (filter ? n.includes(filter) : kUsual.test(n))).slice(0, 24);
+  const shown = names.filter((n) => (filter ? `${n} ${titleOf(n)}`.includes(filter) : kUsual.test(n))).slice(0, 24);
   return (
     <>
       <input aria-label="Filter plots" placeholder="Filter, such as momentum" value={filter} onChange={(e) => setFilter(e.target.value)} />
-      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} />)}</div>
+      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} cursor={cursor} />)}</div>
     </>
   );
 }

@@ -8,6 +8,7 @@ import type { Json } from "../model/types";
 /** See "particles" in PROTOCOL.md. */
 interface Table {
   node: string;
+  time: number;
   total: number;
   from: number;
   columns: { name: string; unit: string }[];
@@ -46,6 +47,7 @@ export function ParticleTable() {
         <span>{total === 0 ? "none" : `${(table.from + 1).toLocaleString("en")}–${(table.from + table.rows.length).toLocaleString("en")} of ${total.toLocaleString("en")}`}</span>
         <button aria-label="Next page" disabled={page >= pages - 1} onClick={() => turn(page + 1)}>›</button>
         <button aria-label="Last page" disabled={page >= pages - 1} onClick={() => turn(pages - 1)}>»</button>
+        <small title="The table shows the run, not the recorded frame that is looked at">at {table.time.toFixed(3)} s</small>
       </div>
       <div className="scroll">
         <table>

@@ -103,7 +103,23 @@ export interface Studio {
   /** There is a server, but it does not know this window: it was started again. */
   strange: boolean;
   /** What is asked or shown above the page. */
-  dialog: "save" | "help" | null;
+  dialog: "save" | "open" | "templates" | "help" | "find" | null;
+  /** The frame that the view shows. */
+  shown: { frame: number; time: number } | null;
+  /** A recorded frame that is looked at; else the view follows the run. */
+  looking: number | null;
+  /** When the run was begun to be built, in ms: what the log said before is of another one. */
+  built: number;
+  /** Meshes that were dropped, and where; each is asked about. */
+  dropped: { file: File; at: { x: number; y: number } }[];
+  /** What the panel of properties shall show and give the keyboard to. */
+  wanted: Wanted | null;
+}
+
+/** A module, or a parameter of the node that is selected, of its module, or of the scene where none is. */
+export interface Wanted {
+  module?: string | undefined;
+  path?: string[];
 }
 
 interface Offered {
@@ -150,6 +166,11 @@ export const useStudio = create<Studio>()(
       failed: null,
       strange: false,
       dialog: null,
+      shown: null,
+      looking: null,
+      wanted: null,
+      dropped: [],
+      built: 0,
     }),
     { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
   ),
@@ -183,7 +204,9 @@ export const client = new Client({
   },
   event: receive,
   frame: (packet) => {
+    if (!isWanted(packet.frame)) return client.frameSeen();
     last.frame = packet;
+    set({ shown: { frame: packet.frame, time: packet.time } });
     const names = [...new Set(packet.fluids.flatMap((f) => f.attributes))];
     if (names.length > 0 && names.join() !== get().attributes.join()) set({ attributes: names });
     const fluids = packet.fluids.map((f) => f.node);
@@ -193,11 +216,37 @@ export const client = new Client({
   },
   geometry: (packet) => {
     last.geometry = packet;
+    forgetFrames();
     set({ samples: [] });
     viewers.geometry(packet);
   },
   picture: (packet) => viewers.picture(packet),
 });
+
+/** The newest frame of the run that has come. */
+const come = { newest: -1 };
+
+/** While recorded frames are looked at, what the run goes on to is not shown. */
+function isWanted(frame: number): boolean {
+  const isNew = frame > come.newest;
+  if (isNew) come.newest = frame;
+  return get().looking === null || !isNew;
+}
+
+/** Another run begins. */
+function forgetFrames(): void {
+  come.newest = -1;
+  set({ shown: null, looking: null });
+}
+
+/** Shows a recorded frame, or the run where it is the present one; `stay` keeps that one from following the run. */
+export async function lookAt(frame: number, stay = false): Promise<void> {
+  const present = get().status.frame ?? 0;
+  const to = Math.min(Math.max(Math.round(frame), 0), present);
+  set({ looking: to < present || stay ? to : null });
+  come.newest = Math.max(come.newest, to);
+  await request("run.seek", { frame: to });
+}
 
 export function say(error: unknown): void {
   set({ message: error instanceof Error ? error.message : String(error) });
@@ -331,13 +380,14 @@ function takeStatus(status: Status): void {
   const { state: before } = get().status;
   if (status.state === "failed" && before !== "failed") set({ failed: get().scene });
   if (status.state === "empty" && before !== "empty") clearView();
-  set({ status });
+  set({ status, ...(status.state === "building" && before !== "building" && { built: Date.now() }) });
 }
 
 /** There is no run any more: nothing of it is shown. */
 function clearView(): void {
   last.frame = null;
   last.geometry = null;
+  forgetFrames();
   set({ fluids: [], samples: [], numbers: null, picked: null });
   viewers.clear();
 }
@@ -456,6 +506,7 @@ async function sendNow(): Promise<void> {
 /** Asks for something of the run, of the scene as it is edited: an edit that waits for the answer to an earlier one goes first. */
 export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset", fields: object = {}): Promise<T | null> {
   if (again) void sendNow();
+  if (what !== "pause") set({ looking: null });
   return request<T>(`run.${what}`, fields);
 }
 

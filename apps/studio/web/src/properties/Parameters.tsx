@@ -1,4 +1,5 @@
 // The property editors of an owner of parameters: a node, a module, the world or a section.
+import { Icon } from "../Icon";
 import { isKeyframes } from "../model/keyframes";
 import { paramsOf, setParam, type Owner } from "../model/scene";
 import { edit, problemOf, useStudio } from "../model/store";
@@ -83,7 +84,7 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
       <span className="name" title={tipOf(parameter)}>
         {parameter.name.split("_").flatMap((part, i) => (i === 0 ? [part] : ["_", <wbr key={i} />, part]))}
         {parameter.unit && <small>{unitText(parameter.unit)}</small>}
-        {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset">⟲</small>}
+        {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset"><Icon name="reset" /></small>}
       </span>
       <span className="field">
         <Field parameter={parameter} value={value} label={parameter.name} onChange={change} />
@@ -97,7 +98,7 @@ function Row({ owner, parameter, path }: { owner: Owner; parameter: Parameter; p
         )}
         {set !== undefined && (
           <button className="default" title={`Back to the default: ${JSON.stringify(parameter.default)}`} aria-label={`Reset ${parameter.name}`}
-            onClick={() => edit((s) => setParam(s, owner, path, undefined))}>↺</button>
+            onClick={() => edit((s) => setParam(s, owner, path, undefined))}><Icon name="undo" /></button>
         )}
       </span>
       {problem && <p role="alert">{problem}</p>}

@@ -1,5 +1,5 @@
 // What is selected: its name, its parameters and its modules; or the scene's own settings.
-import { useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import {
   enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
 } from "../model/scene";
@@ -49,7 +49,11 @@ export function Modules({ node }: { node: string }) {
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types)!;
   const times = useStudio((s) => s.numbers?.["modules_ms"]) as { [path: string]: { per_step?: number } } | undefined;
-  const [open, setOpen] = useState<string | null>(null);
+  const wanted = useStudio((s) => s.wanted?.module ?? null);
+  const [open, setOpen] = useState<string | null>(wanted);
+  useEffect(() => {
+    if (wanted !== null) setOpen(wanted);
+  }, [wanted]);
   const type = types.nodes[scene.nodes[node]?.type ?? ""];
   if (!type?.modules) return null;
   const family = Object.entries(types.modules).filter(([, m]) => m.family === type.family);
@@ -102,7 +106,33 @@ function SceneSettings() {
   );
 }
 
+/** Brings what is wanted into view, and gives it the keyboard. */
+function useWanted() {
+  const panel = useRef<HTMLDivElement>(null);
+  const wanted = useStudio((s) => s.wanted);
+  useEffect(() => {
+    if (!wanted) return;
+    // What holds it may still have to be opened.
+    const timer = setTimeout(() => {
+      const own = wanted.module === undefined ? "" : `[data-module="${wanted.module}"] `;
+      const part = panel.current?.querySelector<HTMLElement>(own + (wanted.path ?? []).map((p) => `[data-param="${p}"]`).join(" "));
+      for (let at: Element | null = part ?? null; at; at = at.parentElement) if (at instanceof HTMLDetailsElement) at.open = true;
+      part?.scrollIntoView({ block: "nearest" });
+      part?.querySelector<HTMLElement>(wanted.path ? "input, select, textarea" : "button.title")?.focus();
+      useStudio.setState({ wanted: null });
+    }, kShownMs);
+    return () => clearTimeout(timer);
+  }, [wanted]);
+  return panel;
+}
+
+const kShownMs = 60;
+
 export function PropertyPanel() {
+  return <div ref={useWanted()}><Shown /></div>;
+}
+
+function Shown() {
   const types = useStudio((s) => s.types);
   const scene = useStudio((s) => s.scene);
   const selected = useStudio((s) => s.selected.filter((n) => n in s.scene.nodes).join());

@@ -25,6 +25,11 @@ export function rangeProblem(p: Parameter, v: number): string | null {
   return null;
 }
 
+/** Pixels that a hand may tremble in a click. */
+const kTremble = 3;
+/** Of a drag with Shift; with Ctrl it is as much coarser. */
+const kFine = 0.1;
+
 /** A number: typed, as an expression too, or dragged sideways. */
 export function NumberField({ parameter, value, onChange, label, placeholder, refuse }: FieldProps & {
   placeholder?: string;
@@ -33,7 +38,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
 }) {
   const shown = typeof value === "number" ? numberText(value) : "";
   const { text, setText, problem, setProblem } = useDraft(shown);
-  const drag = useRef<{ x: number; from: number } | null>(null);
+  const drag = useRef<{ x: number; at: number; by: number; moved: boolean } | null>(null);
 
   const take = (t: string) => {
     const v = evaluate(t);
@@ -41,20 +46,47 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
     setProblem(wrong);
     if (!wrong && v !== value) onChange(v);
   };
-  const bounded = (v: number) => {
+  /** `between`: whole numbers are not yet rounded. */
+  const bounded = (v: number, between = false) => {
     const above = parameter.above !== undefined ? parameter.above + 1e-6 : -Infinity;
     const low = Math.max(parameter.min ?? -Infinity, above);
-    return Math.min(Math.max(isInt(parameter) ? Math.round(v) : v, low), parameter.max ?? Infinity);
+    return Math.min(Math.max(isInt(parameter) && !between ? Math.round(v) : v, low), parameter.max ?? Infinity);
   };
   /** A hundredth of what the number is about. */
   const step = (from: number) => {
     const span = (parameter.soft_max ?? NaN) - (parameter.soft_min ?? NaN);
     return isInt(parameter) ? 0.2 : Number.isFinite(span) ? span / 200 : Math.max(Math.abs(from), 0.01) / 100;
   };
+  /** The number follows the pointer; with Shift finely, with Ctrl coarsely. */
+  const dragging = typeof value !== "number" ? {} : {
+    onPointerDown: (e: React.PointerEvent<HTMLElement>) => {
+      // Where it is typed, the pointer selects text.
+      if (e.button === 0 && document.activeElement !== e.currentTarget) drag.current = { x: e.clientX, at: value, by: step(value), moved: false };
+    },
+    onMouseDown: (e: React.MouseEvent) => drag.current && e.preventDefault(),
+    onPointerMove: (e: React.PointerEvent<HTMLElement>) => {
+      const d = drag.current;
+      if (!d || (!d.moved && Math.abs(e.clientX - d.x) <= kTremble)) return;
+      if (!d.moved) (e.currentTarget.setPointerCapture(e.pointerId), (d.moved = true));
+      d.at = bounded(d.at + (e.clientX - d.x) * d.by * (e.shiftKey ? kFine : e.ctrlKey || e.metaKey ? 1 / kFine : 1), true);
+      d.x = e.clientX;
+      // At once, so that a run shows it while the hand still moves.
+      take(numberText(Number(bounded(d.at).toPrecision(e.shiftKey ? 6 : 4))));
+    },
+    onPointerUp: (e: React.PointerEvent<HTMLElement>) => {
+      const clicked = drag.current?.moved === false;
+      drag.current = null;
+      if (!clicked) return;
+      const field = e.currentTarget.closest(".number")!.querySelector("input")!;
+      field.focus();
+      field.select();
+    },
+    onPointerCancel: () => (drag.current = null),
+  };
   return (
-    <span className="number" title={problem ? `allowed: ${problem}` : undefined}>
+    <span className={typeof value === "number" ? "number drags" : "number"} title={problem ? `allowed: ${problem}` : undefined}>
       <input
-        value={text} aria-label={label} aria-invalid={problem !== null} inputMode="decimal" placeholder={placeholder}
+        value={text} aria-label={label} aria-invalid={problem !== null} inputMode="decimal" placeholder={placeholder} {...dragging}
         onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)}
         onKeyDown={(e) => {
           if (e.key === "Enter") take(text);
@@ -66,24 +98,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
           }
         }}
       />
-      {typeof value === "number" && (
-        <span
-          className="grip" aria-hidden title="Drag to change"
-          onPointerDown={(e) => {
-            e.currentTarget.setPointerCapture(e.pointerId);
-            drag.current = { x: e.clientX, from: value };
-          }}
-          onPointerMove={(e) => {
-            if (!drag.current) return;
-            const v = bounded(drag.current.from + (e.clientX - drag.current.x) * step(drag.current.from));
-            // At once, so that a run shows it while the hand still moves.
-            take(numberText(Number(v.toPrecision(4))));
-          }}
-          onPointerUp={() => (drag.current = null)} onPointerCancel={() => (drag.current = null)}
-        >
-          ↔
-        </span>
-      )}
+      {typeof value === "number" && <span className="grip" aria-hidden title="Drag to change; with Shift finely, with Ctrl coarsely" {...dragging}>↔</span>}
       {problem && <em role="alert">{problem}</em>}
     </span>
   );

@@ -1,7 +1,8 @@
-// Play, pause, step, reset, and a slider through the frames that were recorded.
-import { useEffect, useState } from "react";
+// Play, pause, step, reset, and what the run and the view are at.
 import { Icon } from "../Icon";
-import { askRun, request, resetRun, useStudio } from "../model/store";
+import { counted } from "../model/playback";
+import { askRun, resetRun, useStudio } from "../model/store";
+import { Health } from "./Health";
 
 export function Transport() {
   const status = useStudio((s) => s.status);
@@ -10,19 +11,12 @@ export function Transport() {
   const reset = useStudio((s) => s.sceneState.reset);
   const problem = useStudio((s) => s.sceneState.problem);
   const writer = useStudio((s) => s.role === "writer");
-  const [seek, setSeek] = useState<number | null>(null);
+  const shown = useStudio((s) => (s.looking === null || s.looking === s.status.frame ? null : s.shown));
   const playing = status.state === "playing";
-  useEffect(() => {
-    if (playing) setSeek(null);
-  }, [playing]);
 
   const frame = status.frame ?? 0;
   const frames = status.frames ?? 0;
   const perStep = status.steps ? (1000 * (status.stepping_seconds ?? 0)) / status.steps : null;
-  const go = (to: number) => {
-    setSeek(to);
-    void request("run.seek", { frame: to });
-  };
   return (
     <footer className="transport" role="toolbar" aria-label="Run">
       <button disabled={!writer} onClick={() => void resetRun(device)} title="Build the scene again, and go to time 0 (R)" className={reset ? "wanted" : ""}><Icon name="reset" /> Reset</button>
@@ -32,17 +26,14 @@ export function Transport() {
         <button disabled={!writer || problem !== undefined} onClick={() => void askRun("play")} title="Play (Space)"><Icon name="play" /> Play</button>
       )}
       <button disabled={!writer || playing} onClick={() => void askRun("step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
-      <input
-        type="range" aria-label="Frame" min={0} max={Math.max(frame, 1)} value={seek ?? frame} disabled={frame === 0}
-        onChange={(e) => go(Number(e.target.value))}
-      />
       <span className="time">
-        {seek !== null && seek !== frame ? `frame ${seek}, ` : ""}
+        {shown && <><b>frame {shown.frame}, {shown.time.toFixed(3)} s</b> · run: </>}
         {(status.time ?? 0).toFixed(3)} / {(status.duration ?? 0).toFixed(2)} s · frame {frame}/{frames}
       </span>
       <span className="load">
-        {(status.particles ?? 0).toLocaleString("en")} particles{perStep !== null && ` · ${perStep.toPrecision(3)} ms a step`}
+        {counted(status.particles ?? 0, "particle")}{perStep !== null && ` · ${perStep.toPrecision(3)} ms a step`}
       </span>
+      <Health />
       <span className={`state ${status.state}`}>{status.state}</span>
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>
         {["auto", ...devices.map((d) => d.name)].map((d) => <option key={d} value={d}>{d}</option>)}

@@ -2,12 +2,23 @@
 import { useEffect, useState } from "react";
 import { Dialog } from "../files/Dialog";
 import { fileNameOf } from "../model/names";
-import { client, request, useStudio } from "../model/store";
+import { counted } from "../model/playback";
+import { askRun, client, request, resetRun, useStudio, type Status } from "../model/store";
 import { addressOfFile, freePath } from "../protocol/client";
 import type { View } from "./view";
 
 const kSizes: [number, number][] = [[1280, 720], [1920, 1080], [3840, 2160], [720, 720]];
 const kCameraMs = 80;
+
+/** Resets the run, and waits until it is built or has failed. */
+async function toTheBeginning(): Promise<void> {
+  await resetRun();
+  await new Promise<void>((resolve) => {
+    const built = (s: { status: Status }) => s.status.state === "failed" || (s.status.state === "paused" && s.status.frame === 0);
+    if (built(useStudio.getState())) return resolve();
+    const leave = useStudio.subscribe((s) => built(s) && (leave(), resolve()));
+  });
+}
 
 function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
   const title = useStudio((s) => s.scene.title);
@@ -17,9 +28,15 @@ function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
   useEffect(() => void freePath(path).then((free) => setPath((now) => (now === path ? free : now))), []);
   const [size, setSize] = useState(0);
   const wrong = !endings.some((e) => path.endsWith(e));
+  const ended = useStudio((s) => s.status.state === "finished");
+  const [anew, setAnew] = useState(ended);
   const start = async () => {
     const [width, height] = kSizes[size]!;
-    if (await request("video.start", { path, ...view.pose(), width, height })) onClose();
+    const pose = view.pose();
+    if (anew) await toTheBeginning();
+    if (!(await request("video.start", { path, ...pose, width, height }))) return;
+    onClose();
+    if (anew) void askRun("play");
   };
   return (
     <Dialog title="Record a video" onClose={onClose}>
@@ -33,7 +50,10 @@ function StartDialog({ view, onClose }: { view: View; onClose(): void }) {
             {kSizes.map(([w, h], i) => <option key={i} value={i}>{w} × {h}</option>)}
           </select>
         </label>
-        <p className="hint">{wrong ? `The name ends in ${endings.join(", ")}.` : "Every frame from this one on, seen from the view's camera, also while it moves."}</p>
+        <label className="row"><span className="name">From the beginning</span>
+          <input type="checkbox" className="switch" role="switch" aria-label="From the beginning" checked={anew} onChange={(e) => setAnew(e.target.checked)} />
+        </label>
+        <p className="hint">{wrong ? `The name ends in ${endings.join(", ")}.` : anew ? "The scene is reset and played, so that the video has all of its frames." : ended ? "The run has ended: the video would have its last frame alone." : "Every frame from this one on, seen from the view's camera, also while it moves."}</p>
         <button type="submit" className="wanted" disabled={wrong}>Record</button> <button type="button" onClick={onClose}>Cancel</button>
       </form>
     </Dialog>
@@ -57,12 +77,12 @@ export function Recorder({ view }: { view: View | null }) {
   return (
     <>
       {recording ? (
-        <button className="recording" aria-label={`Finish the video, ${video.frames} frames`} disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {video.frames} frames</button>
+        <button className="recording" aria-label={`Finish the video, ${counted(video.frames, "frame")}`} disabled={!writer} onClick={() => void request("video.stop")} title={`Finish ${video.path}`}>■ {counted(video.frames, "frame")}</button>
       ) : (
         <button aria-label="Record" disabled={!writer || why !== undefined || video.state === "finishing"} onClick={() => setAsking(true)} title={why ?? "Record a video with this camera"}>● Record</button>
       )}
       {video.state === "finishing" && <span role="status" className="told">finishing {video.path}…</span>}
-      {video.state === "done" && <a className="told" href={addressOfFile(video.path)} target="_blank" rel="noreferrer">{video.path} ({video.frames} frames)</a>}
+      {video.state === "done" && <a className="told" href={addressOfFile(video.path)} target="_blank" rel="noreferrer">{video.path} ({counted(video.frames, "frame")})</a>}
       {video.state === "failed" && <span role="alert" className="told lost">the video failed: {video.problem?.message}</span>}
       {asking && view && <StartDialog view={view} onClose={() => setAsking(false)} />}
     </>

@@ -1,7 +1,7 @@
 // The view with its tools: camera, colours, handles, and the particle that was clicked.
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { setParam } from "../model/scene";
-import { edit, last, request, useStudio, viewers } from "../model/store";
+import { edit, last, lookAt, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
 import type { JsonObject } from "../model/types";
@@ -100,8 +100,16 @@ export function Viewport({ dark }: { dark: boolean }) {
     else view?.fitAnew();
   }, [view, opened, types]); // eslint-disable-line
 
+  // The server draws the run alone: recorded frames are shown by the page.
+  const looking = useStudio((s) => s.looking !== null);
+  const pictured = rendered && !looking;
+  useEffect(() => {
+    const { looking: frame } = useStudio.getState();
+    if (rendered && looking && frame !== null) void lookAt(frame, true);
+  }, [rendered, looking]);
+
   const show = (name: string, count: number) => {
-    useStudio.setState({ attribute: name });
+    useStudio.setState({ attribute: name, looking: null });
     setMost(count);
     void request("view.set", { attribute: name, most: count });
   };
@@ -111,7 +119,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   };
 
   return (
-    <div className={rendered ? "viewport pictured" : "viewport"} aria-label="Simulation view">
+    <div className={pictured ? "viewport pictured" : "viewport"} aria-label="Simulation view">
       {building && <p className="building">Building the scene…</p>}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
@@ -140,9 +148,10 @@ export function Viewport({ dark }: { dark: boolean }) {
           {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
-      <div className="stage" ref={element}>{rendered && view && <Rendered view={view} onFailed={stopRendered} />}</div>
+      <div className="stage" ref={element}>{pictured && view && <Rendered view={view} onFailed={stopRendered} />}</div>
+      {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
-      {key && !rendered && (
+      {key && !pictured && (
         <div className="color-key">
           <span>{shortText(key.low)}</span>
           <i style={{ background: gradient(ramp) }} />

@@ -20,6 +20,24 @@ export type Preset = keyof typeof kPresets;
 
 const kMeshColors = ["#9fb6c9", "#c9b69f", "#a9c99f", "#c49fc9"];
 
+/** Pixels of the view's upper edge that the tools cover. */
+const kTools = 44;
+/** Share of the width that is used. */
+const kBeside = 0.94;
+
+/** How far from the centre of a box a camera sees all of it, in a direction; `tall` and `wide` are the tangents of half its angles. */
+export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, tall: number, wide: number): number {
+  const right = new THREE.Vector3(0, 1, 0).cross(direction).normalize();
+  if (right.lengthSq() === 0) right.set(1, 0, 0);
+  const up = direction.clone().cross(right), half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  let most = 1e-3;
+  for (let i = 0; i < 8; ++i) {
+    const corner = half.clone().multiply(new THREE.Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    most = Math.max(most, corner.dot(direction) + Math.max(Math.abs(corner.dot(up)) / tall, Math.abs(corner.dot(right)) / wide));
+  }
+  return most;
+}
+
 export class View {
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera(40, 1, 0.005, 500);
@@ -183,17 +201,19 @@ export class View {
     for (const o of this.outlines.children) if (!(o instanceof THREE.GridHelper)) box.expandByObject(o);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
     else this.fitted = true;
-    const sphere = box.getBoundingSphere(new THREE.Sphere());
     const direction = preset
       ? new THREE.Vector3(...kPresets[preset])
       : this.camera.position.clone().sub(this.controls.target);
-    const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
-    const distance = sphere.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(this.camera.aspect, 1)));
+    const tall = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    // The tools lie on the upper edge; below there is as much left free.
+    const free = Math.max(0.5, 1 - (2 * kTools) / Math.max(this.element.clientHeight, 1));
+    const distance = distanceFor(box, direction.normalize(), tall * free, tall * this.camera.aspect * kBeside);
+    const center = box.getCenter(new THREE.Vector3());
     this.camera.near = distance / 500;
     this.camera.far = distance * 50;
     this.camera.updateProjectionMatrix();
-    this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance);
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(direction, distance);
     this.controls.update();
     this.draw();
   }

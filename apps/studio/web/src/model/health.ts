@@ -1,0 +1,123 @@
+// Whether a run can be trusted: lights, each with what it means and what helps.
+import type { LogLine, Sample } from "./store";
+import type { JsonObject } from "./types";
+
+export type Level = "unknown" | "good" | "watch" | "bad";
+
+export interface Light {
+  name: string;
+  level: Level;
+  /** The number in short. */
+  value: string;
+  why: string;
+  node?: string | undefined;
+}
+
+export interface Warning {
+  text: string;
+  node: string | null;
+  /** How often it was said. */
+  count: number;
+}
+
+const kOrder: Level[] = ["unknown", "good", "watch", "bad"];
+export const worst = (lights: { level: Level }[]): Level => lights.reduce<Level>((w, l) => (kOrder.indexOf(l.level) > kOrder.indexOf(w) ? l.level : w), "unknown");
+
+const level = (v: number, watch: number, bad: number): Level => (v > bad ? "bad" : v > watch ? "watch" : "good");
+
+/** Mean compression above which a liquid is soft, and above which it is no liquid any more. */
+const kCompression = { watch: 0.01, bad: 0.05 };
+/** Share of the particles. */
+const kLost = { watch: 0, bad: 0.001 };
+/** Growth of the energy where nothing flows in, as a share of the largest that there was: the first steps of a block at a wall take some. */
+const kEnergy = { watch: 0.2, bad: 0.5 };
+
+type Reports = [node: string, report: JsonObject][];
+
+const numberAt = (o: JsonObject, key: string): number => (typeof o[key] === "number" ? o[key] : 0);
+/** The values at some place of the reports that have one, with their nodes. */
+const all = (reports: Reports, value: (r: JsonObject) => number | undefined): [string, number][] =>
+  reports.flatMap(([node, r]): [string, number][] => {
+    const v = value(r);
+    return v === undefined ? [] : [[node, v]];
+  });
+
+const percent = (v: number): string => `${Number((100 * v).toPrecision(2))} %`;
+
+function compression(reports: Reports): Light {
+  const means = all(reports, (r) => (r["compression"] as JsonObject | undefined)?.["mean"] as number | undefined);
+  if (means.length === 0) return { name: "Compression", level: "unknown", value: "–", why: "Nothing of it is known yet." };
+  const [node, mean] = means.reduce((a, b) => (b[1] > a[1] ? b : a));
+  const found = level(mean, kCompression.watch, kCompression.bad);
+  const means_ = `The particles of ${node} are ${percent(mean)} denser than at rest, on average. `;
+  const why = found === "good"
+    ? `${means_}A liquid keeps its volume: up to 1 % is good.`
+    : `${means_}Above 1 % the liquid loses volume, above 5 % it is no liquid any more. A smaller time step (world.cfl or dt), more iterations of the solver, or slower flow help.`;
+  return { name: "Compression", level: found, value: percent(mean), why, node };
+}
+
+function lost(reports: Reports): Light {
+  const of = (r: JsonObject) => ("particles_escaped" in r ? numberAt(r, "particles_escaped") + numberAt(r, "particles_not_finite") : undefined);
+  const gone = all(reports, of);
+  if (gone.length === 0) return { name: "Lost", level: "unknown", value: "–", why: "Nothing of it is known yet." };
+  const total = gone.reduce((sum, [, v]) => sum + v, 0);
+  const there = reports.reduce((sum, [, r]) => sum + ("particles_escaped" in r ? numberAt(r, "particles") : 0), 0);
+  const node = gone.find(([, v]) => v > 0)?.[0];
+  const why = total === 0
+    ? "No particle left the domain, and none has a position or velocity that is not finite."
+    : `${total.toLocaleString("en")} particles of ${node} left the domain or are not finite. Walls that are closed and thicker than the spacing, or a smaller time step, keep them in; a Sink takes away on purpose.`;
+  return { name: "Lost", level: level(total / Math.max(there + total, 1), kLost.watch, kLost.bad), value: total.toLocaleString("en"), why, node };
+}
+
+const energyOf = (s: Sample): number | null => {
+  const parts = Object.entries(s.values).filter(([n]) => /\.(kinetic|potential)_energy$/.test(n));
+  return parts.length === 0 ? null : parts.reduce((sum, [, v]) => sum + v, 0);
+};
+/** The larger of both, summed over the fluids. */
+const scaleOf = (s: Sample): number =>
+  Math.max(...["kinetic", "potential"].map((kind) => Object.entries(s.values).reduce((sum, [n, v]) => sum + (n.endsWith(`.${kind}_energy`) ? Math.abs(v) : 0), 0)));
+
+function energy(samples: Sample[]): Light {
+  const unknown = (why: string): Light => ({ name: "Energy", level: "unknown", value: "–", why });
+  const now = samples.at(-1);
+  if (!now || energyOf(now) === null) return unknown("Nothing of it is known yet.");
+  // What flows in or out brings energy along.
+  const count = now.values["particles"];
+  let from = samples.length - 1;
+  while (from > 0 && samples[from - 1]!.values["particles"] === count) --from;
+  const closed = samples.slice(from);
+  const scale = Math.max(...closed.map(scaleOf));
+  if (closed.length < 2 || !(scale > 0)) return unknown("It is judged while no particles come or go.");
+  const least = closed.reduce((m, s) => Math.min(m, energyOf(s)!), Infinity);
+  const grown = (energyOf(now)! - least) / scale;
+  const found = level(grown, kEnergy.watch, kEnergy.bad);
+  const why = found === "good"
+    ? "Kinetic and potential energy together do not grow: nothing drives the liquid that should not."
+    : `Kinetic and potential energy together have grown by ${percent(grown)} of the largest that there was, though no particles came. Moving solids, a turned gravity and changes by hand do that; if there are none, the run is unstable: a smaller time step helps.`;
+  return { name: "Energy", level: found, value: grown > kEnergy.watch ? `+${percent(grown)}` : "steady", why };
+}
+
+export function lightsOf(numbers: JsonObject | null, samples: Sample[]): Light[] {
+  const reports = Object.entries((numbers?.["nodes"] as JsonObject | undefined) ?? {}) as Reports;
+  return [compression(reports), lost(reports), energy(samples)];
+}
+
+/** The node that a message names: "node 'water': …", or "water: …". */
+export function nodeIn(text: string, names: string[]): string | null {
+  const name = /node '([^'.]+)/.exec(text)?.[1] ?? /'([^'.]+)[.']/.exec(text)?.[1] ?? /^([\w-]+):/.exec(text)?.[1];
+  return name !== undefined && names.includes(name) ? name : null;
+}
+
+/** What the server warns of: the scene, rare events of the run, and the log since the run was built. */
+export function warningsOf(scene: string[], numbers: JsonObject | null, log: LogLine[], since: number, names: string[]): Warning[] {
+  const found = new Map<string, Warning>();
+  const add = (text: string, node: string | null) => {
+    const before = found.get(text);
+    if (before) ++before.count;
+    else found.set(text, { text, node, count: 1 });
+  };
+  for (const text of scene) add(text, nodeIn(text, names));
+  for (const e of (numbers?.["rare_events"] as { node: string; what: string; count: number }[] | undefined) ?? []) add(`${e.node}: ${e.count.toLocaleString("en")} ${e.what}`, e.node);
+  for (const l of log) if (l.at >= since && (l.level === "warning" || l.level === "error")) add(l.text, nodeIn(l.text, names));
+  return [...found.values()];
+}
