@@ -2,7 +2,7 @@
 """Checks the names in all headers by the rules of .clang-tidy.
 
 The headers that stand beside the sources of one target are read together, with that target's options, as most of the
-time goes into what they include: check_names.py BUILD_FOLDER CLANG_TIDY, where BUILD_FOLDER was configured with Clang.
+time goes into what they include: check_names.py BUILD_FOLDER CLANG_TIDY, where BUILD_FOLDER was configured.
 """
 import json
 import os

@@ -56,9 +56,6 @@ inline Mask notSo(const Mask& a) {
 inline unsigned bitsOfMask(const Mask& mask) {
   return mask.bits();
 }
-inline float laneOf(const Number& numbers, int lane) {
-  return numbers.v[lane];
-}
 inline std::uint32_t laneOf(const Ints& ints, int lane) {
   return static_cast<std::uint32_t>(ints[lane]);
 }

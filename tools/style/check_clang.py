@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Fails where Clang warns of a C++ source: check_clang.py BUILD_FOLDER CLANG [PART_OF_A_PATH...].
+
+Each source is read with the options that BUILD_FOLDER has for it, and nothing is made of it: a third of the time of a
+build. What the build generates must be there. Variants of kernels for processors are left out, as their sources are read
+for the baseline.
+"""
+import json
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+# Warnings that GCC alone knows, and constants that nvcc alone reads.
+EXTRA = ["-fsyntax-only", "-Werror", "-Wno-unknown-warning-option", "-Wno-unused-const-variable"]
+GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_CPU_ISAS")
+LEFT_OUT = ("/isa/", "nanobind/src")
+
+
+def command_of(entry, clang):
+    words, kept, at = shlex.split(entry["command"])[1:], [], 0
+    while at < len(words):
+        if words[at] in ("-o", "-include"):  # objects, and precompiled headers
+            at += 2
+            continue
+        if words[at] not in GCC_ALONE:
+            kept.append(words[at])
+        at += 1
+    return [clang, *kept, *EXTRA]
+
+
+def check(entry, clang):
+    done = subprocess.run(command_of(entry, clang), cwd=entry["directory"], capture_output=True, text=True)
+    return entry["file"], done.returncode, done.stdout + done.stderr
+
+
+def main():
+    build, clang, parts = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
+               if entry["file"].endswith(".cpp") and not any(part in entry["command"] for part in LEFT_OUT)
+               and (not parts or any(part in entry["file"] for part in parts))]
+    failed = 0
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for file, code, text in pool.map(lambda entry: check(entry, clang), entries):
+            if code != 0:
+                failed += 1
+                print(f"{file}:\n{text}", flush=True)
+    print(f"{len(entries)} sources read, {failed} with warnings")
+    return 1 if failed or not entries else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
