@@ -55,12 +55,14 @@ template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const float weight = strength * c.particleVolume;
-  withMotion(device, fluid.particles, c.supportRadius, [&](const auto& motion, Array<Vec3f>& smoothed) {
-    parallelForSums(device, "smooth", fluid.particles.count(),
-                    SmoothVelocity{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
-    // Equal sizes; only the memory changes hands.
-    smoothed.swap(fluid.particles.velocities());
-  });
+  withMotion(device, fluid.particles, c.supportRadius,
+             [&]<class Motion>(const Motion& motion, Array<Vec3f>& smoothed) {
+               parallelForSums(
+                   device, "smooth", fluid.particles.count(),
+                   SmoothVelocity<Motion>{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
+               // Equal sizes; only the memory changes hands.
+               smoothed.swap(fluid.particles.velocities());
+             });
 }
 
 template <class Backend>
