@@ -48,7 +48,7 @@ std::vector<Vec3f> endOf(const std::string& solver) {
   scene->reset();
   const std::atomic<bool> never = false;
   while (scene->advanceFrame(never)) continue;
-  ParticleSet& particles = *scene.node<ParticleFluid>("water").fluid->particles;
+  ParticleSet& particles = scene.node<ParticleFluid>("water").fluid->set();
   return particles.positions().toHost(particles.bound());
 }
 
