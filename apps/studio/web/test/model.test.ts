@@ -28,7 +28,7 @@ import { writeMessage } from "../src/protocol/message";
 const fluid: NodeType = {
   doc: "", source: "weir", parameters: [], family: "FluidModule",
   inputs: [{ name: "initial", type: "ParticleBatch", doc: "", required: false, many: true }],
-  outputs: [{ name: "fluid", type: "Fluid", doc: "" }],
+  outputs: [{ name: "fluid", type: "Particles", doc: "" }],
   modules: [{ name: "predict", type: "Predict", enabled: true }, { name: "solver", type: "Pbf", enabled: true }],
 };
 const sampler: NodeType = {

@@ -26,7 +26,7 @@ const linkIfFits = (scene: Scene, types: Types, link: LinkEnds): Scene => (linkP
 
 /** The first node that takes what is given to this port. */
 const fluidWith = (scene: Scene, types: Types, port: string): string | undefined =>
-  Object.entries(scene.nodes).find(([, n]) => types.nodes[n.type]?.inputs.some((i) => i.name === port) && types.nodes[n.type]?.outputs.some((o) => o.type === "Fluid"))?.[0];
+  Object.entries(scene.nodes).find(([, n]) => types.nodes[n.type]?.inputs.some((i) => i.name === port) && types.nodes[n.type]?.outputs.some((o) => o.type === "Particles"))?.[0];
 
 /** The scene with a mesh of a file and its use, and the name of the node of that. */
 export function withMesh(scene: Scene, types: Types, path: string, name: string, use: Use, at: { x: number; y: number }): [Scene, string] {

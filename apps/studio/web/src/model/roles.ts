@@ -10,7 +10,7 @@ export interface Role {
 }
 
 const kRoles: Role[] = [
-  { name: "Liquids", icon: "drop", port: "Fluid" },
+  { name: "Liquids", icon: "drop", port: "Particles" },
   { name: "Sources of particles", icon: "source", port: "ParticleBatch" },
   { name: "Solids and containers", icon: "solid", port: "Boundary" },
   { name: "Solids and containers", icon: "solid", port: "SolidForces" },
@@ -18,7 +18,7 @@ const kRoles: Role[] = [
   { name: "Sinks", icon: "sink", port: "SinkRegion" },
   { name: "Surfaces", icon: "surface", port: "DynamicMesh" },
 ];
-export const kModuleRole: Role = { name: "Modules", icon: "modules", port: "Fluid" };
+export const kModuleRole: Role = { name: "Modules", icon: "modules", port: "Particles" };
 export const kOther: Role = { name: "Others", icon: "world", port: "" };
 
 export function roleOf(type: NodeType | undefined): Role {
