@@ -62,13 +62,21 @@ Error cannotWrite(const fs::path& file, const std::string& reason, const std::st
   return ioError("the file cannot be written: " + reason, {}, hint).at({.file = file.string()});
 }
 
-PartFile::PartFile(fs::path target) : target_(std::move(target)) {
+PartFile::PartFile(fs::path target, PartPlace place) : target_(std::move(target)) {
   checkTarget(target_);
-  path_ = makeBeside(target_);
+  path_ = place == PartPlace::kAppended ? target_ : makeBeside(target_);
+  std::error_code error;
+  begin_ = fs::file_size(path_, error);
+  if (error) throw cannotWrite(target_, error.message());
 }
 
 PartFile::~PartFile() {
-  if (!kept_) ::unlink(path_.c_str());
+  std::error_code ignored;
+  if (kept_) return;
+  if (path_ == target_)
+    fs::resize_file(path_, begin_, ignored);
+  else
+    fs::remove(path_, ignored);
 }
 
 void PartFile::write(std::span<const std::uint8_t> bytes) {
@@ -82,7 +90,8 @@ void PartFile::write(std::span<const std::uint8_t> bytes) {
 }
 
 void PartFile::keep() {
-  if (::rename(path_.c_str(), target_.c_str()) != 0) throw cannotWrite(target_, reasonOf(errno));
+  if (path_ != target_ && ::rename(path_.c_str(), target_.c_str()) != 0)
+    throw cannotWrite(target_, reasonOf(errno));
   kept_ = true;
 }
 
