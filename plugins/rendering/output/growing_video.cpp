@@ -71,6 +71,7 @@ void GrowingVideo::takeUp(const VideoState& earlier) {
                               earlier.frames),
                   "the video that the checkpoint's run wrote, or a new one")
         .at({.file = file_.string()});
+  for (const fs::path& place : {growingPlace(file_), file_}) PartFile::removeLeft(place);
   // A new file, as the ffmpeg of a killed run may still be writing to that one.
   copyVideo(source, earlier.frames, file_, VideoKind::kGrowing);
   state_ = earlier;

@@ -26,6 +26,8 @@ class PartFile {
   explicit PartFile(std::filesystem::path target, PartPlace place = PartPlace::kBeside);
   /// Removes the file, or what was appended, unless keep() has been called.
   ~PartFile();
+  /// Removes what a killed run left beside the target: for its own successor, which makes it again.
+  static void removeLeft(const std::filesystem::path& target);
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 

@@ -101,6 +101,8 @@ TEST_P(GrowingVideoTest, LeavesOutWhatAPowerCutDamaged) {
   const std::string grown = rendering::growingPlace(file);
   const std::string begin = readFile(grown).substr(0, 700);
   std::ofstream(grown, std::ios::binary | std::ios::app) << std::string(1000, '\0') << begin << "moofmdat";
+  for (const char* left : {".part", ".part2"})  // by a run that was killed while it copied
+    std::ofstream(folder / ("it's a run" + std::string(left) + GetParam())) << "half a video";
   GrowingVideo resumed(file, {64, 48, kRate}, {}, saved);
   show(resumed, 6, 9);
   resumed.finish();
