@@ -29,7 +29,10 @@ void add(std::vector<std::string>& arguments, const std::vector<std::string>& mo
 std::vector<std::string> reading(const VideoSource& source, std::int64_t frames) {
   std::string url = urlOf(source.file);
   if (source.bytes) url = fmt::format("subfile,,start,0,end,{},,:{}", *source.bytes, url);
-  return {"-i", url, "-map", "0:v:0", "-frames:v", fmt::format("{}", frames)};
+  std::vector<std::string> arguments{"-i", url, "-map", "0:v:0", "-frames:v", fmt::format("{}", frames)};
+  // Else it takes a frame of a hundredth of a second for one that names no time.
+  if (source.file.extension() == ".gif") arguments.insert(arguments.begin(), {"-min_delay", "0"});
+  return arguments;
 }
 
 void syncContent(const fs::path& path) {

@@ -154,6 +154,20 @@ TEST_P(GrowingVideoTest, KeepsWhatWasSavedWhereTheEncoderFails) {
 INSTANTIATE_TEST_SUITE_P(Containers, GrowingVideoTest, testing::ValuesIn(rendering::videoExtensions()),
                          [](const auto& tested) { return tested.param.substr(1); });
 
+TEST(GrowingGif, GoesOnWhereAFrameTakesAHundredthOfASecond) {
+  if (findProgram("ffmpeg").empty() || findProgram("ffprobe").empty())
+    GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.gif";
+  GrowingVideo video(file, {64, 48, 100});
+  for (int i = 0; i < 9; ++i) {
+    if (i == 4) video.save();
+    video.write(plainPicture(64, 48, {20 * i, 20 * i, 20 * i}));
+  }
+  video.finish();
+  EXPECT_EQ(probeVideo(file).frames, 9);
+}
+
 class GrowingVideoMp4 : public GrowingVideoTest {};
 
 TEST_P(GrowingVideoMp4, IsWholeAfterEverySave) {
