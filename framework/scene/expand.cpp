@@ -327,15 +327,15 @@ bool setsVariable(const Override& o) {
   return o.path.front() == "let";
 }
 
-Value expandScene(const Value& written, const Place& place, const Registry& registry,
-                  const std::vector<Override>& overrides) {
-  if (!written.isObject()) return written;  // building the scene reports it
+ExpandedScene expandScene(const Value& written, const Place& place, const std::vector<Override>& overrides) {
+  if (!written.isObject()) return {written, {}};  // building the scene reports it
   Value root = withIncludes(written, place);
   setVariables(root, place, overrides);
   Variables variables(std::as_const(root).find("let"), place / "let");
   variables.evaluateAll();
   Expander expander(variables);
-  Value plain = Value::object();
+  ExpandedScene expanded{Value::object(), {}};
+  Value& plain = expanded.plain;
   plain.line = root.line, plain.column = root.column, plain.origin = root.origin;
   for (const auto& [name, member] : root.asObject()) {
     if (name == "let" || (name == "note" && member.isString())) continue;
@@ -344,13 +344,12 @@ Value expandScene(const Value& written, const Place& place, const Registry& regi
                                         : name == "nodes" ? expander.nodes(member, here)
                                                           : expander.value(member, here));
   }
-  std::vector<Override> rest;
-  for (const Override& o : overrides)
-    if (!setsVariable(o)) {
-      rest.push_back(o);
-      if (o.path.front() != "title") rest.back().value = expander.value(o.value, {});
-    }
-  return applyOverrides(std::move(plain), registry, rest);
+  for (const Override& o : overrides) {
+    if (setsVariable(o)) continue;
+    expanded.overrides.push_back(o);
+    if (o.path.front() != "title") expanded.overrides.back().value = expander.value(o.value, {});
+  }
+  return expanded;
 }
 
 }  // namespace weir

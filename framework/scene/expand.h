@@ -9,21 +9,19 @@
 
 namespace weir {
 
-/// How a scene is written.
-struct WrittenForm {
-  bool comments = false;   ///< comments or trailing commas in the text
-  bool notes = false;      ///< "note" somewhere
-  bool shorthand = false;  ///< $include, let, repeat, an expression or a number with a unit somewhere
-  bool isPlain() const { return !comments && !notes && !shorthand; }
-};
-WrittenForm writtenForm(std::string_view text, const Value& root);
-
 /// Whether an override sets a variable: let.NAME.
 bool setsVariable(const Override& o);
 
-/// The scene in plain form, units apart: those are read by the parameters. Overrides of variables are put in
-/// first, and those of parameters, in which variables may be named, last.
-Value expandScene(const Value& root, const Place& place, const Registry& registry,
-                  const std::vector<Override>& overrides);
+struct ExpandedScene {
+  Value plain;  ///< but for units, which the parameters read
+  std::vector<Override> overrides;
+};
+/// Overrides of variables are put in first. The others, in which variables may be named, are given back as
+/// they are to be put into the plain scene.
+ExpandedScene expandScene(const Value& written, const Place& place, const std::vector<Override>& overrides);
+
+/// The JSON Schema of plain values as one that also takes expressions, units, notes, included files and
+/// repetition.
+Value withShorthand(Value schema);
 
 }  // namespace weir

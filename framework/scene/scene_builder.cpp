@@ -239,7 +239,10 @@ std::vector<FilePath> scenePlugins(const Value& root, const Place& place) {
 std::unique_ptr<Scene> buildScene(const Value& root, const Place& place, const Registry& registry,
                                   const std::vector<Override>& overrides,
                                   std::vector<std::string>& warnings) {
-  return Builder(expandScene(root, place, registry, overrides), place, registry, warnings).build();
+  ExpandedScene expanded = expandScene(root, place, overrides);
+  return Builder(applyOverrides(std::move(expanded.plain), registry, expanded.overrides), place, registry,
+                 warnings)
+      .build();
 }
 
 std::string textToKeep(std::string text, const Value& root, const Scene& scene) {

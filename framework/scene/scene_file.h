@@ -73,6 +73,15 @@ std::unique_ptr<Scene> buildScene(const Value& root, const Place& place, const R
 /// Loads the plugins that a scene names into the registry that it is built with.
 using PluginLoader = std::function<void(const std::vector<FilePath>&)>;
 
+/// How a scene is written.
+struct WrittenForm {
+  bool comments = false;   ///< comments or trailing commas in the text
+  bool notes = false;      ///< "note" somewhere
+  bool shorthand = false;  ///< $include, let, repeat, an expression or a number with a unit somewhere
+  bool isPlain() const { return !comments && !notes && !shorthand; }
+};
+WrittenForm writtenForm(std::string_view text, const Value& root);
+
 /// What scene.text becomes: the text itself where it is plain JSON, otherwise the scene written out, with
 /// overrides, so that it stands alone and programs that know only the plain format read it.
 std::string textToKeep(std::string text, const Value& root, const Scene& scene);
