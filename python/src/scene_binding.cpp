@@ -32,7 +32,8 @@ std::shared_ptr<PythonScene> parse(const std::shared_ptr<Library>& library, cons
                                    const std::vector<std::string>& changes) {
   const Value root = parseScene(text, file);
   const Place place{file, "", folder};
-  for (const FilePath& plugin : scenePlugins(withIncludes(root, place), place)) library->loadPlugin(plugin.resolved.string());
+  for (const FilePath& plugin : scenePlugins(withIncludes(root, place), place))
+    library->loadPlugin(plugin.resolved.string());
   std::vector<Override> overrides;
   for (const std::string& change : changes) overrides.push_back(parseOverride(change));
   std::vector<std::string> warnings;
