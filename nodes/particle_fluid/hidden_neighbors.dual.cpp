@@ -49,11 +49,10 @@ template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForUneven<kPlan>(
-      device, "hidden neighbours", walls.nearCount(),
-      TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
-                    std::as_const(walls.sides).view(), std::as_const(fluid.particles).positions().view(),
-                    fluid.neighbors.editor()});
+  parallelForUneven<kPlan>(device, "hidden neighbours", walls.nearCount(),
+                           TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
+                                         std::as_const(walls.sides).view(),
+                                         fluid.particles.positions().read(), fluid.neighbors.editor()});
 }
 
 template void takeOutHiddenNeighbors(ThisBackend&, FluidStep&);

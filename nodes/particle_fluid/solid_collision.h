@@ -115,7 +115,7 @@ ContactImpulse sumContact(Backend& device, FluidStep& fluid, std::size_t k) {
                                walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt),
                                fluid.constants.particleMass,
                                std::as_const(walls.met).view(),
-                               std::as_const(fluid.particles).positions().view(),
+                               fluid.particles.positions().read(),
                                std::as_const(walls.kick).view()};
   reduce(device, "impulse", walls.metCount(), SolidImpulse{}, contact, AddImpulses{}, walls.impulse.data());
   return contact;

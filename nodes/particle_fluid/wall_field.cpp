@@ -12,7 +12,7 @@ void WallField::place(double time, double dt) {
 }
 
 void WallField::fit(ParticleSet& particles) {
-  stride = particles.positions().size();
+  stride = particles.capacity();
   each.resizeDiscarding(stride * static_cast<std::int64_t>(solids.size()));
   if (solids.size() > 1) total.resizeDiscarding(stride);
   d.resizeDiscarding(stride);
@@ -22,8 +22,8 @@ void WallField::fit(ParticleSet& particles) {
   near.resizeDiscarding(stride);
   met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
-  share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
-                                 "Displacement by solids in the last step, over the gradient of Φ."});
+  share = particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
+                                "Displacement by solids in the last step, over the gradient of Φ."});
 }
 
 void FluidStep::findWalls() {

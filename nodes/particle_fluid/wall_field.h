@@ -64,8 +64,8 @@ struct WallField {
   Array<SolidView> views;    ///< of the solids, in this step
   Array<Vec4f> each, total;  ///< integrals of solid k and particle i at [k·stride + i]; total of several
   Array<float> d;
-  Array<float>* share = nullptr;  ///< an attribute, as particles may be sorted during a step
-  ArrayView<const Vec3f> base;    ///< see WallFieldView
+  Attribute<float> share;       ///< an attribute, as particles may be sorted during a step
+  ArrayView<const Vec3f> base;  ///< see WallFieldView
   Array<int> sides;    ///< of solid k that particle i sees, laid out as `each`; see hidden_neighbors.h
   Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
   /// Particles that are near solids are few, so they are listed, and what is costly is done for them alone.
@@ -83,7 +83,7 @@ struct WallField {
   bool empty() const { return solids.empty(); }
   WallFieldView view() {
     if (empty()) return {};
-    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share->view(),
+    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share.write(),
             base};
   }
   /// Lists the particles i, of `count`, for which is(i) holds.
@@ -95,12 +95,12 @@ struct WallField {
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
   void place(double time, double dt);
   /// Takes the present positions for legal ones.
-  void keepLegal(const Array<Vec3f>& positions) {
-    legal.device().copy(legal.data(), positions.data(), static_cast<std::size_t>(stride) * sizeof(Vec3f));
+  void keepLegal(const ArrayView<const Vec3f>& positions) {
+    legal.device().copy(legal.data(), positions.data, static_cast<std::size_t>(stride) * sizeof(Vec3f));
   }
   /// No displacement by walls yet; at the beginning of a solver's step.
   void forgetShares() {
-    if (!empty()) share->fillZero();
+    if (!empty()) share.fillZero();
   }
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);

@@ -89,7 +89,7 @@ template <class Backend>
 void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<const SolidView> solids = walls.views.view();
-  const ArrayView<Vec3f> positions = fluid.particles.positions().view();
+  const ArrayView<Vec3f> positions = fluid.particles.positions().write();
   const ArrayView<const Vec3f> legal = std::as_const(walls.legal).view();
   const ArrayView<const Vec4f> each = std::as_const(walls.each).view();
   const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
@@ -102,13 +102,13 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
              walls.met, walls.metCounter);
   parallelForUneven(device, "contact", walls.metCount(),
                     Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, walls.stride,
-                            std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
-                            fluid.particles.velocities().view(), walls.kick.view()});
+                            std::as_const(walls.met).view(), legal, each, walls.share.read(), positions,
+                            fluid.particles.velocities().write(), walls.kick.view()});
   for (std::size_t k = 0; k < walls.solids.size(); ++k) {
     const ContactImpulse contact = sumContact(device, fluid, k);
     reduce(device, "pressure impulse", walls.nearCount(), SolidImpulse{},
            PressureImpulse{contact.pivot, contact.mass / dt, static_cast<std::int64_t>(k) * walls.stride,
-                           std::as_const(walls.near).view(), contact.positions, each, walls.share->view()},
+                           std::as_const(walls.near).view(), contact.positions, each, walls.share.read()},
            AddImpulses{}, walls.impulse.data() + 1);
     parallelFor(device, "add impulse", 1,
                 AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data(), 2});

@@ -185,10 +185,10 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles);
   const bool several = walls.solids.size() > 1;
-  walls.keepLegal(fluid.particles.positions());
+  walls.keepLegal(fluid.particles.positions().read());
   walls.base = {};
   const ArrayView<const SolidView> solids = walls.views.view();
-  const ArrayView<const Vec3f> positions = std::as_const(fluid.particles).positions().view();
+  const ArrayView<const Vec3f> positions = fluid.particles.positions().read();
   const float reach = fluid.constants.supportRadius;
   walls.list(device, "near solids", fluid.particles.count(), IsNear{solids, reach, positions}, walls.near,
              walls.nearCounter);
