@@ -235,10 +235,12 @@ class Candidates {
   static constexpr int kInTurn = 16;
   static constexpr int kTogether = 64;
 
-  using Shorts = std::int16_t __attribute__((vector_size(32), aligned(2), may_alias));
-  static_assert(sizeof(Shorts) == kInTurn * sizeof(std::int16_t));
+  using Shorts = std::int16_t __attribute__((vector_size(kInTurn * sizeof(std::int16_t))));
+  /// At any address; through a vector, as GCC takes smaller pieces otherwise.
   static void copy(const std::int16_t* from, std::int16_t* to) {
-    *reinterpret_cast<Shorts*>(to) = *reinterpret_cast<const Shorts*>(from);
+    Shorts turn;
+    __builtin_memcpy(&turn, from, sizeof turn);
+    __builtin_memcpy(to, &turn, sizeof turn);
   }
 
   int size_ = 0;
