@@ -11,29 +11,29 @@ namespace weir::app {
 
 namespace {
 
+/// Adds an attribute of the type that has such numbers, and so many of them, if there is one.
+template <class From>
+void addNumbers(const RecordedArray& array, AttributeInfo info, const std::vector<From>& numbers,
+                ParticleSet& particles, const StateWriter& to) {
+  for (int type = 0; type < kAttributeTypes; ++type) {
+    info.type = AttributeType(type);
+    if (isWhole(info.type) != std::is_integral_v<From> || numbersIn(info.type) != array.components) continue;
+    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+      using Number = typename AttributeTraits<T>::Number;
+      const std::vector<Number> narrow(numbers.begin(), numbers.end());
+      particles.add<T>(info);
+      to.put(array.name, std::span(reinterpret_cast<const T*>(narrow.data()), narrow.size() / kNumbersIn<T>));
+    });
+  }
+}
+
 /// Adds the attribute, with the unit that the scene's own particles have, and saves its values.
 void addAttribute(const RecordedArray& array, const ParticleSet* own, ParticleSet& particles,
                   const StateWriter& to) {
   AttributeInfo info{.name = array.name, .unit = {}, .doc = {}};
   const AttributeInfo* known = own != nullptr ? own->find(array.name) : nullptr;
   if (known != nullptr) info.unit = known->unit;
-  if (const auto* floats = std::get_if<std::vector<float>>(&array.values)) {
-    if (array.components == 1) {
-      info.type = AttributeType::kFloat;
-      particles.add<float>(info);
-      to.put(array.name, std::span<const float>(*floats));
-    } else if (array.components == 3) {
-      info.type = AttributeType::kVec3;
-      particles.add<Vec3f>(info);
-      to.put(array.name, std::span(reinterpret_cast<const Vec3f*>(floats->data()), floats->size() / 3));
-    }
-  } else if (array.components == 1) {
-    const auto& wide = std::get<std::vector<std::int64_t>>(array.values);
-    const std::vector<int> narrow(wide.begin(), wide.end());
-    info.type = AttributeType::kInt;
-    particles.add<int>(info);
-    to.put(array.name, std::span<const int>(narrow));
-  }
+  std::visit([&](const auto& numbers) { addNumbers(array, info, numbers, particles, to); }, array.values);
 }
 
 bool has(const RecordedFluid& fluid, std::string_view name) {

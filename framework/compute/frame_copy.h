@@ -43,20 +43,21 @@ class FrameCopy {
       : device_(&device), aside_(device), copied_(detail::makeMoment(device)) {}
 
   /// Copies the first `count` elements. What is asked of the device afterwards may change them.
-  void start(const Array<T>& from, std::int64_t count) {
+  void start(const Array<T>& from, std::int64_t count) { start(from.view(), count); }
+  void start(ArrayView<const T> from, std::int64_t count) {
     WEIR_CHECK(count >= 0);
-    WEIR_CHECK(count <= from.size());
+    WEIR_CHECK(count <= from.size);
     size_ = count;
     isAside_ = makeRoom(count);
     if (isAside_) {
       aside_.resizeDiscarding(count);
-      device_->copy(aside_.data(), from.data(), static_cast<std::size_t>(count) * sizeof(T));
+      device_->copy(aside_.data(), from.data, static_cast<std::size_t>(count) * sizeof(T));
       copied_->set();
       return;
     }
     if (!host_) host_.emplace(*device_);
     host_->resize(count);
-    host_->start(0, from.data(), count);
+    host_->start(0, from.data, count);
   }
 
   std::int64_t size() const { return size_; }

@@ -1,4 +1,4 @@
-// What the search for neighbours sums on its way, see NeighborList::crowding.
+// What the search for neighbours sums on its way, see kCrowding.
 #pragma once
 
 #include "framework/compute/lanes.h"

@@ -16,8 +16,13 @@
 
 #include "framework/base/vec.h"
 #include "framework/compute/parallel.h"
+#include "framework/particles/by_products.h"
 
 namespace weir {
+
+/// Codes of all particles, for their present positions and velocities. Whoever sums over velocities of
+/// neighbours requests them at its reset; what writes both last on CUDA leaves them then.
+inline constexpr ByProduct<Vec4f> kMotionCodes{"motion codes"};
 
 class MotionCode {
  public:

@@ -3,6 +3,7 @@
 
 #include "framework/neighbors/motion_code.h"
 #include "framework/neighbors/neighbor_sum.h"
+#include "framework/particles/particle_set.h"
 
 namespace weir {
 
@@ -43,20 +44,16 @@ WEIR_HD Vec4f sumOverMotion(Index i, const NeighborView& neighbors, const CodedM
   return sumOverNeighbors<Vec4f>(i, neighbors, pair, motion.codes);
 }
 
-/// Calls f(motion, scratch) with the motion of the particles as the device reads it fastest, and their
-/// scratch memory.
+/// Calls f(motion) with the motion of the particles as the device reads it fastest.
 template <class Backend, class F>
-void withMotion([[maybe_unused]] Backend& device, ParticleSet& particles,
+void withMotion([[maybe_unused]] Backend& device, const ParticleSet& particles,
                 [[maybe_unused]] float supportRadius, const F& f) {
-  // Asked first, as whoever takes memory or velocities may change them.
-  [[maybe_unused]] const ArrayView<const Vec4f> codes = particles.motionCodes();
-  Array<Vec3f>& scratch = particles.scratch();
-  const ArrayView<const Vec3f> velocities = particles.velocities().view();
+  const ArrayView<const Vec3f> velocities = particles.velocities().read();
   if constexpr (std::is_same_v<Backend, CudaDevice>) {
-    if (codes.size > 0)
-      return f(CodedMotion{codes, velocities, MotionCode::Sight::unit(supportRadius)}, scratch);
+    const ArrayView<const Vec4f> codes = particles.byProducts().find(kMotionCodes);
+    if (codes.size > 0) return f(CodedMotion{codes, velocities, MotionCode::Sight::unit(supportRadius)});
   }
-  f(ExactMotion{particles.positions().view(), velocities}, scratch);
+  f(ExactMotion{particles.positions().read(), velocities});
 }
 
 }  // namespace weir

@@ -93,7 +93,7 @@ std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
 
 double NeighborList::memoryFor(double particles) const {
   const double cells = std::clamp(kCellsPerParticle * particles, double(kMinCells), double(kMaxCells));
-  constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of wideScratch()
+  constexpr double kStartsInOne = sizeof(Vec4f) / sizeof(int);  // of ParticleSet::leaseUnordered()
   const double fine = needsFineCells(static_cast<std::int64_t>(particles)) ? particles + FineCell::kAhead : 0;
   const double bytes = bytesOfArrays(particles, counts_) +
                        bytesOfArray(std::max(particles, (cells + fine) / kStartsInOne + 2), sizeof(Vec4f));

@@ -217,6 +217,7 @@ void searchPortably(Backend& device, std::string_view name, Count count, [[maybe
 
 /// What is asked until the lists are made.
 struct Sorted {
+  Lease<Vec4f> room;
   ArrayView<int> cellStart;  // where each cell starts
   FineCell* fine = nullptr;  // of the particles; null where nobody asks
 };
@@ -225,30 +226,26 @@ Sorted sortedIn(ParticleSet& particles, std::int64_t cells, bool needsFine) {
   constexpr std::int64_t kInOne = sizeof(Vec4f) / sizeof(int);
   static_assert(sizeof(FineCell) == sizeof(int));
   const std::int64_t starts = cells + 1, fine = needsFine ? particles.capacity() + FineCell::kAhead : 0;
-  Array<Vec4f>& wide = particles.wideScratch((starts + fine + kInOne - 1) / kInOne);
-  int* here = reinterpret_cast<int*>(wide.data());
-  return {{here, starts}, needsFine ? reinterpret_cast<FineCell*>(here + starts) : nullptr};
+  Lease<Vec4f> room = particles.leaseUnordered((starts + fine + kInOne - 1) / kInOne);
+  int* here = reinterpret_cast<int*>(room.data());
+  return {std::move(room), {here, starts}, needsFine ? reinterpret_cast<FineCell*>(here + starts) : nullptr};
 }
 
-/// What is forgotten when lists go into its place.
-CellSortMemory sortMemory(ParticleSet& particles, ArrayView<int> start, Array<int>& entries) {
-  const std::int64_t count = particles.bound();
 #ifdef __CUDACC__
-  // Particles move to their spare memory meanwhile.
+/// What is forgotten when lists go into its place. Particles move to their spare memory meanwhile.
+CellSortMemory sortMemory(std::int64_t count, ArrayView<int> start, Array<int>& entries) {
   WEIR_CHECK(entries.size() >= CellSort::kPerParticle * count);
   int* here = entries.data();
   return {start, {here, count}, {here + count, count}, {here + 2 * count, count}};
+}
 #else
-  // Cells are forgotten when velocities go into that place.
-  int* words = reinterpret_cast<int*>(particles.scratch().data());
+/// The order is forgotten when lists go into its place.
+CellSortMemory sortMemory(std::int64_t count, ArrayView<int> start, Array<int>& entries,
+                          const Lease<Vec3f>& room) {
+  int* words = reinterpret_cast<int*>(room.data());
   return {start, {words, count}, {words + count, count}, {entries.data(), count}};
+}
 #endif
-}
-
-ArrayView<float> crowdingIn(ParticleSet& particles) {
-  Array<Vec3f>& scratch = particles.scratch();
-  return {reinterpret_cast<float*>(scratch.data()), scratch.size()};
-}
 
 }  // namespace
 
@@ -256,18 +253,21 @@ template <class Backend>
 void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
                            ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
-  const auto [cellStart, fine] = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
+  const Sorted sorted = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
+  const ArrayView<int> cellStart = sorted.cellStart;
   {
     const ProfileScope scope(device.profiler(), "sort");
-    const CellSortMemory memory = sortMemory(particles, cellStart, entries_);
     const Count count = particles.count();
 #ifdef __CUDACC__
+    const CellSortMemory memory = sortMemory(count.bound, cellStart, entries_);
     // A particle moves when its place is known, which takes a kernel less.
     detail::Permutation permutation(particles);
     detail::Permute moved = permutation.next(memory.order);
-    moved.fine = fine;
+    moved.fine = sorted.fine;
     moved.inverseCellSize = grid_.inverseCellSize;
 #else
+    Lease<Vec3f> room = particles.leaseVectors();
+    const CellSortMemory memory = sortMemory(count.bound, cellStart, entries_, room);
     const detail::KeepOrder moved;
 #endif
     const CellKey key{particles.pendingMotion(), grid_, domain, sinks, events + 1, events + 2, events + 3};
@@ -283,23 +283,26 @@ void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& 
     for (; permutation.isLeft(); permutation.finish())
       parallelFor(device, "permute", particles.count(), permutation.next(memory.order));
 #else
+    room = {};
     particles.permute(memory.order);
 #endif
   }
-  const ArrayView<float> crowding = crowdingIn(particles);
-  crowding_ = crowding;
-  crowdingUse_ = particles.scratchUses();
-  Vec4f* places = nullptr;
-  placesUse_ = 0;
+  const Version positions = particles.positions().version();
+  const Lease<Vec3f> room = particles.leaseVectors();
+  const ArrayView<float> crowding{reinterpret_cast<float*>(room.data()), room.size()};
+  ByProducts& byProducts = particles.byProducts();
+  byProducts.forget(kCrowding);
+  byProducts.forget(kPlaces);
+  Lease<Vec4f> places;
   if (packs_ && particles.hasPlaces()) {
-    Array<Vec4f>& to = particles.places();
-    places = to.data();
-    places_ = to.view();
-    placesUse_ = particles.placesUses();
-    crowdingUse_ = 0;
+    places = particles.leasePlaces();
+    byProducts.keep<Vec4f>(kPlaces, places.view(), {positions, places.version()});
+  } else {
+    byProducts.keep<float>(kCrowding, crowding, {positions, room.version()});
   }
   const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles, cellStart, fine, crowding.data, places);
+  listOn(device, particles, cellStart, sorted.fine, crowding.data,
+         byProducts.find(kPlaces).size > 0 ? places.data() : nullptr);
 }
 
 template <class Backend>
@@ -307,7 +310,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayVi
                           [[maybe_unused]] const FineCell* fine, float* crowding,
                           [[maybe_unused]] Vec4f* places) {
   const Count count = particles.count();
-  const ArrayView<const Vec3f> positions = particles.positions().view();
+  const ArrayView<const Vec3f> positions = particles.positions().read();
   const float radiusSquared = radius_ * radius_;
   constexpr std::string_view kName = "find neighbours";
   const ListWriter writer{

@@ -18,6 +18,14 @@ namespace weir {
 /// stand together, and the next eight of one list are so many entries behind.
 inline constexpr int kInterleaved = kEight;
 
+// By-products of the search, for the particles' present positions: one of the two.
+
+/// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of the
+/// spiky kernel over its value at 0.
+inline constexpr ByProduct<float> kCrowding{"crowding"};
+/// Vec4f{x, y, z, crowding}, on CUDA, where somebody has leased ParticleSet::leasePlaces().
+inline constexpr ByProduct<Vec4f> kPlaces{"places"};
+
 /// The place of entry 0 of list i; entry k stands k * kInterleaved behind it.
 WEIR_HD inline std::int64_t listPlace(std::int64_t i, int capacity) {
   const std::int64_t lane = i % kInterleaved;
@@ -163,10 +171,10 @@ class NeighborList {
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
-  /// reciprocal unless truncated. Uses all scratch memory of the particles.
+  /// reciprocal unless truncated. Takes all scratch memory of the particles meanwhile.
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
 
-  /// Bytes on the device that lists and sorting take, in the largest grid, the particles' wideScratch() among
+  /// Bytes on the device that lists and sorting take, in the largest grid, the particles' wide room among
   /// them; after configure().
   double memoryFor(double particles) const;
 
@@ -175,16 +183,6 @@ class NeighborList {
   void restore(const StateReader& from);
 
   NeighborView view() const;
-  /// Σ_j (1 − r_ij/H)³ over all particles within the radius H at the search, i itself included: the sum of
-  /// the spiky kernel over its value at 0, as a by-product. It stands in the particles' scratch(), so it is
-  /// empty once someone else has asked for that.
-  ArrayView<const float> crowding(const ParticleSet& particles) const {
-    return particles.scratchUses() == crowdingUse_ ? crowding_ : ArrayView<const float>{};
-  }
-  /// Where the search wrote Vec4f{x, y, z, crowding} of every particle into their places(); empty otherwise.
-  ArrayView<const Vec4f> places(ParticleSet& particles) const {
-    return particles.placesUses() == placesUse_ ? places_ : ArrayView<const Vec4f>{};
-  }
   NeighborEditor editor();
   int capacity() const { return capacity_; }
   /// How many neighbours each has, for as many particles as there was room for in the last search.
@@ -224,12 +222,8 @@ class NeighborList {
   Array<ListGroup> groups_;
   Array<int> blocks_;
   int blocksWanted_ = 0;
-  ArrayView<const float> crowding_;
-  std::uint64_t crowdingUse_ = 0;  // of the scratch memory that it stands in
-  ArrayView<const Vec4f> places_;
-  std::uint64_t placesUse_ = 0;  // of the particles' places()
-  Array<float> columns_;         // all x, all y, all z; on the CPU only
-  Array<int> events_;            // NeighborEvents
+  Array<float> columns_;  // all x, all y, all z; on the CPU only
+  Array<int> events_;     // NeighborEvents
 };
 
 }  // namespace weir

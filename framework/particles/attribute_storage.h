@@ -1,53 +1,36 @@
-// Storage of one particle attribute. Private to ParticleSet.
+// Storage of one particle attribute. Private to ParticleSet and its handles.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "framework/particles/particle_set.h"
+#include "framework/compute/array.h"
+#include "framework/graph/state.h"
+#include "framework/particles/attribute_types.h"
+#include "framework/particles/version.h"
+
+namespace weir {
+class ParticleSet;
+}
 
 namespace weir::detail {
 
-template <class T>
-constexpr AttributeType attributeTypeOf();
+/// In checkpoints, nine numbers in a row.
 template <>
-constexpr AttributeType attributeTypeOf<float>() {
-  return AttributeType::kFloat;
-}
-template <>
-constexpr AttributeType attributeTypeOf<Vec3f>() {
-  return AttributeType::kVec3;
-}
-template <>
-constexpr AttributeType attributeTypeOf<int>() {
-  return AttributeType::kInt;
+constexpr StateElement stateElementOf<Mat3f>() {
+  return {StateKind::kFloat, kNumbersIn<Mat3f>};
 }
 
 /// Memory into which attributes are brought into another order. Attributes of one type use it one after the
 /// other, each leaving what it had to the next, so there are only as many arrays as are filled at a time.
-struct SpareMemory {
-  template <class T>
-  using Arrays = std::vector<std::unique_ptr<Array<T>>>;
-
-  Arrays<Vec3f> vectors;
-  Arrays<float> floats;
-  Arrays<int> ints;
-
-  template <class T>
-  Arrays<T>& of() {
-    if constexpr (std::is_same_v<T, Vec3f>)
-      return vectors;
-    else if constexpr (std::is_same_v<T, float>)
-      return floats;
-    else
-      return ints;
-  }
+class SpareMemory {
+ public:
   /// `size` elements. Where there is no particle they are 0, as in the attributes.
   template <class T>
   Array<T>& get(Device& device, std::size_t index, std::int64_t size) {
-    Arrays<T>& arrays = of<T>();
+    Arrays<T>& arrays = std::get<Arrays<T>>(arrays_);
     while (arrays.size() <= index) arrays.push_back(std::make_unique<Array<T>>(device));
     Array<T>& array = *arrays[index];
     const bool fresh = array.capacity() < size;
@@ -55,11 +38,13 @@ struct SpareMemory {
     if (fresh) array.fillZero();
     return array;
   }
-  void release() {
-    vectors.clear();
-    floats.clear();
-    ints.clear();
-  }
+  void release() { arrays_ = {}; }
+
+ private:
+  template <class T>
+  using Arrays = std::vector<std::unique_ptr<Array<T>>>;
+
+  AttributeTypes::TupleOf<Arrays> arrays_;
 };
 
 /// One attribute's elements, and where they go in another order.
@@ -71,10 +56,24 @@ struct PermutedColumn {
 
 class AttributeStorage {
  public:
-  explicit AttributeStorage(AttributeInfo info) : info_(std::move(info)) {}
+  AttributeStorage(ParticleSet& set, AttributeInfo info) : set_(set), info_(std::move(info)) {}
   virtual ~AttributeStorage() = default;
+  AttributeStorage(const AttributeStorage&) = delete;
+  AttributeStorage& operator=(const AttributeStorage&) = delete;
 
   const AttributeInfo& info() const { return info_; }
+  /// Makes up for a motion of the particles that was put off, for whoever is about to read or write.
+  void settle();
+
+  /// Of the elements.
+  Version version() const { return elements_.version(); }
+  /// Of where elements stand, and which particle's each is.
+  Version layout() const { return layout_.version(); }
+  /// Somebody is given leave to write.
+  void changed() { elements_.advance(); }
+  /// Elements are in another place or another order, or not what they were.
+  void rearranged() { elements_.advance(), layout_.advance(); }
+
   /// Room for `size` elements, no more. Keeps the present ones, or sets all to zero if they are derived; new
   /// ones are zero.
   virtual void grow(std::int64_t size) = 0;
@@ -82,20 +81,22 @@ class AttributeStorage {
   /// present one. `spare` numbers the arrays of this type that are in use at the time.
   virtual PermutedColumn beginPermutation(std::size_t spare) = 0;
   virtual void finishPermutation(std::size_t spare) = 0;
-  /// Sets `amount` elements behind the first `*count` ones to zero.
-  virtual void zeroBehind(Device& device, const int* count, std::int64_t amount) = 0;
+  /// All elements as words of 4 bytes, and how many words an element has.
+  virtual std::pair<ArrayView<std::uint32_t>, int> words() = 0;
   virtual void save(const StateWriter& to, std::int64_t count) const = 0;
   virtual void restore(const StateReader& from) = 0;
 
  private:
+  ParticleSet& set_;
   AttributeInfo info_;
+  VersionCounter elements_, layout_;
 };
 
 template <class T>
 class TypedStorage final : public AttributeStorage {
  public:
-  TypedStorage(AttributeInfo info, Device& device, SpareMemory& spares)
-      : AttributeStorage(std::move(info)), values(device), spares_(&spares) {}
+  TypedStorage(ParticleSet& set, AttributeInfo info, Device& device, SpareMemory& spares)
+      : AttributeStorage(set, std::move(info)), values(device), spares_(spares) {}
 
   void grow(std::int64_t size) override {
     if (info().derived) {
@@ -110,16 +111,15 @@ class TypedStorage final : public AttributeStorage {
     }
   }
   PermutedColumn beginPermutation(std::size_t spare) override {
-    static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
-    Array<T>& room = spares_->get<T>(values.device(), spare, values.size());
+    Array<T>& room = spares_.get<T>(values.device(), spare, values.size());
     return {reinterpret_cast<const std::uint32_t*>(values.data()),
-            reinterpret_cast<std::uint32_t*>(room.data()), sizeof(T) / sizeof(std::uint32_t)};
+            reinterpret_cast<std::uint32_t*>(room.data()), kWords};
   }
   void finishPermutation(std::size_t spare) override {
-    values.swap(spares_->get<T>(values.device(), spare, values.size()));
+    values.swap(spares_.get<T>(values.device(), spare, values.size()));
   }
-  void zeroBehind(Device& device, const int* count, std::int64_t amount) override {
-    dispatch(device, [&](auto& backend) { zeroBehindOn(backend, count, amount); });
+  std::pair<ArrayView<std::uint32_t>, int> words() override {
+    return {{reinterpret_cast<std::uint32_t*>(values.data()), kWords * values.size()}, kWords};
   }
 
   void save(const StateWriter& to, std::int64_t count) const override { to.put(info().name, values, count); }
@@ -128,10 +128,10 @@ class TypedStorage final : public AttributeStorage {
   Array<T> values;
 
  private:
-  template <class Backend>
-  void zeroBehindOn(Backend& device, const int* count, std::int64_t amount);
+  static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
+  static constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
 
-  SpareMemory* spares_;
+  SpareMemory& spares_;
 };
 
 }  // namespace weir::detail

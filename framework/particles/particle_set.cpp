@@ -12,29 +12,39 @@ namespace weir {
 using detail::AttributeStorage;
 using detail::TypedStorage;
 
+namespace {
+
+template <class T>
+std::shared_ptr<TypedStorage<T>> typed(const std::shared_ptr<AttributeStorage>& storage) {
+  return std::static_pointer_cast<TypedStorage<T>>(storage);
+}
+
+}  // namespace
+
 ParticleSet::ParticleSet(Device& device)
     : device_(&device),
-      spares_(std::make_unique<detail::SpareMemory>()),
-      wideScratch_(device),
+      wide_(device),
       places_(device),
+      vectorRoom_(std::make_shared<detail::Room>()),
+      wideRoom_(std::make_shared<detail::Room>()),
+      placesRoom_(std::make_shared<detail::Room>()),
       counter_(device) {
   counter_.resize(1);
   counter_.fillZero();
-  positions_ = &add<Vec3f>({"position", AttributeType::kVec3, "m", "Position."});
-  velocities_ = &add<Vec3f>({"velocity", AttributeType::kVec3, "m/s", "Velocity."});
-  ids_ = &add<int>({"id", AttributeType::kInt, "", "A number that stays with the particle, from 0."});
+  const auto vector = AttributeType::kVec3;
+  position_ = typed<Vec3f>(addStorage({"position", vector, "m", "Position."}, vector));
+  velocity_ = typed<Vec3f>(addStorage({"velocity", vector, "m/s", "Velocity."}, vector));
+  const AttributeInfo id{"id", AttributeType::kInt, "", "A number that stays with the particle, from 0."};
+  id_ = typed<int>(addStorage(id, id.type));
 }
 
 ParticleSet::~ParticleSet() = default;
-ParticleSet::ParticleSet(ParticleSet&&) noexcept = default;
-ParticleSet& ParticleSet::operator=(ParticleSet&&) noexcept = default;
 
 double ParticleSet::memoryOfAttribute(double particles, AttributeType type, bool derived) {
-  const std::size_t size = type == AttributeType::kVec3  ? sizeof(Vec3f)
-                           : type == AttributeType::kInt ? sizeof(int)
-                                                         : sizeof(float);
+  const std::size_t size = withAttributeType(type, []<class T>(std::type_identity<T>) { return sizeof(T); });
   // What is derived has no spare, and vectors have that of the positions (see permuteOn). So have ints.
-  const bool twice = !derived && (particles <= kFew || type == AttributeType::kFloat);
+  const bool sharesSpare = type == AttributeType::kVec3 || type == AttributeType::kInt;
+  const bool twice = !derived && (particles <= kFew || !sharesSpare);
   return (twice ? 2 : 1) * bytesOfArray(particles, size);
 }
 
@@ -45,34 +55,42 @@ double ParticleSet::memoryFor(double particles) {
          memoryOfAttribute(particles, AttributeType::kInt);
 }
 
-Array<Vec3f>& ParticleSet::scratch() {
-  ++scratchUses_;
-  return spares_->get<Vec3f>(*device_, 0, capacity());
+Lease<Vec3f> ParticleSet::leaseVectors() {
+  WEIR_CHECK(!vectorRoom_->isLent);
+  return {vectorRoom_, true, spares_.get<Vec3f>(*device_, 0, capacity())};
 }
 
-Array<Vec4f>& ParticleSet::wideScratch(std::int64_t least) {
-  ++uses_;
-  const std::int64_t size = std::max(least, capacity()), before = wideScratch_.capacity();
-  wideScratch_.resizeDiscarding(size);
+Lease<Vec4f> ParticleSet::leaseWide() {
+  return lendWide(capacity(), true);
+}
+
+Lease<Vec4f> ParticleSet::leaseUnordered(std::int64_t least) {
+  return lendWide(std::max(least, capacity()), false);
+}
+
+Lease<Vec4f> ParticleSet::lendWide(std::int64_t size, bool byParticle) {
+  WEIR_CHECK(!wideRoom_->isLent);
+  const std::int64_t before = wide_.capacity();
+  wide_.resizeDiscarding(size);
   // Searches read some fine cells that nobody writes, and forget what they said.
-  if (size > before) wideScratch_.fillZero();
-  return wideScratch_;
+  if (size > before) wide_.fillZero();
+  return {wideRoom_, byParticle, wide_};
 }
 
-Array<Vec4f>& ParticleSet::places() {
-  ++placesUses_, ++uses_;
+Lease<Vec4f> ParticleSet::leasePlaces() {
+  WEIR_CHECK(!placesRoom_->isLent);
   places_.resizeDiscarding(capacity());
-  return places_;
+  return {placesRoom_, true, places_};
 }
 
-AttributeStorage* ParticleSet::storage(std::string_view name) const {
-  for (const auto& storage : storages_)
-    if (storage->info().name == name) return storage.get();
+ParticleSet::Storage ParticleSet::storage(std::string_view name) const {
+  for (const Storage& storage : storages_)
+    if (storage->info().name == name) return storage;
   return nullptr;
 }
 
 const AttributeInfo* ParticleSet::find(std::string_view name) const {
-  const AttributeStorage* found = storage(name);
+  const Storage found = storage(name);
   return found != nullptr ? &found->info() : nullptr;
 }
 
@@ -82,48 +100,42 @@ std::vector<AttributeInfo> ParticleSet::attributes() const {
   return infos;
 }
 
-template <class T>
-Array<T>& ParticleSet::add(const AttributeInfo& info) {
-  used();
-  if (AttributeStorage* found = storage(info.name)) {
-    auto* typed = dynamic_cast<TypedStorage<T>*>(found);
-    if (typed == nullptr)
+ParticleSet::Storage ParticleSet::addStorage(const AttributeInfo& info, AttributeType type) {
+  if (Storage found = storage(info.name)) {
+    if (found->info().type != type)
       throw sceneError("two modules use the particle attribute '" + info.name + "' with different types",
                        "one type for one name");
-    return typed->values;
+    return found;
   }
   AttributeInfo typedInfo = info;
-  typedInfo.type = detail::attributeTypeOf<T>();
-  auto added = std::make_unique<TypedStorage<T>>(typedInfo, *device_, *spares_);
-  added->values.resizeDiscarding(capacity());
-  added->values.fillZero();
-  Array<T>& values = added->values;
-  storages_.push_back(std::move(added));
-  return values;
+  typedInfo.type = type;
+  return withAttributeType(type, [&]<class T>(std::type_identity<T>) -> Storage {
+    auto added = std::make_shared<TypedStorage<T>>(*this, typedInfo, *device_, spares_);
+    added->values.resizeDiscarding(capacity());
+    added->values.fillZero();
+    return storages_.emplace_back(std::move(added));
+  });
 }
 
-template <class T>
-Array<T>& ParticleSet::get(std::string_view name) {
-  used();
-  auto* typed = dynamic_cast<TypedStorage<T>*>(storage(name));
-  WEIR_CHECK(typed != nullptr);
-  return typed->values;
+void detail::AttributeStorage::settle() {
+  if (set_.motion_ && (this == set_.position_.get() || this == set_.velocity_.get())) set_.settle();
 }
 
-template <class T>
-const Array<T>& ParticleSet::get(std::string_view name) const {
-  return const_cast<ParticleSet*>(this)->get<T>(name);
+void ParticleSet::settle() {
+  if (!motion_) return;
+  const FreeMotion motion = *motion_;
+  motion_.reset();
+  dispatch(*device_, [&](auto& device) { moveOn(device, motion); });
 }
 
-template Array<float>& ParticleSet::add<float>(const AttributeInfo&);
-template Array<Vec3f>& ParticleSet::add<Vec3f>(const AttributeInfo&);
-template Array<int>& ParticleSet::add<int>(const AttributeInfo&);
-template Array<float>& ParticleSet::get<float>(std::string_view);
-template Array<Vec3f>& ParticleSet::get<Vec3f>(std::string_view);
-template Array<int>& ParticleSet::get<int>(std::string_view);
-template const Array<float>& ParticleSet::get<float>(std::string_view) const;
-template const Array<Vec3f>& ParticleSet::get<Vec3f>(std::string_view) const;
-template const Array<int>& ParticleSet::get<int>(std::string_view) const;
+void ParticleSet::rearrange() {
+  for (const auto& room : {vectorRoom_, wideRoom_, placesRoom_}) {
+    const bool scratchMemoryIsLent = room->isLent && room->isByParticle;
+    WEIR_CHECK(!scratchMemoryIsLent);
+  }
+  vectorRoom_->contents.advance();
+  for (const Storage& storage : storages_) storage->rearranged();
+}
 
 std::int64_t ParticleSet::refreshCount() {
   bound_ = counter_.toHost().front();
@@ -138,7 +150,7 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   const std::int64_t room = std::max(particles, std::min(grown, most_));
   // One after another, so that never more than one of them is there twice; what is given back here makes room
   // for that one.
-  spares_->release();
+  spares_.release();
   for (const auto& storage : storages_) storage->grow(room);
 }
 
@@ -147,21 +159,27 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   if (bound_ + batch.count > std::numeric_limits<int>::max() ||
       nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
-  used();
+  settle();
+  rearrange();
   const std::int64_t need = bound_ + batch.count;
   makeRoom(need);
-  for (const auto& storage : storages_) storage->zeroBehind(*device_, counter_.data(), batch.count);
-  dispatch(*device_, [&](auto& device) { appendOn(device, batch, selected); });
+  dispatch(*device_, [&](auto& device) {
+    for (const Storage& storage : storages_) {
+      const auto [words, wordsInOne] = storage->words();
+      zeroBehindOn(device, words, wordsInOne, batch.count);
+    }
+    appendOn(device, batch, selected);
+  });
   bound_ = need;
   nextId_ += batch.count;
 }
 
 void ParticleSet::permute(ArrayView<const int> order) {
-  ++uses_;
   dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
 }
 
 detail::Permutation::Permutation(ParticleSet& particles) : particles_(particles) {
+  particles.rearrange();
   for (const auto& storage : particles.storages_)
     if (!storage->info().derived) left_.push_back(storage.get());
 }
@@ -191,18 +209,14 @@ void detail::Permutation::finish() {
 }
 
 void ParticleSet::move(const FreeMotion& motion) {
-  used();
+  settle();
   motion_ = motion;
-}
-
-void ParticleSet::moveNow() {
-  const FreeMotion motion = *motion_;
-  motion_.reset();
-  dispatch(*device_, [&](auto& device) { moveOn(device, motion); });
+  position_->rearranged();
+  velocity_->rearranged();
 }
 
 void ParticleSet::clear() {
-  ++uses_;
+  rearrange();
   motion_.reset();
   counter_.fillZero();
   bound_ = 0;
@@ -210,14 +224,14 @@ void ParticleSet::clear() {
 }
 
 void ParticleSet::save(const StateWriter& to) const {
-  moved();
+  position_->settle();
   to.put("count", bound_);
   to.put("next_id", nextId_);
   for (const auto& storage : storages_) storage->save(to, bound_);
 }
 
 void ParticleSet::restore(const StateReader& from) {
-  ++uses_;
+  rearrange();
   motion_.reset();
   from.get("count", bound_);
   from.get("next_id", nextId_);

@@ -18,11 +18,14 @@ struct Move {
   }
 };
 
-template <class T>
 struct ZeroBehind {
-  ArrayView<T> values;
+  ArrayView<std::uint32_t> words;
+  int wordsInOne;
   const int* count;
-  WEIR_HD void operator()(std::int64_t k) const { values[*count + k] = T{}; }
+  WEIR_HD void operator()(std::int64_t k) const {
+    std::uint32_t* const element = words.data + (*count + k) * wordsInOne;
+    for (int word = 0; word < wordsInOne; ++word) element[word] = 0;
+  }
 };
 
 struct AppendBatch {
@@ -59,6 +62,8 @@ struct PermuteRange {
       auto* const vectors = reinterpret_cast<Vec3f*>(column.to);
       if (column.words == 1)
         fill(column.to, [&](int i) { return column.from[i]; });
+      else if (column.words != detail::Permute::kWordsOfVector)
+        for (std::int64_t k = begin; k < end; ++k) detail::Permute::copyWords(column, k, p.order[k]);
       else if (moves && c == p.position)
         fill(vectors, [&](int i) { return p.unmoved.position(i); });
       else if (moves && c == p.velocity)
@@ -79,19 +84,11 @@ struct Advance {
 
 }  // namespace
 
-namespace detail {
-
-template <class T>
 template <class Backend>
-void TypedStorage<T>::zeroBehindOn(Backend& device, const int* count, std::int64_t amount) {
-  parallelFor(device, "zero", amount, ZeroBehind<T>{values.view(), count});
+void ParticleSet::zeroBehindOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne,
+                               std::int64_t amount) {
+  parallelFor(device, "zero", amount, ZeroBehind{words, wordsInOne, counter_.data()});
 }
-
-template void TypedStorage<float>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
-template void TypedStorage<Vec3f>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
-template void TypedStorage<int>::zeroBehindOn(ThisBackend&, const int*, std::int64_t);
-
-}  // namespace detail
 
 template <class Backend>
 void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected) {
@@ -99,7 +96,7 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   parallelFor(
       device, "append", count,
       AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
-                  counter_.data(), positions_->view(), velocities_->view(), ids_->view()});
+                  counter_.data(), position_->values.view(), velocity_->values.view(), id_->values.view()});
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
 
@@ -115,9 +112,10 @@ void ParticleSet::permuteOn(Backend& device, ArrayView<const int> order) {
 
 template <class Backend>
 void ParticleSet::moveOn(Backend& device, const FreeMotion& motion) {
-  parallelFor(device, "move", count(), Move{motion, positions_->view(), velocities_->view()});
+  parallelFor(device, "move", count(), Move{motion, position_->values.view(), velocity_->values.view()});
 }
 
+template void ParticleSet::zeroBehindOn(ThisBackend&, ArrayView<std::uint32_t>, int, std::int64_t);
 template void ParticleSet::moveOn(ThisBackend&, const FreeMotion&);
 
 template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);

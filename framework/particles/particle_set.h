@@ -1,7 +1,9 @@
 // The particles of a fluid: a struct of arrays with a registry of named attributes.
 //
 // Sorting, removal, emission, export and rendering walk the registry, so an attribute that a module adds is
-// permuted, carried and shown like the built-in ones: position [m], velocity [m/s] and id.
+// permuted, carried and shown like the built-in ones: position [m], velocity [m/s] and id. Attributes are
+// read and written by handles (attribute.h), scratch memory is leased (lease.h), and what the algorithms of a
+// step leave for each other stands in one table (by_products.h).
 #pragma once
 
 #include <limits>
@@ -14,28 +16,17 @@
 
 #include "framework/compute/parallel.h"
 #include "framework/graph/state.h"
+#include "framework/particles/attribute.h"
+#include "framework/particles/by_products.h"
 #include "framework/particles/free_motion.h"
+#include "framework/particles/lease.h"
 #include "framework/particles/particle_batch.h"
 
 namespace weir {
 
-enum class AttributeType { kFloat, kVec3, kInt };
-inline constexpr int kAttributeTypes = 3;
-
-struct AttributeInfo {
-  std::string name;
-  AttributeType type = AttributeType::kFloat;
-  std::string unit;
-  std::string doc;
-  bool derived = false;  ///< made anew for every frame, so it does not travel with its particle in between
-};
-
 namespace detail {
-/// Storage of one attribute without its type; see attribute_storage.h.
-class AttributeStorage;
 class Permutation;
-struct SpareMemory;
-}  // namespace detail
+}
 
 /// Some particles of a batch: order[k] for k < *kept, both on the device.
 struct BatchSelection {
@@ -47,63 +38,61 @@ class ParticleSet {
  public:
   explicit ParticleSet(Device& device);
   ~ParticleSet();
-  ParticleSet(ParticleSet&&) noexcept;
-  ParticleSet& operator=(ParticleSet&&) noexcept;
+  ParticleSet(const ParticleSet&) = delete;
+  ParticleSet& operator=(const ParticleSet&) = delete;
 
   Device& device() const { return *device_; }
 
   /// Bytes on the device, with what is needed to put particles into another order: of an attribute, and of
-  /// those that every set has, with scratch().
+  /// those that every set has, with the room for vectors.
   static double memoryOfAttribute(double particles, AttributeType type, bool derived = false);
   static double memoryFor(double particles);
 
-  /// Memory for a vector a particle, or so many bytes of anything, until the particles are put into another
-  /// order or someone else uses it: so within a module's step and its part of one. It is the room in which
-  /// velocities, say, are sorted; swapping it with theirs is how a module replaces all of them.
-  Array<Vec3f>& scratch();
-  /// How often someone has asked for it.
-  std::uint64_t scratchUses() const { return scratchUses_; }
-  /// Memory for four numbers a particle, or for at least so many elements; the search for neighbours and the
-  /// solvers use it. As long as scratch(), and until the next search.
-  Array<Vec4f>& wideScratch(std::int64_t least = 0);
-  /// Another, for positions in the iterations of solvers. Once a solver has asked for it, the search on CUDA
-  /// writes there, too (NeighborList::places); what stands in it lasts until someone asks for it again.
-  Array<Vec4f>& places();
+  /// Scratch memory: a vector a particle. It is the room in which attributes are put into another order, and
+  /// swapping it with velocities is how a module replaces all of them (Attribute::swap).
+  Lease<Vec3f> leaseVectors();
+  /// Four numbers a particle, in a room that is also the next one's.
+  Lease<Vec4f> leaseWide();
+  /// At least so many elements of that room for what is not by particle, so that they may be put into another
+  /// order meanwhile.
+  Lease<Vec4f> leaseUnordered(std::int64_t least);
+  /// Four numbers a particle in another room, for solvers. Once it has been leased, the search on CUDA leaves
+  /// places there, too (kPlaces).
+  Lease<Vec4f> leasePlaces();
   bool hasPlaces() const { return places_.size() > 0; }
-  /// Whoever sums over velocities of neighbours may ask for codes of motion (motion_code.h) once, at its
-  /// reset. What writes positions and velocities last on CUDA leaves them then, in wideScratch() or places().
-  void requestMotionCodes() { asksForMotionCodes_ = true; }
-  bool motionCodesRequested() const { return asksForMotionCodes_; }
-  void storeMotionCodes(ArrayView<const Vec4f> codes) { motionCodes_ = codes, motionCodesUse_ = uses_; }
-  /// Empty if nobody has left them, or as soon as anyone may have changed motion or codes.
-  ArrayView<const Vec4f> motionCodes() const {
-    return motionCodesUse_ == uses_ ? motionCodes_ : ArrayView<const Vec4f>{};
-  }
-  /// How often someone has asked for it.
-  std::uint64_t placesUses() const { return placesUses_; }
+
+  /// What was found on the way through a step.
+  ByProducts& byProducts() { return byProducts_; }
+  const ByProducts& byProducts() const { return byProducts_; }
+
   /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
   /// memory for all of them twice.
   static constexpr std::int64_t kFew = 1 << 20;
 
   /// Adds an attribute with value 0 for all particles, now and when they are born; or finds the one of that
-  /// name, which must have the same type (a scene Error otherwise). T is float, Vec3f or int. The reference
-  /// lives as long as the set.
+  /// name, which must have the same type (a scene Error otherwise). T is one of AttributeTypes.
   template <class T>
-  Array<T>& add(const AttributeInfo& info);
+  Attribute<T> add(const AttributeInfo& info) {
+    return handleOf<T>(addStorage(info, AttributeTraits<T>::kType));
+  }
   /// An attribute that is known to be there (a WEIR_CHECK otherwise).
   template <class T>
-  Array<T>& get(std::string_view name);
+  Attribute<T> get(std::string_view name) {
+    return handleOf<T>(storage(name));
+  }
   template <class T>
-  const Array<T>& get(std::string_view name) const;
+  Attribute<const T> get(std::string_view name) const {
+    return handleOf<T>(storage(name));
+  }
   const AttributeInfo* find(std::string_view name) const;
   std::vector<AttributeInfo> attributes() const;
 
-  Array<Vec3f>& positions() { return used(), *positions_; }
-  Array<Vec3f>& velocities() { return used(), *velocities_; }
-  Array<int>& ids() { return *ids_; }
-  const Array<Vec3f>& positions() const { return moved(), *positions_; }
-  const Array<Vec3f>& velocities() const { return moved(), *velocities_; }
-  const Array<int>& ids() const { return *ids_; }
+  Attribute<Vec3f> positions() { return handleOf<Vec3f>(position_); }
+  Attribute<Vec3f> velocities() { return handleOf<Vec3f>(velocity_); }
+  Attribute<int> ids() { return handleOf<int>(id_); }
+  Attribute<const Vec3f> positions() const { return handleOf<Vec3f>(position_); }
+  Attribute<const Vec3f> velocities() const { return handleOf<Vec3f>(velocity_); }
+  Attribute<const int> ids() const { return handleOf<int>(id_); }
 
   /// The exact number stands on the device; the host knows an upper bound until the next refreshCount().
   Count count() const { return {bound_, counter_.data()}; }
@@ -114,12 +103,12 @@ class ParticleSet {
   std::int64_t refreshCount();
 
   /// How many particles there is room for: the size of every attribute's array.
-  std::int64_t capacity() const { return positions_ != nullptr ? positions_->size() : 0; }
+  std::int64_t capacity() const { return position_ != nullptr ? position_->values.size() : 0; }
   /// There will be no more particles than this, so no room is made for more as long as that holds.
   void expectAtMost(std::int64_t particles) { most_ = particles; }
 
-  /// All particles move. It is put off until someone asks for positions or velocities, or the particles are
-  /// put into another order, which then moves them on its way.
+  /// All particles move. It is put off until somebody reads or writes positions or velocities, or the
+  /// particles are put into another order, which then moves them on its way.
   void move(const FreeMotion& motion);
   /// What particles have, and how they are to move yet; dt is 0 where they are not.
   struct PendingMotion {
@@ -131,8 +120,8 @@ class ParticleSet {
   };
   bool hasPendingMotion() const { return motion_.has_value(); }
   PendingMotion pendingMotion() const {
-    return {motion_.value_or(FreeMotion{}), std::as_const(*positions_).view(),
-            std::as_const(*velocities_).view()};
+    return {motion_.value_or(FreeMotion{}), std::as_const(position_->values).view(),
+            std::as_const(velocity_->values).view()};
   }
 
   /// Adds the particles of a batch behind the others; their ids go on from the last one given.
@@ -150,34 +139,46 @@ class ParticleSet {
 
  private:
   friend class detail::Permutation;
+  friend class detail::AttributeStorage;
   template <class Backend>
   void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
   template <class Backend>
   void moveOn(Backend& device, const FreeMotion& motion);
+  template <class Backend>
+  void zeroBehindOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne, std::int64_t amount);
+
   /// Makes up for a motion that was put off.
-  void moved() const {
-    if (motion_) const_cast<ParticleSet*>(this)->moveNow();
-  }
-  void moveNow();
-  /// Someone may change attributes or memory for all particles.
-  void used() { ++uses_, moved(); }
+  void settle();
+  /// All attributes are about to be in another place or another order: nobody may hold scratch memory.
+  void rearrange();
+  Lease<Vec4f> lendWide(std::int64_t size, bool byParticle);
   void makeRoom(std::int64_t particles);
   bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
-  detail::AttributeStorage* storage(std::string_view name) const;
+
+  using Storage = std::shared_ptr<detail::AttributeStorage>;
+  Storage storage(std::string_view name) const;
+  Storage addStorage(const AttributeInfo& info, AttributeType type);
+  template <class T>
+  static Attribute<T> handleOf(const std::shared_ptr<detail::AttributeStorage>& storage) {
+    auto typed = std::dynamic_pointer_cast<detail::TypedStorage<T>>(storage);
+    WEIR_CHECK(typed);
+    return handleOf(typed);
+  }
+  template <class T>
+  static Attribute<T> handleOf(const std::shared_ptr<detail::TypedStorage<T>>& storage) {
+    return Attribute<T>(storage);
+  }
 
   Device* device_;
-  std::unique_ptr<detail::SpareMemory> spares_;
-  std::vector<std::unique_ptr<detail::AttributeStorage>> storages_;
-  Array<Vec4f> wideScratch_, places_;
-  std::uint64_t scratchUses_ = 0, placesUses_ = 0;
-  bool asksForMotionCodes_ = false;
-  ArrayView<const Vec4f> motionCodes_;
-  std::uint64_t uses_ = 0, motionCodesUse_ = 0;
-  Array<Vec3f>* positions_ = nullptr;
-  Array<Vec3f>* velocities_ = nullptr;
-  Array<int>* ids_ = nullptr;
+  detail::SpareMemory spares_;
+  std::vector<Storage> storages_;
+  std::shared_ptr<detail::TypedStorage<Vec3f>> position_, velocity_;
+  std::shared_ptr<detail::TypedStorage<int>> id_;
+  Array<Vec4f> wide_, places_;
+  std::shared_ptr<detail::Room> vectorRoom_, wideRoom_, placesRoom_;
+  ByProducts byProducts_;
   Array<int> counter_;
   std::optional<FreeMotion> motion_;
   std::int64_t bound_ = 0;

@@ -5,10 +5,10 @@
 
 namespace weir {
 
-const Array<float>* Particles::ownValues(const MaterialField& field) const {
-  if (!field.byParticle()) return nullptr;
+Attribute<const float> Particles::ownValues(const MaterialField& field) const {
+  if (!field.byParticle()) return {};
   const AttributeInfo* info = set().find(field.attribute);
-  if (info != nullptr && info->type == AttributeType::kFloat) return &set().get<float>(field.attribute);
+  if (info != nullptr && info->type == AttributeType::kFloat) return set().get<float>(field.attribute);
   std::vector<std::string> names;
   for (const AttributeInfo& attribute : set().attributes())
     if (attribute.type == AttributeType::kFloat) names.push_back(attribute.name);

@@ -54,9 +54,9 @@ class Particles {
   /// For the node that holds the set, which must outlive this.
   void assign(ParticleSet& set) { set_ = &set; }
 
-  /// Each particle's own value; null where all share one. Throws a scene Error if the material names an
+  /// Each particle's own value; of nothing where all share one. Throws a scene Error if the material names an
   /// attribute of floats that the particles do not have.
-  const Array<float>* ownValues(const MaterialField& field) const;
+  Attribute<const float> ownValues(const MaterialField& field) const;
 
   /// For a node whose particles meet solids, in its constructor; see framework/solids/solid_coupling.h.
   void offer(SolidCoupling& coupling) { coupling_ = &coupling; }

@@ -7,12 +7,14 @@
 #include "framework/compute/wide_access.h"
 #include "framework/particles/attribute_storage.h"
 #include "framework/particles/fine_cell.h"
+#include "framework/particles/particle_set.h"
 
 namespace weir::detail {
 
 /// Moves several attributes at once, so that the order is read but once.
 struct Permute {
   static constexpr int kMax = 8;  // columns in one launch
+  static constexpr int kWordsOfVector = 3;
 
   ArrayView<const int> order;
   PermutedColumn columns[kMax];
@@ -35,12 +37,21 @@ struct Permute {
         column.to[k] = column.from[i];
         continue;
       }
+      if (column.words != kWordsOfVector) {
+        copyWords(column, k, i);
+        continue;
+      }
       const Vec3f value = moves && (c == position || c == velocity)
                               ? moved(i, c)
                               : loadInTwo(reinterpret_cast<const Vec3f*>(column.from)[i]);
       storeInTwo(reinterpret_cast<Vec3f*>(column.to)[k], value);
       if (c == position && fine != nullptr) fine[k] = FineCell::of(value, inverseCellSize);
     }
+  }
+
+  WEIR_HD static void copyWords(const PermutedColumn& column, std::int64_t k, std::int64_t i) {
+    const int words = column.words;
+    for (int word = 0; word < words; ++word) column.to[k * words + word] = column.from[i * words + word];
   }
 
   WEIR_HD Vec3f moved(std::int64_t i, int c) const {

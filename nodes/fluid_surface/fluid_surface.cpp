@@ -35,7 +35,7 @@ void FluidSurface::frame(const StepContext& context) {
   const ProfileScope scope(context.device.profiler(), name());
   ParticleSet& particles = fluid->set();
   const std::int64_t count = particles.refreshCount();
-  state.kernels.make(context.device, particles.positions(), count, state.settings,
+  state.kernels.make(context.device, particles.positions().read(), count, state.settings,
                      KernelField::farthest(state.cell, state.settings.radius));
   state.leftOut = count - state.kernels.size();
   state.field.make(context.device, state.kernels, state.cell);

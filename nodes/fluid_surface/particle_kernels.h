@@ -45,8 +45,8 @@ class ParticleKernels {
 
   /// Makes them for the first `count` of these positions. Those that are not finite, or farther than
   /// `farthest` from the origin along any axis, have none. Waits for the device.
-  void make(Device& device, const Array<Vec3f>& positions, std::int64_t count, const KernelSettings& settings,
-            float farthest);
+  void make(Device& device, ArrayView<const Vec3f> positions, std::int64_t count,
+            const KernelSettings& settings, float farthest);
 
   /// Bytes on the device for so many particles.
   static double memoryFor(double particles);

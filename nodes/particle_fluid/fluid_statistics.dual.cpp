@@ -58,8 +58,8 @@ template <class Backend>
 void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
               double restDensity, FluidSums* sums) {
   reduce(device, "statistics", particles.count(), FluidSums{},
-         SumsOfOne{particles.positions().view(), particles.velocities().view(),
-                   particles.get<float>("density").view(), neighborCounts, restDensity},
+         SumsOfOne{particles.positions().read(), particles.velocities().read(),
+                   particles.get<float>("density").read(), neighborCounts, restDensity},
          AddSums{}, sums);
 }
 

@@ -52,11 +52,10 @@ template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForUneven<kPlan>(
-      device, "hidden neighbours", walls.pairs.nearCount(),
-      TakeOutHidden{walls.views.view(), walls.pairs.view(), walls.pairs.near(),
-                    std::as_const(walls.sides).view(), std::as_const(fluid.particles).positions().view(),
-                    fluid.neighbors.editor()});
+  parallelForUneven<kPlan>(device, "hidden neighbours", walls.pairs.nearCount(),
+                           TakeOutHidden{walls.views.view(), walls.pairs.view(), walls.pairs.near(),
+                                         std::as_const(walls.sides).view(),
+                                         fluid.particles.positions().read(), fluid.neighbors.editor()});
 }
 
 template void takeOutHiddenNeighbors(ThisBackend&, FluidStep&);

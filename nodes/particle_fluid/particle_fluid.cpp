@@ -120,11 +120,11 @@ void ParticleFluid::reset(const SetupContext& context) {
   constants_.stiffened = stiffened;
   State& state = state_.emplace(context.device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
-  state.density = &state.particles.add<float>({.name = "density",
-                                               .type = AttributeType::kFloat,
-                                               .unit = "kg/m^3",
-                                               .doc = "Density.",
-                                               .derived = true});
+  state.density = state.particles.add<float>({.name = "density",
+                                              .type = AttributeType::kFloat,
+                                              .unit = "kg/m^3",
+                                              .doc = "Density.",
+                                              .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)

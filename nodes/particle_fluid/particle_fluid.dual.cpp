@@ -91,22 +91,22 @@ void ParticleFluid::selectOn(Backend& device, const ParticleBatch& born) {
 template <class Backend>
 void ParticleFluid::markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside) {
   parallelFor(device, "carve", inside.size(),
-              MarkInside{solids.view(), kCarveGap * constants_.spacing,
-                         std::as_const(state_->particles).positions().view(), inside.view()});
+              MarkInside{solids.view(), kCarveGap * constants_.spacing, state_->particles.positions().read(),
+                         inside.view()});
 }
 
 template <class Backend>
 void ParticleFluid::boundingBoxOn(Backend& device) {
   State& state = *state_;
   reduce(device, "bounding box", state.particles.count(), FluidExtent{},
-         PointExtent{state.particles.positions().view()}, UniteExtents{}, state.extent.data());
+         PointExtent{state.particles.positions().read()}, UniteExtents{}, state.extent.data());
 }
 
 template <class Backend>
 void ParticleFluid::speedOn(Backend& device) {
   State& state = *state_;
   reduce(device, "largest speed", state.particles.count(), 0.0f,
-         SpeedSquared{state.particles.velocities().view()}, Max{}, state.speedSquared.data());
+         SpeedSquared{state.particles.velocities().read()}, Max{}, state.speedSquared.data());
 }
 
 template <class Backend>
@@ -115,7 +115,7 @@ void ParticleFluid::densityOn(Backend& device) {
   parallelFor(
       device, "density", state.particles.count(),
       Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
-              state.particles.positions().view(), state.walls.view(), state.density->view()});
+              state.particles.positions().read(), state.walls.view(), state.density.write()});
 }
 
 template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);

@@ -131,7 +131,7 @@ class ParticleFluid final : public Node, private SolidCoupling {
     WallField walls;
     Array<FluidExtent> extent;
     Array<float> speedSquared;  // the largest
-    Array<float>* density = nullptr;
+    Attribute<float> density;
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
     CellSort born;  // those of an emitter's particles that have room

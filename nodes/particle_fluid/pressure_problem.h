@@ -117,11 +117,31 @@ struct PushOf {
   }
 };
 
+/// What the search for neighbours has left (neighbor_list.h), where it says what a solver asks.
+struct SearchSums {
+  ArrayView<const float> crowding;
+  ArrayView<const Vec4f> places;
+
+  static SearchSums of(const FluidStep& fluid) {
+    // The search knows neither walls nor what they hide from each other.
+    if (!fluid.walls.empty()) return {};
+    const ByProducts& found = fluid.particles.byProducts();
+    return {.crowding = found.find(kCrowding), .places = found.find(kPlaces)};
+  }
+  bool empty() const { return places.size == 0 && crowding.size == 0; }
+};
+
 /// Of one step; all arrays are the particles' own scratch memory.
 struct PressureProblem {
   FluidStep& fluid;
   const BulkEnergy& energy;
   bool conservative, tension;
+  /// `crowding` stands where displacements go, `places` where states go, so it is over with the first of
+  /// these that is written. Members are made in their order: this one before the rooms are leased.
+  SearchSums found = SearchSums::of(fluid);
+  Lease<Vec3f> displacementRoom = fluid.particles.leaseVectors();
+  Lease<Vec4f> stateRoom = fluid.particles.leasePlaces();
+  Lease<Vec4f> weightedRoom = fluid.particles.leaseWide();
 
   /// (c·dt)².
   float stiffness() const {
@@ -129,13 +149,23 @@ struct PressureProblem {
     return fluid.constants.soundSpeedSquared() * dt * dt;
   }
   float inverseDt() const { return 1 / static_cast<float>(fluid.time.dt); }
-  ArrayView<Vec3f> predicted() const { return fluid.particles.positions().view(); }
-  /// x − x*. The first one takes the place of the crowding.
-  ArrayView<Vec3f> displacement() const { return fluid.particles.scratch().view(); }
+  ArrayView<const Vec3f> predicted() const { return fluid.particles.positions().read(); }
+  /// x − x*.
+  ArrayView<Vec3f> displacement() const { return displacementRoom.view(); }
   /// Positions, in the iterations.
-  ArrayView<Vec4f> state() const { return fluid.particles.places().view(); }
+  ArrayView<Vec4f> state() const { return stateRoom.view(); }
   /// Position and Ḃ of each particle, after the density pass.
-  ArrayView<Vec4f> weighted() const { return fluid.particles.wideScratch().view(); }
+  ArrayView<Vec4f> weighted() const { return weightedRoom.view(); }
+  /// Calls f, which may put the particles into another order, with all rooms given back. What was in them is
+  /// lost.
+  template <class F>
+  void withoutRooms(const F& f) {
+    displacementRoom = {}, stateRoom = {}, weightedRoom = {};
+    f();
+    displacementRoom = fluid.particles.leaseVectors();
+    stateRoom = fluid.particles.leasePlaces();
+    weightedRoom = fluid.particles.leaseWide();
+  }
 
   /// The density pass, which leaves e where it is asked for.
   EnergyDerivative derivative(ArrayView<float> excess = {}) const {
@@ -172,9 +202,9 @@ struct PressureProblem {
   /// The end of the step, from the displacements.
   template <class Backend>
   void finish(Backend& device) const {
-    const ArrayView<Vec3f> velocities = fluid.particles.velocities().view();
     parallelFor(device, "finish", fluid.particles.count(),
-                FinishDisplacement{inverseDt(), displacement(), predicted(), velocities});
+                FinishDisplacement{inverseDt(), displacement(), fluid.particles.positions().write(),
+                                   fluid.particles.velocities().write()});
   }
 };
 

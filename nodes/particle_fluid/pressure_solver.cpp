@@ -79,10 +79,9 @@ void PressureSolver::reserve(FluidStep& fluid, bool excess) {
   if (searches() || excess) fitScratch(fluid, excess_);
 }
 
-void PressureSolver::record(FluidStep& fluid) {
+void PressureSolver::record(const PressureProblem& problem) {
   if (recordObjective)
-    objective_->measure(fluid, bulkEnergy_, tension, fluid.particles.places().view(),
-                        fluid.particles.scratch().view());
+    objective_->measure(problem.fluid, bulkEnergy_, tension, problem.state(), problem.displacement());
 }
 
 void PressureSolver::warnOfFew(const FluidOutlook& outlook, int iterations,

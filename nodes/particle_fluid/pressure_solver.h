@@ -67,7 +67,7 @@ class PressureSolver : public FluidModule {
   /// Makes room for `excess_` where it is asked for, and for what a search of the step length needs.
   void reserve(FluidStep& fluid, bool excess);
   /// Where the iterations have come to, if that is recorded.
-  void record(FluidStep& fluid);
+  void record(const PressureProblem& problem);
   /// Warns of a step that so many iterations leave compressed.
   void warnOfFew(const FluidOutlook& outlook, int iterations, const std::string& another) const;
 

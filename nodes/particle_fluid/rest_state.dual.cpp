@@ -96,7 +96,7 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
   std::int64_t first = 0;
   for (Resting& of : batches) {
     const std::int64_t count = of.batch->count;
-    if (count > 0) f(of, Batch{static_cast<int>(first), count, particles.ids().view()});
+    if (count > 0) f(of, Batch{static_cast<int>(first), count, particles.ids().read()});
     first += count;
   }
 }
@@ -110,7 +110,7 @@ void RestState::dampOn(Backend& device, float kept) {
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     if (of.batch->container)
       parallelFor(device, "damp", p.count(),
-                  Damp{batch, kept, of.weightless ? lift : Vec3f{}, p.velocities().view()});
+                  Damp{batch, kept, of.weightless ? lift : Vec3f{}, p.velocities().write()});
   });
 }
 
@@ -121,7 +121,7 @@ void RestState::findCarriedOn(Backend& device) {
   forEachBatch(batches_, p, [&](Resting& of, const Batch& batch) {
     if (!of.batch->container || !of.undecided() || !(fall > 0)) return;
     reduce(device, "carried", p.count(), 0.0,
-           Push{batch, of.batch->container->view(), of.contact(), p.positions().view()}, Plus{}, sum_.data());
+           Push{batch, of.batch->container->view(), of.contact(), p.positions().read()}, Plus{}, sum_.data());
     of.carried += sum_.toHost().front() / (fall * static_cast<double>(batch.size));
   });
 }
@@ -132,11 +132,11 @@ void RestState::containOn(Backend& device) {
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     if (of.batch->container)
       parallelFor(device, "contain", p.count(),
-                  Contain{batch, of.batch->container->view(), of.contact(), p.positions().view(),
-                          p.velocities().view()});
+                  Contain{batch, of.batch->container->view(), of.contact(), p.positions().write(),
+                          p.velocities().write()});
     else
       parallelFor(device, "hold", p.count(),
-                  Hold{batch, of.batch->positions.view(), p.positions().view(), p.velocities().view()});
+                  Hold{batch, of.batch->positions.view(), p.positions().write(), p.velocities().write()});
   });
 }
 
@@ -145,14 +145,14 @@ void RestState::releaseOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     parallelFor(device, "release", p.count(),
-                Release{batch, of.batch->velocityView(), p.velocities().view()});
+                Release{batch, of.batch->velocityView(), p.velocities().write()});
   });
 }
 
 template <class Backend>
 double RestState::meanSquareSpeedOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
-  reduce(device, "speed", p.count(), 0.0, SquareSpeed{p.velocities().view()}, Plus{}, sum_.data());
+  reduce(device, "speed", p.count(), 0.0, SquareSpeed{p.velocities().read()}, Plus{}, sum_.data());
   const std::int64_t count = p.refreshCount();
   return count > 0 ? sum_.toHost().front() / static_cast<double>(count) : 0;
 }

@@ -10,7 +10,7 @@ template <class... T>
 void fitScratch(FluidStep& fluid, Array<T>&... arrays) {
   const auto fit = [&](auto& array) {
     if (array.data() == nullptr) array = std::remove_reference_t<decltype(array)>(fluid.device);
-    array.resizeDiscarding(fluid.particles.positions().size());
+    array.resizeDiscarding(fluid.particles.capacity());
   };
   (fit(arrays), ...);
 }

@@ -111,12 +111,11 @@ struct ContactImpulse {
 template <class Backend>
 void sumContacts(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  reduceByKey(
-      device, "impulse", walls.metCount(), walls.views.size(), SolidImpulse{},
-      ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
-                     std::as_const(walls.met).view(), std::as_const(fluid.particles).positions().view(),
-                     std::as_const(walls.kick).view()},
-      AddImpulses{}, walls.impulses.data());
+  reduceByKey(device, "impulse", walls.metCount(), walls.views.size(), SolidImpulse{},
+              ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
+                             std::as_const(walls.met).view(), fluid.particles.positions().read(),
+                             std::as_const(walls.kick).view()},
+              AddImpulses{}, walls.impulses.data());
 }
 
 /// Gives the solids the first `sums` of walls.impulses that each has.

@@ -12,7 +12,7 @@ void WallField::place(double time, double dt) {
 }
 
 void WallField::fit(ParticleSet& particles) {
-  stride = particles.positions().size();
+  stride = particles.capacity();
   total.resizeDiscarding(stride);
   d.resizeDiscarding(stride);
   legal.resizeDiscarding(stride);
@@ -20,8 +20,8 @@ void WallField::fit(ParticleSet& particles) {
   met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
   impulses.resizeDiscarding(2 * views.size());
-  share = &particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
-                                 "Displacement by solids in the last step, over the gradient of Φ."});
+  share = particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
+                                "Displacement by solids in the last step, over the gradient of Φ."});
 }
 
 void FluidStep::findWalls() {

@@ -66,9 +66,9 @@ struct WallField {
   Array<int> sides;        ///< of its solid that its particle sees, see hidden_neighbors.h
   Array<Vec4f> total;      ///< integrals of each particle
   Array<float> d;
-  Array<float>* share = nullptr;  ///< an attribute, as particles may be sorted during a step
-  ArrayView<const Vec3f> base;    ///< see WallFieldView
-  Array<Vec3f> legal;             ///< positions that lie in no solid, at the end of the step
+  Attribute<float> share;       ///< an attribute, as particles may be sorted during a step
+  ArrayView<const Vec3f> base;  ///< see WallFieldView
+  Array<Vec3f> legal;           ///< positions that lie in no solid, at the end of the step
   /// Particles that are near solids are few, so they are listed, and what is costly is done for them alone.
   Array<std::uint8_t> marks;  ///< of those that are to be listed; scratch
   Array<int> met;             ///< that may have met a solid on their way; scratch
@@ -82,7 +82,7 @@ struct WallField {
   bool empty() const { return solids.empty(); }
   WallFieldView view() {
     if (empty()) return {};
-    return {std::as_const(total).view(), std::as_const(d).view(), share->view(), base};
+    return {std::as_const(total).view(), std::as_const(d).view(), share.write(), base};
   }
   /// Lists the particles i, of `count`, for which is(i) holds.
   template <class Backend, class Is>
@@ -95,12 +95,12 @@ struct WallField {
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
   void place(double time, double dt);
   /// Takes the present positions for legal ones.
-  void keepLegal(const Array<Vec3f>& positions) {
-    legal.device().copy(legal.data(), positions.data(), static_cast<std::size_t>(stride) * sizeof(Vec3f));
+  void keepLegal(const ArrayView<const Vec3f>& positions) {
+    legal.device().copy(legal.data(), positions.data, static_cast<std::size_t>(stride) * sizeof(Vec3f));
   }
   /// No displacement by walls yet; at the beginning of a solver's step.
   void forgetShares() {
-    if (!empty()) share->fillZero();
+    if (!empty()) share.fillZero();
   }
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);

@@ -1,6 +1,5 @@
 #include "plugins/mesh_export/particle_sequence.h"
 
-#include <array>
 #include <utility>
 #include <variant>
 
@@ -15,58 +14,45 @@ namespace {
 
 constexpr const char* kOption = "ply-particles";
 
-/// The names of the three numbers of a vector.
-std::array<std::string, 3> componentNames(const std::string& attribute) {
-  if (attribute == "position") return {"x", "y", "z"};
-  if (attribute == "velocity") return {"vx", "vy", "vz"};
-  return {attribute + "_x", attribute + "_y", attribute + "_z"};
+/// What the numbers of an attribute are called.
+std::vector<std::string> columnNames(const AttributeInfo& info) {
+  if (info.name == "position") return {"x", "y", "z"};
+  if (info.name == "velocity") return {"vx", "vy", "vz"};
+  std::vector<std::string> names;
+  for (const std::string_view component : componentsOf(info.type))
+    names.push_back(component.empty() ? info.name : info.name + "_" + std::string(component));
+  return names;
 }
 
 /// One attribute on its way to the host.
 class AttributeCopy {
  public:
   AttributeCopy(const ParticleSet& particles, const AttributeInfo& info, std::int64_t count)
-      : info_(info), copy_(makeCopy(particles.device(), info)) {
-    switch (info.type) {
-      case AttributeType::kFloat:
-        start<float>(particles, count);
-        break;
-      case AttributeType::kVec3:
-        start<Vec3f>(particles, count);
-        break;
-      case AttributeType::kInt:
-        start<int>(particles, count);
-        break;
-    }
-  }
+      : info_(info), copy_(makeCopy(particles, info, count)) {}
 
   void addTo(std::vector<PlyColumn>& columns) {
-    if (info_.type == AttributeType::kFloat) columns.push_back({info_.name, numbers<float>()});
-    if (info_.type == AttributeType::kInt) columns.push_back({info_.name, numbers<int>()});
-    if (info_.type != AttributeType::kVec3) return;
-    const std::span<const Vec3f> vectors = numbers<Vec3f>();
-    const std::span<const float> flat(reinterpret_cast<const float*>(vectors.data()), 3 * vectors.size());
-    const std::array<std::string, 3> names = componentNames(info_.name);
-    for (int k = 0; k < 3; ++k) columns.push_back({names[k], flat, 3, k});
+    std::visit([&]<class T>(HostCopy<T>& copy) { add(copy.wait(), columns); }, copy_);
   }
 
  private:
-  using Copy = std::variant<HostCopy<float>, HostCopy<Vec3f>, HostCopy<int>>;
+  using Copy = AttributeTypes::VariantOf<HostCopy>;
 
-  static Copy makeCopy(Device& device, const AttributeInfo& info) {
-    if (info.type == AttributeType::kFloat) return HostCopy<float>(device);
-    if (info.type == AttributeType::kInt) return HostCopy<int>(device);
-    return HostCopy<Vec3f>(device);
+  static Copy makeCopy(const ParticleSet& particles, const AttributeInfo& info, std::int64_t count) {
+    return withAttributeType(info.type, [&]<class T>(std::type_identity<T>) -> Copy {
+      HostCopy<T> copy(particles.device());
+      copy.resize(count);
+      copy.start(0, particles.get<T>(info.name).read().data(), count);
+      return copy;
+    });
   }
   template <class T>
-  void start(const ParticleSet& particles, std::int64_t count) {
-    auto& copy = std::get<HostCopy<T>>(copy_);
-    copy.resize(count);
-    copy.start(0, particles.get<T>(info_.name).data(), count);
-  }
-  template <class T>
-  std::span<const T> numbers() {
-    return std::get<HostCopy<T>>(copy_).wait();
+  void add(std::span<const T> elements, std::vector<PlyColumn>& columns) const {
+    using Number = typename AttributeTraits<T>::Number;
+    const std::span<const Number> numbers(reinterpret_cast<const Number*>(elements.data()),
+                                          kNumbersIn<T> * elements.size());
+    const std::vector<std::string> names = columnNames(info_);
+    for (int k = 0; k < kNumbersIn<T>; ++k)
+      columns.push_back({names[static_cast<std::size_t>(k)], numbers, kNumbersIn<T>, k});
   }
 
   AttributeInfo info_;

@@ -87,10 +87,10 @@ class VolumeExport final : public Observer {
   static void start(const Particles& source, VolumeSnapshot::Part& part) {
     const std::int64_t count = source.set().refreshCount();
     part.positions.resize(count);
-    part.positions.start(0, source.set().positions().data(), count);
-    const Array<float>* own = source.ownValues(source.material.volume);
-    part.volumes.resize(own != nullptr ? count : 0);
-    if (own != nullptr) part.volumes.start(0, own->data(), count);
+    part.positions.start(0, source.set().positions().read().data(), count);
+    const Attribute<const float> own = source.ownValues(source.material.volume);
+    part.volumes.resize(own ? count : 0);
+    if (own) part.volumes.start(0, own.read().data(), count);
     part.volume = source.material.volume.value;
   }
 

@@ -29,23 +29,15 @@ std::string startColors(const ParticleSet& particles, const std::string& name, c
                         std::int64_t count, FluidSnapshot& to) {
   if (name == "speed") {
     to.colorType = AttributeType::kVec3;
-    to.vectors.start(particles.velocities(), count);
+    to.numbers<Vec3f>().start(particles.velocities().read(), count);
     return "m/s";
   }
   const AttributeInfo* info = particles.find(name);
   if (info == nullptr) throw unknownQuantity(particles, name, pointer);
   to.colorType = info->type;
-  switch (info->type) {
-    case AttributeType::kFloat:
-      to.floats.start(particles.get<float>(name), count);
-      break;
-    case AttributeType::kVec3:
-      to.vectors.start(particles.get<Vec3f>(name), count);
-      break;
-    case AttributeType::kInt:
-      to.ints.start(particles.get<int>(name), count);
-      break;
-  }
+  withAttributeType(info->type, [&]<class T>(std::type_identity<T>) {
+    to.numbers<T>().start(particles.get<T>(name).read(), count);
+  });
   return info->unit;
 }
 
@@ -173,8 +165,8 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;
     to.spacing = (*output)->material.spacing;
-    to.positions.start(particles.positions(), count);
-    if (settings_.arrows->spacing.get()) to.velocities.start(particles.velocities(), count);
+    to.positions.start(particles.positions().read(), count);
+    if (settings_.arrows->spacing.get()) to.velocities.start(particles.velocities().read(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.colorType = std::nullopt;

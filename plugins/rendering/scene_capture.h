@@ -35,11 +35,16 @@ struct StillScene {
   std::optional<float> floor;  ///< height of the plane that is the ground, m
 };
 
-/// The particles of one fluid, for the device that draws. Of the three kinds of numbers that may colour them,
-/// or whiten them, one is used at most.
+/// The particles of one fluid, for the device that draws. Of the attributes' types that may colour them, or
+/// whiten them, one is used at most.
 struct FluidSnapshot {
   explicit FluidSnapshot(Device& device)
-      : positions(device), velocities(device), floats(device), vectors(device), ints(device) {}
+      : positions(device), velocities(device), byType(AttributeTypes::makeTuple<FrameCopy>(device)) {}
+
+  template <class T>
+  FrameCopy<T>& numbers() {
+    return std::get<FrameCopy<T>>(byType);
+  }
 
   std::string node;                     ///< that puts the fluid out
   float spacing = 0;                    ///< m
@@ -48,9 +53,7 @@ struct FluidSnapshot {
   std::optional<AttributeType> colorType;
   FrameCopy<Vec3f> positions;
   FrameCopy<Vec3f> velocities;  ///< if there are arrows
-  FrameCopy<float> floats;
-  FrameCopy<Vec3f> vectors;
-  FrameCopy<int> ints;
+  AttributeTypes::TupleOf<FrameCopy> byType;
 };
 
 /// The surface of a fluid, on its way to the host.

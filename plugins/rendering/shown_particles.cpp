@@ -33,9 +33,7 @@ bool isShown(std::span<const Cut> cuts, const Vec3f& place) {
 ShownParticles::ShownParticles(Device& device)
     : device_(device),
       positionRoom_(device),
-      vectorRoom_(device),
-      floatRoom_(device),
-      intRoom_(device),
+      numberRooms_(AttributeTypes::makeTuple<Array>(device)),
       made_(device),
       cuts_(device),
       chosen_(device),
@@ -58,23 +56,15 @@ void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foam
   values_ = {};
   if (!fluid.colorType) return;
   dispatch(device_, [&](auto& device) {
-    switch (*fluid.colorType) {
-      case AttributeType::kFloat:
-        values_ = fluid.floats.on(device, floatRoom_);
-        break;
-      case AttributeType::kVec3: {
-        const ArrayView<const Vec3f> vectors = fluid.vectors.on(device, vectorRoom_);
-        findLengths(device, vectors, roomForValues(vectors.size));
+    withAttributeType(*fluid.colorType, [&]<class T>(std::type_identity<T>) {
+      const ArrayView<const T> elements = fluid.numbers<T>().on(device, std::get<Array<T>>(numberRooms_));
+      if constexpr (std::is_same_v<T, float>) {
+        values_ = elements;
+      } else {
+        findNumbers(device, elements, roomForValues(elements.size));
         values_ = made_.view();
-        break;
       }
-      case AttributeType::kInt: {
-        const ArrayView<const int> numbers = fluid.ints.on(device, intRoom_);
-        convert(device, numbers, roomForValues(numbers.size));
-        values_ = made_.view();
-        break;
-      }
-    }
+    });
     if (!foamEnds) return;
     findParts(device, values_, *foamEnds, roomForValues(values_.size));
     values_ = made_.view();

@@ -51,9 +51,8 @@ class ShownParticles {
   ArrayView<const Vec3f> positions_;
   ArrayView<const float> values_;
   // For a frame that the device had no room for.
-  Array<Vec3f> positionRoom_, vectorRoom_;
-  Array<float> floatRoom_;
-  Array<int> intRoom_;
+  Array<Vec3f> positionRoom_;
+  AttributeTypes::TupleOf<Array> numberRooms_;
   Array<float> made_;  // numbers that no attribute holds as they are
   Array<Cut> cuts_;
   Array<int> chosen_, kept_;

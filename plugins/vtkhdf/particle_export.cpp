@@ -36,35 +36,28 @@ bool has(const ParticleSet& particles, const AttributeInfo& wanted) {
 
 VtkHdfAttribute attributeOf(const AttributeInfo& info) {
   return {.name = info.name,
-          .components = info.type == AttributeType::kVec3 ? 3 : 1,
-          .type = info.type == AttributeType::kInt ? VtkHdfType::kInt32 : VtkHdfType::kFloat32,
+          .components = numbersIn(info.type),
+          .type = isWhole(info.type) ? VtkHdfType::kInt32 : VtkHdfType::kFloat32,
           .unit = info.unit};
 }
 
-/// Columns of an attribute's type, on their way to the host. Vectors are three numbers each.
+/// The numbers of an attribute on their way to the host, so many of each particle.
 using ColumnCopy = std::variant<HostCopy<float>, HostCopy<int>>;
 
 ColumnCopy columnOf(const AttributeInfo& info, Device& device) {
-  if (info.type == AttributeType::kInt) return HostCopy<int>(device);
+  if (isWhole(info.type)) return HostCopy<int>(device);
   return HostCopy<float>(device);
 }
 
 /// Asks for one attribute of the first `count` particles.
 void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::int64_t first,
                  std::int64_t count, ColumnCopy& to) {
-  switch (info.type) {
-    case AttributeType::kFloat:
-      std::get<HostCopy<float>>(to).start(first, particles.get<float>(info.name).data(), count);
-      break;
-    case AttributeType::kVec3:
-      static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-      std::get<HostCopy<float>>(to).start(
-          3 * first, reinterpret_cast<const float*>(particles.get<Vec3f>(info.name).data()), 3 * count);
-      break;
-    case AttributeType::kInt:
-      std::get<HostCopy<int>>(to).start(first, particles.get<int>(info.name).data(), count);
-      break;
-  }
+  withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+    using Number = typename AttributeTraits<T>::Number;
+    const T* from = particles.get<T>(info.name).read().data();
+    std::get<HostCopy<Number>>(to).start(kNumbersIn<T> * first, reinterpret_cast<const Number*>(from),
+                                         kNumbersIn<T> * count);
+  });
 }
 
 }  // namespace
@@ -86,13 +79,13 @@ class ParticleExport::Frame final : public Snapshot {
     for (const Source& source : sources) total += counts_.emplace_back(source.particles().refreshCount());
     positions_.resize(total);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const std::int64_t numbers = columns[c].type == AttributeType::kVec3 ? 3 * total : total;
+      const std::int64_t numbers = numbersIn(columns[c].type) * total;
       std::visit([&](auto& copy) { copy.resize(numbers); }, columns_[c]);
     }
     std::int64_t first = 0;
     for (std::size_t i = 0; i < sources.size(); first += counts_[i++]) {
       const ParticleSet& particles = sources[i].particles();
-      positions_.start(first, particles.positions().data(), counts_[i]);
+      positions_.start(first, particles.positions().read().data(), counts_[i]);
       for (std::size_t c = 0; c < columns.size(); ++c)
         startColumn(particles, columns[c], first, counts_[i], columns_[c]);
     }

@@ -23,35 +23,22 @@ nb::object numpyArray(const LentMemory& lent, T* data, const std::vector<std::si
 
 /// A view of the first `count` elements.
 template <class T>
-nb::object viewOf(const LentMemory& lent, Array<T>& values, std::size_t count) {
-  constexpr bool isVector = std::is_same_v<T, Vec3f>;
-  constexpr bool isInt = std::is_same_v<T, int>;
-  using Number = std::conditional_t<isInt, std::int32_t, float>;
+nb::object viewOf(const LentMemory& lent, T* elements, std::size_t count) {
+  using Number = typename AttributeTraits<T>::Number;
   std::vector<std::size_t> shape{count};
-  if (isVector) shape.push_back(3);
-  auto* data = reinterpret_cast<Number*>(values.data());
+  if (std::is_same_v<T, Mat3f>) shape.insert(shape.end(), {3, 3});
+  if (std::is_same_v<T, Vec3f>) shape.push_back(3);
+  auto* data = reinterpret_cast<Number*>(elements);
   if (lent.device->kind() == DeviceKind::kCpu) return numpyArray<Number>(lent, data, shape);
   letStreamWait(*lent.device, kLegacyStream);
-  return nb::cast(DeviceArray(lent, data, std::move(shape), isInt));
+  return nb::cast(DeviceArray(lent, data, std::move(shape), std::is_integral_v<Number>));
 }
 
 AttributeType typeNamed(const std::string& name) {
-  if (name == "float") return AttributeType::kFloat;
-  if (name == "vec3") return AttributeType::kVec3;
-  if (name == "int") return AttributeType::kInt;
-  throw usageError("found " + inQuotes(name) + " as the type of an attribute", "float, vec3 or int");
-}
-
-const char* nameOf(AttributeType type) {
-  return type == AttributeType::kFloat ? "float" : type == AttributeType::kVec3 ? "vec3" : "int";
-}
-
-/// Calls f with the attribute's array.
-template <class F>
-void withArray(ParticleSet& set, const AttributeInfo& info, F&& f) {
-  if (info.type == AttributeType::kFloat) f(set.get<float>(info.name));
-  if (info.type == AttributeType::kVec3) f(set.get<Vec3f>(info.name));
-  if (info.type == AttributeType::kInt) f(set.get<int>(info.name));
+  if (const std::optional<AttributeType> type = attributeTypeNamed(name)) return *type;
+  const std::vector<std::string> names = attributeTypeNames();
+  throw usageError("found " + inQuotes(name) + " as the type of an attribute", joinNames(names),
+                   didYouMean(name, names));
 }
 
 }  // namespace
@@ -133,9 +120,11 @@ nb::object Particles::array(const std::string& name) const {
         .inNode(node_);
   const auto count = static_cast<std::size_t>(particles.refreshCount());
   nb::object result;
-  withArray(particles, *info, [&](auto& values) {
+  withAttributeType(info->type, [&]<class T>(std::type_identity<T>) {
     const std::shared_ptr<Device>& device = scene_->device();
-    result = viewOf({device, values.empty() ? nullptr : device->lend(values.data())}, values, count);
+    const ArrayView<T> elements = particles.get<T>(name).write();
+    result =
+        viewOf({device, elements.size == 0 ? nullptr : device->lend(elements.data)}, elements.data, count);
   });
   return result;
 }
@@ -156,9 +145,7 @@ nb::object Particles::add(const std::string& name, const std::string& type, cons
                      "letters, digits, '_' and '-', starting with a letter");
   const AttributeInfo info{name, typeNamed(type), unit, doc};
   ParticleSet& particles = set();
-  if (info.type == AttributeType::kFloat) particles.add<float>(info);
-  if (info.type == AttributeType::kVec3) particles.add<Vec3f>(info);
-  if (info.type == AttributeType::kInt) particles.add<int>(info);
+  withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { particles.add<T>(info); });
   return array(name);
 }
 
@@ -166,7 +153,7 @@ nb::dict Particles::describe() const {
   nb::dict all;
   for (const AttributeInfo& info : set().attributes()) {
     nb::dict one;
-    one["type"] = nameOf(info.type);
+    one["type"] = std::string(nameOf(info.type));
     one["unit"] = info.unit;
     one["doc"] = info.doc;
     one["derived"] = info.derived;
@@ -221,13 +208,14 @@ void bindParticles(nb::module_& m) {
       .def("keys", &Particles::names, "Names of the attributes.")
       .def("describe", &Particles::describe, nb::sig("def describe(self) -> dict[str, dict]"),
            "Type, unit and doc of each attribute; a derived one is up to date at frames.")
-      .def("add", &Particles::add, nb::arg("name"), nb::arg("type") = "float", nb::arg("unit") = "",
-           nb::arg("doc") = "",
-           nb::sig("def add(self, name: str, type: str = 'float', unit: str = '', doc: str = '') "
-                   "-> numpy.ndarray | DeviceArray"),
-           "Give every particle another attribute, 0 at first and at birth: a float, vec3 or int. It is "
-           "sorted "
-           "and exported like the others. One that is there already is found. A reset forgets it.")
+      .def(
+          "add", &Particles::add, nb::arg("name"), nb::arg("type") = "float", nb::arg("unit") = "",
+          nb::arg("doc") = "",
+          nb::sig("def add(self, name: str, type: str = 'float', unit: str = '', doc: str = '') "
+                  "-> numpy.ndarray | DeviceArray"),
+          "Give every particle another attribute, 0 at first and at birth: a float, vec3, int or mat3. It is "
+          "sorted "
+          "and exported like the others. One that is there already is found. A reset forgets it.")
       .def_prop_ro("count", &Particles::count, "How many particles there are.")
       .def_prop_rw(
           "positions", [](const Particles& p) { return p.array("position"); },

@@ -137,7 +137,7 @@ Times timesFromDevice(gl::Renderer& renderer, Device& simulation, int particles,
       },
       [&] {
         fluid.positions.start(positions, count);
-        fluid.vectors.start(velocities, count);
+        fluid.numbers<Vec3f>().start(velocities, count);
         renderer.draw(view.of(snapshot));
         snapshot.still = nullptr;
       });

@@ -283,8 +283,7 @@ class ForgetfulForce final : public FluidModule {
     ++steps_;
     std::vector<Vec3f> velocities = fluid.particles.velocities().toHost(fluid.particles.bound());
     for (Vec3f& v : velocities) v.z += 0.001f * static_cast<float>(steps_);
-    fluid.device.upload(fluid.particles.velocities().data(), velocities.data(),
-                        velocities.size() * sizeof(Vec3f));
+    fluid.particles.velocities().assign(velocities);
   }
 
  private:

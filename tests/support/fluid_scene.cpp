@@ -41,7 +41,7 @@ void FluidScene::frame() {
   graph_.frame(context());
 }
 
-std::vector<Vec3f> FluidScene::byId(const Array<Vec3f>& values) const {
+std::vector<Vec3f> FluidScene::byId(const Attribute<const Vec3f>& values) const {
   ParticleSet& particles = fluid_->fluid->set();
   const std::int64_t n = particles.refreshCount();
   const std::vector<int> ids = particles.ids().toHost(n);

@@ -49,7 +49,7 @@ class FluidScene {
 
  private:
   StepContext context() const;
-  std::vector<Vec3f> byId(const Array<Vec3f>& values) const;
+  std::vector<Vec3f> byId(const Attribute<const Vec3f>& values) const;
 
   Device& device_;
   std::vector<std::string> warnings_;

@@ -18,7 +18,7 @@ class Lift final : public FluidModule {
 
   void step(FluidStep& fluid) override {
     const std::vector<Vec3f> up(static_cast<std::size_t>(fluid.particles.bound()), Vec3f{0, speed, 0});
-    fluid.device.upload(fluid.particles.velocities().data(), up.data(), up.size() * sizeof(Vec3f));
+    fluid.particles.velocities().assign(up);
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "framework/base/mat3.h"
 #include "framework/compute/parallel.h"
 
 namespace weir::studio {
@@ -18,6 +19,9 @@ WEIR_HD float numberOf(int value) {
 }
 WEIR_HD float numberOf(const Vec3f& value) {
   return length(value);
+}
+WEIR_HD float numberOf(const Mat3f& value) {
+  return frobeniusNorm(value);
 }
 
 WEIR_HD bool isNumber(float value) {
@@ -151,12 +155,15 @@ template void takeIds(ThisBackend&, ArrayView<const int>, const ChosenParticles&
 template void rangeOf(ThisBackend&, ArrayView<const float>, const ChosenParticles&, Range<float>*);
 template void rangeOf(ThisBackend&, ArrayView<const int>, const ChosenParticles&, Range<float>*);
 template void rangeOf(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, Range<float>*);
+template void rangeOf(ThisBackend&, ArrayView<const Mat3f>, const ChosenParticles&, Range<float>*);
 template void boundsOf(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, Range<Vec3f>*);
 template void quantize(ThisBackend&, ArrayView<const float>, const ChosenParticles&, const Range<float>*,
                        ArrayView<std::uint16_t>);
 template void quantize(ThisBackend&, ArrayView<const int>, const ChosenParticles&, const Range<float>*,
                        ArrayView<std::uint16_t>);
 template void quantize(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, const Range<float>*,
+                       ArrayView<std::uint16_t>);
+template void quantize(ThisBackend&, ArrayView<const Mat3f>, const ChosenParticles&, const Range<float>*,
                        ArrayView<std::uint16_t>);
 template void quantizePoints(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&,
                              const Range<Vec3f>*, ArrayView<std::uint16_t>);

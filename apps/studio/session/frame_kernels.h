@@ -31,7 +31,7 @@ void chooseEvery(Backend& device, ArrayView<const int> ids, int every, ArrayView
 template <class Backend>
 void takeIds(Backend& device, ArrayView<const int> from, const ChosenParticles& particles, ArrayView<int> to);
 
-/// Of numbers, float or int, or of the lengths of vectors; in device memory.
+/// Of numbers, float or int, or of the lengths of vectors and norms of matrices; in device memory.
 template <class Backend, class T>
 void rangeOf(Backend& device, ArrayView<const T> values, const ChosenParticles& particles,
              Range<float>* range);

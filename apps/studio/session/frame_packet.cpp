@@ -58,7 +58,7 @@ class FrameMaker::FluidFrame {
     const std::int64_t pointsAt = kIdsAt + chosen.count * kIdBytes;
     const std::int64_t valuesAt = pointsAt + chosen.count * kPointBytes;
     start(0, ranges_.data(), 1);
-    start(kIdsAt, chosen.indices.data != nullptr ? ids_.data() : particles.ids().data(), chosen.count);
+    start(kIdsAt, chosen.indices.data != nullptr ? ids_.data() : particles.ids().read().data(), chosen.count);
     start(pointsAt, points_.data(), chosen.count * kAxes);
     if (hasValues) start(valuesAt, values_.data(), chosen.count);
     const std::span<const char> bytes = onHost_.wait();
@@ -112,7 +112,7 @@ class FrameMaker::FluidFrame {
     if (every == 1) return {.indices = {}, .count = total};
     indices_.resizeDiscarding(total);
     dispatch(device_, [&](auto& device) {
-      chooseEvery(device, {particles.ids().data(), total}, static_cast<int>(every), indices_.view(),
+      chooseEvery(device, {particles.ids().read().data(), total}, static_cast<int>(every), indices_.view(),
                   kept_.data());
     });
     keptCopy_.request(kept_.data());
@@ -130,18 +130,16 @@ class FrameMaker::FluidFrame {
     dispatch(device_, [&](auto& device) {
       if (chosen.indices.data != nullptr) {
         ids_.resizeDiscarding(chosen.count);
-        takeIds(device, particles.ids().view(), chosen, ids_.view());
+        takeIds(device, particles.ids().read(), chosen, ids_.view());
       }
-      boundsOf(device, particles.positions().view(), chosen, &ranges->points);
-      quantizePoints(device, particles.positions().view(), chosen, &ranges->points, points_.view());
-      const auto placeValues = [&](const auto& array) {
-        rangeOf(device, array.view(), chosen, &ranges->values);
-        quantize(device, array.view(), chosen, &ranges->values, values_.view());
-      };
+      boundsOf(device, particles.positions().read(), chosen, &ranges->points);
+      quantizePoints(device, particles.positions().read(), chosen, &ranges->points, points_.view());
       if (info == nullptr) return;
-      if (info->type == AttributeType::kFloat) placeValues(particles.get<float>(info->name));
-      if (info->type == AttributeType::kInt) placeValues(particles.get<int>(info->name));
-      if (info->type == AttributeType::kVec3) placeValues(particles.get<Vec3f>(info->name));
+      withAttributeType(info->type, [&]<class T>(std::type_identity<T>) {
+        const ArrayView<const T> elements = particles.get<T>(info->name).read();
+        rangeOf(device, elements, chosen, &ranges->values);
+        quantize(device, elements, chosen, &ranges->values, values_.view());
+      });
     });
     return info != nullptr;
   }

@@ -22,70 +22,70 @@ ParticleSet* particlesOf(const Simulation& simulation, const std::string& node) 
   return nullptr;
 }
 
+template <class T>
+auto componentOf(const T& element, int component) {
+  return reinterpret_cast<const typename AttributeTraits<T>::Number*>(&element)[component];
+}
+
+template <class T>
+Value valueOf(const T& element) {
+  if constexpr (kNumbersIn<T> == 1) {
+    return element;
+  } else {
+    Value numbers = Value::array();
+    for (int k = 0; k < kNumbersIn<T>; ++k) numbers.push(componentOf(element, k));
+    return numbers;
+  }
+}
+
 /// The attributes of the particles at these indices, each with as many values.
 Value valuesOf(const ParticleSet& particles, const AttributeInfo& info,
                std::span<const std::int64_t> indices) {
-  Value values = Value::array();
-  switch (info.type) {
-    case AttributeType::kFloat:
-      for (const float v : onHost(particles.get<float>(info.name), indices)) values.push(v);
-      break;
-    case AttributeType::kInt:
-      for (const int v : onHost(particles.get<int>(info.name), indices)) values.push(v);
-      break;
-    case AttributeType::kVec3:
-      for (const Vec3f& v : onHost(particles.get<Vec3f>(info.name), indices))
-        values.push(Value(Value::Array{v.x, v.y, v.z}));
-      break;
-  }
-  return values;
+  return withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+    Value values = Value::array();
+    for (const T& element : onHost(particles.get<T>(info.name), indices)) values.push(valueOf(element));
+    return values;
+  });
 }
 
 /// A column of numbers.
 struct Column {
-  static constexpr int kWhole = -1, kLength = 3;
+  static constexpr int kLength = -1;
 
   std::string name, unit, attribute;
-  int component = kWhole;  // of a vector
-  bool isWhole = false;    // whole numbers
+  int component = 0;     // which of the attribute's numbers, or the length of a vector
+  bool isWhole = false;  // whole numbers
 };
 
 std::vector<Column> columnsOf(const ParticleSet& particles) {
-  std::vector<Column> columns{{"id", "", "id", Column::kWhole, true}};
+  std::vector<Column> columns{{"id", "", "id", 0, true}};
   for (const AttributeInfo& info : particles.attributes()) {
     if (info.name == "id") continue;
-    if (info.type != AttributeType::kVec3) {
-      columns.push_back({info.name, info.unit, info.name, Column::kWhole, info.type == AttributeType::kInt});
-      continue;
-    }
-    for (int axis = 0; axis < 3; ++axis)
-      columns.push_back({info.name + "." + "xyz"[axis], info.unit, info.name, axis});
+    int at = 0;
+    for (const std::string_view component : componentsOf(info.type))
+      columns.push_back({component.empty() ? info.name : info.name + "." + std::string(component), info.unit,
+                         info.name, at++, isWhole(info.type)});
     if (info.name == "velocity" && particles.find("speed") == nullptr)
       columns.push_back({"speed", info.unit, info.name, Column::kLength});
   }
   return columns;
 }
 
-double numberOf(const Vec3f& v, int component) {
-  return component == Column::kLength ? length(v) : v[component];
+template <class T>
+double numberOf(const T& element, int component) {
+  if constexpr (std::is_same_v<T, Vec3f>)
+    if (component == Column::kLength) return length(element);
+  return static_cast<double>(componentOf(element, component));
 }
 
 /// The numbers of a column, of all particles or of some.
 template <class Which>
 std::vector<double> numbersOf(const ParticleSet& particles, const Column& column, Which which) {
   std::vector<double> numbers;
-  const AttributeInfo* info = particles.find(column.attribute);
-  const AttributeType type = column.name == "id" ? AttributeType::kInt : info->type;
-  const auto take = [&](const auto& elements) { numbers.assign(elements.begin(), elements.end()); };
-  if (column.name == "id")
-    take(onHost(particles.ids(), which));
-  else if (type == AttributeType::kFloat)
-    take(onHost(particles.get<float>(column.attribute), which));
-  else if (type == AttributeType::kInt)
-    take(onHost(particles.get<int>(column.attribute), which));
-  else
-    for (const Vec3f& v : onHost(particles.get<Vec3f>(column.attribute), which))
-      numbers.push_back(numberOf(v, column.component));
+  withAttributeType(particles.find(column.attribute)->type, [&]<class T>(std::type_identity<T>) {
+    for (const T& element : onHost(particles.get<T>(column.attribute), which))
+      numbers.push_back(numberOf(element, column.component));
+  });
   return numbers;
 }
 
@@ -115,7 +115,7 @@ std::vector<std::int64_t> windowOf(const std::vector<int>& ids, const std::vecto
 Value particleValue(const Simulation& simulation, const std::string& node, std::int64_t id) {
   ParticleSet* particles = particlesOf(simulation, node);
   if (particles == nullptr) return {};
-  const std::vector<int> ids = onHost(particles->ids(), particles->refreshCount());
+  const std::vector<int> ids = onHost<int>(particles->ids(), particles->refreshCount());
   const auto found = std::find(ids.begin(), ids.end(), id);
   if (found == ids.end()) return {};
   const std::int64_t at = found - ids.begin();
@@ -144,8 +144,9 @@ Value particlePageValue(const Simulation& simulation, const ParticlePage& page) 
   const std::int64_t total = particles->refreshCount();
   const std::int64_t lastPage = std::max<std::int64_t>(0, (total - 1) / page.count * page.count);
   const std::int64_t from = std::min(page.from, lastPage);
-  const std::vector<std::int64_t> window = windowOf(
-      onHost(particles->ids(), total), numbersOf(*particles, *by, total), page.descending, from, page.count);
+  const std::vector<std::int64_t> window =
+      windowOf(onHost<int>(particles->ids(), total), numbersOf(*particles, *by, total), page.descending, from,
+               page.count);
   std::vector<Value> rows(window.size(), Value::array());
   Value named = Value::array();
   for (const Column& column : columns) {

@@ -6,12 +6,12 @@ namespace dfsph {
 
 void Dfsph::reset(FluidStep& fluid) {
   density_ = divergence_ = {};
-  pressure_ = &fluid.particles.add<float>(
+  pressure_ = fluid.particles.add<float>(
       {"pressure", AttributeType::kFloat, "Pa", "Pressure of the density solver."});
 }
 
 void Dfsph::fit(FluidStep& fluid) {
-  const std::int64_t size = fluid.particles.positions().size();
+  const std::int64_t size = fluid.particles.capacity();
   const auto fitOne = [&](auto& array, std::int64_t length) {
     if (array.data() == nullptr) array = std::remove_reference_t<decltype(array)>(fluid.device);
     array.resizeDiscarding(length);

@@ -222,7 +222,8 @@ void Dfsph::stepOn(Backend& device, FluidStep& fluid) {
   const WallFieldView walls = fluid.walls.view();
   const float dt = static_cast<float>(fluid.time.dt);
   const float softening = kSoftening / (c.spacing * c.spacing);
-  const auto positions = particles.positions().view(), velocities = particles.velocities().view();
+  const ArrayView<Vec3f> positions = particles.positions().write(),
+                         velocities = particles.velocities().write();
   const auto begin = [&](ArrayView<const float> pressure) {
     parallelFor(device, "begin", count, Begin{c.restDensity, positions, pressure, state_.view()});
     parallelFor(device, "diagonal", count,
@@ -232,11 +233,11 @@ void Dfsph::stepOn(Backend& device, FluidStep& fluid) {
   const auto finish = [&](ArrayView<Vec3f> moved) {
     parallelFor(device, "finish", count,
                 Finish{dt, c.restDensity, walls, state_.view(), displacement_.view(), moved, velocities,
-                       pressure_->view()});
+                       pressure_.write()});
   };
 
   fluid.walls.forgetShares();
-  begin(pressure_->view());
+  begin(pressure_.read());
   solve(device, fluid, tolerance, density_);
   finish(positions);
   if (!divergenceFree) return;

@@ -80,7 +80,7 @@ class Dfsph final : public FluidModule {
   void fit(FluidStep& fluid);
 
   State<SolverRecord> density_{*this, "density"}, divergence_{*this, "divergence"};
-  Array<float>* pressure_ = nullptr;  // Pa, of the fluid's particles
+  Attribute<float> pressure_;  // Pa, of the fluid's particles
   // Position and p of each particle, in this iteration and the next.
   Array<Vec4f> state_, next_;
   Array<Vec3f> displacement_;

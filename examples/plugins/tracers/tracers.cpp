@@ -23,7 +23,7 @@ void VortexTracers::reset(const SetupContext& context) {
   set_ = std::make_unique<ParticleSet>(context.device);
   ParticleSet& set = **set_;
   revolutions_ =
-      &set.add<float>({"revolutions", AttributeType::kFloat, "", "Turns about the axis since the start."});
+      set.add<float>({"revolutions", AttributeType::kFloat, "", "Turns about the axis since the start."});
   for (std::size_t i = 0; i < initial.size(); ++i) set.append(initial[i]);
   particles->material = {.spacing = spacing, .density = {}, .volume = {}};
   particles->assign(set);

@@ -38,7 +38,7 @@ void VortexTracers::driftOn(Backend& device, float dt) {
   ParticleSet& set = **set_;
   parallelFor(device, "drift", set.count(),
               Turn{center, axis.get() / length(axis.get()), circulation / kTwoPi, core, dt,
-                   set.positions().view(), set.velocities().view(), revolutions_->view()});
+                   set.positions().write(), set.velocities().write(), revolutions_.write()});
 }
 
 template void VortexTracers::driftOn(ThisBackend&, float);

@@ -50,7 +50,7 @@ class VortexTracers final : public Node {
   void driftOn(Backend& device, float dt);
 
   State<std::unique_ptr<ParticleSet>> set_{*this, "tracers"};
-  Array<float>* revolutions_ = nullptr;  // an attribute of the set
+  Attribute<float> revolutions_;  // an attribute of the set
 };
 
 }  // namespace tracers

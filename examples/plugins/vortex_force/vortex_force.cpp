@@ -8,7 +8,7 @@ void VortexForce::validate() const {
 
 void VortexForce::reset(FluidStep& fluid) {
   swirl_ =
-      &fluid.particles.add<Vec3f>({"swirl", AttributeType::kVec3, "m/s^2", "Acceleration by the vortex."});
+      fluid.particles.add<Vec3f>({"swirl", AttributeType::kVec3, "m/s^2", "Acceleration by the vortex."});
 }
 
 }  // namespace vortex_force

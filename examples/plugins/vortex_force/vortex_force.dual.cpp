@@ -32,7 +32,7 @@ void VortexForce::stepOn(Backend& device, FluidStep& fluid) {
   parallelFor(
       device, "vortex", particles.count(),
       Swirl{center, axis.get() / length(axis.get()), growth / kTwoPi, core, static_cast<float>(fluid.time.dt),
-            particles.positions().view(), particles.velocities().view(), swirl_->view()});
+            particles.positions().read(), particles.velocities().write(), swirl_.write()});
 }
 
 template void VortexForce::stepOn(ThisBackend&, FluidStep&);

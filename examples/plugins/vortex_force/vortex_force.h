@@ -48,7 +48,7 @@ class VortexForce final : public FluidModule {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 
-  Array<Vec3f>* swirl_ = nullptr;  // of the fluid's particles
+  Attribute<Vec3f> swirl_;  // of the fluid's particles
 };
 
 }  // namespace vortex_force

@@ -46,9 +46,9 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
   mixing_.release();
-  carried_ = carries() ? &fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
-                                                      "By pressure and walls, at the last search in a step."})
-                       : nullptr;
+  carried_ = carries() ? fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
+                                                     "By pressure and walls, at the last search in a step."})
+                       : Attribute<Vec3f>();
 }
 
 void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
@@ -99,7 +99,7 @@ int AcceleratedSolver::maxPasses() const {
 
 void AcceleratedSolver::reserve(FluidStep& fluid) {
   const bool walls = !fluid.walls.empty();
-  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.positions().size(), walls);
+  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.capacity(), walls);
   if (accelerated() && !mixes()) fitScratch(fluid, plain_);
   if (accelerated() && !mixes() && walls) fitScratch(fluid, plainShare_);
   PressureSolver::reserve(fluid, controlled());

@@ -105,14 +105,14 @@ struct MeetWalls {
 
 template <class Backend>
 void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
-  const PressureProblem problem = problemOf(fluid);
+  PressureProblem problem = problemOf(fluid);
   reserve(fluid);
   fluid.walls.forgetShares();
   beginStep(device, fluid);
   problem.start(device);
   contain(device, problem);
   if (recordObjective) objective_->begin(fluid, maxPasses() * maxIterations + 1);
-  record(fluid);
+  record(problem);
   for (int pass = 0; pass < maxPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, problem);
     iterate(device, problem, pass);
@@ -126,7 +126,7 @@ void AcceleratedSolver::beginStep(Backend& device, FluidStep& fluid) {
   if (!controlled()) return;
   const Count count = fluid.particles.count();
   const float dt = static_cast<float>(fluid.time.dt);
-  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().view();
+  const ArrayView<const Vec3f> velocities = fluid.particles.velocities().read();
   over_ = false;
   if (staged(fluid))
     reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, Max{}, farthest_.data());
@@ -139,13 +139,13 @@ void AcceleratedSolver::beginStep(Backend& device, FluidStep& fluid) {
                                 .most = pathStages});
   if (staged(fluid))
     parallelFor(device, "go back", count,
-                detail::GoBack{control_->data(), velocities, fluid.particles.positions().view()});
+                detail::GoBack{control_->data(), velocities, fluid.particles.positions().write()});
 }
 
 template <class Backend>
 void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem, int pass) {
   const Count count = problem.fluid.particles.count();
-  const StepOf step = stepOf(problem, pass > 0 ? carried_->view() : ArrayView<Vec3f>{});
+  const StepOf step = stepOf(problem, pass > 0 ? carried_.read() : ArrayView<const Vec3f>{});
   const Update update{.step = step,
                       .control = controlled() ? control_->data() : nullptr,
                       .predicted = problem.predicted(),
@@ -171,7 +171,7 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     const Control* control = control_->data();
     const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
     contain(device, problem, done);
-    record(problem.fluid);
+    record(problem);
     if (!accelerated()) continue;
     accelerate(device, problem);
     contain(device, problem, done);
@@ -245,29 +245,29 @@ void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& proble
                                 .inverseDt = problem.inverseDt(),
                                 .positions = problem.predicted(),
                                 .displacement = problem.displacement(),
-                                .velocities = fluid.particles.velocities().view()});
+                                .velocities = fluid.particles.velocities().write()});
 }
 
 template <class Backend>
-void AcceleratedSolver::searchAgain(Backend& device, const PressureProblem& problem) {
+void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
   FluidStep& fluid = problem.fluid;
   parallelFor(device, "move", fluid.particles.count(),
               detail::MoveOut{.control = control_->data(),
                               .displacement = problem.displacement(),
-                              .velocities = fluid.particles.velocities().view(),
-                              .carried = carried_->view(),
-                              .positions = problem.predicted()});
-  fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks);
+                              .velocities = fluid.particles.velocities().read(),
+                              .carried = carried_.write(),
+                              .positions = fluid.particles.positions().write()});
+  problem.withoutRooms([&] { fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks); });
   fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
-              detail::MoveBack{.carried = carried_->view(),
+              detail::MoveBack{.carried = carried_.read(),
                                .displacement = problem.displacement(),
-                               .positions = problem.predicted(),
+                               .positions = fluid.particles.positions().write(),
                                .state = problem.state()});
   if (fluid.walls.empty()) return;
-  fluid.walls.base = std::as_const(*carried_).view();
-  fluid.walls.keepLegal(fluid.particles.positions());
+  fluid.walls.base = carried_.read();
+  fluid.walls.keepLegal(fluid.particles.positions().read());
 }
 
 template void AcceleratedSolver::stepOn(ThisBackend&, FluidStep&);

@@ -115,7 +115,7 @@ class AcceleratedSolver final : public PressureSolver {
   void meetWalls(Backend& device, const PressureProblem& problem);
   /// Finds neighbours where the particles are now.
   template <class Backend>
-  void searchAgain(Backend& device, const PressureProblem& problem);
+  void searchAgain(Backend& device, PressureProblem& problem);
   /// Whether the displacement is an attribute of the particles.
   bool carries() const { return passes() > 1 || tolerance.get().has_value(); }
   /// As far as the host has heard of it, without waiting.
@@ -139,7 +139,7 @@ class AcceleratedSolver final : public PressureSolver {
   Array<Vec3f> plain_;
   Array<float> plainShare_;
   AndersonMixing mixing_;
-  Array<Vec3f>* carried_ = nullptr;  // the displacement, as an attribute that sorting puts into its order
+  Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};
   std::optional<Readback<Control>> controlSeen_;
   State<std::int64_t> passes_{*this, "passes"};  // begun, as Control::passes

@@ -46,8 +46,8 @@ template <class Backend>
 void BoundaryCollision::stepOn(Backend& device, FluidStep& fluid) {
   for (const Boundary* boundary : fluid.boundaries)
     parallelForEights(device, "collide", fluid.particles.count(),
-                      Collide{boundary->view(), fluid.constants.contact, fluid.particles.positions().view(),
-                              fluid.particles.velocities().view()});
+                      Collide{boundary->view(), fluid.constants.contact, fluid.particles.positions().write(),
+                              fluid.particles.velocities().write()});
 }
 
 template void BoundaryCollision::stepOn(ThisBackend&, FluidStep&);

@@ -45,7 +45,7 @@ void Drag::stepOn(Backend& device, FluidStep& fluid) {
               Slow{fluid.neighbors.view().counts,
                    static_cast<float>(dt * dragPerLength(c, airDensity, dragCoefficient)),
                    on == DragOn::kAll ? 0.0f : static_cast<float>(1 / halfOfSettled),
-                   static_cast<float>(std::exp(-dt * damping)), wind, fluid.particles.velocities().view()});
+                   static_cast<float>(std::exp(-dt * damping)), wind, fluid.particles.velocities().write()});
 }
 
 template void Drag::stepOn(ThisBackend&, FluidStep&);

@@ -1,6 +1,6 @@
 // The iterations of SemiImplicitSolver in fewer passes over the particles, for speed alone; whoever reads for
 // the method need not open this. The first iteration takes its densities from the kernel's sums that the
-// search for neighbours has made on its way (NeighborList::crowding and places) and starts without
+// search for neighbours has made on its way (SearchSums) and starts without
 // displacements; the last one ends in positions and velocities, with the motion codes of those.
 #pragma once
 
@@ -94,39 +94,27 @@ struct FusedSubstitute {
   }
 };
 
-/// What the search for neighbours has left. To be asked for first of all in a step, as displacements and
-/// positions take its place.
-struct SearchSums {
-  ArrayView<const float> crowding;  // empty where there is none
-  bool places = false;              // whether PressureProblem::state() holds positions and crowding
-
-  static SearchSums of(FluidStep& fluid) {
-    const ArrayView<const float> crowding = fluid.neighbors.crowding(fluid.particles);
-    const ArrayView<const Vec4f> places = fluid.neighbors.places(fluid.particles);
-    // The search knows neither walls nor what they hide from each other.
-    if (!fluid.walls.empty()) return {};
-    return {.crowding = crowding, .places = places.size > 0};
-  }
-  bool empty() const { return !places && crowding.size == 0; }
-};
-
 template <class Backend>
 class FusedSubstitution {
  public:
   FusedSubstitution(Backend& device, const PressureProblem& problem)
       : device_(device),
         problem_(problem),
-        found_(SearchSums::of(problem.fluid)),
+        found_(problem.found),
         volumeAtZero_(problem.fluid.constants.particleVolume * problem.fluid.constants.kernel.value0),
-        predicted_(problem.predicted()),
+        positions_(problem.fluid.particles.positions().write()),
+        velocities_(problem.fluid.particles.velocities().write()),
         // What the search has written is the first of what neighbours are asked for.
-        state_(found_.places ? problem.weighted() : problem.state()),
-        weighted_(found_.places ? problem.state() : problem.weighted()) {}
+        stateRoom_(hasPlaces() ? problem.weightedRoom : problem.stateRoom),
+        state_(stateRoom_.view()),
+        weighted_(hasPlaces() ? problem.state() : problem.weighted()) {}
 
   /// A step of iterations of full length.
   void step(int iterations) const {
     ParticleSet& particles = problem_.fluid.particles;
-    const bool codes = particles.motionCodesRequested() && problem_.fluid.device.kind() == DeviceKind::kCuda;
+    ByProducts& byProducts = particles.byProducts();
+    const bool codes =
+        byProducts.isRequested(kMotionCodes) && problem_.fluid.device.kind() == DeviceKind::kCuda;
     if (found_.empty()) problem_.start(device_);
     for (int k = 0; k < iterations; ++k) {
       const bool begins = k == 0, ends = k + 1 == iterations;
@@ -139,10 +127,14 @@ class FusedSubstitution {
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
       parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
     }
-    if (codes) particles.storeMotionCodes(state_);
+    if (codes)
+      byProducts.keep<Vec4f>(
+          kMotionCodes, state_,
+          {particles.positions().version(), particles.velocities().version(), stateRoom_.version()});
   }
 
  private:
+  bool hasPlaces() const { return found_.places.size > 0; }
   Count count() const { return problem_.fluid.particles.count(); }
 
   template <class Weight>
@@ -152,8 +144,8 @@ class FusedSubstitution {
     return {.pushOf = pushOf,
             .weight = weight,
             .inverseDt = problem_.inverseDt(),
-            .positions = predicted_,
-            .velocities = problem_.fluid.particles.velocities().view(),
+            .positions = positions_,
+            .velocities = velocities_,
             .displacement = problem_.displacement(),
             .state = state_,
             .code = MotionCode(problem_.fluid.constants.supportRadius)};
@@ -161,7 +153,7 @@ class FusedSubstitution {
 
   /// Where the search has left places, the first of several iterations may do without a pass for Ḃ.
   bool iterateFromCrowding() const {
-    if (!found_.places || !problem_.energy.isQuadratic()) return false;
+    if (!hasPlaces() || !problem_.energy.isQuadratic()) return false;
     const OfCrowding weight{.volumeAtZero = volumeAtZero_,
                             .least = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
                             .factor = problem_.energy.derivative(1.0f)};
@@ -171,7 +163,7 @@ class FusedSubstitution {
 
   void sumFirstDensities() const {
     const BulkEnergy& energy = problem_.energy;
-    if (found_.places)
+    if (hasPlaces())
       parallelFor(device_, "density", count(),
                   DerivativeOfPlace{.volumeAtZero = volumeAtZero_,
                                     .energy = energy,
@@ -182,7 +174,7 @@ class FusedSubstitution {
                         FirstDerivative{.volumeAtZero = volumeAtZero_,
                                         .energy = energy,
                                         .tension = problem_.tension,
-                                        .predicted = predicted_,
+                                        .predicted = positions_,
                                         .crowding = found_.crowding,
                                         .weighted = weighted_});
     else
@@ -197,9 +189,10 @@ class FusedSubstitution {
 
   Backend& device_;
   const PressureProblem& problem_;
-  SearchSums found_;
+  const SearchSums& found_;
   float volumeAtZero_;
-  ArrayView<Vec3f> predicted_;
+  ArrayView<Vec3f> positions_, velocities_;  // predicted until the last iteration
+  const Lease<Vec4f>& stateRoom_;
   ArrayView<Vec4f> state_, weighted_;
 };
 

@@ -105,7 +105,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const bool textbook = form == PbfForm::kTextbook;
   const float area = c.spacing * c.spacing;
-  const auto positions = fluid.particles.positions().view();
+  const auto positions = fluid.particles.positions().write().view();
   const WallFieldView walls = fluid.walls.view();
   const PairGradient gradient{c.kernel, c.particleVolume, kShortest * c.spacing};
   const Multiplier multiplier{
@@ -139,7 +139,7 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   }
   parallelFor(device, "finish", count,
               FinishDisplacement{1 / static_cast<float>(fluid.time.dt), displacement_.view(), positions,
-                                 fluid.particles.velocities().view()});
+                                 fluid.particles.velocities().write()});
 }
 
 template void Pbf::stepOn(ThisBackend&, FluidStep&);

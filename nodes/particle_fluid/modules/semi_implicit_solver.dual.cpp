@@ -45,14 +45,14 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                               .state = problem.state()};
   problem.start(device);
   if (recordObjective) objective_->begin(fluid, iterations + 1);
-  record(fluid);
+  record(problem);
   for (int k = 0; k < iterations; ++k) {
     parallelForEights(device, "density", count, launched<SumAfterSum>(density));
     if (searches()) parallelForEights(device, "propose", count, propose);
     if (stepLength == StepLength::kGlobal)
       reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
     parallelForEights(device, "update", count, substitute);
-    record(fluid);
+    record(problem);
   }
   problem.finish(device);
 }

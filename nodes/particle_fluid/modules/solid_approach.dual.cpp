@@ -44,8 +44,8 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles);
   const ArrayView<const SolidView> solids = walls.views.view();
-  const ArrayView<Vec3f> positions = fluid.particles.positions().view(),
-                         velocities = fluid.particles.velocities().view();
+  const ArrayView<Vec3f> positions = fluid.particles.positions().write(),
+                         velocities = fluid.particles.velocities().write();
   const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
   walls.list(device, "may meet", fluid.particles.count(), MayMeet{solids, gap, dt, positions, velocities},
              walls.met, walls.metCounter);

@@ -95,7 +95,7 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<const SolidView> solids = walls.views.view();
   const SolidPairsView pairs = walls.pairs.view();
-  const ArrayView<Vec3f> positions = fluid.particles.positions().view();
+  const ArrayView<Vec3f> positions = fluid.particles.positions().write();
   const ArrayView<const Vec3f> legal = std::as_const(walls.legal).view();
   const ArrayView<const Vec4f> each = std::as_const(walls.each).view();
   const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
@@ -108,12 +108,12 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
              walls.met, walls.metCounter);
   parallelForUneven(device, "contact", walls.metCount(),
                     Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, pairs,
-                            std::as_const(walls.met).view(), legal, each, walls.share->view(), positions,
-                            fluid.particles.velocities().view(), walls.kick.view()});
+                            std::as_const(walls.met).view(), legal, each, walls.share.read(), positions,
+                            fluid.particles.velocities().write(), walls.kick.view()});
   sumContacts(device, fluid);
   reduceByKey(device, "pressure impulse", walls.pairs.nearCount(), solids.size, SolidImpulse{},
               PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(), positions,
-                              each, walls.share->view()},
+                              each, walls.share.read()},
               AddImpulses{}, walls.impulses.data() + solids.size);
   giveImpulses(device, walls, 2);
 }

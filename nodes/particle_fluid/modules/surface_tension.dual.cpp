@@ -67,7 +67,7 @@ void SurfaceTension::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const NeighborView neighbors = fluid.neighbors.view();
   const Poly6Kernel kernel(c.supportRadius);
-  const auto positions = fluid.particles.positions().view();
+  const auto positions = fluid.particles.positions().read();
   const float factor = static_cast<float>(fluid.time.dt) * c.particleVolume / c.restDensity;
   parallelFor(device, "color", count,
               ColorField{neighbors, kernel, c.particleVolume, positions, color_.view()});
@@ -76,7 +76,7 @@ void SurfaceTension::stepOn(Backend& device, FluidStep& fluid) {
                             color_.view(), stress_.view()});
   parallelFor(
       device, "contract", count,
-      Contract{neighbors, kernel, factor, positions, stress_.view(), fluid.particles.velocities().view()});
+      Contract{neighbors, kernel, factor, positions, stress_.view(), fluid.particles.velocities().write()});
 }
 
 template void SurfaceTension::stepOn(ThisBackend&, FluidStep&);

@@ -3,7 +3,7 @@
 namespace weir {
 
 void VorticityConfinement::reset(FluidStep& fluid) {
-  vorticity_ = &fluid.particles.add<Vec3f>(
+  vorticity_ = fluid.particles.add<Vec3f>(
       {"vorticity", AttributeType::kVec3, "1/s", "Curl of the velocity, twice the spin."});
 }
 

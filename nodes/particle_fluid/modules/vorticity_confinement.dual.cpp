@@ -65,15 +65,15 @@ void VorticityConfinement::stepOn(Backend& device, FluidStep& fluid) {
   constexpr float kMinSlope = 0.01f;  // per spacing
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
-  const auto positions = fluid.particles.positions().view();
-  const auto velocities = fluid.particles.velocities().view();
+  const auto positions = fluid.particles.positions().read();
   parallelFor(device, "vorticity", count,
-              Vorticity{fluid.neighbors.view(), c.kernel, positions, velocities, vorticity_->view()});
+              Vorticity{fluid.neighbors.view(), c.kernel, positions, fluid.particles.velocities().read(),
+                        vorticity_.write()});
   if (strength > 0)
     parallelFor(
         device, "confine", count,
         Confine{fluid.neighbors.view(), c.kernel, static_cast<float>(fluid.time.dt) * strength * c.spacing,
-                kMinSlope / c.spacing, positions, vorticity_->view(), velocities});
+                kMinSlope / c.spacing, positions, vorticity_.read(), fluid.particles.velocities().write()});
 }
 
 template void VorticityConfinement::stepOn(ThisBackend&, FluidStep&);

@@ -46,7 +46,7 @@ class VorticityConfinement final : public FluidModule {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 
-  Array<Vec3f>* vorticity_ = nullptr;  // of the fluid's particles
+  Attribute<Vec3f> vorticity_;  // of the fluid's particles
 };
 
 }  // namespace weir

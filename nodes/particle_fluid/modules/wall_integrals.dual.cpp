@@ -31,10 +31,10 @@ template <class Backend>
 void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles);
-  walls.keepLegal(fluid.particles.positions());
+  walls.keepLegal(fluid.particles.positions().read());
   walls.base = {};
   const ArrayView<const SolidView> solids = walls.views.view();
-  const ArrayView<const Vec3f> positions = std::as_const(fluid.particles).positions().view();
+  const ArrayView<const Vec3f> positions = fluid.particles.positions().read();
   const float reach = fluid.constants.supportRadius;
   walls.findPairs(device, fluid.particles.count(), positions, reach);
   // All others feel nothing.

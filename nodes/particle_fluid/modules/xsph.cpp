@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 
+#include "framework/neighbors/motion_code.h"
+
 namespace weir {
 
 void Xsph::validate() const {
@@ -12,7 +14,7 @@ void Xsph::validate() const {
 }
 
 void Xsph::reset(FluidStep& fluid) {
-  if (form == XsphForm::kExplicit) fluid.particles.requestMotionCodes();
+  if (form == XsphForm::kExplicit) fluid.particles.byProducts().request(kMotionCodes);
 }
 
 void Xsph::step(FluidStep& fluid) {

@@ -55,34 +55,34 @@ template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const float weight = strength * c.particleVolume;
-  withMotion(device, fluid.particles, c.supportRadius,
-             [&]<class Motion>(const Motion& motion, Array<Vec3f>& smoothed) {
-               parallelForSums(
-                   device, "smooth", fluid.particles.count(),
-                   SmoothVelocity<Motion>{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
-               // Equal sizes; only the memory changes hands.
-               smoothed.swap(fluid.particles.velocities());
-             });
+  const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
+  withMotion(device, fluid.particles, c.supportRadius, [&]<class Motion>(const Motion& motion) {
+    parallelForSums(
+        device, "smooth", fluid.particles.count(),
+        SmoothVelocity<Motion>{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
+  });
+  fluid.particles.velocities().swap(smoothed);
 }
 
 template <class Backend>
 void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   constexpr int kSweeps = 3;
   fitScratch(fluid, next_);
-  Array<Vec3f>& smoothed = fluid.particles.scratch();
+  const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
   const FluidConstants& c = fluid.constants;
   const float b = static_cast<float>(fluid.time.dt) * viscosity / c.supportRadius;
   // Of infinite b, too.
   const float share = 1 / (1 + 1 / b);
-  Array<Vec3f>& velocities = fluid.particles.velocities();
+  const Attribute<Vec3f> velocities = fluid.particles.velocities();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const Array<Vec3f>& present = sweep == 0 ? velocities : smoothed;
+    const ArrayView<const Vec3f> initial = velocities.read(),
+                                 present = sweep == 0 ? initial : smoothed.view();
     parallelForSums(device, "approach mean", fluid.particles.count(),
-                    ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().view(),
-                                 velocities.view(), present.view(), next_.view()});
-    next_.swap(smoothed);
+                    ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().read(),
+                                 initial, present, next_.view()});
+    smoothed.swap(next_);
   }
-  smoothed.swap(velocities);
+  velocities.swap(smoothed);
 }
 
 template void Xsph::stepOn(ThisBackend&, FluidStep&);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/base/mat3.h"
 #include "framework/compute/parallel.h"
 
 namespace weir::rendering {
@@ -11,16 +12,21 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct FindLength {
-  ArrayView<const Vec3f> vectors;
-  ArrayView<float> lengths;
-  WEIR_HD void operator()(std::int64_t i) const { lengths[i] = length(vectors[i]); }
-};
+WEIR_HD float numberOf(int value) {
+  return static_cast<float>(value);
+}
+WEIR_HD float numberOf(const Vec3f& value) {
+  return length(value);
+}
+WEIR_HD float numberOf(const Mat3f& value) {
+  return frobeniusNorm(value);
+}
 
-struct Convert {
-  ArrayView<const int> numbers;
-  ArrayView<float> floats;
-  WEIR_HD void operator()(std::int64_t i) const { floats[i] = static_cast<float>(numbers[i]); }
+template <class T>
+struct FindNumber {
+  ArrayView<const T> elements;
+  ArrayView<float> numbers;
+  WEIR_HD void operator()(std::int64_t i) const { numbers[i] = numberOf(elements[i]); }
 };
 
 struct FindPart {
@@ -83,14 +89,9 @@ struct Take {
 
 }  // namespace
 
-template <class Backend>
-void findLengths(Backend& device, ArrayView<const Vec3f> vectors, ArrayView<float> lengths) {
-  parallelFor(device, "lengths", vectors.size, FindLength{vectors, lengths});
-}
-
-template <class Backend>
-void convert(Backend& device, ArrayView<const int> numbers, ArrayView<float> floats) {
-  parallelFor(device, "numbers", numbers.size, Convert{numbers, floats});
+template <class Backend, class T>
+void findNumbers(Backend& device, ArrayView<const T> elements, ArrayView<float> numbers) {
+  parallelFor(device, "numbers", elements.size, FindNumber<T>{elements, numbers});
 }
 
 template <class Backend>
@@ -120,8 +121,9 @@ void take(Backend& device, ArrayView<const int> chosen, ArrayView<const T> from,
   parallelFor(device, "take shown", chosen.size, Take<T>{chosen, from, to});
 }
 
-template void findLengths(ThisBackend&, ArrayView<const Vec3f>, ArrayView<float>);
-template void convert(ThisBackend&, ArrayView<const int>, ArrayView<float>);
+template void findNumbers(ThisBackend&, ArrayView<const int>, ArrayView<float>);
+template void findNumbers(ThisBackend&, ArrayView<const Vec3f>, ArrayView<float>);
+template void findNumbers(ThisBackend&, ArrayView<const Mat3f>, ArrayView<float>);
 template void findParts(ThisBackend&, ArrayView<const float>, const Vec2f&, ArrayView<float>);
 template void rangeOf(ThisBackend&, ArrayView<const float>, Vec2f*);
 template void sumOf(ThisBackend&, ArrayView<const Vec3f>, PlacesSum*);

@@ -8,12 +8,9 @@
 
 namespace weir::rendering {
 
-/// The lengths of vectors.
-template <class Backend>
-void findLengths(Backend& device, ArrayView<const Vec3f> vectors, ArrayView<float> lengths);
-
-template <class Backend>
-void convert(Backend& device, ArrayView<const int> numbers, ArrayView<float> floats);
+/// One number for each element: the lengths of vectors, Frobenius norms of matrices, whole numbers as floats.
+template <class Backend, class T>
+void findNumbers(Backend& device, ArrayView<const T> elements, ArrayView<float> numbers);
 
 /// How far each value is on its way from `ends.x` to `ends.y`, within [0, 1]; 0 for what is not a number.
 template <class Backend>

@@ -27,7 +27,7 @@ void Pull::stepOn(Backend& device, FluidStep& fluid) {
   ParticleSet& particles = fluid.particles;
   parallelFor(device, "pull", particles.count(),
               PullParticle{center, rate * rate, static_cast<float>(fluid.time.dt),
-                           particles.positions().view(), particles.velocities().view(), pull_->view()});
+                           particles.positions().read(), particles.velocities().write(), pull_.write()});
 }
 
 template void Pull::stepOn(ThisBackend&, FluidStep&);

@@ -29,7 +29,7 @@ class Pull final : public FluidModule {
 
   /// Adds the attribute "pull", which is sorted, exported and shown like the built-in ones.
   void reset(FluidStep& fluid) override {
-    pull_ = &fluid.particles.add<float>(
+    pull_ = fluid.particles.add<float>(
         {"pull", AttributeType::kFloat, "m/s^2", "Acceleration towards the center."});
   }
   void step(FluidStep& fluid) override {
@@ -40,7 +40,7 @@ class Pull final : public FluidModule {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 
-  Array<float>* pull_ = nullptr;  // of the fluid's particles
+  Attribute<float> pull_;  // of the fluid's particles
 };
 
 }  // namespace my_plugin

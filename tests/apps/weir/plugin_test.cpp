@@ -354,6 +354,7 @@ TEST(Plugins, AttributesOfAModuleTravelWithTheirParticles) {
   const std::vector<int> ids = particles.ids().toHost(n);
   const std::vector<float> tags = particles.get<float>("tag").toHost(n);
   const std::vector<Vec3f> vectors = particles.get<Vec3f>("tag_vector").toHost(n);
+  const std::vector<Mat3f> matrices = particles.get<Mat3f>("tag_matrix").toHost(n);
   const std::vector<int> numbers = particles.get<int>("tag_number").toHost(n);
   bool sorted = false;
   std::int64_t born = 0;
@@ -361,6 +362,7 @@ TEST(Plugins, AttributesOfAModuleTravelWithTheirParticles) {
     const auto id = static_cast<float>(ids[i]);
     EXPECT_EQ(tags[i], 3 * id + 1);
     EXPECT_EQ(vectors[i], (Vec3f{id, 2 * id, -id}));
+    EXPECT_EQ(matrices[i], (Mat3f{{{}, vectors[i], {}}}));
     EXPECT_EQ(numbers[i], ids[i] + 7);
     sorted |= i > 0 && ids[i] < ids[i - 1];
     born += ids[i] >= kFirst ? 1 : 0;

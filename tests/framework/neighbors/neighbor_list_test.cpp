@@ -39,13 +39,15 @@ Pairs allPairs(const std::vector<Vec3f>& points, float radius) {
 
 class NeighborListTest : public OnDevice {
  protected:
-  ParticleSet makeParticles(const std::vector<Vec3f>& points) {
-    ParticleSet particles(*device);
-    ParticleBatch batch;
-    batch.assign(*device, points, std::vector<Vec3f>(points.size()));
-    particles.append(batch);
-    return particles;
-  }
+  /// Particles at rest.
+  class Resting : public ParticleSet {
+   public:
+    Resting(Device& device, const std::vector<Vec3f>& points) : ParticleSet(device) {
+      ParticleBatch batch;
+      batch.assign(device, points, std::vector<Vec3f>(points.size()));
+      append(batch);
+    }
+  };
 };
 WEIR_ON_EVERY_DEVICE(NeighborListTest);
 
@@ -56,7 +58,7 @@ TEST_P(NeighborListTest, FindsAllPairsOnAnyGrid) {
     const Pairs expected = allPairs(points, radius);
     for (const Aabb& box : {Aabb{}, Aabb{{0, 0, 0}, {0.1f, 0.1f, 0.1f}}, Aabb{{-1, -1, -1}, {1, 1, 1}},
                             Aabb{{-1, 0, 0}, {1, 0, 0}}}) {
-      ParticleSet particles = makeParticles(points);
+      Resting particles(*device, points);
       NeighborList list(*device);
       list.configure(radius, 200);
       list.fitGrid(box, 1 << 20);
@@ -71,7 +73,7 @@ TEST_P(NeighborListTest, FindsAllPairsInCrowdedCells) {
   // Around each cell are more than the thousand candidates that the CPU looks at together.
   const float radius = 0.1f;
   const std::vector<Vec3f> points = randomPoints(3000, {0, 0, 0}, {0.4f, 0.4f, 0.4f}, 11);
-  ParticleSet particles = makeParticles(points);
+  Resting particles(*device, points);
   NeighborList list(*device);
   list.configure(radius, 384);
   list.fitGrid({{0, 0, 0}, {0.4f, 0.4f, 0.4f}}, 3000);
@@ -91,13 +93,13 @@ TEST_P(NeighborListTest, AllAttributesTravelIntoTheOrderOfTheCells) {
     std::vector<Vec3f> velocities = randomPoints(count, {-1, -1, -1}, {1, 1, 1}, 6);
     points.back() = {-7, 0, 0};  // where it is removed
     ParticleSet particles(*device);
-    Array<float>& heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    const Attribute<float> heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
     ParticleBatch batch;
     batch.assign(*device, points, velocities);
     particles.append(batch);
     std::vector<float> heats;
     for (int i = 0; i < count; ++i) heats.push_back(float(i) + 0.5f);
-    device->upload(heat.data(), heats.data(), heats.size() * sizeof(float));
+    heat.assign(heats);
     NeighborList list(*device);
     list.configure(radius, 24);
     list.fitGrid({{0, 0, 0}, {2, 1, 1}}, count);
@@ -137,21 +139,21 @@ TEST_P(NeighborListTest, PlacesHoldPositionAndCrowding) {
   for (const int count : {1000, 40000}) {
     const Vec3f size = (count > 1000 ? 4.0f : 1.0f) * Vec3f{1, 0.5f, 0.5f};
     const std::vector<Vec3f> points = randomPoints(count, {}, size, 7);
-    ParticleSet particles = makeParticles(points);
+    Resting particles(*device, points);
     NeighborList list(*device);
     list.configure(radius, 64);
     list.fitGrid({{}, size}, count);
     list.build(particles, kEverywhere);
-    ASSERT_GE(list.crowding(particles).size, count);
-    EXPECT_EQ(list.places(particles).size, 0);
+    ASSERT_GE(particles.byProducts().find(kCrowding).size, count);
+    EXPECT_EQ(particles.byProducts().find(kPlaces).size, 0);
     const bool onCuda = device->kind() == DeviceKind::kCuda;
-    particles.places();
+    particles.leasePlaces();
     list.build(particles, kEverywhere);
-    ASSERT_EQ(list.places(particles).size >= count, onCuda);
-    ASSERT_EQ(list.crowding(particles).size >= count, !onCuda);
+    ASSERT_EQ(particles.byProducts().find(kPlaces).size >= count, onCuda);
+    ASSERT_EQ(particles.byProducts().find(kCrowding).size >= count, !onCuda);
     if (!onCuda) continue;
     std::vector<Vec4f> places(points.size());
-    device->download(places.data(), list.places(particles).data, places.size() * sizeof(Vec4f));
+    device->download(places.data(), particles.byProducts().find(kPlaces).data, places.size() * sizeof(Vec4f));
     const std::vector<Vec3f> p = particles.positions().toHost(count);
     const std::vector<std::vector<int>> lists = list.listsOnHost(count);
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -164,8 +166,8 @@ TEST_P(NeighborListTest, PlacesHoldPositionAndCrowding) {
       ASSERT_NEAR(places[i].w, crowding, 1e-4 * crowding) << i;
     }
     // Whoever asks for the memory may have written there.
-    particles.places();
-    EXPECT_EQ(list.places(particles).size, 0);
+    particles.leasePlaces();
+    EXPECT_EQ(particles.byProducts().find(kPlaces).size, 0);
   }
 }
 
@@ -173,7 +175,7 @@ TEST_P(NeighborListTest, FindsPairsFarFromTheOriginAndFarApart) {
   const float radius = 1.0f;
   std::vector<Vec3f> points = randomPoints(200, {9000, -5000, 100}, {9004, -4996, 104}, 3);
   for (const Vec3f& p : randomPoints(200, {-1e6f, -1e6f, -1e6f}, {1e6f, 1e6f, 1e6f}, 4)) points.push_back(p);
-  ParticleSet particles = makeParticles(points);
+  Resting particles(*device, points);
   NeighborList list(*device);
   list.configure(radius, 200);
   list.fitGrid({{-1e6f, -1e6f, -1e6f}, {1e6f, 1e6f, 1e6f}}, 400);
@@ -206,7 +208,7 @@ TEST_P(NeighborListTest, FindsAllPairsOfManyInWideLayers) {
   const float radius = 0.1f;
   const Vec3f lo{-10, -10, -0.1f}, hi{10, 10, 0.1f};
   const std::vector<Vec3f> points = randomPoints(90'000, lo, hi, 5);
-  ParticleSet particles = makeParticles(points);
+  Resting particles(*device, points);
   NeighborList list(*device);
   list.configure(radius, 40);
   list.fitGrid({lo, hi}, 90'000);
@@ -217,7 +219,7 @@ TEST_P(NeighborListTest, FindsAllPairsOfManyInWideLayers) {
 
 TEST_P(NeighborListTest, CountsListsThatAreCutOff) {
   const std::vector<Vec3f> points(20, Vec3f{0.5f, 0.5f, 0.5f});
-  ParticleSet particles = makeParticles(points);
+  Resting particles(*device, points);
   NeighborList list(*device);
   list.configure(0.1f, 8);
   list.build(particles, kEverywhere);
@@ -261,7 +263,7 @@ TEST_P(NeighborListTest, EverySearchFindsWhatThePortableOneFinds) {
                         {clusteredPoints(2000), 0.1f, 24, true},
                         {clusteredPoints(40000), 0.02f, 24, true}};
   for (const auto& [points, radius, capacity, overflows] : cases) {
-    ParticleSet particles = makeParticles(points), same = makeParticles(points);
+    Resting particles(*device, points), same(*device, points);
     NeighborList fast(*device), portable(*device);
     portable.usePortableSearch();
     const auto count = std::int64_t(points.size());
@@ -290,8 +292,8 @@ TEST_P(NeighborListTest, EverySearchFindsWhatThePortableOneFinds) {
 TEST_P(NeighborListTest, RemovesWhatIsOutsideOrNoNumberAndCountsIt) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
-  ParticleSet particles =
-      makeParticles({{0, 0, 0}, {5, 0, 0}, {nan, 0, 0}, {0.05f, 0, 0}, {0, -infinity, 0}, {0, 0, 0.9f}});
+  Resting particles(*device,
+                    {{0, 0, 0}, {5, 0, 0}, {nan, 0, 0}, {0.05f, 0, 0}, {0, -infinity, 0}, {0, 0, 0.9f}});
   NeighborList list(*device);
   list.configure(0.1f, 8);
   list.build(particles, {{-1, -1, -1}, {1, 1, 1}});

@@ -19,27 +19,35 @@ Vec3f vectorOf(int i, float attribute) {
 TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
   for (const std::int64_t count : {std::int64_t{1000}, ParticleSet::kFew + 1000}) {
     ParticleSet particles(*device);
-    Array<Vec3f>& carried = particles.add<Vec3f>({.name = "carried", .unit = "", .doc = ""});
-    Array<float>& share = particles.add<float>({.name = "share", .unit = "", .doc = ""});
-    Array<float>& heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    const Attribute<Vec3f> carried = particles.add<Vec3f>({.name = "carried", .unit = "", .doc = ""});
+    const Attribute<float> share = particles.add<float>({.name = "share", .unit = "", .doc = ""});
+    const Attribute<float> heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
+    const Attribute<Mat3f> tensor = particles.add<Mat3f>({.name = "stress", .unit = "", .doc = ""});
+    const Attribute<int> phase = particles.add<int>({.name = "phase", .unit = "", .doc = ""});
     particles.add<float>({.name = "derived", .unit = "", .doc = "", .derived = true});
     const auto n = static_cast<std::size_t>(count);
     std::vector<Vec3f> positions, velocities, third;
     std::vector<float> shares, heats;
+    std::vector<Mat3f> tensors;
+    std::vector<int> phases;
     for (int i = 0; i < count; ++i) {
       positions.push_back(vectorOf(i, 1));
       velocities.push_back(vectorOf(i, 2));
       third.push_back(vectorOf(i, 3));
       shares.push_back(float(i) + 0.5f);
       heats.push_back(-float(i));
+      tensors.push_back({vectorOf(i, 4), vectorOf(i, 5), vectorOf(i, 6)});
+      phases.push_back(3 * i);
     }
     ParticleBatch batch;
     batch.assign(*device, positions, velocities);
     particles.append(batch);
     ASSERT_EQ(particles.capacity() > ParticleSet::kFew, count > ParticleSet::kFew);
-    device->upload(carried.data(), third.data(), n * sizeof(Vec3f));
-    device->upload(share.data(), shares.data(), n * sizeof(float));
-    device->upload(heat.data(), heats.data(), n * sizeof(float));
+    carried.assign(third);
+    share.assign(shares);
+    heat.assign(heats);
+    tensor.assign(tensors);
+    phase.assign(phases);
 
     std::vector<int> order(n);
     for (std::size_t k = 0; k < n; ++k) order[k] = static_cast<int>((k * 7 + 3) % n);
@@ -47,7 +55,8 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     for (int times = 0; times < 2; ++times) {
       particles.permute(onDevice.view());
       // What is in the scratch memory does not matter.
-      particles.scratch().fillZero();
+      const Lease<Vec3f> room = particles.leaseVectors();
+      device->fillBytes(room.data(), 0, n * sizeof(Vec3f));
     }
     const std::vector<int> ids = particles.ids().toHost(count);
     const auto found = [&](const auto& values, const auto& expected) {
@@ -62,6 +71,8 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     EXPECT_TRUE(found(carried, third));
     EXPECT_TRUE(found(share, shares));
     EXPECT_TRUE(found(heat, heats));
+    EXPECT_TRUE(found(tensor, tensors));
+    EXPECT_TRUE(found(phase, phases));
   }
 }
 

@@ -21,14 +21,14 @@ TEST(Particles, ExistOnceTheyAreAssigned) {
 TEST(Particles, AMaterialIsConstantOrAnAttribute) {
   const auto device = openDevice("cpu", 1);
   ParticleSet set(*device);
-  Array<float>& sizes = set.add<float>({"size", AttributeType::kFloat, "m^3", "Volume."});
+  const Attribute<const float> sizes = set.add<float>({"size", AttributeType::kFloat, "m^3", "Volume."});
   set.add<Vec3f>({"color", AttributeType::kVec3, "", "Not a number."});
   Particles particles;
   particles.assign(set);
   particles.material.volume = {.value = 2};
-  EXPECT_EQ(particles.ownValues(particles.material.volume), nullptr);
+  EXPECT_FALSE(particles.ownValues(particles.material.volume));
   particles.material.volume = {.value = 2, .attribute = "size"};
-  EXPECT_EQ(particles.ownValues(particles.material.volume), &sizes);
+  EXPECT_TRUE(particles.ownValues(particles.material.volume) == sizes);
   for (const char* wrong : {"sizes", "color"}) {
     particles.material.volume.attribute = wrong;
     const Error error = errorOf([&] { particles.ownValues(particles.material.volume); });

@@ -119,8 +119,8 @@ TEST_P(KernelFieldTest, IsTheSumOfTheEquationsAndHasBlocksAroundIt) {
        {KernelSettings{.spacing = d, .radius = 2 * d, .smoothing = 0.9f, .anisotropy = 4, .loneAxis = 0.3f},
         KernelSettings{.spacing = d, .radius = 1.5f * d, .anisotropy = 1}}) {
     const SlowField slow(positions, settings);
-    kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(positions)), std::ssize(positions),
-                 settings, 100);
+    kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(positions)).view(),
+                 std::ssize(positions), settings, 100);
     field.make(*device, kernels, cell);
     const HostGrid grid(field.grid());
     for (int z = -20; z < 40; z += 3)
@@ -138,7 +138,7 @@ TEST_P(KernelFieldTest, CostsFollowTheParticlesAndNotTheirBox) {
   const std::vector<Vec3f> far{{-900, -900, -900}, {900, 900, 900}, {900, 900, 900}};
   ParticleKernels kernels(*device);
   KernelField field(*device);
-  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(far)), 3,
+  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(far)).view(), 3,
                {.spacing = 0.02f, .radius = 0.04f, .smoothing = 1, .anisotropy = 4}, 1000);
   field.make(*device, kernels, 0.01f);
   EXPECT_LE(HostGrid(field.grid()).blocks(), 16u);
@@ -150,13 +150,13 @@ TEST_P(KernelFieldTest, LeavesOutWhatIsNoPlaceOrTooFarAway) {
   const float farthest = KernelField::farthest(0.01f, 0.04f);
   ParticleKernels kernels(*device);
   KernelField field(*device);
-  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(bad)), std::ssize(bad),
+  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(bad)).view(), std::ssize(bad),
                {.spacing = 0.02f, .radius = 0.04f, .anisotropy = 4}, farthest);
   EXPECT_EQ(kernels.size(), 1);
   field.make(*device, kernels, 0.01f);
   EXPECT_LE(HostGrid(field.grid()).blocks(), 8u);
   const std::vector<Vec3f> edge{{farthest, -farthest, farthest}};
-  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(edge)), 1,
+  kernels.make(*device, Array<Vec3f>(*device, std::span<const Vec3f>(edge)).view(), 1,
                {.spacing = 0.02f, .radius = 0.04f, .anisotropy = 4}, farthest);
   field.make(*device, kernels, 0.01f);
   EXPECT_GE(HostGrid(field.grid()).blocks(), 1u);

@@ -77,14 +77,10 @@ Bits bitsOf(ParticleFluid& water) {
   ParticleSet& particles = water.fluid->set();
   const std::int64_t count = particles.refreshCount();
   Bits bits;
-  for (const AttributeInfo& info : particles.attributes()) {
-    if (info.type == AttributeType::kVec3)
-      keep(bits, info.name, particles.get<Vec3f>(info.name).toHost(count));
-    else if (info.type == AttributeType::kInt)
-      keep(bits, info.name, particles.get<int>(info.name).toHost(count));
-    else
-      keep(bits, info.name, particles.get<float>(info.name).toHost(count));
-  }
+  for (const AttributeInfo& info : particles.attributes())
+    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+      keep(bits, info.name, particles.get<T>(info.name).toHost(count));
+    });
   int number = 0;
   for (Solid* solid : water.solids()) {
     const SolidImpulse impulse = solid->impulse().toHost().front();

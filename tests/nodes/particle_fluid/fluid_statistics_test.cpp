@@ -38,12 +38,12 @@ Particles randomParticles(int count) {
 
 FluidSums sumsOn(Device& device, const Particles& given) {
   ParticleSet particles(device);
-  Array<float>& density =
+  const Attribute<float> density =
       particles.add<float>({.name = "density", .unit = "kg/m^3", .doc = "Density.", .derived = true});
   ParticleBatch batch;
   batch.assign(device, given.positions, given.velocities);
   particles.append(batch);
-  device.upload(density.data(), given.densities.data(), given.densities.size() * sizeof(float));
+  density.assign(given.densities);
   const Array<int> neighbors(device, std::span<const int>(given.neighbors));
   Array<FluidSums> sums(device, 1);
   dispatch(device, [&](auto& backend) {

@@ -74,7 +74,8 @@ TEST(ParticleFluid, AttributesOfModulesTravelWithTheirParticles) {
     FluidScene scene(*device, jitteredCube(6, 0.01f, 0.2f, 1), {}, object({{"spacing", 0.01f}}));
     scene.reset(1e-3);
     ParticleSet& particles = scene.fluid().fluid->set();
-    Array<float>& tag = particles.add<float>({"tag", AttributeType::kFloat, "", "Ten times the id."});
+    const Attribute<float> tag =
+        particles.add<float>({"tag", AttributeType::kFloat, "", "Ten times the id."});
     std::vector<float> tags;
     for (const int id : particles.ids().toHost(particles.bound()))
       tags.push_back(10.0f * static_cast<float>(id));

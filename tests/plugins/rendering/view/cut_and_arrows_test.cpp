@@ -34,7 +34,7 @@ class CutAndArrows : public testing::TestWithParam<std::string> {
     fluid.colorType = AttributeType::kFloat;
     const auto count = static_cast<std::int64_t>(positions.size());
     fluid.positions.start(Array<Vec3f>(*device, std::span<const Vec3f>(positions)), count);
-    fluid.floats.start(Array<float>(*device, std::span<const float>(values)), count);
+    fluid.numbers<float>().start(Array<float>(*device, std::span<const float>(values)), count);
     ShownParticles shown(*device);
     shown.load(fluid, {});
     shown.cut(cuts());

@@ -56,9 +56,9 @@ class SceneViews : public testing::TestWithParam<std::string> {
     fluid.colorType = colorType;
     fluid.positions.start(onDevice(positions), count);
     fluid.velocities.start(onDevice(velocities), count);
-    if (colorType == AttributeType::kFloat) fluid.floats.start(onDevice(heights), count);
-    if (colorType == AttributeType::kVec3) fluid.vectors.start(onDevice(velocities), count);
-    if (colorType == AttributeType::kInt) fluid.ints.start(onDevice(numbers), count);
+    if (colorType == AttributeType::kFloat) fluid.numbers<float>().start(onDevice(heights), count);
+    if (colorType == AttributeType::kVec3) fluid.numbers<Vec3f>().start(onDevice(velocities), count);
+    if (colorType == AttributeType::kInt) fluid.numbers<int>().start(onDevice(numbers), count);
   }
 
   /// By both ways, which must be the same.
