@@ -28,9 +28,7 @@ function(weir_configure_target target)
   endif()
   # Vectors wider than the processor's registers (framework/compute/lanes.h) only pass between inline functions,
   # so how they are passed does not matter.
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    list(APPEND warnings -Wno-psabi)
-  endif()
+  list(APPEND warnings -Wno-psabi)
   # What a kernel says of itself to CUDA (framework/compute/standing.h) has no reader on the CPU.
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     list(APPEND warnings -Wno-unused-const-variable)

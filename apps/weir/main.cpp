@@ -1,7 +1,10 @@
 // The command line program: commands and options, and the one place where errors become messages.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <new>
 
 #include "apps/weir/bench/bench_command.h"
@@ -59,9 +62,20 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
                      didYouMean(argv[1], names));
 }
 
+bool hasEnded = false;
+
+/// For exit(). Libraries call it where they find no way on, as HDF5 does where an allocation fails, from any
+/// thread and without a word.
+void tellOfLibraryThatExits() {
+  if (hasEnded) return;
+  std::fputs("error: a library ended the program; the likely cause is that memory ran out\n", stderr);
+  ::_exit(kSimulationFailed);
+}
+
 int runProgram(Program& program, int argc, char** argv) {
   program.loadInstalledPlugins();
   for (const std::string& file : pluginArguments(argc, argv)) program.loadPlugin(file);
+  std::atexit(tellOfLibraryThatExits);  // so it runs before what the plugins' libraries do at exit
   const Registry& registry = program.registry();
 
   CLI::App app{"Simulates scenes of connected nodes, and makes videos of them.", "weir"};
@@ -165,11 +179,13 @@ int runGuarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   weir::app::openStandardStreams();
+  int code = weir::kSimulationFailed;
   try {
-    return weir::app::runGuarded(argc, argv);
+    code = weir::app::runGuarded(argc, argv);
   } catch (const std::bad_alloc&) {
     // Not even enough for the program's log.
     std::fputs("error: out of memory\n", stderr);
-    return weir::kSimulationFailed;
   }
+  weir::app::hasEnded = true;
+  return code;
 }

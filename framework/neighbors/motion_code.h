@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "framework/base/vec.h"
+#include "framework/compute/parallel.h"
 
 namespace weir {
 
@@ -82,5 +83,16 @@ class MotionCode {
 
   float inverseRange_;
 };
+
+/// Writes the code of a particle that has moved. Codes are for CUDA, where no index stands for several
+/// particles: for lanes of them nothing is written.
+template <class Index>
+WEIR_HD void writeCode(const ArrayView<Vec4f>& to, const Index& i, const MotionCode& code, const Vec3f& p,
+                       const Vec3f& v) {
+  write(to, i, code.of(p, v));
+}
+template <class Index, class T>
+WEIR_HD void writeCode(const ArrayView<Vec4f>&, const Index&, const MotionCode&, const Vec3<T>&,
+                       const Vec3<T>&) {}
 
 }  // namespace weir

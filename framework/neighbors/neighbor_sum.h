@@ -98,6 +98,32 @@ WEIR_HD inline detail::TeamList neighborsOf(const TeamIndex& at, const NeighborV
   return ahead;
 }
 
+/// An element that is needed after a sum, and that the kernel before leaves alone. A team, few threads that
+/// wait for memory most of the time, reads it ahead of the sum (and not at all if it is not `wanted`);
+/// others, which have no registers to spare, where it is asked for.
+template <class T, class Index>
+struct ReadAfterSum {
+  const ArrayView<T>& from;
+  const Index& i;
+  WEIR_HD auto operator()() const { return read(from, i); }
+};
+template <class T>
+struct ReadBeforeSum {
+  T element;
+  WEIR_HD const T& operator()() const { return element; }
+};
+template <class T, class Index>
+WEIR_HD inline ReadAfterSum<T, Index> besideSum(const ArrayView<T>& from, const Index& i,
+                                                [[maybe_unused]] bool wanted = true) {
+  return {from, i};
+}
+template <class T>
+WEIR_HD inline ReadBeforeSum<std::remove_const_t<T>> besideSum(const ArrayView<T>& from, const TeamIndex& i,
+                                                               bool wanted = true) {
+  if (!wanted) return {};
+  return {readAhead(from, i)};
+}
+
 template <class T, class Index, class F, class... Element>
 [[gnu::always_inline]] WEIR_HD inline auto sumOverNeighbors(const NeighborsOf<Index>& of, const F& f,
                                                             const ArrayView<const Element>&... elements) {

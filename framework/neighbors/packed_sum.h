@@ -208,6 +208,20 @@ struct CallWithTeamIndex {
 
 }  // namespace detail
 
+/// Policies of launches of sums, see Launched. A sum that follows the search for neighbours begins when their
+/// numbers stand; one that follows another sum, when lists do. Both leave the lists as they are.
+struct SumAfterSearch {
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kCounts;
+};
+struct SumAfterSum {
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
+};
+/// For sums that wait for memory so much that more blocks side by side are worth more than more registers.
+template <class Policy>
+struct ManyBlocks : Policy {
+  static constexpr int kBlocksTogether = 6;
+};
+
 /// Calls f(i) for every i in [0, count) as parallelForEights does; or, where few of them leave most of a GPU
 /// idle and a thread would wait for each of its neighbours in turn, f(TeamIndex) by teams.
 template <class Backend, class F>

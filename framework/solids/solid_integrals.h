@@ -78,6 +78,13 @@ struct SolidIntegrals {
   T phi{};            ///< Φ, a fraction of the kernel's volume: 0 away from solids, s deep within one
   Vec3<T> gradPhi{};  ///< ∇Φ with respect to p, 1/m; points into the solid
   T d{};              ///< D, 1/m²; 15·s/H² deep within a solid
+
+  WEIR_HD SolidIntegrals& operator+=(const SolidIntegrals& other) {
+    gradPhi += other.gradPhi;
+    phi += other.phi;
+    d += other.d;
+    return *this;
+  }
 };
 
 /// Collects the triangles of a solid near one particle. All triangles with a point within H of p must be

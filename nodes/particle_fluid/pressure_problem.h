@@ -23,7 +23,6 @@ WEIR_HD T excessOf(const T& lambda, bool tension) {
 
 /// The density pass: adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
 struct EnergyDerivative {
-  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
   NeighborView neighbors;
   SpikyKernel kernel;
   float particleVolume;

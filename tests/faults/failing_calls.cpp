@@ -1,12 +1,14 @@
 // A layer under a program (LD_PRELOAD) that makes one of its calls of the C library fail, or writes down what
 // it does to files. The environment says what:
 //
-//   WEIR_FAULT_PROGRAM  the program that is meant, "weir"; others, such as those that it starts, go on as
-//   ever WEIR_FAULT_FOLDER   calls of files count below this folder only WEIR_FAULT_CALL     open, write,
-//   fsync, rename, close or malloc WEIR_FAULT_AT       which of these calls fails, from 1 on WEIR_FAULT_AS
-//   ENOSPC, EIO, EINTR, EMFILE, ENOMEM, or short: half of a write, the rest fails with ENOSPC
-//   WEIR_FAULT_COUNTS   a file for the numbers of calls, added at the end
-//   WEIR_FAULT_RECORD   a file for what is done to files, for power_cut.py
+//  - WEIR_FAULT_PROGRAM: the program that is meant, "weir"; others, such as those that it starts, are left
+//  alone
+//  - WEIR_FAULT_FOLDER: calls of files count below this folder only
+//  - WEIR_FAULT_CALL: open, write, fsync, rename, close, malloc, or malloc-hdf5 for allocations by HDF5
+//  - WEIR_FAULT_AT: which of these calls fails, from 1 on
+//  - WEIR_FAULT_AS: ENOSPC, EIO, EINTR, EMFILE, ENOMEM, or short: half of a write, the rest fails with ENOSPC
+//  - WEIR_FAULT_COUNTS: a file for the numbers of calls, added at the end
+//  - WEIR_FAULT_RECORD: a file for what is done to files, for power_cut.py
 //
 // Calls are counted from the start of main() on, over the process and its forked copies together. The library
 // takes no memory itself and opens its own files by system calls.
@@ -14,6 +16,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <link.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -36,8 +39,8 @@ void* __libc_memalign(size_t, size_t);
 
 namespace {
 
-enum Kind { kOpen, kWrite, kFsync, kRename, kClose, kMalloc, kKinds };
-constexpr const char* kNames[kKinds] = {"open", "write", "fsync", "rename", "close", "malloc"};
+enum Kind { kOpen, kWrite, kFsync, kRename, kClose, kMalloc, kMallocByHdf5, kKinds };
+constexpr const char* kNames[kKinds] = {"open", "write", "fsync", "rename", "close", "malloc", "malloc-hdf5"};
 
 /// Shared by the process and its forked copies.
 struct Shared {
@@ -87,6 +90,28 @@ bool fails(Kind kind) {
 
 bool isBelow(const char* path) {
   return folder[0] != 0 && strncmp(path, folder, strlen(folder)) == 0;
+}
+
+/// Where the code of HDF5 stands, once a plugin has loaded it.
+struct {
+  std::atomic<uintptr_t> begin, end;
+} hdf5;
+
+int noteHdf5(dl_phdr_info* library, size_t, void*) {
+  if (strstr(library->dlpi_name, "libhdf5") == nullptr) return 0;
+  for (int k = 0; k < library->dlpi_phnum; ++k) {
+    const auto& part = library->dlpi_phdr[k];
+    if (part.p_type != PT_LOAD || (part.p_flags & PF_X) == 0) continue;
+    hdf5.begin = library->dlpi_addr + part.p_vaddr;
+    hdf5.end = hdf5.begin + part.p_memsz;
+  }
+  return 1;
+}
+
+/// HDF5 crashes or exits where some of its own allocations fail, which says nothing of whoever uses it.
+bool allocationFails(const void* caller) {
+  const auto at = reinterpret_cast<uintptr_t>(caller);
+  return fails(at >= hdf5.begin && at < hdf5.end ? kMallocByHdf5 : kMalloc);
 }
 
 /// The path of an open file; false for what is no file below the folder.
@@ -430,32 +455,40 @@ int close(int fd) {
   return failed ? -1 : result;
 }
 
+void* dlopen(const char* file, int mode) {
+  NEXT(dlopen);
+  void* library = real(file, mode);
+  dl_iterate_phdr(noteHdf5, nullptr);
+  return library;
+}
+
 void* malloc(size_t size) {
-  if (fails(kMalloc)) return nullptr;
+  if (allocationFails(__builtin_return_address(0))) return nullptr;
   return __libc_malloc(size);
 }
 
 void* calloc(size_t count, size_t size) {
-  if (fails(kMalloc)) return nullptr;
+  if (allocationFails(__builtin_return_address(0))) return nullptr;
   return __libc_calloc(count, size);
 }
 
 void* realloc(void* memory, size_t size) {
-  if (size > 0 && fails(kMalloc)) return nullptr;
+  if (size > 0 && allocationFails(__builtin_return_address(0))) return nullptr;
   return __libc_realloc(memory, size);
 }
 
 void* memalign(size_t alignment, size_t size) {
-  if (fails(kMalloc)) return nullptr;
+  if (allocationFails(__builtin_return_address(0))) return nullptr;
   return __libc_memalign(alignment, size);
 }
 
 void* aligned_alloc(size_t alignment, size_t size) {
-  return memalign(alignment, size);
+  if (allocationFails(__builtin_return_address(0))) return nullptr;
+  return __libc_memalign(alignment, size);
 }
 
 int posix_memalign(void** memory, size_t alignment, size_t size) {
-  if (fails(kMalloc)) return ENOMEM;
+  if (allocationFails(__builtin_return_address(0))) return ENOMEM;
   *memory = __libc_memalign(alignment, size);
   return *memory != nullptr ? 0 : ENOMEM;
 }

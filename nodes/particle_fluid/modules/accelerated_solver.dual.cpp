@@ -85,13 +85,12 @@ struct MeetWalls {
   ArrayView<const Vec3f> displacement;
   ArrayView<Vec3f> velocities;
 
-#ifdef WEIR_HAS_EIGHT
-  void operator()(Eight i) const {
-    forEachNear(boundary, reach, i, read(positions, i), *this);
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    forEachNear(boundary, reach, i, read(positions, i), [&](std::int64_t k) { meet(k); });
   }
-#endif
 
-  WEIR_HD void operator()(std::int64_t i) const {
+  WEIR_HD void meet(std::int64_t i) const {
     const BoundaryHit wall = boundaryQuery(boundary, positions[i]);
     if (!(wall.distance < reach)) return;
     // Whatever moved a particle beside the fluid's push is the wall.

@@ -20,9 +20,10 @@ struct OfCrowding {
   float least;         // that e may be
   float factor;
 
-  WEIR_HD float operator()(float crowding) const {
-    const float e = volumeAtZero * crowding - 1;
-    return factor * (e > least ? e : least);
+  template <class T>
+  WEIR_HD T operator()(const T& crowding) const {
+    const T e = volumeAtZero * crowding - 1;
+    return factor * select(e > T(least), e, T(least));
   }
 };
 
@@ -60,10 +61,6 @@ struct DerivativeOfPlace {
 /// positions and velocities, so that a step needs no other passes for these.
 template <class Weight>
 struct FusedSubstitute {
-  // The search for neighbours comes before the first, and a sum of densities before the others.
-  static constexpr Standing kLeaves = Standing::kLists,
-                            kReadsAhead = Weight::kFirst ? Standing::kCounts : Standing::kLists;
-  static constexpr int kBlocksTogether = 6;
   PushOf pushOf;
   Weight weight;
   float inverseDt;
@@ -77,28 +74,19 @@ struct FusedSubstitute {
   WEIR_HD void operator()(Index i) const {
     using Vector = Vec3<NumberAt<Index>>;
     const bool first = Weight::kFirst || begins, last = !Weight::kFirst && ends;
-    // A team is few threads that wait for memory most of the time; others have no registers to spare.
-    constexpr bool kEarly = std::is_same_v<Index, TeamIndex>;
-    Vector u, predicted, velocity;
-    if constexpr (kEarly) {
-      if (!first) u = readAhead(displacement, i);
-      predicted = readAhead(positions, i);
-      if (last) velocity = readAhead(velocities, i);
-    }
+    const auto before = besideSum(displacement, i, !first);
+    const auto predicted = besideSum(positions, i);
+    const auto velocity = besideSum(velocities, i, last);
     const auto at = pushOf(i, weight);
-    if constexpr (!kEarly)
-      if (!first) u = read(displacement, i);
+    const Vector u = first ? Vector{} : Vector(before());
     const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
-    if constexpr (!kEarly) predicted = read(positions, i);
-    const auto p = predicted + moved;
+    const auto p = predicted() + moved;
     if (last) {
       write(positions, i, p);
-      if constexpr (!kEarly) velocity = read(velocities, i);
-      const auto v = velocity + inverseDt * moved;
+      const auto v = velocity() + inverseDt * moved;
       write(velocities, i, v);
-      if constexpr (std::is_same_v<Vector, Vec3f>)
-        if (storesCodes) write(state, i, code.of(p, v));
+      if (storesCodes) writeCode(state, i, code, p, v);
     } else {
       write(displacement, i, moved);
       write(state, i, {p.x, p.y, p.z, 0});
@@ -149,7 +137,7 @@ class FusedSubstitution {
         sumDensities();
       auto update = substitute(AsStored{});
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
-      parallelForSums(device_, "substitute", count(), update);
+      parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
     }
     if (codes) particles.storeMotionCodes(state_);
   }
@@ -171,18 +159,14 @@ class FusedSubstitution {
             .code = MotionCode(problem_.fluid.constants.supportRadius)};
   }
 
-  /// On CUDA the first of several iterations may do without a pass for Ḃ.
+  /// Where the search has left places, the first of several iterations may do without a pass for Ḃ.
   bool iterateFromCrowding() const {
-    if constexpr (std::is_same_v<Backend, CudaDevice>) {
-      if (!found_.places || !problem_.energy.isQuadratic()) return false;
-      const OfCrowding weight{.volumeAtZero = volumeAtZero_,
-                              .least = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
-                              .factor = problem_.energy.derivative(1.0f)};
-      parallelForSums(device_, "substitute", count(), substitute(weight));
-      return true;
-    } else {
-      return false;
-    }
+    if (!found_.places || !problem_.energy.isQuadratic()) return false;
+    const OfCrowding weight{.volumeAtZero = volumeAtZero_,
+                            .least = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
+                            .factor = problem_.energy.derivative(1.0f)};
+    parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSearch>>(substitute(weight)));
+    return true;
   }
 
   void sumFirstDensities() const {
@@ -208,7 +192,7 @@ class FusedSubstitution {
   void sumDensities() const {
     EnergyDerivative derivative = problem_.derivative();
     derivative.state = state_, derivative.weighted = weighted_;
-    parallelForSums(device_, "density", count(), derivative);
+    parallelForSums(device_, "density", count(), launched<SumAfterSum>(derivative));
   }
 
   Backend& device_;

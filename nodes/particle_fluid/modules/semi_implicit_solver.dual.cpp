@@ -47,7 +47,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   if (recordObjective) objective_->begin(fluid, iterations + 1);
   record(fluid);
   for (int k = 0; k < iterations; ++k) {
-    parallelForEights(device, "density", count, density);
+    parallelForEights(device, "density", count, launched<SumAfterSum>(density));
     if (searches()) parallelForEights(device, "propose", count, propose);
     if (stepLength == StepLength::kGlobal)
       reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());

@@ -13,8 +13,9 @@
 #include "framework/graph/plugin.h"
 #include "tests/apps/studio/web_client.h"
 #include "tests/support/byte_mutator.h"
+#include "tests/support/sanitizers.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEIR_ADDRESS_SANITIZER
 // Of the sanitizer's runtime; g++ comes without the header.
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
 #endif
@@ -263,7 +264,7 @@ TEST_F(BadInputTest, UploadsThatAreTooLarge) {
 /// Bytes of memory that this process holds, the server among it. The address sanitizer keeps back what was
 /// given back to it, so there only what is in use counts.
 std::int64_t heldBytes() {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEIR_ADDRESS_SANITIZER
   return static_cast<std::int64_t>(__sanitizer_get_current_allocated_bytes());
 #else
   std::int64_t pages = 0;

@@ -11,6 +11,7 @@
 #include "nodes/register_nodes.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/sanitizers.h"
 
 namespace weir::test {
 namespace {
@@ -308,7 +309,7 @@ TEST(Plugins, ATypeThatCannotBeMadeNamesItsPlugin) {
   }
 }
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEIR_ADDRESS_SANITIZER
 TEST(Plugins, TheSanitizerSeesWhatAPluginWritesBehindItsArrays) {
   const TemporaryFolder folder;
   std::string text = liftScene("");

@@ -12,6 +12,7 @@
 
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/sanitizers.h"
 
 namespace weir::test {
 namespace {
@@ -53,7 +54,7 @@ TEST(ForkedWork, AnExceptionEndsTheCopyAndSaysWhatItIs) {
 }
 
 TEST(ForkedWork, MemoryBeyondTheLimitIsToldFromACrash) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(WEIR_ADDRESS_SANITIZER) || defined(WEIR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers have no such limit";
 #endif
   const auto take = [](std::size_t megabytes) {
