@@ -29,14 +29,6 @@ std::uint64_t markOf(const fs::path& file, std::uint64_t bytes) {
   return digest.value();
 }
 
-/// Where the frames of the state are: what was appended to a file after it may be damaged and is left out. A
-/// video that was completed since, or is of an older version of this program, counts as a whole.
-VideoSource sourceOf(const fs::path& file, const VideoState& state) {
-  for (const fs::path& place : {growingPlace(file), file})
-    if (state.bytes > 0 && markOf(place, state.bytes) == state.mark) return {place, state.bytes};
-  return {file, std::nullopt};
-}
-
 }  // namespace
 
 GrowingVideo::GrowingVideo(fs::path file, const VideoSize& size, const VideoFormat& format,
@@ -47,10 +39,6 @@ GrowingVideo::GrowingVideo(fs::path file, const VideoSize& size, const VideoForm
 }
 
 GrowingVideo::~GrowingVideo() = default;
-
-fs::path GrowingVideo::place() const {
-  return grows_ ? growingPlace(file_) : file_;
-}
 
 void GrowingVideo::takeUp(const VideoState& earlier) {
   const VideoSize &old = earlier.size, &now = state_.size;
@@ -64,25 +52,24 @@ void GrowingVideo::takeUp(const VideoState& earlier) {
                               now.frameRate),
                   "the rate that the checkpoint's run had, or a new video")
         .at({.file = file_.string()});
-  const VideoSource source = sourceOf(file_, earlier);
-  const std::int64_t found = countFrames(source, earlier.frames);
-  if (found < earlier.frames)
-    throw ioError(fmt::format("the video holds {} frames, but the checkpoint was made when it had {}", found,
-                              earlier.frames),
-                  "the video that the checkpoint's run wrote, or a new one")
-        .at({.file = file_.string()});
   for (const fs::path& place : {growingPlace(file_), file_}) PartFile::removeLeft(place);
-  // A new file, as the ffmpeg of a killed run may still be writing to that one.
-  copyVideo(source, earlier.frames, file_, VideoKind::kGrowing);
+  const fs::path grown = growingPlace(file_);
+  if (earlier.bytes > 0 && markOf(grown, earlier.bytes) == earlier.mark) {
+    cutFile(grown, earlier.bytes);  // what is behind that may be damaged
+  } else {                          // it was completed since, or is of an older version of this program
+    const std::int64_t found = countFrames(file_, earlier.frames);
+    if (found < earlier.frames)
+      throw ioError(fmt::format("the video holds {} frames, but the checkpoint was made when it had {}",
+                                found, earlier.frames),
+                    "the video that the checkpoint's run wrote, or a new one")
+          .at({.file = file_.string()});
+    copyVideo(file_, earlier.frames, file_, VideoKind::kGrowing);
+  }
   state_ = earlier;
   grows_ = true;
 }
 
 void GrowingVideo::startPart() {
-  if (state_.frames > 0 && !grows_) {
-    copyVideo({file_, std::nullopt}, state_.frames, file_, VideoKind::kGrowing);
-    grows_ = true;
-  }
   part_ = std::make_unique<VideoWriter>(file_, state_.size, format_, state_);
   state_.encoder = part_->encoder();
 }
@@ -109,18 +96,22 @@ void GrowingVideo::endPart() {
 void GrowingVideo::save() {
   endPart();
   if (state_.frames == 0) return;
-  syncFile(place());
+  if (!grows_) copyVideo(file_, state_.frames, file_, VideoKind::kGrowing);
+  grows_ = true;
+  const fs::path place = growingPlace(file_);
+  syncFile(place);
   std::error_code error;
-  state_.bytes = fs::file_size(place(), error);
-  if (error) throw cannotWrite(place(), error.message());
-  state_.mark = markOf(place(), state_.bytes);
+  state_.bytes = fs::file_size(place, error);
+  if (error) throw cannotWrite(place, error.message());
+  state_.mark = markOf(place, state_.bytes);
 }
 
 void GrowingVideo::complete() {
   if (!grows_) return;
-  copyVideo({place(), std::nullopt}, state_.frames, file_, VideoKind::kComplete);
+  const fs::path place = growingPlace(file_);
+  copyVideo(place, state_.frames, file_, VideoKind::kComplete);
   std::error_code ignored;
-  if (place() != file_) fs::remove(place(), ignored);
+  if (place != file_) fs::remove(place, ignored);
   grows_ = false;
 }
 

@@ -44,12 +44,11 @@ class GrowingVideo {
   void startPart();
   void endPart();
   void complete();
-  std::filesystem::path place() const;
 
   std::filesystem::path file_;
   VideoFormat format_;
   VideoState state_;
-  bool grows_ = false;                 // the file at place() can be appended to
+  bool grows_ = false;                 // since the first save(), at growingPlace()
   std::unique_ptr<VideoWriter> part_;  // null after a save() until the next frame
   std::optional<Error> failure_;
 };

@@ -26,12 +26,11 @@ void add(std::vector<std::string>& arguments, const std::vector<std::string>& mo
 }
 
 /// Up to the first frames of the source.
-std::vector<std::string> reading(const VideoSource& source, std::int64_t frames) {
-  std::string url = urlOf(source.file);
-  if (source.bytes) url = fmt::format("subfile,,start,0,end,{},,:{}", *source.bytes, url);
-  std::vector<std::string> arguments{"-i", url, "-map", "0:v:0", "-frames:v", fmt::format("{}", frames)};
+std::vector<std::string> reading(const fs::path& source, std::int64_t frames) {
+  std::vector<std::string> arguments{"-i",    urlOf(source), "-map",
+                                     "0:v:0", "-frames:v",   fmt::format("{}", frames)};
   // Else it takes a frame of a hundredth of a second for one that names no time.
-  if (source.file.extension() == ".gif") arguments.insert(arguments.begin(), {"-min_delay", "0"});
+  if (source.extension() == ".gif") arguments.insert(arguments.begin(), {"-min_delay", "0"});
   return arguments;
 }
 
@@ -43,22 +42,28 @@ void syncContent(const fs::path& path) {
   if (!synced) throw cannotWrite(path, std::generic_category().message(error));
 }
 
+void keepSynced(PartFile& part) {
+  syncContent(part.path());
+  part.keep();
+  syncFolderOf(part.target());
+}
+
 }  // namespace
 
-std::int64_t countFrames(const VideoSource& video, std::int64_t most) {
+std::int64_t countFrames(const fs::path& video, std::int64_t most) {
   std::error_code error;
-  if (!fs::is_regular_file(video.file, error))
-    throw ioError("there is no such video").at({.file = video.file.string()});
+  if (!fs::is_regular_file(video, error))
+    throw ioError("there is no such video").at({.file = video.string()});
   std::vector<std::string> arguments = reading(video, most);
   add(arguments, {"-c", "copy", "-f", "null", "-"});
-  const auto ffmpeg = startFfmpeg(video.file, arguments, PipedProgram::kNowhere, most);
+  const auto ffmpeg = startFfmpeg(video, arguments, PipedProgram::kNowhere, most);
   if (!ffmpeg->finish())
     throw ioError("this is not a video that ffmpeg can read", "a video that an earlier run wrote")
-        .at({.file = video.file.string()});
+        .at({.file = video.string()});
   return toldFrames(*ffmpeg);
 }
 
-void copyVideo(const VideoSource& source, std::int64_t frames, const fs::path& video, VideoKind kind) {
+void copyVideo(const fs::path& source, std::int64_t frames, const fs::path& video, VideoKind kind) {
   const bool growing = kind == VideoKind::kGrowing;
   PartFile part(growing ? growingPlace(video) : video);
   std::vector<std::string> arguments = reading(source, frames);
@@ -73,9 +78,16 @@ void copyVideo(const VideoSource& source, std::int64_t frames, const fs::path& v
   if (!ffmpeg->finish()) throw failureOf(*ffmpeg, video);
   if (const std::int64_t copied = toldFrames(*ffmpeg); copied < frames)
     throw cannotWrite(video, fmt::format("of {} frames, ffmpeg has copied {}", frames, copied));
-  syncContent(part.path());
-  part.keep();
-  syncFolderOf(part.target());
+  keepSynced(part);
+}
+
+void cutFile(const fs::path& file, std::uintmax_t bytes) {
+  PartFile part(file);
+  std::error_code error;
+  fs::copy_file(file, part.path(), fs::copy_options::overwrite_existing, error);
+  if (!error) fs::resize_file(part.path(), bytes, error);
+  if (error) throw cannotWrite(file, error.message());
+  keepSynced(part);
 }
 
 void syncFile(const fs::path& file) {
