@@ -343,6 +343,40 @@ TEST_F(Cli, ResultsDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(states[0], states[2]);
 }
 
+TEST_F(Cli, ASceneWithShorthandGivesTheSameResultsAsThePlainOne) {
+  std::vector<std::string> states;
+  const auto run = [&](const std::string& text, const std::vector<std::string>& more) {
+    const std::string stats = folder / "stats.json";
+    std::vector<std::string> arguments{"run", scene(text), "--frames", "2", "--stats", stats};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = runWeir(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    states.push_back(writeJson(member(parseJson(readFile(stats), "stats"), {"nodes"})));
+  };
+  run(std::string(kDamBreak), {});
+  folder.write("tank.json",
+               R"({ "type": "StaticBoundary", "params": { "shape": "box", "inverted": true } })");
+  run(R"({
+    "weir": 1, // comments
+    "let": { "spacing": 0.05, "width": "=10*spacing" },
+    "world": { "dt": "2 ms", "duration": 0.1, "frame_rate": "50 Hz" },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": ["=width", "20 cm", "=width"] } },
+      "tank": { "$include": "tank.json", "params": { "min": [0, 0, 0], "max": [0.5, 0.5, "=width"] } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": "=spacing" } },
+    },
+    "links": [ "block.particles -> water.initial", "tank.boundary -> water.boundaries" ],
+  })",
+      {"--set", "let.spacing=0.02"});
+  EXPECT_EQ(states[0], states[1]);
+}
+
+TEST_F(Cli, MistakesInShorthandNameTheLineAsWritten) {
+  const ChildResult result =
+      runWeir({"validate", sceneWith("\"spacing\": 0.02", "/* m */\n\"spacing\": \"=spacng\"")});
+  expectFailure(result, 3, {"scene.json:10:12: /nodes/water/params/spacing", "names 'spacng'"});
+}
+
 TEST_F(Cli, StepsFollowTheMotionIfASceneAsksForIt) {
   const std::string file = sceneWith("\"dt\": 0.002", "\"dt\": 0.01, \"cfl\": 0.4");
   const std::string stats = folder / "stats.json";
