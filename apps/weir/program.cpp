@@ -117,10 +117,10 @@ std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Ove
 std::unique_ptr<Scene> Program::loadText(const std::string& name, std::string_view text,
                                          const std::vector<Override>& overrides) {
   std::vector<std::string> warnings;
-  std::unique_ptr<Scene> scene =
-      buildScene(parseJson(text, name), Place{name, "", ""}, registry_, overrides, warnings);
+  const Value root = parseScene(text, name);
+  std::unique_ptr<Scene> scene = buildScene(root, Place{name, "", ""}, registry_, overrides, warnings);
   for (const std::string& warning : warnings) log_.warn(warning);
-  scene->text = text;
+  scene->text = textToKeep(std::string(text), root, *scene);
   return scene;
 }
 

@@ -69,7 +69,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_
       ->add_option("--set", set_,
                    "Change a parameter: NODE.PARAM=VALUE, NODE.MODULE.PARAM=VALUE, world.PARAM=VALUE, "
-                   "render.PARAM=VALUE or title=TEXT; may be repeated")
+                   "render.PARAM=VALUE, let.NAME=VALUE or title=TEXT; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
       ->allow_extra_args(false);

@@ -80,16 +80,31 @@ constexpr detail::CallKind kFill{
       return cudaGraphExecMemsetNodeSetParams(graph, node, &p);
     }};
 
-/// What is uploaded within a batch, if it is small, travels in a kernel's parameters: a copy from the host's
-/// memory would end the batch.
-struct SmallUpload {
-  static constexpr int kWords = 256;  // of 4 bytes
-  unsigned words[kWords];
+/// What is uploaded within a batch, unless it is large, travels in the parameters of kernels: a copy from the
+/// host's memory would end the batch.
+template <int kWords>
+struct Piece {
+  unsigned words[kWords];  // of 4 bytes
 };
 
-__global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant__ SmallUpload from) {
+template <int kWords>
+__global__ void storeWordsKernel(unsigned* to, int words, const __grid_constant__ Piece<kWords> from) {
   detail::waitForPriorKernel();
   if (static_cast<int>(threadIdx.x) < words) to[threadIdx.x] = from.words[threadIdx.x];
+}
+
+template <int kWords>
+cudaError_t storePieces(detail::LaunchQueue& queue, void* to, const void* fromHost, std::size_t bytes) {
+  cudaError_t error = cudaSuccess;
+  for (std::size_t begin = 0; begin < bytes && error == cudaSuccess; begin += sizeof(Piece<kWords>)) {
+    Piece<kWords> piece{};
+    const std::size_t size = std::min(sizeof piece, bytes - begin);
+    std::memcpy(piece.words, static_cast<const char*>(fromHost) + begin, size);
+    error = detail::submitKernel(queue, storeWordsKernel<kWords>, {1, kWords, 0, {true}},
+                                 reinterpret_cast<unsigned*>(static_cast<char*>(to) + begin),
+                                 static_cast<int>(size / sizeof(unsigned)), piece);
+  }
+  return error;
 }
 
 // Within a graph, kernels overlap, and what else fills or copies does not.
@@ -218,17 +233,11 @@ MemoryUse CudaDevice::memoryUse() const {
 void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "upload");
-  constexpr std::size_t kPiece = sizeof(SmallUpload), kMaxPieces = 4;
-  if (impl_->launches->gathering() && bytes <= kMaxPieces * kPiece && bytes % sizeof(unsigned) == 0) {
-    for (std::size_t begin = 0; begin < bytes; begin += kPiece) {
-      SmallUpload piece{};
-      const std::size_t size = std::min(kPiece, bytes - begin);
-      std::memcpy(piece.words, static_cast<const char*>(fromHost) + begin, size);
-      check(detail::submitKernel(*impl_->launches, storeWordsKernel, {1, SmallUpload::kWords, 0, {true}},
-                                 reinterpret_cast<unsigned*>(static_cast<char*>(to) + begin),
-                                 static_cast<int>(size / sizeof(unsigned)), piece),
-            "upload");
-    }
+  // Where hundreds of solids stand is 100 KiB; the parameters of a kernel have room for 4.
+  constexpr std::size_t kFew = 1 << 10, kMost = 1 << 18;
+  if (impl_->launches->gathering() && bytes <= kMost && bytes % sizeof(unsigned) == 0) {
+    auto* const store = bytes <= kFew ? storePieces<kFew / sizeof(unsigned)> : storePieces<960>;
+    check(store(*impl_->launches, to, fromHost, bytes), "upload");
     return;
   }
   check(cudaMemcpyAsync(to, fromHost, bytes, cudaMemcpyHostToDevice, stream()), "upload");

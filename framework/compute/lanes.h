@@ -128,7 +128,7 @@ struct LaneMask {
 /// Eight indices.
 struct LaneInts {
   using Vector = std::int32_t __attribute__((vector_size(32)));
-  using Anywhere = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
+  using Anywhere __attribute__((vector_size(32), aligned(4), may_alias)) = std::int32_t;
   Vector v;
 
   /// first, first + 1, …, first + 7
@@ -155,7 +155,7 @@ struct LaneInts {
 struct Lanes {
   static constexpr int kCount = 8;
   using Vector = float __attribute__((vector_size(32)));
-  using Anywhere = float __attribute__((vector_size(32), aligned(4), may_alias));
+  using Anywhere __attribute__((vector_size(32), aligned(4), may_alias)) = float;
   Vector v;
 
   Lanes() : v{} {}

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "framework/graph/units.h"
+
 namespace weir {
 
 std::string describeRange(std::string_view what, const ParamSpec& spec) {
@@ -33,12 +35,19 @@ Value typeSchema(std::string_view type) {
   return schema;
 }
 
+/// Of a number, or of a text with a number and a unit.
+std::optional<double> numberOf(const Value& v, const ParamSpec& spec, const Place& place) {
+  if (v.isString()) return quantityIn(spec, v, place);
+  return v.isNumber() ? std::optional(v.asDouble()) : std::nullopt;
+}
+
 }  // namespace
 
 double readNumber(const Value& v, const ParamSpec& spec, const Place& place) {
-  if (!v.isNumber() || !inRange(v.asDouble(), spec))
+  const std::optional<double> number = numberOf(v, spec, place);
+  if (!number || !inRange(*number, spec))
     throw place.error(v, "found " + v.brief(), describeRange("a number", spec));
-  return v.asDouble();
+  return *number;
 }
 
 float readFloat(const Value& v, const ParamSpec& spec, const Place& place) {
@@ -54,11 +63,11 @@ float readFloat(const Value& v, const ParamSpec& spec, const Place& place) {
 
 std::int64_t readInteger(const Value& v, const ParamSpec& spec, const Place& place, std::int64_t lo,
                          std::int64_t hi) {
-  const bool whole = v.isInt() || (v.isNumber() && std::abs(v.asDouble()) < 1e15 &&
-                                   v.asDouble() == std::floor(v.asDouble()));
+  const std::optional<double> number = numberOf(v, spec, place);
+  const bool whole = v.isInt() || (number && std::abs(*number) < 1e15 && *number == std::floor(*number));
   const auto fail = [&] { return place.error(v, "found " + v.brief(), describeRange("an integer", spec)); };
-  if (!whole || !inRange(v.asDouble(), spec)) throw fail();
-  const std::int64_t i = v.isInt() ? v.asInt() : static_cast<std::int64_t>(v.asDouble());
+  if (!whole || !inRange(*number, spec)) throw fail();
+  const std::int64_t i = v.isInt() ? v.asInt() : static_cast<std::int64_t>(*number);
   if (i < lo || i > hi) throw fail();
   return i;
 }
@@ -237,7 +246,9 @@ Rotation ParamTraits<Rotation>::fromValue(const Value& v, const ParamSpec&, cons
     throw place.error(v, "found " + v.brief(), std::string(kForms));
   const auto& a = v.asArray();
   float n[4] = {};
-  for (std::size_t i = 0; i < a.size(); ++i) n[i] = detail::readFloat(a[i], {}, place / i);
+  const ParamSpec angle{.unit = "degrees"};
+  for (std::size_t i = 0; i < a.size(); ++i)
+    n[i] = detail::readFloat(a[i], a.size() == 3 ? angle : ParamSpec{}, place / i);
   if (a.size() == 3) return {{n[0], n[1], n[2]}, std::nullopt};
   constexpr double kLengthTolerance = 1e-3;
   const double length =
@@ -266,8 +277,13 @@ FilePath ParamTraits<FilePath>::fromValue(const Value& v, const ParamSpec&, cons
   const std::filesystem::path path(text);
   const std::string& folder = place.folderOf(v);
   const auto resolved = path.is_absolute() || folder.empty() ? path : std::filesystem::path(folder) / path;
+  if (!v.origin) return {text, resolved};
+  // A file that the scene includes has lines. What stands in it is written relative to the scene's folder.
+  if (v.line > 0 && !path.is_absolute())
+    return {place.folder.empty() ? resolved.string() : resolved.lexically_relative(place.folder).string(),
+            resolved};
   // Written into a scene, a path from elsewhere must still lead to the same file.
-  return {v.origin ? resolved.string() : text, resolved};
+  return {resolved.string(), resolved};
 }
 Value ParamTraits<FilePath>::schema(const ParamSpec&) {
   return detail::typeSchema("string");

@@ -81,7 +81,7 @@ inline void writeShort(std::int16_t* to, std::int64_t i, float steps) {
 #ifdef WEIR_HAS_EIGHT
 inline void writeShort(std::int16_t* to, Eight i, const Lanes& steps) {
   using Shorts = std::int16_t __attribute__((vector_size(16)));
-  using Anywhere = std::int16_t __attribute__((vector_size(16), aligned(2), may_alias));
+  using Anywhere __attribute__((vector_size(16), aligned(2), may_alias)) = std::int16_t;
   const auto whole = __builtin_convertvector(ShortPlace::inRange(steps).v, LaneInts::Vector);
   *reinterpret_cast<Anywhere*>(to + i.first) = __builtin_convertvector(whole, Shorts);
 }
@@ -235,12 +235,10 @@ class Candidates {
   static constexpr int kInTurn = 16;
   static constexpr int kTogether = 64;
 
-  using Shorts = std::int16_t __attribute__((vector_size(kInTurn * sizeof(std::int16_t))));
-  /// At any address; through a vector, as GCC takes smaller pieces otherwise.
+  using Shorts __attribute__((vector_size(32), aligned(2), may_alias)) = std::int16_t;
+  static_assert(sizeof(Shorts) == kInTurn * sizeof(std::int16_t));
   static void copy(const std::int16_t* from, std::int16_t* to) {
-    Shorts turn;
-    __builtin_memcpy(&turn, from, sizeof turn);
-    __builtin_memcpy(to, &turn, sizeof turn);
+    *reinterpret_cast<Shorts*>(to) = *reinterpret_cast<const Shorts*>(from);
   }
 
   int size_ = 0;

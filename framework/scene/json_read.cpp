@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "framework/base/text.h"
+#include "framework/scene/comments.h"
 #include "framework/scene/json_text.h"
 #include "framework/scene/scene_file.h"
 
@@ -148,6 +149,10 @@ Value parseJson(std::string_view text, const std::string& fileName) {
   ValueBuilder builder(text, fileName);
   Json::sax_parse(text.begin(), text.end(), &builder);
   return builder.finish();
+}
+
+Value parseScene(std::string_view text, const std::string& fileName) {
+  return parseJson(withoutComments(text, fileName), fileName);
 }
 
 }  // namespace weir

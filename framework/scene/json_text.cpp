@@ -175,7 +175,8 @@ Error describeToken(std::string_view rest, JsonState state, bool afterComma, boo
                     const std::string& expected) {
   const char c = rest[0];
   if (c == '/' || c == '#')
-    return sceneError("found " + inQuotes(rest.substr(0, 2)), expected, "comments are not part of JSON");
+    return sceneError("found " + inQuotes(rest.substr(0, 2)), expected,
+                      "comments are not part of JSON; scenes take // and /* */");
   if (c == '\'') return sceneError("found a single quote", expected, "strings are written in double quotes");
   if (afterComma && (c == ']' || c == '}'))
     return sceneError("found ',' before '" + std::string(1, c) + "'", expected, "remove the last comma");

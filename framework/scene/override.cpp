@@ -12,7 +12,8 @@ namespace weir {
 namespace {
 
 constexpr const char* kForms =
-    "NODE.PARAM=VALUE, NODE.MODULE.PARAM=VALUE, world.PARAM=VALUE, render.PARAM=VALUE or title=TEXT";
+    "NODE.PARAM=VALUE, NODE.MODULE.PARAM=VALUE, world.PARAM=VALUE, render.PARAM=VALUE, let.NAME=VALUE or "
+    "title=TEXT";
 
 void setOrigin(Value& v, const std::shared_ptr<const ValueOrigin>& origin) {
   v.origin = origin;

@@ -81,7 +81,7 @@ struct Scene {
   std::map<std::string, Value> unknownSections;
   Value layout;      ///< the key "layout": where an editor shows the nodes; null if there is none
   std::string file;  ///< where it was read from; "" if from nowhere
-  std::string text;  ///< as it was read, with overrides not applied; kept with exported data
+  std::string text;  ///< kept with exported data: see textToKeep in scene_file.h
 };
 
 }  // namespace weir

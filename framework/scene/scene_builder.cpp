@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/base/text.h"
+#include "framework/scene/expand.h"
 #include "framework/scene/moved_modules.h"
 #include "framework/scene/scene_file.h"
 #include "framework/scene/sections.h"
@@ -53,8 +54,8 @@ std::vector<std::string> rootKeys(const Registry& registry) {
 
 class Builder {
  public:
-  Builder(const Value& root, const Place& place, const Registry& registry, std::vector<std::string>& warnings)
-      : root_(root),
+  Builder(Value root, const Place& place, const Registry& registry, std::vector<std::string>& warnings)
+      : root_(std::move(root)),
         place_(place),
         registry_(registry),
         warnings_(warnings),
@@ -215,7 +216,7 @@ class Builder {
     }
   }
 
-  const Value& root_;
+  const Value root_;
   const Place& place_;
   const Registry& registry_;
   std::vector<std::string>& warnings_;
@@ -238,20 +239,25 @@ std::vector<FilePath> scenePlugins(const Value& root, const Place& place) {
 std::unique_ptr<Scene> buildScene(const Value& root, const Place& place, const Registry& registry,
                                   const std::vector<Override>& overrides,
                                   std::vector<std::string>& warnings) {
-  if (overrides.empty()) return Builder(root, place, registry, warnings).build();
-  const Value changed = applyOverrides(root, registry, overrides);
-  return Builder(changed, place, registry, warnings).build();
+  ExpandedScene expanded = expandScene(root, place, overrides);
+  return Builder(applyOverrides(std::move(expanded.plain), registry, expanded.overrides), place, registry,
+                 warnings)
+      .build();
+}
+
+std::string textToKeep(std::string text, const Value& root, const Scene& scene) {
+  return writtenForm(text, root).isPlain() ? std::move(text) : writeJson(sceneToValue(scene));
 }
 
 std::unique_ptr<Scene> loadScene(const std::filesystem::path& path, const Registry& registry,
                                  const std::vector<Override>& overrides, std::vector<std::string>& warnings,
                                  const PluginLoader& loadPlugins) {
   std::string text = readTextFile(path, kLargestSceneFile);
-  const Value root = parseJson(text, path.string());
   const Place place{path.string(), "", path.parent_path().string()};
-  if (loadPlugins) loadPlugins(scenePlugins(root, place));
+  const Value root = parseScene(text, path.string());
+  if (loadPlugins) loadPlugins(scenePlugins(withIncludes(root, place), place));
   std::unique_ptr<Scene> scene = buildScene(root, place, registry, overrides, warnings);
-  scene->text = std::move(text);
+  scene->text = textToKeep(std::move(text), root, *scene);
   return scene;
 }
 

@@ -1,3 +1,5 @@
+#include "framework/base/check.h"
+#include "framework/scene/expand.h"
 #include "framework/scene/scene_file.h"
 #include "framework/scene/sections.h"
 
@@ -5,7 +7,9 @@ namespace weir {
 
 namespace {
 
-constexpr const char* kNodeName = "^[A-Za-z][A-Za-z0-9_-]{0,99}$";
+/// Of a node; of repeated ones, with the index in braces; or a member that is no node.
+constexpr const char* kNodeName =
+    R"(^([A-Za-z][A-Za-z0-9_-]{0,99}|[A-Za-z{][^.\s]*\{.*\}.*|\{.*\}.*|\$include)$)";
 constexpr const char* kLinkForm = R"(^\s*[^.\s]+\.[^.\s]+\s*->\s*[^.\s]+\.[^.\s]+\s*$)";
 
 using Member = std::pair<std::string, Value>;
@@ -134,6 +138,10 @@ Value rootMembers(const Registry& registry) {
                                   "The nodes by name.")},
               {"links", described(list(object({{"type", "string"}, {"pattern", kLinkForm}})),
                                   "Links of the form \"node.output -> node.input\".")},
+              {"let", described(object({{"type", "object"},
+                                        {"properties", object({})},
+                                        {"additionalProperties", object({{"type", "number"}})}}),
+                                "Variables for expressions such as \"=spacing*4\".")},
               {"layout", described(object({{"type", "object"}}), "Where an editor shows the nodes.")}});
   for (const std::string& name : sectionNames(registry)) {
     const auto section = registry.sections().find(name);
@@ -144,16 +152,104 @@ Value rootMembers(const Registry& registry) {
   return members;
 }
 
+/// A list's items, or a node: {"repeat": 5, "as": "i", what: …}.
+Value repeatSchema(const char* what, Value repeated) {
+  return object(
+      {{"type", "object"},
+       {"properties",
+        object(
+            {{"repeat", described(object({{"type", "integer"}, {"minimum", 0}}), "How many copies.")},
+             {"as", described(object({{"type", "string"}}), "The name of the index, from 0; i by default.")},
+             {what, std::move(repeated)}})},
+       {"required", Value::Array{"repeat", what}},
+       {"additionalProperties", false}});
+}
+
+Value either(Value a, Value b) {
+  return object({{"anyOf", Value::Array{std::move(a), std::move(b)}}});
+}
+
+void addShorthand(Value& schema);
+
+void addShorthandToEach(Value* schemas) {
+  if (schemas == nullptr) return;
+  if (schemas->isArray())
+    for (Value& each : schemas->asArray()) addShorthand(each);
+  else if (schemas->isObject())
+    for (auto& [name, each] : schemas->asObject()) addShorthand(each);
+}
+
+/// Members that are required may come from an included file.
+void addToObject(Value& schema) {
+  Value& members = schema["properties"];
+  members["note"] = described(object({{"type", "string"}}), "Whatever there is to say; it is ignored.");
+  members["$include"] =
+      described(object({{"type", "string"}}), "A file whose members are merged below those beside this.");
+  const Value* required = schema.find("required");
+  if (required == nullptr) return;
+  Value all = object({{"required", *required}});
+  Value included = object({{"required", Value::Array{"$include"}}});
+  std::erase_if(schema.asObject(), [](const auto& member) { return member.first == "required"; });
+  WEIR_CHECK(schema.find("anyOf") == nullptr);
+  schema["anyOf"] = either(std::move(all), std::move(included))["anyOf"];
+}
+
+void addToList(Value& schema) {
+  Value items = *schema.find("items");
+  schema["items"] = either(std::move(items), reference("repeat"));
+  const Value* least = schema.find("minItems");
+  if (least == nullptr) return;
+  Value enough = object({{"minItems", *least}});
+  Value repeated = object({{"contains", object({{"required", Value::Array{"repeat"}}, {"type", "object"}})}});
+  std::erase_if(schema.asObject(), [](const auto& member) { return member.first == "minItems"; });
+  schema["anyOf"] = either(std::move(enough), std::move(repeated))["anyOf"];
+}
+
+/// Lets a schema of plain scenes take expressions, units, notes, included files and repetition. What stands
+/// under "if" tells types apart and stays.
+void addShorthand(Value& schema) {
+  if (!schema.isObject()) return;
+  for (const char* one : {"items", "additionalProperties", "then", "else", "propertyNames"})
+    if (Value* inner = schema.find(one)) addShorthand(*inner);
+  for (const char* many : {"properties", "$defs", "anyOf", "allOf", "prefixItems"})
+    addShorthandToEach(schema.find(many));
+  const Value type = schema.find("type") != nullptr ? *schema.find("type") : Value();
+  if (type == Value("number") || type == Value("integer")) {
+    schema["type"] = Value::Array{type, "string"};
+    schema["pattern"] = R"(^(=[^=]|[-+]?[.]?[0-9][0-9.eE+-]*\s*[^0-9.eE+\s-]))";  // "=2*spacing", "5 cm"
+  }
+  const bool isClosed = schema.find("additionalProperties") != nullptr;
+  if (schema.find("properties") != nullptr && isClosed)
+    addToObject(schema);
+  else if (schema.find("required") != nullptr && schema.find("allOf") != nullptr)
+    addToObject(schema);
+  if (schema.find("items") != nullptr && schema.find("maxItems") == nullptr) addToList(schema);
+}
+
 }  // namespace
 
+Value withShorthand(Value schema) {
+  addShorthand(schema);
+  return schema;
+}
+
 Value sceneSchema(const Registry& registry) {
-  return object({{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-                 {"title", "Weir scene"},
-                 {"type", "object"},
-                 {"required", Value::Array{"weir", "nodes"}},
-                 {"properties", rootMembers(registry)},
-                 {"additionalProperties", false},
-                 {"$defs", definitions(registry)}});
+  Value schema = object({{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                         {"title", "Weir scene"},
+                         {"type", "object"},
+                         {"required", Value::Array{"weir", "nodes"}},
+                         {"properties", rootMembers(registry)},
+                         {"additionalProperties", false},
+                         {"$defs", definitions(registry)}});
+  addShorthand(schema);
+  schema["$defs"]["repeat"] = repeatSchema("item", object({}));
+  Value repeatedNode = repeatSchema("node", reference("node"));
+  addShorthand(repeatedNode);
+  addShorthand(schema["$defs"]["repeat"]);
+  Value& nodes = schema["properties"]["nodes"];
+  nodes["additionalProperties"] = either(reference("node"), std::move(repeatedNode));
+  addToObject(nodes);
+  return schema;
 }
 
 }  // namespace weir

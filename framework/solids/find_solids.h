@@ -4,11 +4,13 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "framework/compute/parallel_uneven.h"
 #include "framework/geometry/box_blocks.h"
 #include "framework/solids/solid.h"
 #include "framework/solids/solid_integrals.h"
+#include "framework/solids/solid_pairs.h"
 #include "framework/solids/triangle_pairs.h"
 
 namespace weir {
@@ -26,6 +28,7 @@ struct SolidSearch {
   float reach;        // m, within which sides are seen; at least the radius
   float calibration;  // of the integrals
   ArrayView<const int> near;
+  SolidPairsView pairs;
   ArrayView<const Vec3f> positions;
 };
 
@@ -49,7 +52,6 @@ WEIR_HD inline void finishSolid(const SolidView& solid, const SolidIntegrator<fl
 WEIR_HD inline FoundSolid findSolid(const SolidView& solid, const Vec3f& position, const SolidSearch& search,
                                     const Team& team) {
   const Vec3f p = solid.end.toBody(position);
-  if (solid.clearance.at(p) > search.reach) return {};
   SolidIntegrator<float> sum(p, search.radius);
   FoundSolid found;
   const auto forEachNear = [&](float within, auto&& f) {
@@ -86,9 +88,10 @@ struct FindSolids {
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = search.near[n];
     SolidIntegrals<float> sum;
-    for (std::int64_t k = 0; k < search.solids.size; ++k) {
-      const FoundSolid found = findSolid(search.solids[k], search.positions[i], search, team);
-      if (team.lane == 0) take(i, k, found);
+    for (int pair = search.pairs.begin(i); pair < search.pairs.end(i); ++pair) {
+      const SolidView& solid = search.solids[search.pairs.solid[pair]];
+      const FoundSolid found = findSolid(solid, search.positions[i], search, team);
+      if (team.lane == 0) take(pair, found);
       sum += found.integrals;
     }
     if (team.lane == 0) take(i, sum);
@@ -111,17 +114,37 @@ struct FindSolidsInLanes {
 
  private:
   static constexpr int kMaxTriangles = TrianglePairs::kMax;  // of a particle
+  static constexpr int kNone = std::numeric_limits<int>::max();
+
+  struct Progress {
+    int next, end;  // of its pairs
+    SolidIntegrals<float> sum;
+  };
 
   void together(std::int64_t begin, std::int64_t end, TrianglePairs& pairs) const {
-    SolidIntegrals<float> sums[TrianglePairs::kMaxParticles];
-    for (std::int64_t k = 0; k < search.solids.size; ++k)
-      for (std::int64_t n = begin; n < end;) n = some(k, n, end, pairs, sums + (n - begin));
-    for (std::int64_t n = begin; n < end; ++n) take(search.near[n], sums[n - begin]);
+    Progress of[TrianglePairs::kMaxParticles];
+    for (std::int64_t n = begin; n < end; ++n) {
+      const int i = search.near[n];
+      of[n - begin] = {.next = search.pairs.begin(i), .end = search.pairs.end(i), .sum = {}};
+    }
+    for (int k = nextSolid(of, end - begin); k != kNone; k = nextSolid(of, end - begin))
+      for (std::int64_t n = begin; n < end;) n = some(k, n, end, pairs, of + (n - begin));
+    for (std::int64_t n = begin; n < end; ++n) take(search.near[n], of[n - begin].sum);
+  }
+
+  /// The first solid of those that the particles still have before them.
+  int nextSolid(const Progress* of, std::int64_t particles) const {
+    int first = kNone;
+    for (std::int64_t m = 0; m < particles; ++m)
+      if (of[m].next < of[m].end) first = std::min(first, search.pairs.solid[of[m].next]);
+    return first;
+  }
+  bool isNext(int k, const Progress& of) const {
+    return of.next < of.end && search.pairs.solid[of.next] == k;
   }
 
   /// Of solid k and as many particles as pairs have room for. Returns where the next begin.
-  std::int64_t some(std::int64_t k, std::int64_t begin, std::int64_t end, TrianglePairs& pairs,
-                    SolidIntegrals<float>* sums) const {
+  std::int64_t some(int k, std::int64_t begin, std::int64_t end, TrianglePairs& pairs, Progress* of) const {
     const SolidView& solid = search.solids[k];
     int triangles[kMaxTriangles + Lanes::kCount];
     Vec3f points[TrianglePairs::kMaxParticles];
@@ -131,7 +154,7 @@ struct FindSolidsInLanes {
     for (; n < end; ++n) {
       const Vec3f p = points[n - begin] = solid.end.toBody(search.positions[search.near[n]]);
       int count = 0;
-      if (!(solid.clearance.at(p) > search.reach))
+      if (isNext(k, of[n - begin]))
         count = solid.tree.empty() ? 0 : solid.tree.blocks->near(p, search.reach, triangles, kMaxTriangles);
       alone[n - begin] = count > kMaxTriangles || solid.approximate;
       if (alone[n - begin]) count = 0;
@@ -140,11 +163,13 @@ struct FindSolidsInLanes {
     }
     pairs.evaluate(solid.tree, solid.kind == SolidKind::kContainer, search.radius);
     for (std::int64_t m = begin; m < n; ++m) {
-      const int i = search.near[m];
-      const FoundSolid found = alone[m - begin] ? findSolid(solid, search.positions[i], search, Team{})
+      Progress& particle = of[m - begin];
+      if (!isNext(k, particle)) continue;
+      const Vec3f& position = search.positions[search.near[m]];
+      const FoundSolid found = alone[m - begin] ? findSolid(solid, position, search, Team{})
                                                 : foundBy(solid, points[m - begin], pairs, int(m - begin));
-      take(i, k, found);
-      sums[m - begin] += found.integrals;
+      take(particle.next++, found);
+      particle.sum += found.integrals;
     }
     return n;
   }
@@ -164,8 +189,8 @@ struct FindSolidsInLanes {
 
 }  // namespace detail
 
-/// Calls take(i, k, FoundSolid) for every particle i of the search and each solid k in order, and take(i,
-/// sum) with the SolidIntegrals of all. There are `count` particles.
+/// Calls take(pair, FoundSolid) for every pair of the particles near[n], in the order of their solids, and
+/// take(i, sum) with the SolidIntegrals of all of particle i. There are `count` particles.
 template <class Backend, class Take>
 void findSolids(Backend& device, std::string_view name, Count count, const SolidSearch& search,
                 const Take& take) {

@@ -29,7 +29,9 @@ SolidView Solid::view(double time, double dt) {
           .approximate = surface_.approximate,
           .friction = surface_.friction,
           .carved = carved_->data(),
-          .noSlip = surface_.noSlip};
+          .noSlip = surface_.noSlip,
+          .pivot = motion_->pivotAt(time + dt),
+          .impulse = impulse_->data()};
 }
 
 }  // namespace weir

@@ -14,22 +14,6 @@ namespace weir {
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };
 
-/// A solid during one step, for kernels.
-struct SolidView {
-  TriangleTreeView tree;    ///< in the solid's own frame
-  ClearanceView clearance;  ///< there, too
-  Pose begin, end;          ///< at the beginning and the end of the step
-  float inverseDt = 0;      ///< 1/s
-  SolidKind kind = SolidKind::kSolid;
-  bool approximate = false;  ///< the integrals of Chang et al. 2020 in place of exact ones
-  float friction = 0;        ///< Coulomb's coefficient
-  int* carved = nullptr;     ///< counts the particles that were born where there is no room
-  float noSlip = 0;          ///< 1/s: rate at which fluid in contact takes the solid's velocity
-
-  /// Mean velocity over the step, m/s, of the solid's point that ends at p.
-  WEIR_HD Vec3f velocityAt(const Vec3f& p) const { return inverseDt * (p - begin.toWorld(end.toBody(p))); }
-};
-
 /// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
 struct SolidImpulse {
   Vec3d linear, angular;
@@ -39,6 +23,24 @@ struct SolidImpulse {
     angular += b.angular;
     return *this;
   }
+};
+
+/// A solid during one step, for kernels.
+struct SolidView {
+  TriangleTreeView tree;    ///< in the solid's own frame
+  ClearanceView clearance;  ///< there, too
+  Pose begin, end;          ///< at the beginning and the end of the step
+  float inverseDt = 0;      ///< 1/s
+  SolidKind kind = SolidKind::kSolid;
+  bool approximate = false;         ///< the integrals of Chang et al. 2020 in place of exact ones
+  float friction = 0;               ///< Coulomb's coefficient
+  int* carved = nullptr;            ///< counts the particles that were born where there is no room
+  float noSlip = 0;                 ///< 1/s: rate at which fluid in contact takes the solid's velocity
+  Vec3f pivot;                      ///< m, at the end of the step: about which torques are counted
+  SolidImpulse* impulse = nullptr;  ///< one sum, of all steps
+
+  /// Mean velocity over the step, m/s, of the solid's point that ends at p.
+  WEIR_HD Vec3f velocityAt(const Vec3f& p) const { return inverseDt * (p - begin.toWorld(end.toBody(p))); }
 };
 
 /// What moves a solid.

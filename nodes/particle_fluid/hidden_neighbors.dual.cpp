@@ -10,26 +10,29 @@ namespace {
 
 struct TakeOutHidden {
   ArrayView<const SolidView> solids;
-  std::int64_t stride;
-  ArrayView<const int> near, sides;
+  SolidPairsView pairs;
+  ArrayView<const int> near, sides;  // of pairs
   ArrayView<const Vec3f> positions;
   NeighborEditor neighbors;
 
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = near[n];
     bool any = false;
-    for (std::int64_t k = 0; k < solids.size; ++k) {
-      const int seen = sides[k * stride + i];
-      any = any || (solids[k].kind == SolidKind::kSheet ? seen != 0 : (seen & kSeesBack) != 0);
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
+      const int seen = sides[pair];
+      any =
+          any || (solids[pairs.solid[pair]].kind == SolidKind::kSheet ? seen != 0 : (seen & kSeesBack) != 0);
     }
     if (any) neighbors.keepIf(i, team, [&](int j) { return sees(i, j); });
   }
 
   WEIR_HD bool sees(std::int64_t i, std::int64_t j) const {
     const std::int64_t from = i < j ? i : j, to = i < j ? j : i;
-    for (std::int64_t k = 0; k < solids.size; ++k) {
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
+      const int k = pairs.solid[pair], other = pairs.find(j, k);
+      if (other < 0) continue;
       const SolidView& solid = solids[k];
-      if (mayHide(solid.kind, sides[k * stride + i], sides[k * stride + j]) &&
+      if (mayHide(solid.kind, sides[pair], sides[other]) &&
           firstHit(solid.tree, solid.end.toBody(positions[from]), solid.end.toBody(positions[to])).found())
         return false;
     }
@@ -49,8 +52,8 @@ template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForUneven<kPlan>(device, "hidden neighbours", walls.nearCount(),
-                           TakeOutHidden{walls.views.view(), walls.stride, std::as_const(walls.near).view(),
+  parallelForUneven<kPlan>(device, "hidden neighbours", walls.pairs.nearCount(),
+                           TakeOutHidden{walls.views.view(), walls.pairs.view(), walls.pairs.near(),
                                          std::as_const(walls.sides).view(),
                                          fluid.particles.positions().read(), fluid.neighbors.editor()});
 }

@@ -275,6 +275,7 @@ void ParticleFluid::refresh(const StepContext& context) {
                             (1 / float(state.particles.bound())) * extent.sum);
     state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
+    state.walls.pairs.waitForNumber();
     findWalls(context);
     dispatch(context.device, [&](auto& device) { densityOn(device); });
   }
@@ -308,6 +309,14 @@ void ParticleFluid::checkEvents() {
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",
             state.events.nonFinite),
         {}, "use a smaller world.dt, a smaller bulk_modulus, or more solver iterations");
+  const std::int64_t lost = state.walls.empty() ? 0 : state.walls.pairs.lostOnHost();
+  if (lost > 0)
+    throw simulationError(
+        fmt::format(
+            "particles came near more solids in one frame than there was room for: {} pairs of a particle "
+            "and a solid were lost",
+            lost),
+        {}, "use a larger world.frame_rate, as room is made at every frame, or run on the CPU");
   if (state.particles.device().deterministic() && state.events.cutOffByOrder > 0)
     throw simulationError(
         fmt::format(

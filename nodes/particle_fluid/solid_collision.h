@@ -1,7 +1,7 @@
 // How particles are stopped at rigid meshes, and how that is told to the solids.
 #pragma once
 
-#include "framework/compute/parallel.h"
+#include "framework/compute/reduce_by_key.h"
 #include "framework/geometry/sweep.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
@@ -76,13 +76,12 @@ struct AddImpulses {
   WEIR_HD SolidImpulse operator()(SolidImpulse a, const SolidImpulse& b) const { return a += b; }
 };
 
-/// Adds some sums to another.
-struct AddImpulse {
-  SolidImpulse* to;
-  const SolidImpulse* from;
-  int sums;
-  WEIR_HD void operator()(std::int64_t) const {
-    for (int k = 0; k < sums; ++k) *to += from[k];
+/// Adds sums to that of solid k, which stand at k, k + their number, …
+struct GiveImpulse {
+  ArrayView<const SolidView> solids;
+  ArrayView<const SolidImpulse> sums;
+  WEIR_HD void operator()(std::int64_t k) const {
+    for (std::int64_t s = k; s < sums.size; s += solids.size) *solids[k].impulse += sums[s];
   }
 };
 
@@ -91,34 +90,40 @@ WEIR_HD inline SolidImpulse impulseAt(const Vec3f& impulse, const Vec3f& arm) {
   return {j, cross(r, j)};
 }
 
-/// What solid k feels of the contact of particle met[i].
+/// What solids feel of the contact of particle met[i].
 struct ContactImpulse {
-  int solid;
-  Vec3f pivot;
+  ArrayView<const SolidView> solids;
   float mass;
   ArrayView<const int> met;
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> kick;
 
-  WEIR_HD SolidImpulse operator()(std::int64_t i) const {
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t i, const Give& give) const {
     const Vec4f at = kick[i];
-    if (static_cast<int>(at.w) != solid) return {};
-    return impulseAt(-mass * xyz(at), positions[met[i]] - pivot);
+    const int k = static_cast<int>(at.w);
+    if (k < 0) return;
+    give(k, [&] { return impulseAt(-mass * xyz(at), positions[met[i]] - solids[k].pivot); });
   }
 };
 
-/// Sums what solid k feels of contact into walls.impulse[0].
+/// Sums what solid k feels of contact into walls.impulses[k].
 template <class Backend>
-ContactImpulse sumContact(Backend& device, FluidStep& fluid, std::size_t k) {
+void sumContacts(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  const ContactImpulse contact{static_cast<int>(k),
-                               walls.solids[k]->pivotAt(fluid.time.time + fluid.time.dt),
-                               fluid.constants.particleMass,
-                               std::as_const(walls.met).view(),
-                               fluid.particles.positions().read(),
-                               std::as_const(walls.kick).view()};
-  reduce(device, "impulse", walls.metCount(), SolidImpulse{}, contact, AddImpulses{}, walls.impulse.data());
-  return contact;
+  reduceByKey(device, "impulse", walls.metCount(), walls.views.size(), SolidImpulse{},
+              ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
+                             std::as_const(walls.met).view(), fluid.particles.positions().read(),
+                             std::as_const(walls.kick).view()},
+              AddImpulses{}, walls.impulses.data());
+}
+
+/// Gives the solids the first `sums` of walls.impulses that each has.
+template <class Backend>
+void giveImpulses(Backend& device, WallField& walls, int sums) {
+  const std::int64_t solids = walls.views.size();
+  parallelFor(device, "add impulses", solids,
+              GiveImpulse{std::as_const(walls.views).view(), {walls.impulses.data(), sums * solids}});
 }
 
 }  // namespace weir

@@ -13,15 +13,13 @@ void WallField::place(double time, double dt) {
 
 void WallField::fit(ParticleSet& particles) {
   stride = particles.capacity();
-  each.resizeDiscarding(stride * static_cast<std::int64_t>(solids.size()));
-  if (solids.size() > 1) total.resizeDiscarding(stride);
+  total.resizeDiscarding(stride);
   d.resizeDiscarding(stride);
-  sides.resizeDiscarding(each.size());
   legal.resizeDiscarding(stride);
   marks.resizeDiscarding(stride);
-  near.resizeDiscarding(stride);
   met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
+  impulses.resizeDiscarding(2 * views.size());
   share = particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
                                 "Displacement by solids in the last step, over the gradient of Φ."});
 }
@@ -34,9 +32,8 @@ void FluidStep::findWalls() {
 
 double WallField::memoryFor(double particles, int solidCount) const {
   if (solidCount == 0) return 0;
-  return bytesOfArrays(particles * solidCount, each, sides) +
-         (solidCount > 1 ? bytesOfArrays(particles, total) : 0) +
-         bytesOfArrays(particles, d, legal, marks, near, met, kick) +
+  return pairs.memoryFor(particles, solidCount, sizeof(Vec4f) + sizeof(int)) +
+         bytesOfArrays(particles, total, d, legal, marks, met, kick) +
          ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat);  // the share
 }
 

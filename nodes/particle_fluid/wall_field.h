@@ -15,7 +15,7 @@
 #include "framework/compute/compact_once.h"
 #include "framework/compute/eight.h"
 #include "framework/particles/particle_set.h"
-#include "framework/solids/solid.h"
+#include "framework/solids/solid_pairs.h"
 #include "nodes/particle_fluid/displacement.h"
 
 namespace weir {
@@ -47,50 +47,50 @@ struct WallFieldView {
 struct WallField {
   explicit WallField(Device& device)
       : views(device),
+        pairs(device),
         each(device),
+        sides(device),
         total(device),
         d(device),
-        sides(device),
         legal(device),
         marks(device),
-        near(device),
-        nearCounter(device, 1),
         met(device),
         metCounter(device, 1),
         kick(device),
-        impulse(device, 2) {}
+        impulses(device) {}
 
   std::vector<Solid*> solids;
-  Array<SolidView> views;    ///< of the solids, in this step
-  Array<Vec4f> each, total;  ///< integrals of solid k and particle i at [k·stride + i]; total of several
+  Array<SolidView> views;  ///< of the solids, in this step
+  SolidPairs pairs;        ///< of particles and the solids within their support radius
+  Array<Vec4f> each;       ///< integrals of each pair
+  Array<int> sides;        ///< of its solid that its particle sees, see hidden_neighbors.h
+  Array<Vec4f> total;      ///< integrals of each particle
   Array<float> d;
   Attribute<float> share;       ///< an attribute, as particles may be sorted during a step
   ArrayView<const Vec3f> base;  ///< see WallFieldView
-  Array<int> sides;    ///< of solid k that particle i sees, laid out as `each`; see hidden_neighbors.h
-  Array<Vec3f> legal;  ///< positions that lie in no solid, at the end of the step
+  Array<Vec3f> legal;           ///< positions that lie in no solid, at the end of the step
   /// Particles that are near solids are few, so they are listed, and what is costly is done for them alone.
   Array<std::uint8_t> marks;  ///< of those that are to be listed; scratch
-  Array<int> near;            ///< that may have a solid within the support radius
-  Array<int> nearCounter;     ///< one: how many
   Array<int> met;             ///< that may have met a solid on their way; scratch
   Array<int> metCounter;      ///< one: how many
   /// Of met[k]: change of velocity by contact, m/s, and the number of the solid, -1 for none.
   Array<Vec4f> kick;
-  Array<SolidImpulse> impulse;  ///< two, scratch
+  Array<SolidImpulse> impulses;  ///< two of each solid, scratch
   std::int64_t stride = 0;
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
 
   bool empty() const { return solids.empty(); }
   WallFieldView view() {
     if (empty()) return {};
-    return {std::as_const(solids.size() > 1 ? total : each).view(), std::as_const(d).view(), share.write(),
-            base};
+    return {std::as_const(total).view(), std::as_const(d).view(), share.write(), base};
   }
   /// Lists the particles i, of `count`, for which is(i) holds.
   template <class Backend, class Is>
   void list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
             Array<int>& counter);
-  Count nearCount() const { return {stride, nearCounter.data()}; }
+  /// Fills `pairs`, and makes room for what is known of each.
+  template <class Backend>
+  void findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach);
   Count metCount() const { return {stride, metCounter.data()}; }
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
   void place(double time, double dt);
@@ -115,6 +115,13 @@ template <class Backend, class Is>
 void WallField::list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
                      Array<int>& counter) {
   compactOnce(device, name, count, is, marks, indices.view(), counter.data());
+}
+
+template <class Backend>
+void WallField::findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach) {
+  pairs.find(device, count, std::as_const(views).view(), positions, reach);
+  each.resizeDiscarding(pairs.room());
+  sides.resizeDiscarding(pairs.room());
 }
 
 }  // namespace weir

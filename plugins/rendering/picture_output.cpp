@@ -52,6 +52,8 @@ class Pictures {
     video.put("width", state.size.width);
     video.put("height", state.size.height);
     video.put("rate", state.size.frameRate);
+    video.put("bytes", state.bytes);
+    video.put("mark", state.mark);
     video.put("encoder", std::span<const char>(state.encoder));
   }
 
@@ -66,6 +68,10 @@ class Pictures {
       video.get("width", earlier->size.width);
       video.get("height", earlier->size.height);
       video.get("rate", earlier->size.frameRate);
+      if (video.has("bytes")) {
+        video.get("bytes", earlier->bytes);
+        video.get("mark", earlier->mark);
+      }
       const std::vector<char> encoder = video.getAll<char>("encoder");
       earlier->encoder.assign(encoder.begin(), encoder.end());
     }

@@ -30,14 +30,15 @@ std::unique_ptr<Scene> emptyScene(const Registry& registry) {
 std::shared_ptr<PythonScene> parse(const std::shared_ptr<Library>& library, const std::string& text,
                                    const std::string& file, const std::string& folder,
                                    const std::vector<std::string>& changes) {
-  const Value root = parseJson(text, file);
+  const Value root = parseScene(text, file);
   const Place place{file, "", folder};
-  for (const FilePath& plugin : scenePlugins(root, place)) library->loadPlugin(plugin.resolved.string());
+  for (const FilePath& plugin : scenePlugins(withIncludes(root, place), place))
+    library->loadPlugin(plugin.resolved.string());
   std::vector<Override> overrides;
   for (const std::string& change : changes) overrides.push_back(parseOverride(change));
   std::vector<std::string> warnings;
   std::unique_ptr<Scene> built = buildScene(root, place, *library->registry(), overrides, warnings);
-  built->text = text;
+  built->text = textToKeep(text, root, *built);
   auto scene = std::make_shared<PythonScene>(library, std::move(built), folder);
   for (const std::string& warning : warnings) scene->log().warn(warning);
   return scene;

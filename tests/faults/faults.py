@@ -58,9 +58,8 @@ SCENARIOS = [
     Scenario("encoder-write",  VIDEO,    "write",  "ENOSPC",  "ffmpeg"),
 ]
 
-# What a run may leave beside the files of a run that ended well: the checkpoint before the last one, and frames of a
-# video that could not be joined with those before its last checkpoint.
-EXTRA = {"run.previous.h5", "run.from_13.mp4"}
+# What a run may leave beside the files of a run that ended well: the checkpoint before the last one.
+EXTRA = {"run.previous.h5"}
 # Not the same from run to run: times, and what ffmpeg makes of its threads.
 VARYING = (".json", ".jsonl", ".h5", ".vtkhdf", ".mp4")
 LIMIT = 60
@@ -127,6 +126,12 @@ class Faults:
         if files:
             info = subprocess.run([self.weir, "info"] + files, capture_output=True, text=True, timeout=LIMIT)
             said = info.stderr if info.returncode != 0 else ""
+        for name in sorted(name for name in files_in(folder) if name.endswith(".mp4")):
+            probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
+                                    "-of", "csv=p=0", os.path.join(folder, name)], capture_output=True, text=True,
+                                   timeout=LIMIT)
+            if probe.stderr or not probe.stdout.strip(", \n").isdigit():
+                said += f"{name}: {probe.stderr.strip() or 'no frames'}"
         return said
 
     def check(self, scenario, at, folder):
@@ -194,7 +199,7 @@ def main():
     unknown = set(options.scenario or []) - {s.name for s in SCENARIOS}
     if unknown:
         parser.error("no scenario is called " + ", ".join(sorted(unknown)))
-    if shutil.which("ffmpeg") is None:
+    if shutil.which("ffmpeg") is None or shutil.which("ffprobe") is None:
         scenarios = [s for s in scenarios if s.outputs is not VIDEO]
 
     start = time.monotonic()

@@ -125,6 +125,25 @@ def index_page(types):
             f"## Modules\n\nSteps of a node's algorithm.\n\n{table(('type', 'what it does'), modules)}")
 
 
+def without_shorthand(schema):
+    """A schema as it is without what scene files may have beyond plain JSON: docs/scene_format.md tells that."""
+    if isinstance(schema, list):
+        return [without_shorthand(s) for s in schema]
+    if not isinstance(schema, dict):
+        return schema
+    plain = {key: without_shorthand(value) for key, value in schema.items()}
+    if isinstance(plain.get("type"), list):
+        plain["type"] = plain["type"][0]
+        plain.pop("pattern", None)
+    items = plain.get("items", {}) if plain.get("type") == "array" else {}
+    if {"$ref": "#/$defs/repeat"} in items.get("anyOf", []):
+        plain["items"] = items["anyOf"][0]
+        plain.update(plain.pop("anyOf", [{}])[0])
+    if isinstance(plain.get("properties"), dict):
+        plain["properties"] = {n: s for n, s in plain["properties"].items() if n not in ("note", "$include")}
+    return plain
+
+
 def kind_of(schema):
     """The kind of value that a piece of JSON Schema allows, and whether it may be keyframes."""
     options = schema.get("anyOf", [schema])
@@ -164,7 +183,9 @@ def scene_page(schema):
     heads = ("name", "kind", "default", "allowed", "what it is")
     text = "# Scene files\n\nA scene is one JSON file. [The tutorial](../tutorial_scene.md) builds one; `weir schema` prints " \
            "the JSON Schema, for completion and checking in an editor.\n\n"
-    sections = {n: s for n, s in schema["properties"].items() if s.get("type") == "object" and "properties" in s}
+    text += "[Scene files](../scene_format.md) tells of comments, variables, units, included files and repetition.\n\n"
+    schema = without_shorthand(schema)
+    sections = {n: s for n, s in schema["properties"].items() if s.get("type") == "object" and s.get("properties")}
     others = {n: s for n, s in schema["properties"].items() if n not in sections}
     text += "## The file\n\n" + table(heads, schema_rows(others)) + "\n"
     for name, section in sections.items():

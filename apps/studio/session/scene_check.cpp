@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "framework/base/text.h"
+
 namespace weir::studio {
 
 namespace {
@@ -88,12 +90,34 @@ CheckedScene checkScene(const Value& root, const std::string& file, const std::s
   try {
     auto scene = buildScene(root, Place{file, "", folder}, registry, {}, checked.warnings);
     if (alsoCheck) alsoCheck(*scene);
-    scene->text = writeJson(root);
+    scene->text = textToKeep(writeJson(root), root, *scene);
     checked.scene = std::move(scene);
   } catch (const Error& e) {
     checked.problem = problemOf(e);
   }
   return checked;
+}
+
+OpenedScene readSceneFile(std::string_view text, const std::string& file, const std::string& folder,
+                          const Registry& registry) {
+  OpenedScene opened{parseScene(text, file), {}};
+  const WrittenForm form = writtenForm(text, opened.scene);
+  if (form.shorthand) {
+    CheckedScene checked = checkScene(opened.scene, file, folder, registry);
+    if (!checked.scene) return opened;
+    opened.scene = sceneToValue(*checked.scene);
+  }
+  if (form.shorthand)
+    opened.warning =
+        inQuotes(file) +
+        " has variables, expressions, units, included files or repeated parts, which the studio "
+        "shows as plain numbers and nodes: saving to this name writes the scene without them, and "
+        "without comments and notes; save under another name to keep the file";
+  else if (form.comments)
+    opened.warning = inQuotes(file) +
+                     " has comments or trailing commas: saving to this name writes the scene without them; "
+                     "save under another name to keep the file";
+  return opened;
 }
 
 SceneDifference differenceOf(const Scene& running, const Scene& next) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/base/error.h"
@@ -27,6 +28,16 @@ struct CheckedScene {
 /// may throw an Error for what else is wrong with it.
 CheckedScene checkScene(const Value& root, const std::string& file, const std::string& folder,
                         const Registry& registry, const std::function<void(const Scene&)>& alsoCheck = {});
+
+struct OpenedScene {
+  Value scene;
+  std::string warning;  ///< what saving would lose; "" if nothing
+};
+
+/// A scene file as it is edited: in plain form, where it has variables, expressions, units, included files or
+/// repetition. One that cannot be built is given as it is, so that its mistake is shown.
+OpenedScene readSceneFile(std::string_view text, const std::string& file, const std::string& folder,
+                          const Registry& registry);
 
 /// A new value of one parameter of a scene; the node is "world" for the world's.
 struct LiveChange {

@@ -108,7 +108,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
 Studio::~Studio() = default;
 
 void Studio::open(const std::string& path) {
-  saved_ = parseJson(folder_.read(path), path);
+  readScene(folder_, path);
   takeScene(saved_, path, 0);
   findDraft();
 }
@@ -349,6 +349,13 @@ Value Studio::sceneValue() const {
   return v;
 }
 
+void Studio::readScene(const ServedFolder& folder, const std::string& path) {
+  const fs::path parent = folder.root() / fs::path(path).parent_path();
+  OpenedScene opened = readSceneFile(folder.read(path), path, parent.string(), registry_);
+  saved_ = std::move(opened.scene);
+  lossWarning_ = std::move(opened.warning);
+}
+
 CheckedScene Studio::check() const {
   const fs::path folder = folder_.root() / fs::path(path_).parent_path();
   return checkScene(scene_, path_, folder.string(), registry_,
@@ -362,6 +369,7 @@ void Studio::takeScene(Value scene, std::string path, ClientId from) {
   CheckedScene checked = check();
   problem_ = std::move(checked.problem);
   warnings_ = std::move(checked.warnings);
+  if (!lossWarning_.empty()) warnings_.insert(warnings_.begin(), lossWarning_);
   if (checked.scene && running_) {
     SceneDifference difference = differenceOf(*running_, *checked.scene);
     reset_ = difference.reset;
@@ -388,6 +396,7 @@ void Studio::setScene(ClientId client, const Value& message, Value& result) {
 void Studio::newScene(ClientId client, const Value&, Value& result) {
   requireWriter(client);
   path_.clear();
+  lossWarning_.clear();
   draft_.reset();
   // The world of before goes, too.
   running_.reset();
@@ -424,9 +433,9 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
   const bool isTemplate = message.find("template") != nullptr;
   const std::string path = textMember(message, isTemplate ? "template" : "path");
-  const std::string text = isTemplate ? ServedFolder(options_.templates).read(path) : folder_.read(path);
+  readScene(isTemplate ? ServedFolder(options_.templates) : folder_, path);
+  if (isTemplate) lossWarning_.clear();
   running_.reset();
-  saved_ = parseJson(text, path);
   takeScene(saved_, isTemplate ? "" : path, client);
   draft_.reset();
   if (!isTemplate) findDraft();
@@ -443,6 +452,8 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   if (isOther && !overwrite) requireNew(path);
   folder_.write(path, writeJson(scene_));
   saved_ = scene_;
+  if (!lossWarning_.empty()) std::erase(warnings_, lossWarning_);
+  lossWarning_.clear();
   // What somebody has made of the scene whose place this one takes, or left of this one, and nobody has
   // decided about.
   if (isOther) keepOldDraft(folder_, path);

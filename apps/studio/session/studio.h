@@ -106,6 +106,8 @@ class Studio final : private ServerEvents, private HostListener {
 
   /// The scene as it is edited.
   CheckedScene check() const;
+  /// Into saved_, with a warning of what saving would lose.
+  void readScene(const ServedFolder& folder, const std::string& path);
   /// Whether there is no run that could go on.
   bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);
@@ -140,6 +142,7 @@ class Studio final : private ServerEvents, private HostListener {
   std::int64_t revision_ = 0;     // of scene_
   std::optional<Value> problem_;  // of scene_
   std::vector<std::string> warnings_;
+  std::string lossWarning_;           // what saving over the file would lose
   std::unique_ptr<Scene> running_;    // what the simulation was last given, to compare with
   std::optional<std::string> reset_;  // why the simulation must be reset to be as scene_ is
   std::string device_;

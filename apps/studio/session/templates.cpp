@@ -44,7 +44,7 @@ std::optional<Value> templateOf(const ServedFolder& scenes, const Value& entry) 
   try {
     const std::string path = textOf(entry, "path");
     const std::string text = scenes.read(path);
-    const std::string title = textOf(parseJson(text, path), "title");
+    const std::string title = textOf(parseScene(text, path), "title");
     std::string thumbnail = fs::path(path).replace_extension(".jpg").generic_string();
     std::replace(thumbnail.begin(), thumbnail.end(), '/', '_');
     std::error_code error;

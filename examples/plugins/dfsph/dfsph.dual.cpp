@@ -75,8 +75,8 @@ struct FindGrowth {
   PairGradient gradient;
   float dt;
   ArrayView<const SolidView> solids;
-  ArrayView<const Vec4f> each;  // of solid k and particle i at [k·stride + i]
-  std::int64_t stride;
+  SolidPairsView pairs;
+  ArrayView<const Vec4f> each;  // of pairs
   ArrayView<const Vec4f> state;
   ArrayView<const Vec3f> velocities;
   ArrayView<float> source;
@@ -93,8 +93,9 @@ struct FindGrowth {
       return g.x * (v.x - w.x) + g.y * (v.y - w.y) + g.z * (v.z - w.z);
     };
     float sum = sumOverNeighbors<float>(i, neighbors, rate, state, velocities);
-    for (std::int64_t k = 0; k < solids.size; ++k)
-      sum += dot(xyz(each[k * stride + i]), v - solids[k].velocityAt(xyz(s)));
+    if (solids.size > 0)
+      for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair)
+        sum += dot(xyz(each[pair]), v - solids[pairs.solid[pair]].velocityAt(xyz(s)));
     source[i] = dt * sum;
   }
 };
@@ -246,8 +247,8 @@ void Dfsph::stepOn(Backend& device, FluidStep& fluid) {
   parallelFor(device, "growth", count,
               FindGrowth{neighbors, gradientOf(c), dt,
                          meets ? std::as_const(fluid.walls.views).view() : ArrayView<const SolidView>{},
-                         meets ? std::as_const(fluid.walls.each).view() : ArrayView<const Vec4f>{},
-                         fluid.walls.stride, state_.view(), velocities, source_.view()});
+                         fluid.walls.pairs.view(), std::as_const(fluid.walls.each).view(), state_.view(),
+                         velocities, source_.view()});
   solve(device, fluid, divergenceTolerance, divergence_);
   finish({});
 }

@@ -52,11 +52,8 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   parallelForUneven(device, "approach", walls.metCount(),
                     StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
                                  walls.kick.view()});
-  for (std::size_t k = 0; k < walls.solids.size(); ++k) {
-    sumContact(device, fluid, k);
-    parallelFor(device, "add impulse", 1,
-                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data(), 1});
-  }
+  sumContacts(device, fluid);
+  giveImpulses(device, walls, 1);
 }
 
 template void SolidApproach::stepOn(ThisBackend&, FluidStep&);

@@ -25,7 +25,7 @@ struct Contact {
   ArrayView<const SolidView> solids;
   float gap, dt;
   float contactPhi;  // Φ of what touches a plane
-  std::int64_t stride;
+  SolidPairsView pairs;
   ArrayView<const int> met;
   ArrayView<const Vec3f> legal;
   ArrayView<const Vec4f> each;
@@ -38,15 +38,16 @@ struct Contact {
     const Vec3f v = velocities[i];
     StoppedParticle after = stopAtSolids(solids, true, gap, legal[i], positions[i], v);
     if (after.solid >= 0) positions[i] = after.position;
-    for (std::int64_t k = 0; k < solids.size; ++k) rub(i, k, after);
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) rub(i, pair, after);
     const Vec3f change = after.velocity - v;
     kick[m] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
     if (after.solid >= 0) velocities[i] = after.velocity;
   }
 
-  WEIR_HD void rub(std::int64_t i, std::int64_t k, StoppedParticle& particle) const {
+  WEIR_HD void rub(int i, int pair, StoppedParticle& particle) const {
+    const int k = pairs.solid[pair];
     const SolidView& solid = solids[k];
-    const Vec4f at = each[k * stride + i];
+    const Vec4f at = each[pair];
     const Vec3f gradient = xyz(at);
     const float steep = length(gradient);
     if (!(steep > 0) || (solid.friction == 0 && solid.noSlip == 0)) return;
@@ -61,25 +62,29 @@ struct Contact {
     const float touch = at.w < contactPhi ? at.w / contactPhi : 1.0f;
     const float kept = slip > most ? (1 - most / slip) * expf(-solid.noSlip * dt * touch) : 0.0f;
     particle.velocity = wall + approach * normal + kept * along;
-    particle.solid = static_cast<int>(k);
+    particle.solid = k;
   }
 };
 
-/// What a solid feels of the pressure of particle near[n].
+/// What solids feel of the pressure of particle near[n].
 struct PressureImpulse {
-  Vec3f pivot;
+  ArrayView<const SolidView> solids;
   float massPerDt;  // kg/s
-  std::int64_t first;
+  SolidPairsView pairs;
   ArrayView<const int> near;
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> each;
   ArrayView<const float> share;
 
-  WEIR_HD SolidImpulse operator()(std::int64_t n) const {
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t n, const Give& give) const {
     const int i = near[n];
     const float s = share[i];
-    if (s == 0) return {};
-    return impulseAt(-massPerDt * s * xyz(each[first + i]), positions[i] - pivot);
+    if (s == 0) return;
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
+      const int k = pairs.solid[pair];
+      give(k, [&] { return impulseAt(-massPerDt * s * xyz(each[pair]), positions[i] - solids[k].pivot); });
+    }
   }
 };
 
@@ -89,6 +94,7 @@ template <class Backend>
 void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<const SolidView> solids = walls.views.view();
+  const SolidPairsView pairs = walls.pairs.view();
   const ArrayView<Vec3f> positions = fluid.particles.positions().write();
   const ArrayView<const Vec3f> legal = std::as_const(walls.legal).view();
   const ArrayView<const Vec4f> each = std::as_const(walls.each).view();
@@ -101,18 +107,15 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
                       rubs ? std::as_const(walls.d).view() : ArrayView<const float>{}},
              walls.met, walls.metCounter);
   parallelForUneven(device, "contact", walls.metCount(),
-                    Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, walls.stride,
+                    Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, pairs,
                             std::as_const(walls.met).view(), legal, each, walls.share.read(), positions,
                             fluid.particles.velocities().write(), walls.kick.view()});
-  for (std::size_t k = 0; k < walls.solids.size(); ++k) {
-    const ContactImpulse contact = sumContact(device, fluid, k);
-    reduce(device, "pressure impulse", walls.nearCount(), SolidImpulse{},
-           PressureImpulse{contact.pivot, contact.mass / dt, static_cast<std::int64_t>(k) * walls.stride,
-                           std::as_const(walls.near).view(), contact.positions, each, walls.share.read()},
-           AddImpulses{}, walls.impulse.data() + 1);
-    parallelFor(device, "add impulse", 1,
-                AddImpulse{walls.solids[k]->impulse().data(), walls.impulse.data(), 2});
-  }
+  sumContacts(device, fluid);
+  reduceByKey(device, "pressure impulse", walls.pairs.nearCount(), solids.size, SolidImpulse{},
+              PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(), positions,
+                              each, walls.share.read()},
+              AddImpulses{}, walls.impulses.data() + solids.size);
+  giveImpulses(device, walls, 2);
 }
 
 template void SolidContact::stepOn(ThisBackend&, FluidStep&);

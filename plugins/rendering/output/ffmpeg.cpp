@@ -70,6 +70,10 @@ Error failureOf(const PipedProgram& ffmpeg, const fs::path& file) {
   return cannotWrite(file, "ffmpeg " + ffmpeg.ending() + ": " + lastLines(ffmpeg.messages()), hint);
 }
 
+std::string urlOf(const fs::path& file) {
+  return "file:" + fs::absolute(file).string();
+}
+
 std::int64_t toldFrames(const PipedProgram& ffmpeg) {
   constexpr std::string_view kKey = "frame=";
   const std::string_view messages = ffmpeg.messages();
@@ -83,7 +87,7 @@ std::int64_t toldFrames(const PipedProgram& ffmpeg) {
 }
 
 std::vector<std::string> listEncoders(const fs::path& file) {
-  const auto ffmpeg = startFfmpeg(file, {"-hide_banner", "-encoders"}, ProgramOutput::kKept);
+  const auto ffmpeg = startFfmpeg(file, {"-encoders"}, "");
   std::vector<std::string> names;
   if (!ffmpeg->finish()) return names;
   // " V....D libx264   libx264 H.264 …": six letters of what it can do, V first for video.
@@ -98,13 +102,19 @@ std::vector<std::string> listEncoders(const fs::path& file) {
 }
 
 std::unique_ptr<PipedProgram> startFfmpeg(const fs::path& file, const std::vector<std::string>& arguments,
-                                          ProgramOutput output) {
+                                          const fs::path& output, std::int64_t frames) {
   const std::string hint =
       "install ffmpeg (Debian and Ubuntu: apt install ffmpeg; Fedora: dnf install ffmpeg-free; Arch: pacman "
       "-S "
       "ffmpeg), or write single pictures with --images, which works without it";
+  // -xerror: without it ffmpeg ends with exit code 0 when the disk is full as it completes the file.
+  std::vector<std::string> all{"-hide_banner", "-loglevel", "error",  "-nostdin",      "-y",     "-xerror",
+                               "-nostats",     "-progress", "pipe:2", "-stats_period", "1000000"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
   try {
-    return std::make_unique<PipedProgram>("ffmpeg", arguments, limits(file), output);
+    ProgramLimits allowed = limits(file);
+    allowed.end += std::chrono::seconds(frames);
+    return std::make_unique<PipedProgram>("ffmpeg", all, allowed, output);
   } catch (const std::system_error& error) {
     const bool missing = error.code() == std::errc::no_such_file_or_directory;
     throw cannotWrite(

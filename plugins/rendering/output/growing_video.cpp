@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <fstream>
+#include <system_error>
 #include <utility>
 
+#include "plugins/rendering/output/frame_ledger.h"
+#include "plugins/rendering/output/part_file.h"
 #include "plugins/rendering/output/video_copy.h"
 
 namespace weir::rendering {
@@ -12,30 +17,40 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// "run.from_8.mp4": a name that is the same whenever a run goes on at this frame.
-fs::path pieceOf(const fs::path& file, std::int64_t first) {
-  return fs::path(file).replace_filename(
-      fmt::format("{}.from_{}{}", file.stem().string(), first, file.extension().string()));
+/// A digest of the last of the file's first bytes; 0 if there are fewer.
+std::uint64_t markOf(const fs::path& file, std::uint64_t bytes) {
+  constexpr std::uint64_t kMost = 1 << 16;
+  std::string last(std::min(bytes, kMost), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(bytes - last.size()));
+  if (!stream.read(last.data(), static_cast<std::streamsize>(last.size()))) return 0;
+  Digest digest;
+  digest.add(last);
+  return digest.value();
 }
 
-/// What a killed run, and the ffmpeg that it left behind, made of frames that come again.
-void removeLeftovers(const fs::path& piece) {
-  std::error_code ignored;
-  fs::remove(piece, ignored);
-  fs::path part = piece;
-  fs::remove(part.replace_extension(".part" + piece.extension().string()), ignored);
+/// Where the frames of the state are: what was appended to a file after it may be damaged and is left out. A
+/// video that was completed since, or is of an older version of this program, counts as a whole.
+VideoSource sourceOf(const fs::path& file, const VideoState& state) {
+  for (const fs::path& place : {growingPlace(file), file})
+    if (state.bytes > 0 && markOf(place, state.bytes) == state.mark) return {place, state.bytes};
+  return {file, std::nullopt};
 }
 
 }  // namespace
 
 GrowingVideo::GrowingVideo(fs::path file, const VideoSize& size, const VideoFormat& format,
                            const std::optional<VideoState>& earlier)
-    : file_(std::move(file)), format_(format), state_{.size = size, .encoder = {}} {
+    : file_(std::move(file)), format_(format), state_{.size = size} {
   if (earlier && earlier->frames > 0) takeUp(*earlier);
-  startPiece();
+  startPart();
 }
 
 GrowingVideo::~GrowingVideo() = default;
+
+fs::path GrowingVideo::place() const {
+  return grows_ ? growingPlace(file_) : file_;
+}
 
 void GrowingVideo::takeUp(const VideoState& earlier) {
   const VideoSize &old = earlier.size, &now = state_.size;
@@ -49,57 +64,76 @@ void GrowingVideo::takeUp(const VideoState& earlier) {
                               now.frameRate),
                   "the rate that the checkpoint's run had, or a new video")
         .at({.file = file_.string()});
-  const std::int64_t found = countFrames(file_);
+  const VideoSource source = sourceOf(file_, earlier);
+  const std::int64_t found = countFrames(source, earlier.frames);
   if (found < earlier.frames)
     throw ioError(fmt::format("the video holds {} frames, but the checkpoint was made when it had {}", found,
                               earlier.frames),
                   "the video that the checkpoint's run wrote, or a new one")
         .at({.file = file_.string()});
-  if (found > earlier.frames) cutVideo(file_, earlier.frames);
+  for (const fs::path& place : {growingPlace(file_), file_}) PartFile::removeLeft(place);
+  // A new file, as the ffmpeg of a killed run may still be writing to that one.
+  copyVideo(source, earlier.frames, file_, VideoKind::kGrowing);
   state_ = earlier;
+  grows_ = true;
 }
 
-void GrowingVideo::startPiece() {
-  const fs::path target = state_.frames == 0 ? file_ : pieceOf(file_, state_.frames);
-  if (state_.frames > 0) removeLeftovers(target);
-  piece_ = std::make_unique<VideoWriter>(target, state_.size, format_, state_.encoder);
-  state_.encoder = piece_->encoder();
+void GrowingVideo::startPart() {
+  if (state_.frames > 0 && !grows_) {
+    copyVideo({file_, std::nullopt}, state_.frames, file_, VideoKind::kGrowing);
+    grows_ = true;
+  }
+  part_ = std::make_unique<VideoWriter>(file_, state_.size, format_, state_);
+  state_.encoder = part_->encoder();
 }
 
 void GrowingVideo::write(Picture picture) {
   if (failure_) throw *failure_;
-  if (!piece_) startPiece();
-  piece_->write(std::move(picture));
+  if (!part_) startPart();
+  part_->write(std::move(picture));
 }
 
-void GrowingVideo::endPiece() {
+void GrowingVideo::endPart() {
   if (failure_) throw *failure_;
-  if (!piece_) return;
+  if (!part_) return;
+  const std::unique_ptr<VideoWriter> part = std::move(part_);
   try {
-    piece_->finish();
-    const std::int64_t frames = piece_->frameCount();
-    piece_.reset();
-    if (frames > 0 && state_.frames > 0) {
-      const fs::path piece = pieceOf(file_, state_.frames);
-      joinVideos({{file_, static_cast<double>(state_.frames) / state_.size.frameRate},
-                  {piece, static_cast<double>(frames) / state_.size.frameRate}},
-                 file_);
-      removeLeftovers(piece);
-    }
-    state_.frames += frames;
+    part->finish();
   } catch (const Error& error) {
     failure_ = error;
     throw;
   }
+  state_.frames += part->frameCount();
 }
 
 void GrowingVideo::save() {
-  endPiece();
-  if (state_.frames > 0) syncFile(file_);
+  endPart();
+  if (state_.frames == 0) return;
+  syncFile(place());
+  std::error_code error;
+  state_.bytes = fs::file_size(place(), error);
+  if (error) throw cannotWrite(place(), error.message());
+  state_.mark = markOf(place(), state_.bytes);
+}
+
+void GrowingVideo::complete() {
+  if (!grows_) return;
+  copyVideo({place(), std::nullopt}, state_.frames, file_, VideoKind::kComplete);
+  std::error_code ignored;
+  if (place() != file_) fs::remove(place(), ignored);
+  grows_ = false;
 }
 
 void GrowingVideo::finish() {
-  endPiece();
+  // The frames up to the last save() are a video also where those behind it failed.
+  for (const auto step : {&GrowingVideo::endPart, &GrowingVideo::complete}) {
+    try {
+      (this->*step)();
+    } catch (const Error& error) {
+      if (!failure_) failure_ = error;
+    }
+  }
+  if (failure_) throw *failure_;
 }
 
 }  // namespace weir::rendering

@@ -1,8 +1,9 @@
 // A video that can be gone on with: by the same run after a checkpoint, and by one that resumes.
 //
-// An encoder cannot be stopped within a video and gone on with. So at each checkpoint the frames since the
-// last one become a video of their own, a piece, which is joined to the video without encoding it again. The
-// video at its place is thus whole and playable at any time after the first checkpoint.
+// An encoder cannot be stopped within a video and gone on with, so each checkpoint ends one. Its frames are
+// appended as they come to a file that plays at any time: from the first checkpoint on, the video is in its
+// place (a .gif only as of then, see growingPlace()). At the end it is copied once into a file
+// as others expect it.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +17,6 @@
 #include "plugins/rendering/output/video_writer.h"
 
 namespace weir::rendering {
-
-/// What pieces must have in common, and how many frames there are.
-struct VideoState {
-  std::int64_t frames = 0;
-  VideoSize size;
-  std::string encoder;  ///< ffmpeg's name of it
-};
 
 class GrowingVideo {
  public:
@@ -47,13 +41,16 @@ class GrowingVideo {
 
  private:
   void takeUp(const VideoState& earlier);
-  void startPiece();
-  void endPiece();
+  void startPart();
+  void endPart();
+  void complete();
+  std::filesystem::path place() const;
 
   std::filesystem::path file_;
   VideoFormat format_;
   VideoState state_;
-  std::unique_ptr<VideoWriter> piece_;  // null after a save() until the next frame
+  bool grows_ = false;                 // the file at place() can be appended to
+  std::unique_ptr<VideoWriter> part_;  // null after a save() until the next frame
   std::optional<Error> failure_;
 };
 

@@ -27,15 +27,21 @@ void checkTarget(const fs::path& target) {
     throw cannotWrite(target, "there is no folder " + folder.string(), "make the folder first");
 }
 
+/// "run.part.mp4", "run.part2.mp4"
+fs::path nameBeside(const fs::path& target, int number) {
+  fs::path path = target;
+  path.replace_extension();
+  path += ".part" + (number > 1 ? std::to_string(number) : std::string());
+  path += target.extension();
+  return path;
+}
+
 /// Makes a new file; its name is returned.
 fs::path makeBeside(const fs::path& target) {
   constexpr int kMaxTries = 1000;
   constexpr mode_t kReadWriteForAll = 0666;  // less what the process masks
   for (int i = 1; i <= kMaxTries; ++i) {
-    fs::path path = target;
-    path.replace_extension();
-    path += ".part" + (i > 1 ? std::to_string(i) : std::string());
-    path += target.extension();
+    const fs::path path = nameBeside(target, i);
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadWriteForAll);
     if (file >= 0) {
       ::close(file);
@@ -62,13 +68,27 @@ Error cannotWrite(const fs::path& file, const std::string& reason, const std::st
   return ioError("the file cannot be written: " + reason, {}, hint).at({.file = file.string()});
 }
 
-PartFile::PartFile(fs::path target) : target_(std::move(target)) {
+void PartFile::removeLeft(const fs::path& target) {
+  std::error_code ignored;
+  for (int i = 1; fs::remove(nameBeside(target, i), ignored); ++i) {
+  }
+}
+
+PartFile::PartFile(fs::path target, PartPlace place) : target_(std::move(target)) {
   checkTarget(target_);
-  path_ = makeBeside(target_);
+  path_ = place == PartPlace::kAppended ? target_ : makeBeside(target_);
+  std::error_code error;
+  begin_ = fs::file_size(path_, error);
+  if (error) throw cannotWrite(target_, error.message());
 }
 
 PartFile::~PartFile() {
-  if (!kept_) ::unlink(path_.c_str());
+  std::error_code ignored;
+  if (kept_) return;
+  if (path_ == target_)
+    fs::resize_file(path_, begin_, ignored);
+  else
+    fs::remove(path_, ignored);
 }
 
 void PartFile::write(std::span<const std::uint8_t> bytes) {
@@ -82,7 +102,8 @@ void PartFile::write(std::span<const std::uint8_t> bytes) {
 }
 
 void PartFile::keep() {
-  if (::rename(path_.c_str(), target_.c_str()) != 0) throw cannotWrite(target_, reasonOf(errno));
+  if (path_ != target_ && ::rename(path_.c_str(), target_.c_str()) != 0)
+    throw cannotWrite(target_, reasonOf(errno));
   kept_ = true;
 }
 

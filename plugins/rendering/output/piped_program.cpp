@@ -67,11 +67,11 @@ class SpawnPlan {
   SpawnPlan& operator=(const SpawnPlan&) = delete;
 
   pid_t spawn(const std::string& program, const std::vector<std::string>& arguments, int in, int err,
-              ProgramOutput output) {
+              const std::filesystem::path& output) {
     check(posix_spawn_file_actions_adddup2(&files_, in, STDIN_FILENO), "stdin");
-    check(output == ProgramOutput::kKept
-              ? posix_spawn_file_actions_adddup2(&files_, err, STDOUT_FILENO)
-              : posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0),
+    check(output.empty() ? posix_spawn_file_actions_adddup2(&files_, err, STDOUT_FILENO)
+                         : posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, output.c_str(),
+                                                            O_WRONLY | O_APPEND, 0),
           "stdout");
     check(posix_spawn_file_actions_adddup2(&files_, err, STDERR_FILENO), "stderr");
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
@@ -140,8 +140,8 @@ std::chrono::nanoseconds Waiting::time() {
 }
 
 PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
-                           const ProgramLimits& limits, ProgramOutput output)
-    : mostMessages_(output == ProgramOutput::kKept ? kMaxOutput : kMaxMessages), limits_(limits) {
+                           const ProgramLimits& limits, const std::filesystem::path& output)
+    : mostMessages_(output.empty() ? kMaxOutput : kMaxMessages), limits_(limits) {
   const Pair input = makeInput();
   const Descriptor theirInput(input.theirs);
   input_ = input.ours;

@@ -6,14 +6,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace weir::rendering {
-
-/// What becomes of a program's output.
-enum class ProgramOutput { kDropped, kKept };
 
 /// How long a program may hold this one up. Once the run was asked to end (Interruption), one that shows no
 /// sign of life, which is to take input or processor time, has kAfterInterruption.
@@ -38,15 +36,19 @@ class Waiting {
 };
 
 /// The program runs in a process group of its own, so that a Ctrl-C in the terminal does not end it: it ends
-/// when its input does. Its output is thrown away, or kept with its messages; what it writes to stderr is
-/// read while write() and finish() run, so that neither waits for the other forever. One that is beyond its
-/// limits is killed. A broken pipe raises no SIGPIPE here. Use from one thread at a time, except for
+/// when its input does. Its output is appended to a file, or kept with its messages; what it writes to stderr
+/// is read while write() and finish() run, so that neither waits for the other forever. One that is beyond
+/// its limits is killed. A broken pipe raises no SIGPIPE here. Use from one thread at a time, except for
 /// cancel().
 class PipedProgram {
  public:
-  /// Looks for the program on the PATH. Throws std::system_error: no_such_file_or_directory if there is none.
+  /// Where a program's output goes that nobody wants.
+  static constexpr const char* kNowhere = "/dev/null";
+
+  /// Looks for the program on the PATH. `output` is a file that is there; "": it is kept with the messages.
+  /// Throws std::system_error: no_such_file_or_directory if there is no such program.
   PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
-               const ProgramLimits& limits, ProgramOutput output = ProgramOutput::kDropped);
+               const ProgramLimits& limits, const std::filesystem::path& output = kNowhere);
   /// Kills the program, and what it has started in its group, if it has not ended.
   ~PipedProgram();
   PipedProgram(const PipedProgram&) = delete;

@@ -6,10 +6,11 @@
 
 #include <cerrno>
 #include <string>
-#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "framework/base/error.h"
+#include "framework/base/file_output.h"
 #include "plugins/rendering/output/ffmpeg.h"
 #include "plugins/rendering/output/part_file.h"
 #include "plugins/rendering/output/video_format.h"
@@ -20,38 +21,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Without file:, a colon in the name would mean a protocol.
-std::string urlOf(const fs::path& file) {
-  return "file:" + fs::absolute(file).string();
-}
-
-/// In a list for ffmpeg, where a quote within quotes ends them.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
 void add(std::vector<std::string>& arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
 }
 
-/// Copies into `part`, with the options of the file that it will be.
-void copyInto(const PartFile& part, const std::vector<std::string>& input, std::string_view fed,
-              const std::vector<std::string>& output) {
-  std::vector<std::string> arguments{"-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-xerror"};
-  add(arguments, input);
-  add(arguments, {"-map", "0:v:0", "-c", "copy"});
-  add(arguments, output);
-  add(arguments, containerOptions(part.target()));
-  add(arguments, {urlOf(part.path())});
-  const auto ffmpeg = startFfmpeg(part.target(), arguments);
-  const bool taken = ffmpeg->write({reinterpret_cast<const std::uint8_t*>(fed.data()), fed.size()});
-  if (!ffmpeg->finish() || !taken) throw failureOf(*ffmpeg, part.target());
+/// Up to the first frames of the source.
+std::vector<std::string> reading(const VideoSource& source, std::int64_t frames) {
+  std::string url = urlOf(source.file);
+  if (source.bytes) url = fmt::format("subfile,,start,0,end,{},,:{}", *source.bytes, url);
+  std::vector<std::string> arguments{"-i", url, "-map", "0:v:0", "-frames:v", fmt::format("{}", frames)};
+  // Else it takes a frame of a hundredth of a second for one that names no time.
+  if (source.file.extension() == ".gif") arguments.insert(arguments.begin(), {"-min_delay", "0"});
+  return arguments;
 }
 
-void syncPath(const fs::path& path, int flags) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+void syncContent(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = file >= 0 && (::fsync(file) == 0 || errno == EINVAL);
   const int error = errno;
   if (file >= 0) ::close(file);
@@ -60,41 +45,42 @@ void syncPath(const fs::path& path, int flags) {
 
 }  // namespace
 
-std::int64_t countFrames(const fs::path& video) {
+std::int64_t countFrames(const VideoSource& video, std::int64_t most) {
   std::error_code error;
-  if (!fs::is_regular_file(video, error))
-    throw ioError("there is no such video").at({.file = video.string()});
-  const auto ffmpeg =
-      startFfmpeg(video, {"-hide_banner", "-loglevel", "error", "-nostdin", "-nostats", "-progress", "pipe:2",
-                          "-i", urlOf(video), "-map", "0:v:0", "-c", "copy", "-f", "null", "-"});
+  if (!fs::is_regular_file(video.file, error))
+    throw ioError("there is no such video").at({.file = video.file.string()});
+  std::vector<std::string> arguments = reading(video, most);
+  add(arguments, {"-c", "copy", "-f", "null", "-"});
+  const auto ffmpeg = startFfmpeg(video.file, arguments, PipedProgram::kNowhere, most);
   if (!ffmpeg->finish())
     throw ioError("this is not a video that ffmpeg can read", "a video that an earlier run wrote")
-        .at({.file = video.string()});
+        .at({.file = video.file.string()});
   return toldFrames(*ffmpeg);
 }
 
-void cutVideo(const fs::path& video, std::int64_t frames) {
-  PartFile part(video);
-  copyInto(part, {"-i", urlOf(video)}, {}, {"-frames:v", fmt::format("{}", frames)});
-  syncPath(part.path(), 0);
+void copyVideo(const VideoSource& source, std::int64_t frames, const fs::path& video, VideoKind kind) {
+  const bool growing = kind == VideoKind::kGrowing;
+  PartFile part(growing ? growingPlace(video) : video);
+  std::vector<std::string> arguments = reading(source, frames);
+  // Frames of a .gif that were encoded in parts have headers among them, which no reader expects.
+  const bool anew = !growing && growingPlace(video) != video;
+  add(arguments,
+      anew ? encodingOptions(encodersFor(video, {}).back()) : std::vector<std::string>{"-c", "copy"});
+  if (anew) add(arguments, {"-enc_time_base", "1:10000"});  // or times are rounded to a guessed frame rate
+  add(arguments, growing ? growingOptions(video) : containerOptions(video));
+  add(arguments, {growing ? "pipe:1" : urlOf(part.path())});
+  const auto ffmpeg = startFfmpeg(video, arguments, part.path(), frames);
+  if (!ffmpeg->finish()) throw failureOf(*ffmpeg, video);
+  if (const std::int64_t copied = toldFrames(*ffmpeg); copied < frames)
+    throw cannotWrite(video, fmt::format("of {} frames, ffmpeg has copied {}", frames, copied));
+  syncContent(part.path());
   part.keep();
-}
-
-void joinVideos(const std::vector<VideoPiece>& pieces, const fs::path& video) {
-  PartFile part(video);
-  std::string list = "ffconcat version 1.0\n";
-  // The durations, as those that ffmpeg finds in the files are rounded to milliseconds.
-  for (const VideoPiece& piece : pieces)
-    list += fmt::format("file {}\nduration {:.6f}\n", quoted(urlOf(piece.file)), piece.seconds);
-  copyInto(part, {"-f", "concat", "-safe", "0", "-protocol_whitelist", "file,pipe", "-i", "pipe:0"}, list,
-           {});
-  syncPath(part.path(), 0);
-  part.keep();
+  syncFolderOf(part.target());
 }
 
 void syncFile(const fs::path& file) {
-  syncPath(file, 0);
-  syncPath(fs::absolute(file).parent_path(), O_DIRECTORY);
+  syncContent(file);
+  syncFolderOf(file);
 }
 
 }  // namespace weir::rendering

@@ -1,28 +1,29 @@
-// Cutting and joining videos without encoding their frames again.
+// Copying the frames of a video into another file, without encoding them again but for a .gif that has grown.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
+#include <optional>
 
 namespace weir::rendering {
 
-/// How many frames a video holds. Throws an io Error if there is no such file or ffmpeg cannot read it.
-std::int64_t countFrames(const std::filesystem::path& video);
-
-/// Leaves the first `frames` frames of the video, which must have been joined there or end there. The file is
-/// replaced at once, when the new one is whole. Throws an io Error; the video is then as it was.
-void cutVideo(const std::filesystem::path& video, std::int64_t frames);
-
-struct VideoPiece {
+struct VideoSource {
   std::filesystem::path file;
-  double seconds;  ///< frames / frame rate
+  std::optional<std::uintmax_t> bytes;  ///< all that counts of it; none: all that is there
 };
 
-/// Makes `video` of the pieces, one behind the other; it may be one of them. All must be of one encoder, size
-/// and frame rate. The file is on the disk when this returns, and it is replaced at once. Throws an io Error;
-/// the video is then as it was.
-void joinVideos(const std::vector<VideoPiece>& pieces, const std::filesystem::path& video);
+/// How many frames a video holds, or `most` if it holds more. Throws an io Error if there is no such file or
+/// ffmpeg cannot read it.
+std::int64_t countFrames(const VideoSource& video, std::int64_t most);
+
+/// A video as others expect it, or one that grows (video_format.h).
+enum class VideoKind { kComplete, kGrowing };
+
+/// Makes a video of the first `frames` frames of another one, in the place of `video` or where that grows;
+/// the file is on the disk when this returns, and replaces the one that is there (which may be the source) at
+/// once. Throws an io Error; what is there is then as it was.
+void copyVideo(const VideoSource& source, std::int64_t frames, const std::filesystem::path& video,
+               VideoKind kind);
 
 /// Waits until the file, and its name, are on the disk.
 void syncFile(const std::filesystem::path& file);

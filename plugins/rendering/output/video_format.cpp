@@ -36,19 +36,29 @@ std::string numberAt(const Scale& scale, int quality) {
 /// What the file's extension stands for.
 struct Container {
   std::string extension;
-  std::vector<std::string> options;
+  std::vector<std::string> options, growing;
   std::vector<VideoCodec> codecs;  ///< the usual one first; none if it has one of its own
 };
+
+/// Fragments that each say at what time they begin. ffmpeg passes over the headers of those that were
+/// appended.
+constexpr const char* kFragments = "+frag_keyframe+empty_moov+default_base_moof+frag_discont+skip_trailer";
 
 const std::vector<Container>& containers() {
   using enum VideoCodec;
   static const std::vector<Container> kAll{
       // The index at the front, so that browsers play the file while they load it.
-      {".mp4", {"-f", "mp4", "-movflags", "+faststart"}, {kH264, kVp9, kAv1}},
-      {".mkv", {"-f", "matroska"}, {kH264, kVp9, kAv1, kProRes, kFfv1}},
-      {".webm", {"-f", "webm"}, {kVp9, kAv1}},
-      {".mov", {"-f", "mov"}, {kProRes, kH264}},
-      {".gif", {"-f", "gif"}, {}}};
+      {".mp4",
+       {"-f", "mp4", "-movflags", "+faststart"},
+       {"-f", "mp4", "-movflags", kFragments},
+       {kH264, kVp9, kAv1}},
+      {".mkv", {"-f", "matroska"}, {"-f", "matroska"}, {kH264, kVp9, kAv1, kProRes, kFfv1}},
+      {".webm", {"-f", "webm"}, {"-f", "webm"}, {kVp9, kAv1}},
+      {".mov", {"-f", "mov"}, {"-f", "mov", "-movflags", kFragments}, {kProRes, kH264}},
+      // A .gif ends where it says so, but its frames can be kept elsewhere; some come with times in
+      // hundredths of
+      // a second, others in frames.
+      {".gif", {"-f", "gif"}, {"-f", "mov", "-movflags", kFragments, "-video_track_timescale", "10000"}, {}}};
   return kAll;
 }
 
@@ -101,12 +111,28 @@ std::vector<VideoEncoder> proResEncoders(const VideoFormat& format) {
 /// `fallBack`: a codec that is always there may take its place.
 std::vector<VideoEncoder> h264Encoders(int quality, bool fallBack) {
   // Fast enough not to slow the simulation down. No frames that depend on later ones (-bf 0): so videos can
-  // be cut and joined at any frame (video_copy.h).
+  // be cut and gone on with at any frame.
   std::vector<VideoEncoder> all{
       {"libx264", {"-preset", "veryfast", "-crf", numberAt(kX264, quality), "-bf", "0"}}};
   // Some distributions build ffmpeg without x264; its own MPEG-4 encoder is always there.
   if (fallBack) all.push_back({"mpeg4", {"-q:v", numberAt(kMpeg4, quality)}});
   return all;
+}
+
+std::vector<std::string> colorOptions(const VideoEncoder& encoder) {
+  // A palette of its own for each frame: one for all would need all frames at once.
+  if (encoder.pixels.empty())
+    return {
+        "-vf",
+        "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4"};
+  if (encoder.rgb) return {"-vf", "format=" + encoder.pixels};
+  // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
+  // Some encoders take that from the options, others from the frames.
+  const std::string filter =
+      "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=" +
+      encoder.pixels + ",setparams=range=tv:color_primaries=bt709:color_trc=bt709:colorspace=bt709";
+  return {"-vf",   filter,       "-colorspace", "bt709",        "-color_primaries",
+          "bt709", "-color_trc", "bt709",       "-color_range", "tv"};
 }
 
 }  // namespace
@@ -163,6 +189,16 @@ std::vector<std::string> containerOptions(const fs::path& file) {
   return containerOf(file).options;
 }
 
+fs::path growingPlace(const fs::path& file) {
+  return file.extension() == ".gif" ? fs::path(file).replace_extension(".part.mov") : file;
+}
+
+std::vector<std::string> growingOptions(const fs::path& file) {
+  std::vector<std::string> options = containerOf(file).growing;
+  options.insert(options.end(), {"-avoid_negative_ts", "disabled"});  // times stay as they are
+  return options;
+}
+
 std::vector<VideoEncoder> encodersFor(const fs::path& file, const VideoFormat& format) {
   checkFormat(file, format);
   switch (codecIn(containerOf(file), format.codec)) {
@@ -179,7 +215,15 @@ std::vector<VideoEncoder> encodersFor(const fs::path& file, const VideoFormat& f
     case VideoCodec::kAuto:
       break;
   }
-  return {{"gif", {}, ""}};
+  // Each frame with a palette of its own, without which it could not be copied; old ffmpegs know no others.
+  return {{"gif", {"-global_palette", "0"}, ""}, {"gif", {}, ""}};
+}
+
+std::vector<std::string> encodingOptions(const VideoEncoder& encoder) {
+  std::vector<std::string> options = colorOptions(encoder);
+  options.insert(options.end(), {"-c:v", encoder.name});
+  options.insert(options.end(), encoder.options.begin(), encoder.options.end());
+  return options;
 }
 
 std::string codecsOf(std::span<const std::string> encoders) {

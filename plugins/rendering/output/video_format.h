@@ -45,8 +45,18 @@ void checkFormat(const std::filesystem::path& file, const VideoFormat& format);
 /// videoExtensions().
 std::vector<std::string> containerOptions(const std::filesystem::path& file);
 
+/// A video that grows is a file that plays at any time and can be appended to: what ffmpeg makes with
+/// growingOptions() is, behind what it made before.
+///
+/// Where it grows: in its place, or beside it if such a file cannot ("run.part.mov" for "run.gif").
+std::filesystem::path growingPlace(const std::filesystem::path& file);
+std::vector<std::string> growingOptions(const std::filesystem::path& file);
+
 /// The encoders that can make the file, the best one first. Throws as checkFormat().
 std::vector<VideoEncoder> encodersFor(const std::filesystem::path& file, const VideoFormat& format);
+
+/// ffmpeg's options for it, and for the colours that it takes.
+std::vector<std::string> encodingOptions(const VideoEncoder& encoder);
 
 /// The names of those codecs, other than kAuto, that one of these encoders makes: "H.264, VP9".
 std::string codecsOf(std::span<const std::string> encoders);

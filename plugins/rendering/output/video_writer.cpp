@@ -44,40 +44,34 @@ std::vector<std::uint8_t> evenSized(std::span<const std::uint8_t> pixels, int wi
   return bytes;
 }
 
-std::vector<std::string> colorOptions(const VideoEncoder& encoder) {
-  // A palette of its own for each frame: one for all would need all frames at once.
-  if (encoder.pixels.empty())
-    return {
-        "-vf",
-        "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4"};
-  if (encoder.rgb) return {"-vf", "format=" + encoder.pixels};
-  // The colours of HD video, and the file says so: players guess otherwise, some by the size of the picture.
-  // Some encoders take that from the options, others from the frames.
-  const std::string filter =
-      "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=" +
-      encoder.pixels + ",setparams=range=tv:color_primaries=bt709:color_trc=bt709:colorspace=bt709";
-  return {"-vf",   filter,       "-colorspace", "bt709",        "-color_primaries",
-          "bt709", "-color_trc", "bt709",       "-color_range", "tv"};
+/// For a video in a file of its own, which will be the target.
+std::vector<std::string> wholeVideo(const PartFile& part) {
+  std::vector<std::string> output = containerOptions(part.target());
+  output.push_back(urlOf(part.path()));
+  return output;
 }
 
-std::vector<std::string> argumentsFor(const fs::path& file, const fs::path& target, const VideoFormat& format,
-                                      const VideoEncoder& encoder, const VideoSize& size) {
-  // -xerror: without it ffmpeg ends with exit code 0 when the disk is full as it completes the file.
-  std::vector<std::string> arguments{"-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-xerror"};
+/// For what is appended to a video.
+std::vector<std::string> moreOfVideo(const fs::path& target, const VideoState& earlier) {
+  std::vector<std::string> output = growingOptions(target);
+  const double begin = static_cast<double>(earlier.frames) / earlier.size.frameRate;
+  output.insert(output.end(), {"-output_ts_offset", fmt::format("{:.6f}", begin), "pipe:1"});
+  return output;
+}
+
+std::vector<std::string> argumentsFor(const VideoFormat& format, const VideoEncoder& encoder,
+                                      const VideoSize& size, const std::vector<std::string>& output) {
+  std::vector<std::string> arguments;
   const auto add = [&](const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
   };
-  add({"-nostats", "-progress", "pipe:2", "-stats_period", "1000000"});  // how many frames, at the end alone
   // +discardcorrupt: where this program is killed within a frame, that frame is no reason to give up the
   // others.
   add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", format.alpha ? "rgba" : "rgb24"});
   add({"-video_size", fmt::format("{}x{}", roundedToEven(size.width), roundedToEven(size.height))});
   add({"-framerate", fmt::format("{}", size.frameRate), "-i", "pipe:0"});
-  add(colorOptions(encoder));
-  add({"-c:v", encoder.name});
-  add(encoder.options);
-  add(containerOptions(target));
-  add({"file:" + file.string()});  // without file:, a colon in the name would mean a protocol
+  add(encodingOptions(encoder));
+  add(output);
   return arguments;
 }
 
@@ -105,8 +99,7 @@ VideoEncoder workingEncoder(const PartFile& part, const VideoFormat& format, con
   const std::vector<VideoEncoder> encoders = encodersFor(part.target(), format);
   std::optional<Error> first;
   for (const VideoEncoder& encoder : encoders) {
-    const auto ffmpeg =
-        startFfmpeg(part.target(), argumentsFor(part.path(), part.target(), format, encoder, size));
+    const auto ffmpeg = startFfmpeg(part.target(), argumentsFor(format, encoder, size, wholeVideo(part)));
     const bool taken = ffmpeg->write(black);
     if (ffmpeg->finish() && taken) return encoder;
     if (!first) first = failureOf(*ffmpeg, part.target());
@@ -127,7 +120,7 @@ VideoEncoder encoderNamed(const fs::path& file, const VideoFormat& format, const
 }  // namespace
 
 VideoWriter::VideoWriter(fs::path file, const VideoSize& size, const VideoFormat& format,
-                         const std::string& encoder)
+                         const VideoState& earlier)
     : file_(std::move(file)),
       size_(size),
       format_(format),
@@ -137,9 +130,17 @@ VideoWriter::VideoWriter(fs::path file, const VideoSize& size, const VideoFormat
   WEIR_CHECK(size.frameRate > 0);
   WEIR_CHECK(std::isfinite(size.frameRate));
   checkFormat(file_, format);
-  part_.emplace(file_);
-  encoder_ = encoder.empty() ? workingEncoder(*part_, format, size) : encoderNamed(file_, format, encoder);
-  ffmpeg_ = startFfmpeg(file_, argumentsFor(part_->path(), file_, format, encoder_, size));
+  std::vector<std::string> output;
+  if (earlier.frames == 0) {
+    part_.emplace(file_);
+    encoder_ = workingEncoder(*part_, format, size);
+    output = wholeVideo(*part_);
+  } else {
+    part_.emplace(growingPlace(file_), PartPlace::kAppended);
+    encoder_ = encoderNamed(file_, format, earlier.encoder);
+    output = moreOfVideo(file_, earlier);
+  }
+  ffmpeg_ = startFfmpeg(file_, argumentsFor(format, encoder_, size, output), part_->path());
 }
 
 VideoWriter::~VideoWriter() {
@@ -186,7 +187,7 @@ void VideoWriter::finish() {
 /// An ffmpeg that is content may have made less than it was given.
 void VideoWriter::checkFrames() const {
   std::error_code error;
-  if (fs::file_size(part_->path(), error) == 0 || error)
+  if (fs::file_size(part_->path(), error) == part_->begin() || error)
     throw cannotWrite(file_, "ffmpeg ended without an error, but the video is empty");
   if (const std::int64_t frames = toldFrames(*ffmpeg_); frames < frameCount_)
     throw cannotWrite(file_, fmt::format("ffmpeg ended without an error, but has written {} of {} frames",

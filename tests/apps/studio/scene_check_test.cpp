@@ -30,6 +30,27 @@ class SceneCheck : public testing::Test {
   Registry registry;
 };
 
+TEST_F(SceneCheck, ASceneFileIsEditedInPlainForm) {
+  const auto read = [&](const std::string& text) { return readSceneFile(text, "scene.json", "", registry); };
+  const std::string nodes = R"("nodes": {"block": {"type": "BoxSampler", "note": "n"}}})";
+  const OpenedScene plain = read("{\"weir\": 1, \"world\": {\"duration\": 2}, " + nodes);
+  EXPECT_EQ(plain.warning, "");
+  EXPECT_NE(plain.scene.find("nodes")->find("block")->find("note"), nullptr);
+  const OpenedScene commented = read("{\"weir\": 1, // two\n \"world\": {\"duration\": 2}, " + nodes);
+  EXPECT_EQ(commented.scene, plain.scene);
+  EXPECT_NE(commented.warning.find("has comments"), std::string::npos);
+  for (const char* duration : {"\"=2*n\"", "\"2 s\"", "2"}) {
+    const OpenedScene shorthand =
+        read("{\"weir\": 1, \"let\": {\"n\": 1}, \"world\": {\"duration\": " + std::string(duration) + "}, " +
+             nodes);
+    EXPECT_EQ(*shorthand.scene.find("world")->find("duration"), Value(2));
+    EXPECT_EQ(shorthand.scene.find("let"), nullptr);
+    EXPECT_NE(shorthand.warning.find("has variables"), std::string::npos);
+  }
+  const OpenedScene broken = read("{\"weir\": 1, \"world\": {\"duration\": \"=x\"}, " + nodes);
+  EXPECT_EQ(*broken.scene.find("world")->find("duration"), Value("=x"));
+}
+
 TEST_F(SceneCheck, TellsWhereAProblemIs) {
   const CheckedScene wrong = check("\"strength\": 0.1", "\"strength\": \"much\"");
   EXPECT_EQ(wrong.scene, nullptr);

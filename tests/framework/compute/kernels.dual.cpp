@@ -1,5 +1,7 @@
 #include "tests/framework/compute/kernels.h"
 
+#include "framework/compute/reduce_by_key.h"
+
 namespace weir::test {
 namespace {
 
@@ -55,6 +57,22 @@ struct Plus {
   WEIR_HD T operator()(const T& a, const T& b) const {
     return a + b;
   }
+};
+
+struct ElementByKey {
+  ArrayView<const float> values;
+  ArrayView<const int> keys;
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t i, const Give& give) const {
+    if (keys[i] >= 0) give(keys[i], [&] { return values[i]; });
+  }
+};
+
+struct ElementOfKey {
+  ArrayView<const float> values;
+  ArrayView<const int> keys;
+  int key;
+  WEIR_HD float operator()(std::int64_t i) const { return keys[i] == key ? values[i] : 0.0f; }
 };
 
 struct PointBox {
@@ -123,6 +141,18 @@ void sum(Backend& device, Count count, ArrayView<const int> values, std::int64_t
 }
 
 template <class Backend>
+void sumByKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys,
+              ArrayView<float> sums) {
+  reduceByKey(device, "sumByKey", count, sums.size, 0.0f, ElementByKey{values, keys}, Plus{}, sums.data);
+}
+
+template <class Backend>
+void sumOfKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys, int key,
+              float* result) {
+  reduce(device, "sumOfKey", count, 0.0f, ElementOfKey{values, keys, key}, Plus{}, result);
+}
+
+template <class Backend>
 void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result) {
   reduce(device, "boundingBox", count, Aabb{}, PointBox{points}, Union{}, result);
 }
@@ -145,6 +175,8 @@ template void writeSquares(ThisBackend&, Count, ArrayView<std::int64_t>);
 template void addToCounters(ThisBackend&, Count, ArrayView<const int>, ArrayView<int>);
 template void sum(ThisBackend&, Count, ArrayView<const float>, float*);
 template void sum(ThisBackend&, Count, ArrayView<const int>, std::int64_t*);
+template void sumByKey(ThisBackend&, Count, ArrayView<const float>, ArrayView<const int>, ArrayView<float>);
+template void sumOfKey(ThisBackend&, Count, ArrayView<const float>, ArrayView<const int>, int, float*);
 template void boundingBox(ThisBackend&, Count, ArrayView<const Vec3f>, Aabb*);
 template void keepMultiples(ThisBackend&, Count, ArrayView<const int>, int, ArrayView<int>, int*);
 template void sortByCell(ThisBackend&, CellSort&, Count, int, ArrayView<const int>, int*);

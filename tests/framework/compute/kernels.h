@@ -33,6 +33,16 @@ void sum(Backend& device, Count count, ArrayView<const float> values, float* res
 template <class Backend>
 void sum(Backend& device, Count count, ArrayView<const int> values, std::int64_t* result);
 
+/// sums[k] of the values whose keys are k; none has a key below 0.
+template <class Backend>
+void sumByKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys,
+              ArrayView<float> sums);
+
+/// The sum of the values that have the key, 0 for each other.
+template <class Backend>
+void sumOfKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys, int key,
+              float* result);
+
 /// The box around points; a result that is no plain number.
 template <class Backend>
 void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result);

@@ -62,21 +62,23 @@ TEST_P(LaunchBatchTest, ResultsThatAreNeededEndTheBatch) {
 }
 
 // What a step uploads, such as where solids stand, neither ends the batch nor comes too early or late.
-TEST_P(LaunchBatchTest, SmallUploadsHaveTheirPlaceInTheBatch) {
-  Array<int> values(*device, 700), a(*device, 700), b(*device, 700);
-  for (int step = 0; step < 6; ++step) {
-    std::vector<int> first(700), second(700);
-    for (int i = 0; i < 700; ++i) first[std::size_t(i)] = 1000 * step + i, second[std::size_t(i)] = -i;
-    LaunchBatch batch(*device);
-    values.assign(first);
-    device->copy(a.data(), values.data(), 700 * sizeof(int));
-    if (step > 2) values.assign(second);
-    device->copy(b.data(), values.data(), 700 * sizeof(int));
-    const std::vector<int> expected = step > 2 ? second : first, expectedFirst = first;
-    std::fill(first.begin(), first.end(), 0), std::fill(second.begin(), second.end(), 0);
-    batch.end();
-    EXPECT_EQ(a.toHost(), expectedFirst);
-    EXPECT_EQ(b.toHost(), expected);
+TEST_P(LaunchBatchTest, UploadsHaveTheirPlaceInTheBatch) {
+  for (const std::size_t n : {256u, 257u, 700u, 960u, 961u, 8001u, 80000u}) {
+    Array<int> values(*device, n), a(*device, n), b(*device, n);
+    for (int step = 0; step < 6; ++step) {
+      std::vector<int> first(n), second(n);
+      for (std::size_t i = 0; i < n; ++i) first[i] = 1000 * step + int(i), second[i] = -int(i);
+      LaunchBatch batch(*device);
+      values.assign(first);
+      device->copy(a.data(), values.data(), n * sizeof(int));
+      if (step > 2) values.assign(second);
+      device->copy(b.data(), values.data(), n * sizeof(int));
+      const std::vector<int> expected = step > 2 ? second : first, expectedFirst = first;
+      std::fill(first.begin(), first.end(), 0), std::fill(second.begin(), second.end(), 0);
+      batch.end();
+      EXPECT_EQ(a.toHost(), expectedFirst) << n;
+      EXPECT_EQ(b.toHost(), expected) << n;
+    }
   }
 }
 

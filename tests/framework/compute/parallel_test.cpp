@@ -162,6 +162,22 @@ TEST_P(ParallelTest, ReduceTakesStructures) {
   EXPECT_EQ(result.read().hi, expected.hi);
 }
 
+TEST_P(ParallelTest, ReduceByKeyHasTheBitsOfOneReduceForEachKey) {
+  for (const int keys : {1, 3, 100}) {
+    for (const int n : {0, 1, 300, 4096, 4097, 100003, 300007}) {
+      const std::vector<float> values = randomFloats(n + 1000);
+      Array<float> in(*device, values), sums(*device, keys), expected(*device, keys);
+      Array<int> keyOf(*device, randomInts(n + 1000, -1, keys - 1));
+      LooseCount count(*device, n, n + 1000);
+      dispatch(*device, [&](auto& d) {
+        sumByKey(d, count, in.view(), keyOf.view(), sums.view());
+        for (int k = 0; k < keys; ++k) sumOfKey(d, count, in.view(), keyOf.view(), k, expected.data() + k);
+      });
+      EXPECT_EQ(sums.toHost(), expected.toHost()) << keys << " keys of " << n;
+    }
+  }
+}
+
 TEST_P(ParallelTest, ExclusiveScanMatchesTheLoop) {
   for (const int n : kSizes) {
     const std::vector<int> values = randomInts(n, -3, 1000);

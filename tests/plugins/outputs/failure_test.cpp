@@ -133,11 +133,11 @@ TEST_F(OutputFailure, ARemovedFolder) {
 
 TEST_F(OutputFailure, AnFfmpegThatEndsInTheMiddle) {
   if (!canMakeVideos()) GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
-  // The real one for the trial, the first piece and joining; then one that takes a frame and a half.
+  // The real one for the trial, the first part and copying; then one that takes a frame and a half.
   const std::string bin = folder / "bin";
   fs::create_directory(bin);
   std::ofstream(bin + "/ffmpeg") << "#!/bin/sh\n"
-                                 << "case \"$*\" in *from_*part.mp4*)\n"
+                                 << "case \"$*\" in *output_ts_offset*)\n"
                                  << "  head -c 27648 > /dev/null; echo 'the encoder broke' >&2; exit 9 ;;\n"
                                  << "esac\n"
                                  << "exec " << findProgram("ffmpeg") << " \"$@\"\n";

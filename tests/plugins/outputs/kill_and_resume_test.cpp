@@ -4,6 +4,8 @@
 // WEIR_TEST_KILLS is how often the run is killed on each back end, 3 without it. For more:
 //   WEIR_TEST_KILLS=20 build/cpu/bin/weir_outputs_tests --gtest_filter='*KillAndResume*'
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -52,7 +54,11 @@ class KillAndResume : public testing::TestWithParam<std::string> {
   bool runAndKillAfter(double seconds) const {
     std::vector<std::string> all = arguments("killed");
     all.insert(all.begin(), {"-s", "KILL", std::to_string(seconds), weirProgram()});
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // to see the end of ffmpeg, which completes what it was given
     const ChildResult result = runChild(findProgram("timeout"), all);
+    while (::waitpid(-1, nullptr, 0) > 0) {
+    }
+    ::prctl(PR_SET_CHILD_SUBREAPER, 0);
     EXPECT_TRUE(result.signal == SIGKILL || result.code == 0) << result.err;
     return result.signal == SIGKILL;
   }

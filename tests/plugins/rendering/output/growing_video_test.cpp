@@ -1,9 +1,10 @@
-// Videos in pieces: every frame once, in order, and at its time, however often the run was cut.
+// Videos that are gone on with: every frame once, in order, and at its time, however often the run was cut.
 #include "plugins/rendering/output/growing_video.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "plugins/rendering/output/video_writer.h"
@@ -53,6 +54,9 @@ class GrowingVideoTest : public testing::TestWithParam<std::string> {
       ++i;
     }
     EXPECT_EQ(i, count);
+    if (GetParam() != ".gif") return;
+    const std::string bytes = readFile(file);
+    EXPECT_EQ(bytes.find("GIF89a", 1), std::string::npos);  // where browsers would stop
   }
 
   std::size_t filesInFolder() const {
@@ -84,8 +88,85 @@ TEST_P(GrowingVideoTest, IsGoneOnWithAtTheCheckpoint) {
   EXPECT_EQ(filesInFolder(), 1u);
 }
 
+TEST_P(GrowingVideoTest, LeavesOutWhatAPowerCutDamaged) {
+  VideoState saved;
+  {
+    GrowingVideo video(file, {64, 48, kRate});
+    show(video, 0, 3);
+    video.save();
+    show(video, 3, 6);
+    video.save();
+    saved = video.state();
+  }
+  const std::string grown = rendering::growingPlace(file);
+  const std::string begin = readFile(grown).substr(0, 700);
+  std::ofstream(grown, std::ios::binary | std::ios::app) << std::string(1000, '\0') << begin << "moofmdat";
+  for (const char* left : {".part", ".part2"})  // by a run that was killed while it copied
+    std::ofstream(folder / ("it's a run" + std::string(left) + GetParam())) << "half a video";
+  GrowingVideo resumed(file, {64, 48, kRate}, {}, saved);
+  show(resumed, 6, 9);
+  resumed.finish();
+  expectFrames(9);
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+// Also where a checkpoint of an older version says nothing of the file.
+TEST_P(GrowingVideoTest, IsGoneOnWithWhenItWasFinished) {
+  for (const bool known : {true, false}) {
+    GrowingVideo video(file, {64, 48, kRate});
+    show(video, 0, 3);
+    video.save();
+    show(video, 3, 5);
+    video.save();
+    VideoState saved = video.state();
+    show(video, 5, 9);
+    video.finish();
+    expectFrames(9);
+    if (!known) saved.bytes = saved.mark = 0;
+    GrowingVideo resumed(file, {64, 48, kRate}, {}, saved);
+    show(resumed, 5, 8);
+    resumed.finish();
+    expectFrames(8);
+    EXPECT_EQ(filesInFolder(), 1u);
+  }
+}
+
+TEST_P(GrowingVideoTest, KeepsWhatWasSavedWhereTheEncoderFails) {
+  for (const int saves : {1, 2}) {
+    GrowingVideo video(file, {64, 48, kRate});
+    for (int i = 0; i < saves; ++i) {
+      show(video, 4 * i, 4 * i + 4);
+      video.save();
+    }
+    const FfmpegWithout fake("output_ts_offset");
+    EXPECT_CONTAINS(errorOf([&] {
+                      show(video, 4 * saves, 4 * saves + 3);
+                      video.finish();
+                    }).what(),
+                    "Unknown output_ts_offset");
+    EXPECT_CONTAINS(errorOf([&] { video.finish(); }).what(), "Unknown output_ts_offset");
+    const PathVariable path("/usr/local/bin:/usr/bin:/bin");
+    expectFrames(4 * saves);
+    EXPECT_EQ(filesInFolder(), 1u);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Containers, GrowingVideoTest, testing::ValuesIn(rendering::videoExtensions()),
                          [](const auto& tested) { return tested.param.substr(1); });
+
+TEST(GrowingGif, GoesOnWhereAFrameTakesAHundredthOfASecond) {
+  if (findProgram("ffmpeg").empty() || findProgram("ffprobe").empty())
+    GTEST_SKIP() << "ffmpeg or ffprobe is not on the PATH";
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.gif";
+  GrowingVideo video(file, {64, 48, 100});
+  for (int i = 0; i < 9; ++i) {
+    if (i == 4) video.save();
+    video.write(plainPicture(64, 48, {20 * i, 20 * i, 20 * i}));
+  }
+  video.finish();
+  EXPECT_EQ(probeVideo(file).frames, 9);
+}
 
 class GrowingVideoMp4 : public GrowingVideoTest {};
 
@@ -100,8 +181,10 @@ TEST_P(GrowingVideoMp4, IsWholeAfterEverySave) {
   expectFrames(8);
   EXPECT_EQ(video.state().frames, 8);
   show(video, 8, 21);
+  EXPECT_TRUE(contains(readFile(file), "moof"));
   video.finish();
   expectFrames(21);
+  EXPECT_FALSE(contains(readFile(file), "moof"));  // as players that know no fragments expect it
   EXPECT_EQ(filesInFolder(), 1u);
 }
 

@@ -1,0 +1,142 @@
+// Pairs of a particle and a solid near it. Most particles are near none, and hardly any is near many: so what
+// is known of pairs stands in lists, and takes memory by their number, not by particles × solids.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "framework/compute/compact_once.h"
+#include "framework/compute/parallel_uneven.h"
+#include "framework/compute/readback.h"
+#include "framework/solids/solid.h"
+
+namespace weir {
+
+/// For kernels. The pairs of particle i are begin(i) … end(i) − 1, in the order of their solids.
+struct SolidPairsView {
+  ArrayView<const int> first, count;  ///< of each particle
+  ArrayView<const int> solid;         ///< of each pair
+
+  WEIR_HD int begin(std::int64_t i) const { return first[i]; }
+  WEIR_HD int end(std::int64_t i) const { return first[i] + count[i]; }
+  /// That of particle i and solid k; -1 if they are not near each other.
+  WEIR_HD int find(std::int64_t i, int k) const {
+    for (int pair = begin(i); pair < end(i); ++pair)
+      if (solid[pair] == k) return pair;
+    return -1;
+  }
+};
+
+/// Finds them.
+class SolidPairs {
+ public:
+  explicit SolidPairs(Device& device);
+
+  /// Of the particles and the solids, as these stand at the end of the step, that may be within `reach` m of
+  /// each other. On a GPU the host does not wait for their number: it has room for two pairs of each
+  /// particle, or for twice as many as there were when it waited.
+  template <class Backend>
+  void find(Backend& device, Count particles, ArrayView<const SolidView> solids,
+            ArrayView<const Vec3f> positions, float reach);
+  /// Lets the next find() wait.
+  void waitForNumber() { waits_ = true; }
+
+  /// The particles that are near any solid, in their order.
+  ArrayView<const int> near() const { return near_.view(); }
+  Count nearCount() const { return {near_.size(), nearCounter_.data()}; }
+  SolidPairsView view() const { return {first_.view(), count_.view(), solid_.view()}; }
+  /// Pairs that there is room for; what somebody knows of each needs as much.
+  std::int64_t room() const { return solid_.size(); }
+
+  /// Pairs for which there was no room, since the beginning; not on the CPU. Waits for the device.
+  std::int64_t lostOnHost() const { return lost_.toHost().front(); }
+  /// Bytes for so many particles and solids, and for two pairs of each particle with so many bytes of
+  /// somebody else's.
+  double memoryFor(double particles, int solids, std::size_t bytesOfPair) const;
+
+ private:
+  static constexpr std::int64_t kUsual = 2;  // pairs of a particle; a mean
+
+  void makeRoom(std::int64_t particles, std::int64_t solids);
+
+  Array<int> count_, first_;  // one more than particles, so that the last is their number
+  Array<int> solid_;
+  Array<std::uint8_t> marks_;  // scratch
+  Array<int> near_, nearCounter_;
+  Array<int> lost_;
+  std::optional<Readback<int>> number_;
+  std::int64_t wanted_ = 0;  // room that was called for
+  bool waits_ = true;
+};
+
+namespace detail {
+
+struct NearSolids {
+  ArrayView<const SolidView> solids;
+  ArrayView<const Vec3f> positions;
+  float reach;
+
+  /// Calls f(k) for each that is near particle i.
+  template <class F>
+  WEIR_HD void forEach(std::int64_t i, F&& f) const {
+    const Vec3f p = positions[i];
+    for (std::int64_t k = 0; k < solids.size; ++k)
+      if (!(solids[k].clearance.at(solids[k].end.toBody(p)) > reach)) f(static_cast<int>(k));
+  }
+};
+
+/// Whether there are any, and how many.
+struct CountSolids {
+  NearSolids near;
+  ArrayView<int> count;
+
+  WEIR_HD bool operator()(std::int64_t i) const {
+    int found = 0;
+    near.forEach(i, [&](int) { ++found; });
+    count[i] = found;
+    return found > 0;
+  }
+};
+
+/// Of particle near[n].
+struct ListSolids {
+  NearSolids solids;
+  ArrayView<const int> near, first;
+  ArrayView<int> count, solid;
+  int* lost;
+
+  WEIR_HD void operator()(std::int64_t n) const {
+    const int i = near[n], room = count[i];
+    const std::int64_t begin = first[i];
+    int found = 0;
+    if (begin + room <= solid.size)
+      solids.forEach(i, [&](int k) {
+        if (found < room) solid[begin + found++] = k;
+      });
+    else
+      atomicAdd(lost, room);
+    count[i] = found;
+  }
+};
+
+}  // namespace detail
+
+template <class Backend>
+void SolidPairs::find(Backend& device, Count particles, ArrayView<const SolidView> solids,
+                      ArrayView<const Vec3f> positions, float reach) {
+  const detail::NearSolids nearSolids{solids, positions, reach};
+  count_.resizeDiscarding(positions.size + 1);
+  first_.resizeDiscarding(positions.size + 1);
+  near_.resizeDiscarding(positions.size);
+  marks_.resizeDiscarding(positions.size);
+  count_.fillZero();
+  compactOnce(device, "near solids", particles, detail::CountSolids{nearSolids, count_.view()}, marks_,
+              near_.view(), nearCounter_.data());
+  exclusiveScan(device, std::as_const(count_).view(), first_.view(), first_.size());
+  makeRoom(positions.size, solids.size);
+  parallelForUneven(device, "solids of particles", nearCount(),
+                    detail::ListSolids{nearSolids, near(), std::as_const(first_).view(), count_.view(),
+                                       solid_.view(), lost_.data()});
+}
+
+}  // namespace weir
