@@ -111,7 +111,7 @@ TEST_P(ManySolids, AreFeltAsEachAloneAndFeelWhatPressureDoes) {
   // What the solver would say that walls displaced particles by, over ∇Φ.
   std::vector<float> share(static_cast<std::size_t>(count_));
   for (std::size_t i = 0; i < share.size(); ++i) share[i] = -1e-9f * float(i % 7);
-  device->upload(walls.share->data(), share.data(), share.size() * sizeof(float));
+  walls.share.assign(share);
   FluidStep step = stepWith(walls);
   SolidContact().step(step);
 
