@@ -60,7 +60,7 @@ TEST(AttributesOfPlugins, AreInCheckpointsAndPointClouds) {
   run("whole", {});
   run("resumed", {"--checkpoint", state, "--checkpoint-every", "1", "--frames", "1"});
   run("resumed", {"--resume", state});
-  const std::string last = "/water/frame_00002.ply";
+  const std::string last = "/water_00002.ply";
   const std::string whole = readFile((folder / "whole") + last);
   EXPECT_CONTAINS(whole, "property float tag_matrix_yy");
   EXPECT_TRUE(whole == readFile((folder / "resumed") + last));
