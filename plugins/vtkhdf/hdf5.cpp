@@ -120,6 +120,8 @@ Handle accessForWriting() {
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
   // Without a lock other programs can look at the frames that are already there while the run goes on.
   H5Pset_file_locking(access.get(), false, true);
+  // Small data would else be written when a data set is closed, where a failure has nobody to be told.
+  H5Pset_sieve_buf_size(access.get(), 0);
   return access;
 }
 
