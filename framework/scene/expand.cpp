@@ -18,8 +18,8 @@ namespace weir {
 namespace {
 
 constexpr std::size_t kMaxVariables = 10000;
-constexpr std::size_t kMaxChain =
-    50;  // of variables that name each other, so that no file can exhaust the stack
+// Of variables that name each other, so that no file can exhaust the stack.
+constexpr std::size_t kMaxChain = 50;
 constexpr std::size_t kMaxRepeated = 200000;  // values that repetition makes, all together
 constexpr int kMaxCopies = 100000;
 

@@ -2,27 +2,14 @@
 
 #include <limits>
 
-#include "framework/base/mat3.h"
 #include "framework/compute/parallel.h"
+#include "framework/particles/single_number.h"
 
 namespace weir::studio {
 
 namespace {
 
 constexpr float kMax = std::numeric_limits<float>::max();
-
-WEIR_HD float numberOf(float value) {
-  return value;
-}
-WEIR_HD float numberOf(int value) {
-  return static_cast<float>(value);
-}
-WEIR_HD float numberOf(const Vec3f& value) {
-  return length(value);
-}
-WEIR_HD float numberOf(const Mat3f& value) {
-  return frobeniusNorm(value);
-}
 
 WEIR_HD bool isNumber(float value) {
   return value >= -kMax && value <= kMax;
@@ -60,7 +47,9 @@ template <class T>
 struct RangeOfParticle {
   ArrayView<const T> values;
   ChosenParticles particles;
-  WEIR_HD Range<float> operator()(std::int64_t i) const { return rangeOfOne(numberOf(values[particles[i]])); }
+  WEIR_HD Range<float> operator()(std::int64_t i) const {
+    return rangeOfOne(singleNumber(values[particles[i]]));
+  }
 };
 
 struct UniteRanges {
@@ -93,7 +82,7 @@ struct Quantize {
   const Range<float>* range;
   ArrayView<std::uint16_t> to;
   WEIR_HD void operator()(std::int64_t i) const {
-    to[i] = place(numberOf(values[particles[i]]), range->low, range->high);
+    to[i] = place(singleNumber(values[particles[i]]), range->low, range->high);
   }
 };
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/base/mat3.h"
 #include "framework/compute/parallel.h"
+#include "framework/particles/single_number.h"
 
 namespace weir::rendering {
 
@@ -12,21 +12,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-WEIR_HD float numberOf(int value) {
-  return static_cast<float>(value);
-}
-WEIR_HD float numberOf(const Vec3f& value) {
-  return length(value);
-}
-WEIR_HD float numberOf(const Mat3f& value) {
-  return frobeniusNorm(value);
-}
-
 template <class T>
 struct FindNumber {
   ArrayView<const T> elements;
   ArrayView<float> numbers;
-  WEIR_HD void operator()(std::int64_t i) const { numbers[i] = numberOf(elements[i]); }
+  WEIR_HD void operator()(std::int64_t i) const { numbers[i] = singleNumber(elements[i]); }
 };
 
 struct FindPart {

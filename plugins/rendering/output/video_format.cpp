@@ -55,9 +55,8 @@ const std::vector<Container>& containers() {
       {".mkv", {"-f", "matroska"}, {"-f", "matroska"}, {kH264, kVp9, kAv1, kProRes, kFfv1}},
       {".webm", {"-f", "webm"}, {"-f", "webm"}, {kVp9, kAv1}},
       {".mov", {"-f", "mov"}, {"-f", "mov", "-movflags", kFragments}, {kProRes, kH264}},
-      // A .gif ends where it says so, but its frames can be kept elsewhere; some come with times in
-      // hundredths of
-      // a second, others in frames.
+      // A .gif ends where it says so, but its frames can be kept elsewhere. Some come with times in frames,
+      // others in hundredths of a second.
       {".gif", {"-f", "gif"}, {"-f", "mov", "-movflags", kFragments, "-video_track_timescale", "10000"}, {}}};
   return kAll;
 }
