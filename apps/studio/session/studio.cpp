@@ -80,7 +80,7 @@ ServerOptions serverOptions(const StudioOptions& options) {
           .token = randomToken(),
           .largestUpload = options.largestUpload,
           .largestMessage = kLargestSceneFile,
-          .mostWaiting = options.mostWaiting};
+          .maxWaitingBytes = options.maxWaitingBytes};
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       folder_(options_.folder),
       sceneFiles_(folder_, options_.sceneFolders),
       device_(options_.device),
-      recording_(options_.mostRecorded),
+      recording_(options_.maxRecordedBytes),
       server_(serverOptions(options_), *this),
       desk_(registry,
             [this](const VideoStatus& video) {
@@ -528,7 +528,7 @@ void Studio::setView(ClientId client, const Value& message, Value&) {
   constexpr std::int64_t kMaxParticles = 20'000'000;
   FrameView view;
   view.attribute = textMember(message, "attribute");
-  view.most = wholeMember(message, "most", 1, kMaxParticles);
+  view.max = wholeMember(message, "most", 1, kMaxParticles);
   host_.show(std::move(view));
 }
 
