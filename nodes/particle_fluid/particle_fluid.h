@@ -8,6 +8,7 @@
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
 #include "framework/solids/solid_coupling.h"
+#include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
@@ -77,6 +78,11 @@ class ParticleFluid final : public Node, private SolidCoupling {
                        {.min = 0,
                         .doc = "At most this many damped steps bring relaxed initial particles to rest in "
                                "their regions before the start; 0 leaves them as they were sampled."}};
+  Param<bool> pressure{*this,
+                       "pressure",
+                       false,
+                       {.doc = "Keep each particle's pressure as an attribute, for exports, pictures and "
+                               "gauges; 4 bytes a particle."}};
   Param<std::optional<Vec3f>> domainMin{
       *this,
       "domain_min",
@@ -130,8 +136,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
     NeighborList neighbors;
     WallField walls;
     Array<FluidExtent> extent;
-    Array<float> speedSquared;  // the largest
-    Attribute<float> density;
+    Array<float> speedSquared;           // the largest
+    Attribute<float> density, pressure;  // the latter if it is asked for
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
     CellSort born;  // those of an emitter's particles that have room
@@ -148,6 +154,9 @@ class ParticleFluid final : public Node, private SolidCoupling {
   std::int64_t carve(std::span<const std::unique_ptr<Solid>> solids);
   /// The enabled module that has the role; null if there is none.
   WallFinder* wallFinder() const;
+
+  /// Of the enabled module that knows it; throws a scene Error if there is none.
+  const BulkEnergy& bulkEnergy() const;
 
   double memoryFor(Device& device, double particles) const;
   FluidStep fluidStep(const StepContext& time);
@@ -173,6 +182,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
   void speedOn(Backend& device);
   template <class Backend>
   void densityOn(Backend& device);
+  template <class Backend>
+  void pressureOn(Backend& device);
 
   Pipeline<FluidModule> pipeline_;
   FluidConstants constants_;

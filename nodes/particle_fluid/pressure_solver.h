@@ -6,6 +6,7 @@
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/objective.h"
+#include "nodes/particle_fluid/pressure_law.h"
 #include "nodes/particle_fluid/solver_sums.h"
 
 namespace weir {
@@ -22,7 +23,7 @@ struct EnumNames<StepLength> {
       EnumName{"global", "One for all particles, which keeps displacements of pairs opposite."}};
 };
 
-class PressureSolver : public FluidModule {
+class PressureSolver : public FluidModule, public PressureLaw {
  public:
   Param<bool> conservative{
       *this,
@@ -56,6 +57,7 @@ class PressureSolver : public FluidModule {
   void reset(FluidStep& fluid) override;
   void report(NodeReport& report) override;
   double memory(const FluidRoom& room) const override;
+  const BulkEnergy& bulkEnergy() const override { return bulkEnergy_; }
 
  protected:
   PressureProblem problemOf(FluidStep& fluid) const;
