@@ -1,0 +1,133 @@
+// The commands for scene files, as a user runs them: weir scenes, format, upgrade and explain.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "framework/scene/scene_file.h"
+#include "tests/support/child_process.h"
+#include "tests/support/expect_error.h"
+
+namespace weir::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kDamBreak = R"({
+  "weir": 1,
+  "title": "A small dam break",
+  "let": { "spacing": 0.02 },  // m
+  "world": { "dt": "2 ms", "duration": 0.1, "frame_rate": 50 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, "=10*spacing", 0.2] } },
+    "tank": {
+      "type": "StaticBoundary",
+      "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 0.5, 0.2], "inverted": true }
+    },
+    "water": { "type": "ParticleFluid", "params": { "spacing": "=spacing" } }
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]
+}
+)";
+
+class SceneCommands : public testing::Test {
+ protected:
+  static void expectFailure(const ChildResult& result, int code, std::initializer_list<const char*> parts) {
+    EXPECT_EQ(result.code, code) << result.err;
+    for (const char* part : parts) EXPECT_CONTAINS(result.err, part);
+    EXPECT_EQ(result.err.find("mistake in the program"), std::string::npos) << result.err;
+  }
+  /// What every command that reads scene files does with what is none.
+  void expectClearErrors(const std::string& command) const {
+    expectFailure(runWeir({command, folder / "none.json"}), 5, {"none.json", "No such file"});
+    expectFailure(runWeir({command, folder.path()}), 5, {"it is a folder"});
+    expectFailure(runWeir({command, folder.write("text.json", "Once upon a time")}), 3, {"text.json:1:1"});
+    expectFailure(runWeir({command, folder.write("cut.json", "{\n  \"weir\": 1,")}), 3, {"cut.json:2:13"});
+    expectFailure(runWeir({command, folder.write("binary.json", std::string("\0\xff\x01", 3))}), 3,
+                  {"binary.json:1:1"});
+    EXPECT_EQ(readFile(folder / "text.json"), "Once upon a time");
+  }
+  /// A scene with this module "solver" of its fluid, as a text of its own lines.
+  static std::string withSolver(const std::string& solver) {
+    return "{\n  \"weir\": 1,\n  \"nodes\": {\n    \"water\": {\n      \"type\": \"ParticleFluid\",\n"
+           "      \"modules\": {\n        \"solver\": " +
+           solver + "\n      }\n    }\n  }\n}\n";
+  }
+  /// Upgrades a scene, and expects that the result is one that nothing is to be said of.
+  std::string upgraded(const std::string& text) const {
+    const std::string file = folder.write("old.json", text);
+    const ChildResult check = runWeir({"upgrade", "--check", file});
+    EXPECT_EQ(check.code, 1) << check.err;
+    EXPECT_EQ(readFile(file), text);
+    const ChildResult result = runWeir({"upgrade", file});
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(result.out, check.out);
+    EXPECT_EQ(runWeir({"validate", file}).err, "");
+    const ChildResult again = runWeir({"upgrade", "--check", file});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(again.out, "");
+    return readFile(file);
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(SceneCommands, ScenesListsWhatComesWithWeir) {
+  const ChildResult list = runWeir({"scenes"});
+  ASSERT_EQ(list.code, 0) << list.err;
+  EXPECT_EQ(list.err, "");
+  EXPECT_CONTAINS(list.out, "dam_break\n    A dam breaks; up to ");
+  EXPECT_CONTAINS(list.out, "A block of water falls over in a tank.");
+  EXPECT_CONTAINS(list.out, "gallery/goblet\n");
+  EXPECT_EQ(list.out.find("templates"), std::string::npos);
+  const ChildResult one = runWeir({"scenes", "gallery/goblet"});
+  EXPECT_CONTAINS(one.out, "share/weir/scenes/gallery/goblet.json");
+}
+
+TEST_F(SceneCommands, AllScenesAreKnownByTheirNames) {
+  std::vector<std::string> arguments{"validate"};
+  const fs::path scenes = buildFolder() + "/share/weir/scenes";
+  for (const auto& entry : fs::recursive_directory_iterator(scenes))
+    if (entry.path().extension() == ".json" && entry.path().filename() != "index.json" &&
+        entry.path().filename() != "mesh_in_tank.json")  // whose mesh is the user's
+      arguments.push_back(entry.path().lexically_relative(scenes).replace_extension().string());
+  EXPECT_GT(arguments.size(), 30u);
+  const ChildResult result = runWeir(arguments);
+  EXPECT_EQ(result.code, 0) << result.err;
+  for (std::size_t i = 1; i < arguments.size(); ++i) EXPECT_CONTAINS(result.out, arguments[i] + ": valid\n");
+}
+
+TEST_F(SceneCommands, ASceneIsRunByItsNameUnlessThereIsSuchAFile) {
+  const std::vector<std::string> run{"run", "dam_break", "--frames", "0", "--set", "water.spacing=0.05"};
+  ChildOptions here;
+  here.folder = folder.path();
+  const ChildResult installed = runWeir(run, here);
+  EXPECT_EQ(installed.code, 0) << installed.err;
+  EXPECT_CONTAINS(installed.err, "A dam breaks on ");
+  folder.write("dam_break", std::string(kDamBreak));
+  EXPECT_CONTAINS(runWeir(run, here).err, "A small dam break on ");
+}
+
+TEST_F(SceneCommands, NamesThatAreNoneAreSuggested) {
+  expectFailure(runWeir({"run", "dam_brek"}), 5, {"no file 'dam_brek'", "did you mean 'dam_break'?"});
+  expectFailure(runWeir({"validate", "goblet"}), 5, {"did you mean 'gallery/goblet'?"});
+  expectFailure(runWeir({"run", "dam_break.json"}), 5, {"dam_break.json", "No such file"});
+  expectFailure(runWeir({"scenes", "dam_brek"}), 2, {"did you mean 'dam_break'?"});
+  expectFailure(runWeir({"scenes", "../scenes/dam_break"}), 2, {"there is no scene"});
+}
+
+TEST_F(SceneCommands, ACopyOfASceneIsOnesOwn) {
+  const std::string file = folder / "own.json";
+  const ChildResult result = runWeir({"scenes", "stirrer", "--copy", file});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out, file + "\n");
+  EXPECT_EQ(readFile(file), readFile(buildFolder() + "/share/weir/scenes/stirrer.json"));
+  EXPECT_EQ(runWeir({"validate", file}).code, 0);
+  folder.write("own.json", "mine");
+  expectFailure(runWeir({"scenes", "stirrer", "--copy", file}), 5, {"own.json", "would be overwritten"});
+  EXPECT_EQ(readFile(file), "mine");
+  expectFailure(runWeir({"scenes", "--copy", folder / "x.json"}), 2, {"--copy"});
+  expectFailure(runWeir({"scenes", "stirrer", "--copy", folder / "none/x.json"}), 5, {"there is no folder"});
+}
+
+}  // namespace
+}  // namespace weir::test
