@@ -11,6 +11,7 @@
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
 #include "apps/weir/describe_file.h"
+#include "apps/weir/format_command.h"
 #include "apps/weir/installed_scenes.h"
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
@@ -88,6 +89,7 @@ int runProgram(Program& program, int argc, char** argv) {
   BenchCommand bench(app, program);
   StudioCommand studio(app, program);
   ScenesCommand installed(app, program);
+  FormatCommand format(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -144,6 +146,7 @@ int runProgram(Program& program, int argc, char** argv) {
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (studio.command().parsed()) return studio.run();
   if (installed.command().parsed()) return installed.run();
+  if (format.command().parsed()) return format.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) print(writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));

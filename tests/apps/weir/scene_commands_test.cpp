@@ -129,5 +129,64 @@ TEST_F(SceneCommands, ACopyOfASceneIsOnesOwn) {
   expectFailure(runWeir({"scenes", "stirrer", "--copy", folder / "none/x.json"}), 5, {"there is no folder"});
 }
 
+TEST_F(SceneCommands, FormatWritesTheLayoutOnce) {
+  const std::string messy = folder.write("messy.json", R"({"weir": 1, // version
+"let": {"spacing": 2e-2,},
+    "nodes": {
+      "note": "some", "w_{i}": {"repeat": 2, "node": {"type": "ParticleFluid",
+        "params": {"spacing": "=spacing", /* m */ }}}}
+ })");
+  const std::string layout = R"({
+  "weir": 1,  // version
+  "let": { "spacing": 2e-2 },
+  "nodes": {
+    "note": "some",
+    "w_{i}": {
+      "repeat": 2,
+      "node": { "type": "ParticleFluid", "params": { "spacing": "=spacing" /* m */ } }
+    }
+  }
+}
+)";
+  const std::string before = readFile(messy);
+  const ChildResult check = runWeir({"format", "--check", messy});
+  EXPECT_EQ(check.code, 1);
+  EXPECT_EQ(check.out, messy + ": has another layout\n");
+  EXPECT_EQ(runWeir({"format", "--stdout", messy}).out, layout);
+  EXPECT_EQ(readFile(messy), before);
+  const ChildResult result = runWeir({"format", messy});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out, messy + ": formatted\n");
+  EXPECT_EQ(readFile(messy), layout);
+  EXPECT_EQ(runWeir({"format", messy}).out, "");
+  EXPECT_EQ(runWeir({"format", "--check", messy}).code, 0);
+  EXPECT_EQ(runWeir({"validate", messy}).code, 0);
+}
+
+TEST_F(SceneCommands, FormatKeepsLinksAndPermissions) {
+  const std::string file = folder.write("scene.json", "{\"weir\":1}");
+  const auto mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
+  fs::permissions(file, mode);
+  fs::create_symlink("scene.json", folder / "link.json");
+  EXPECT_EQ(runWeir({"format", folder / "link.json"}).code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
+  EXPECT_EQ(readFile(file), "{\n  \"weir\": 1\n}\n");
+  EXPECT_EQ(fs::status(file).permissions(), mode);
+}
+
+TEST_F(SceneCommands, FormatTellsOfWhatItCannotDo) {
+  expectClearErrors("format");
+  const std::string locked = folder.write("locked.json", "{\"weir\":1}");
+  fs::permissions(locked, fs::perms::owner_read);
+  expectFailure(runWeir({"format", locked}), 5, {"locked.json", "read-only"});
+  EXPECT_EQ(readFile(locked), "{\"weir\":1}");
+  const std::string good = folder.write("good.json", "{\"weir\":1}");
+  expectFailure(runWeir({"format", folder / "none.json", good}), 5, {"none.json"});
+  EXPECT_EQ(readFile(good), "{\n  \"weir\": 1\n}\n") << "the others are formatted";
+  expectFailure(runWeir({"format", "--stdout", good, locked}), 2, {"--stdout"});
+  expectFailure(runWeir({"format", "--stdout", "--check", good}), 2, {"--check"});
+  expectFailure(runWeir({"format"}), 2, {"files is required"});
+}
+
 }  // namespace
 }  // namespace weir::test
