@@ -20,6 +20,7 @@
 #include "apps/weir/scenes_command.h"
 #include "apps/weir/standard_streams.h"
 #include "apps/weir/studio_command.h"
+#include "apps/weir/upgrade_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
 #include "framework/base/interruption.h"
@@ -90,6 +91,7 @@ int runProgram(Program& program, int argc, char** argv) {
   StudioCommand studio(app, program);
   ScenesCommand installed(app, program);
   FormatCommand format(app, program);
+  UpgradeCommand upgrade(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
@@ -147,6 +149,7 @@ int runProgram(Program& program, int argc, char** argv) {
   if (studio.command().parsed()) return studio.run();
   if (installed.command().parsed()) return installed.run();
   if (format.command().parsed()) return format.run();
+  if (upgrade.command().parsed()) return upgrade.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) print(writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));

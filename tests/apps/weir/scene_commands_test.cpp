@@ -188,5 +188,94 @@ TEST_F(SceneCommands, FormatTellsOfWhatItCannotDo) {
   expectFailure(runWeir({"format"}), 2, {"files is required"});
 }
 
+TEST_F(SceneCommands, UpgradeRenamesWhatOtherModulesHaveNow) {
+  EXPECT_EQ(upgraded(withSolver(R"({
+          // until it is still
+          "params": {
+            "iterations": 20, // at most
+            "tolerance": 1e-3 /* of the density */
+          }
+        })")),
+            withSolver(R"({
+          "type": "AcceleratedSolver",
+          // until it is still
+          "params": {
+            "max_iterations": 20, // at most
+            "tolerance": 1e-3, /* of the density */
+            "acceleration": "none"
+          }
+        })"));
+}
+
+TEST_F(SceneCommands, UpgradeSaysWhatItChanged) {
+  const std::string file = folder.write(
+      "old.json",
+      withSolver(R"({ "type": "SemiImplicitSolver", "params": { "tolerance": 0.01, "iterations": 9 } })"));
+  EXPECT_EQ(runWeir({"upgrade", file}).out,
+            file + ":7:29: \"SemiImplicitSolver\" becomes \"AcceleratedSolver\"\n" + file +
+                ":7:96: \"iterations\" becomes \"max_iterations\"\n" + file +
+                ":7:61: \"acceleration\": \"none\" is added\n");
+}
+
+TEST_F(SceneCommands, UpgradeLeavesOutWhatHasNoEffect) {
+  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "iterations": 5, "acceleration": "none" } })")),
+            withSolver(R"({ "params": { "iterations": 5 } })"));
+  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "tolerance": null, "iterations": 5 } })")),
+            withSolver(R"({ "params": { "iterations": 5 } })"));
+  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "tolerance": null, "acceleration": "none" } })")),
+            withSolver(R"({ "params": { } })"));
+  EXPECT_EQ(upgraded(withSolver(
+                "{ \"params\": {\n  \"iterations\": 5, // few\n  \"tolerance\": null // none\n} }")),
+            withSolver("{ \"params\": {\n  \"iterations\": 5 // few\n  // none\n} }"));
+}
+
+TEST_F(SceneCommands, UpgradeReachesIncludedFilesAndRepetitions) {
+  const std::string part =
+      folder.write("solver.json", "{ \"params\": { \"tolerance\": \"=t\" } } // a part\n");
+  const std::string scene = R"({
+  "weir": 1,
+  "let": { "t": 0.01 },
+  "nodes": {
+    "water_{i}": {
+      "repeat": 3,
+      "node": {
+        "type": "ParticleFluid",
+        "modules": { "solver": { "$include": "solver.json" } }
+      }
+    }
+  }
+}
+)";
+  EXPECT_CONTAINS(upgraded(scene),
+                  "\"solver\": { \"type\": \"AcceleratedSolver\", \"$include\": \"solver.json\" }");
+  EXPECT_CONTAINS(readFile(part), "\"tolerance\": \"=t\"");
+  EXPECT_CONTAINS(readFile(part), "// a part\n");
+}
+
+TEST_F(SceneCommands, UpgradeRefusesWhatOneTextCannotSay) {
+  const std::string text =
+      R"({ "weir": 1, "nodes": { "w_{i}": { "repeat": 2, "node": { "type": "ParticleFluid",
+    "modules": { "solver": { "params": { "neighbor_searches": "=i+1" } } } } } } })";
+  const std::string file = folder.write("old.json", text);
+  expectFailure(runWeir({"upgrade", file}), 3, {"old.json:2:", "several modules"});
+  EXPECT_EQ(readFile(file), text);
+}
+
+TEST_F(SceneCommands, UpgradeTellsOfWhatItCannotRead) {
+  expectClearErrors("upgrade");
+  const std::string unknown = withSolver(R"({ "params": { "tolerence": 0.01 } })");
+  const std::string file = folder.write("unknown.json", unknown);
+  expectFailure(runWeir({"upgrade", file}), 3, {"unknown.json:7", "tolerence"});
+  EXPECT_EQ(readFile(file), unknown);
+  folder.write("a.json", R"({ "$include": "b.json", "weir": 1 })");
+  folder.write("b.json", R"({ "$include": "a.json" })");
+  expectFailure(runWeir({"upgrade", folder / "a.json"}), 3,
+                {"files include each other: a.json -> b.json -> a.json"});
+  const std::string locked =
+      folder.write("locked.json", withSolver(R"({ "params": { "tolerance": 0.01 } })"));
+  fs::permissions(locked, fs::perms::owner_read);
+  expectFailure(runWeir({"upgrade", locked}), 5, {"locked.json", "read-only"});
+}
+
 }  // namespace
 }  // namespace weir::test
