@@ -11,6 +11,7 @@
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
 #include "apps/weir/describe_file.h"
+#include "apps/weir/explain_command.h"
 #include "apps/weir/format_command.h"
 #include "apps/weir/installed_scenes.h"
 #include "apps/weir/new_plugin_command.h"
@@ -90,6 +91,7 @@ int runProgram(Program& program, int argc, char** argv) {
   BenchCommand bench(app, program);
   StudioCommand studio(app, program);
   ScenesCommand installed(app, program);
+  ExplainCommand explain(app, program);
   FormatCommand format(app, program);
   UpgradeCommand upgrade(app, program);
 
@@ -148,6 +150,7 @@ int runProgram(Program& program, int argc, char** argv) {
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (studio.command().parsed()) return studio.run();
   if (installed.command().parsed()) return installed.run();
+  if (explain.command().parsed()) return explain.run();
   if (format.command().parsed()) return format.run();
   if (upgrade.command().parsed()) return upgrade.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);

@@ -277,5 +277,45 @@ TEST_F(SceneCommands, UpgradeTellsOfWhatItCannotRead) {
   expectFailure(runWeir({"upgrade", locked}), 5, {"locked.json", "read-only"});
 }
 
+TEST_F(SceneCommands, ExplainTellsWhatASceneWillDo) {
+  const ChildResult result =
+      runWeir({"explain", folder.write("s.json", std::string(kDamBreak)), "--device", "cpu"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  for (const char* part :
+       {"A small dam break\n", "It simulates 0.1 s in 5 frames, 50 a second.",
+        "Each frame takes 10 steps of 2 ms", "block (BoxSampler): fills a box with particles.",
+        "block -> water.initial: particles that are there from the start.",
+        "tank -> water.boundaries: solids and containers that the fluid does not enter.",
+        "Particles: 1,000 at the start, at most 1,000.", "Memory: at most ", "There are no warnings."})
+    EXPECT_CONTAINS(result.out, part);
+  EXPECT_CONTAINS(runWeir({"explain", folder / "s.json", "--set", "let.spacing=0.04"}).out, "at most 250.");
+}
+
+TEST_F(SceneCommands, ExplainGivesTheWarningsOfARun) {
+  const std::string file = folder.write("s.json", std::string(kDamBreak));
+  const ChildResult result =
+      runWeir({"explain", file, "--set", "tank.max=[0.5,0.5,0.05]", "--set", "block.max=[0.2,0.2,0.05]"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_CONTAINS(result.out, "Warnings:\n");
+  EXPECT_CONTAINS(result.out, "node 'tank': the room inside is 2.5 spacings thick");
+}
+
+TEST_F(SceneCommands, ExplainMeasuresTheTimeOfSteps) {
+  const std::string file = folder.write("s.json", std::string(kDamBreak));
+  const ChildResult result = runWeir({"explain", file, "--measure", "--device", "cpu", "--threads", "2"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_CONTAINS(result.out, "Particles: 1,000 at the start");
+  EXPECT_CONTAINS(result.out, " steps took ");
+  EXPECT_CONTAINS(result.out, "50 like these take ");
+}
+
+TEST_F(SceneCommands, ExplainTellsOfWhatItCannotRead) {
+  expectClearErrors("explain");
+  expectFailure(runWeir({"explain", "mesh_in_tank"}), 3, {"mesh"});
+  expectFailure(runWeir({"explain", "dam_break", "--set", "water.spacing=-1"}), 3,
+                {"--set water.spacing=-1"});
+}
+
 }  // namespace
 }  // namespace weir::test
