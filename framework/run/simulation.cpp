@@ -70,14 +70,9 @@ void Simulation::setDuration(double duration) {
   clock_ = clockOf(*scene_);
 }
 
-void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
-  clock_ = clockOf(*scene_);
-  resetAt_ = WallClock::now();
-  frame_ = stepInFrame_ = stepsDone_ = 0;
-  time_ = 0;
-  lengths_ = {};
+SetupContext Simulation::setupContext(std::optional<std::int64_t> last, Log& log) {
   scene_->animate(0);
-  const SetupContext context{
+  return {
       .device = device_,
       .log = log,
       .registry = registry_,
@@ -86,6 +81,20 @@ void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
       .seed = scene_->world.seed,
       .stepsVary = stepsVary(),
       .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get()};
+}
+
+MemoryEstimate Simulation::estimate(std::optional<std::int64_t> last) {
+  clock_ = clockOf(*scene_);
+  return scene_->graph.estimate(setupContext(last, log_));
+}
+
+void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
+  clock_ = clockOf(*scene_);
+  resetAt_ = WallClock::now();
+  frame_ = stepInFrame_ = stepsDone_ = 0;
+  time_ = 0;
+  lengths_ = {};
+  const SetupContext context = setupContext(last, log);
   checkMemory(context);
   scene_->graph.reset(context);
 }
