@@ -85,7 +85,8 @@ void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
       .dt = longestStep(),
       .seed = scene_->world.seed,
       .stepsVary = stepsVary(),
-      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get()};
+      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get(),
+      .progress = progress_};
   checkMemory(context);
   scene_->graph.reset(context);
 }

@@ -57,6 +57,8 @@ class Simulation {
   /// at which the run will end, if its duration does not end it before. Throws a scene Error if what the
   /// scene needs until then does not fit into memory (memory_estimate.h).
   void reset(std::optional<std::int64_t> last = {});
+  /// Is told of each node that is set up, see SetupContext.
+  void onSetUp(decltype(SetupContext::progress) progress) { progress_ = std::move(progress); }
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }
   /// All that the future depends on; to be called at a frame.
@@ -147,6 +149,7 @@ class Simulation {
   std::int64_t stepsUntimed_ = 0;  // since modules were timed
   WallClock::time_point modulesTimedAt_;
   std::vector<OutputTime> outputTimes_;
+  decltype(SetupContext::progress) progress_;
 };
 
 }  // namespace weir

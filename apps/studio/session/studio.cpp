@@ -159,6 +159,7 @@ HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
     v["path"] = file.path;
     v["folder"] = file.isFolder;
     v["bytes"] = file.bytes;
+    v["modified"] = file.modified;
     list.push(std::move(v));
   }
   return {.type = kJson, .body = writeJsonLine(list)};
@@ -222,6 +223,7 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
                                                                      {"scene.save", &Studio::saveScene},
                                                                      {"run.play", &Studio::play},
                                                                      {"run.pause", &Studio::pause},
+                                                                     {"run.cancel", &Studio::cancel},
                                                                      {"run.step", &Studio::step},
                                                                      {"run.reset", &Studio::reset},
                                                                      {"run.seek", &Studio::seek},
@@ -490,10 +492,13 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
   result["device"] = device_;
 }
 
+bool Studio::isState(HostState state) const {
+  const Value* name = status_.find("state");
+  return name != nullptr && name->asString() == nameOf(state);
+}
+
 bool Studio::needsReset() const {
-  const Value* state = status_.find("state");
-  const std::string name = state != nullptr ? state->asString() : std::string();
-  return !running_ || name == nameOf(HostState::kFailed) || name == nameOf(HostState::kFinished);
+  return !running_ || isState(HostState::kFailed) || isState(HostState::kFinished);
 }
 
 void Studio::play(ClientId client, const Value& message, Value& result) {
@@ -505,6 +510,16 @@ void Studio::play(ClientId client, const Value& message, Value& result) {
 void Studio::pause(ClientId client, const Value&, Value&) {
   requireWriter(client);
   host_.pause();
+}
+
+void Studio::cancel(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  if (!isState(HostState::kBuilding)) return;
+  running_.reset();
+  reset_.reset();
+  recording_.clear();
+  geometry_.reset();
+  host_.load(nullptr, device_);
 }
 
 void Studio::step(ClientId client, const Value& message, Value& result) {
@@ -590,7 +605,8 @@ void Studio::status(const Value& status) {
   if (state == nameOf(HostState::kFailed)) host_.serve();
   server_.post([this, status] {
     status_ = status;
-    tell("status", status);
+    status_["recorded_every"] = recording_.every();
+    tell("status", status_);
   });
 }
 
