@@ -229,11 +229,14 @@ function setIn(object: JsonObject | undefined, path: string[], value: Json | und
 /** Where parameters stand: a node's, a module's, the world's or a section's. */
 export type Owner = { node: string } | { node: string; module: string } | { section: string };
 
+/** The same object each time: who looks at it sees no change. */
+const kNoParams: JsonObject = {};
+
 export function paramsOf(scene: Scene, owner: Owner): JsonObject {
-  if ("section" in owner) return (scene[owner.section] as JsonObject | undefined) ?? {};
+  if ("section" in owner) return (scene[owner.section] as JsonObject | undefined) ?? kNoParams;
   const node = scene.nodes[owner.node];
-  if ("module" in owner) return node?.modules?.[owner.module]?.params ?? {};
-  return node?.params ?? {};
+  if ("module" in owner) return node?.modules?.[owner.module]?.params ?? kNoParams;
+  return node?.params ?? kNoParams;
 }
 
 /** `undefined` takes the parameter back to its default. */
@@ -246,6 +249,13 @@ export function setParam(scene: Scene, owner: Owner, path: string[], value: Json
     return setModule(scene, owner.node, owner.module, { ...module, params: setIn(module?.params, path, value) });
   }
   return { ...scene, nodes: { ...scene.nodes, [owner.node]: { ...node, params: setIn(node.params, path, value) } } };
+}
+
+/** All parameters of an owner at once. */
+export function setParams(scene: Scene, owner: Owner, params: JsonObject): Scene {
+  if ("section" in owner) return { ...scene, [owner.section]: params };
+  if ("module" in owner) return setModule(scene, owner.node, owner.module, { ...scene.nodes[owner.node]?.modules?.[owner.module], params });
+  return { ...scene, nodes: { ...scene.nodes, [owner.node]: { ...scene.nodes[owner.node]!, params } } };
 }
 
 function setModule(scene: Scene, node: string, module: string, spec: ModuleSpec | null): Scene {

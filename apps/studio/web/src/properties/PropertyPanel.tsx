@@ -4,6 +4,7 @@ import {
   enableModule, insertModule, moveModule, nameProblem, pipelineOf, removeModule, removeNodes, renameNode, replaceModule,
 } from "../model/scene";
 import { edit, useStudio } from "../model/store";
+import { labelOf } from "../model/parameters";
 import { offOf, setOff, type Off } from "../model/switchedOff";
 import { msText } from "../model/time";
 import { Parameters } from "./Parameters";
@@ -95,12 +96,12 @@ function SceneSettings() {
   return (
     <>
       <h2>Scene</h2>
-      <label className="row"><span className="name">title</span>
+      <label className="row"><span className="name">Title</span>
         <input aria-label="title" defaultValue={title} key={title} onBlur={(e) => e.target.value !== title && edit((s) => ({ ...s, title: e.target.value || undefined }))} />
       </label>
-      <details open data-param="world"><summary>world</summary><Parameters owner={{ section: "world" }} parameters={types.world} /></details>
+      <details open data-param="world"><summary>World</summary><Parameters owner={{ section: "world" }} parameters={types.world} /></details>
       {Object.entries(types.sections).map(([name, parameters]) => (
-        <details key={name} data-param={name}><summary>{name}</summary><Parameters owner={{ section: name }} parameters={parameters} /></details>
+        <details key={name} data-param={name}><summary>{labelOf(name)}</summary><Parameters owner={{ section: name }} parameters={parameters} /></details>
       ))}
     </>
   );
