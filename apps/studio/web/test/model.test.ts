@@ -4,11 +4,13 @@ import { evaluate } from "../src/model/expression";
 import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
 import { addNote, moveAll, notesOf, withCarried } from "../src/model/notes";
 import {
-  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
-  pipelineOf, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
+  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksFor, linksOf, linkText, moveModule, nameProblem, pasteNodes,
+  pipelineOf, placeModule, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
 import { isUsed, labelOf, withoutUnused } from "../src/model/parameters";
-import { advance, counted, niceStep, ticks } from "../src/model/playback";
+import { menuOf } from "../src/Menu";
+import { shorterSteps } from "../src/model/remedy";
+import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
 import { pointAt } from "../src/insight/Plot";
 import { titleOf, unitOf } from "../src/model/quantities";
 import { distance, search } from "../src/model/search";
@@ -21,7 +23,7 @@ import { distanceFor } from "../src/viewport/view";
 import { roleOf } from "../src/model/roles";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
-import { fileNameOf, withNumber } from "../src/model/names";
+import { fileNameOf, pathProblem, withNumber } from "../src/model/names";
 import { readPacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
@@ -224,6 +226,12 @@ describe("a scene", () => {
     expect(linkProblem(linked(), types, link)).toBe("they are linked already");
     expect(linkProblem(linked(), types, { ...link, output: "smoke" })).toBe("there is no such port");
   });
+  test("knows all links that a node may still get", () => {
+    const [two] = addNode(linked(), "ParticleFluid", { x: 0, y: 0 }, "sea");
+    expect(linksFor(two, types, "box_sampler").map(linkText)).toEqual(["box_sampler.particles -> sea.initial"]);
+    expect(linksFor(two, types, "sea").map(linkText)).toEqual(["box_sampler.particles -> sea.initial"]);
+    expect(linksFor(two, types, "particle_fluid")).toEqual([]);
+  });
   test("keeps links when a node is renamed, and drops them when it goes", () => {
     expect(linksOf(renameNode(linked(), "particle_fluid", "water"))[0]!.to).toBe("water");
     expect(removeNodes(linked(), ["box_sampler"]).links).toEqual([]);
@@ -245,6 +253,23 @@ describe("a scene", () => {
     const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
     expect(names(inserted)).toEqual(["predict", "solver", "xsph"]);
     expect(names(moveModule(inserted, "particle_fluid", fluid, "xsph", -1))).toEqual(["predict", "xsph", "solver"]);
+  });
+});
+
+describe("modules", () => {
+  const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
+  const three = insertModule(insertModule(linked(), "particle_fluid", fluid, "Xsph"), "particle_fluid", fluid, "Drag");
+  test("are inserted behind another one, or at the end", () => {
+    expect(names(three)).toEqual(["predict", "solver", "xsph", "drag"]);
+    expect(names(insertModule(three, "particle_fluid", fluid, "Tension", "predict"))).toEqual(["predict", "tension", "solver", "xsph", "drag"]);
+    expect(names(insertModule(three, "particle_fluid", fluid, "Tension", "gone"))).toEqual(["predict", "solver", "xsph", "drag", "tension"]);
+  });
+  test("are dragged before any other one, or to the end", () => {
+    const put = (module: string, before: string | null, s = three) => placeModule(s, "particle_fluid", fluid, module, before);
+    expect(names(put("drag", "predict"))).toEqual(["drag", "predict", "solver", "xsph"]);
+    expect(names(put("predict", null))).toEqual(["solver", "xsph", "drag", "predict"]);
+    expect(names(put("xsph", "solver", put("drag", "solver")))).toEqual(["predict", "drag", "xsph", "solver"]);
+    expect([put("xsph", "drag"), put("drag", null), put("drag", "drag"), put("gone", null)].every((s) => s === three)).toBe(true);
   });
 });
 
@@ -367,6 +392,10 @@ describe("playback of recorded frames", () => {
     expect(advance(5, 1, { ...pace, loop: true, way: -1 })).toEqual({ at: 36, ended: false });
     expect(advance(0, 1, { ...pace, loop: true, last: 0 })).toEqual({ at: 0, ended: true });
   });
+});
+
+test("frames that are kept where memory is short are marked, and no others", () => {
+  expect([recordedFrames(3, 1), recordedFrames(9, 4), recordedFrames(0, 8)]).toEqual([[0, 1, 2, 3], [0, 4, 8], [0]]);
 });
 
 describe("rulers", () => {
@@ -506,4 +535,28 @@ describe("parameters", () => {
   test("go with the choice that gave them a meaning", () => {
     expect(withoutUnused(all, { shape: "cone", min: 2, height: 3, friction: 4, strange: 5 })).toEqual({ shape: "cone", height: 3, friction: 4, strange: 5 });
   });
+});
+
+test("a path that cannot be written has a sentence that says why", () => {
+  for (const fine of ["a.json", "folder/a", "a..b.json"]) expect(pathProblem(fine)).toBeNull();
+  expect(pathProblem("../a.json")).toContain("below the served folder");
+  expect(pathProblem("/a.json")).toContain("below the served folder");
+  expect(["", "folder/", "a\\b", ".a.json", "b/.git/c"].map((p) => pathProblem(p) !== null)).toEqual([true, true, true, true, true]);
+});
+
+test("a menu has no lines above, below, or twice", () => {
+  const item = (name: string) => ({ name, take: () => {} });
+  expect(menuOf(null, item("a"), false, null, null, item("b"), null).map((i) => i?.name)).toEqual(["a", undefined, "b"]);
+});
+
+test("steps of half the length help: by CFL where the scene has it, or else by dt", () => {
+  const world: Parameter[] = [
+    { name: "dt", kind: "float", unit: "s", doc: "", default: 0.001, above: 0, live: false, animated: false }, { name: "cfl", kind: "float", doc: "", default: null, above: 0, live: false, animated: false },
+  ];
+  const remedy = (given: JsonObject) => shorterSteps({ ...emptyScene(), world: given }, world)!;
+  expect([remedy({}).text, remedy({ dt: 0.004 }).text, remedy({ dt: 0.004, cfl: 1 }).text]).toEqual([
+    "Halve dt to 0.0005 s and begin anew", "Halve dt to 0.002 s and begin anew", "Halve cfl to 0.5 and begin anew",
+  ]);
+  expect(remedy({ cfl: 1 }).change(emptyScene())["world"]).toEqual({ cfl: 0.5 });
+  expect(shorterSteps(emptyScene(), [])).toBeNull();
 });

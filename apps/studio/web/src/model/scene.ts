@@ -191,6 +191,17 @@ export function linkProblem(scene: Scene, types: Types, l: LinkEnds): string | n
   return null;
 }
 
+/** All links that a node could have, and has not. */
+export function linksFor(scene: Scene, types: Types, name: string): LinkEnds[] {
+  const ends = (from: string, to: string): LinkEnds[] => {
+    const outputs = types.nodes[scene.nodes[from]?.type ?? ""]?.outputs ?? [], inputs = types.nodes[scene.nodes[to]?.type ?? ""]?.inputs ?? [];
+    return outputs.flatMap((o) => inputs.map((i) => ({ from, output: o.name, to, input: i.name })));
+  };
+  const others = Object.keys(scene.nodes).filter((n) => n !== name);
+  const all = [...others.flatMap((n) => ends(name, n)), ...others.flatMap((n) => ends(n, name))];
+  return all.filter((l) => linkProblem(scene, types, l) === null);
+}
+
 function reaches(links: LinkEnds[], from: string, to: string): boolean {
   const seen = new Set<string>();
   const open = [from];
@@ -297,11 +308,12 @@ export const enableModule = (scene: Scene, node: string, module: string, enabled
 export const replaceModule = (scene: Scene, node: string, module: string, type: string): Scene =>
   setModule(scene, node, module, { ...scene.nodes[node]?.modules?.[module], type, params: {} });
 
-export function insertModule(scene: Scene, node: string, type: NodeType, module: string): Scene {
+/** Behind a module, or else at the end. */
+export function insertModule(scene: Scene, node: string, type: NodeType, module: string, after?: string): Scene {
   const list = pipelineOf(scene, node, type);
   let name = nameOfType(module);
   for (let i = 2; list.some((m) => m.name === name); ++i) name = `${nameOfType(module)}_${i}`;
-  const last = list.at(-1);
+  const last = list.find((m) => m.name === after) ?? list.at(-1);
   return setModule(scene, node, name, last ? { type: module, after: last.name } : { type: module });
 }
 
@@ -315,6 +327,16 @@ export function moveModule(scene: Scene, node: string, type: NodeType, module: s
   if (!neighbour) return scene;
   const { after: _a, before: _b, ...rest } = scene.nodes[node]?.modules?.[module] ?? {};
   return setModule(scene, node, module, { ...rest, [by > 0 ? "after" : "before"]: neighbour.name });
+}
+
+/** Puts a module before another one, or at the end. It is placed last, so what the file says of the others does not move it again. */
+export function placeModule(scene: Scene, node: string, type: NodeType, module: string, before: string | null): Scene {
+  const list = pipelineOf(scene, node, type);
+  const at = list.findIndex((m) => m.name === module), next = list[at + 1]?.name ?? null;
+  if (at < 0 || before === module || before === next) return scene;
+  const { after: _a, before: _b, ...rest } = scene.nodes[node]?.modules?.[module] ?? {};
+  const place = before === null ? { after: list.at(-1)!.name } : { before };
+  return setModule(setModule(scene, node, module, null), node, module, { ...rest, ...place });
 }
 
 /** Nodes with the links between them, notes and groups, to be pasted elsewhere. */

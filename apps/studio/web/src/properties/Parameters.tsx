@@ -1,5 +1,6 @@
 // The property editors of an owner of parameters: a node, a module, the world or a section.
 import { Icon } from "../Icon";
+import { copyText, menuOf, showMenu } from "../Menu";
 import { isKeyframes } from "../model/keyframes";
 import { isUsed, labelOf, withoutUnused } from "../model/parameters";
 import { paramsOf, setParam, setParams, type Owner, type Scene } from "../model/scene";
@@ -7,6 +8,9 @@ import { edit, problemOf, useStudio } from "../model/store";
 import type { Json, JsonObject, Parameter } from "../model/types";
 import { ValueField } from "./fields";
 import { KeyframesField } from "./KeyframesField";
+
+/** The value that was copied last, for others of its kind. */
+let copied: { kind: string; value: Json } | null = null;
 
 interface Props {
   owner: Owner;
@@ -22,7 +26,7 @@ const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
   );
 
 /** "kg/m³" of "kg/m^3". */
-const unitText = (unit: string): string => unit.replaceAll("^2", "²").replaceAll("^3", "³");
+const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit).replaceAll("^2", "²").replaceAll("^3", "³");
 
 /** What a parameter is, what is allowed, and its default. */
 function tipOf(p: Parameter): string {
@@ -75,6 +79,7 @@ function GroupList({ owner, parameter, path }: { owner: Owner; parameter: Parame
 function Row({ owner, parameter, siblings, path }: { owner: Owner; parameter: Parameter; siblings: Parameter[]; path: string[] }) {
   const set = useStudio((s) => valueAt(paramsOf(s.scene, owner), path));
   const playing = useStudio((s) => s.status.state !== "empty");
+  const writer = useStudio((s) => s.role === "writer");
   const problem = useProblem(owner, path.join("/"));
   const value = set === undefined ? parameter.default : set;
   const keyed = isKeyframes(value);
@@ -85,19 +90,37 @@ function Row({ owner, parameter, siblings, path }: { owner: Owner; parameter: Pa
   };
   const change = (v: Json) => edit(put(v), JSON.stringify([owner, path]));
   const Field = keyed ? KeyframesField : ValueField;
+  const animate = () => change(keyed ? ((value.keyframes[0] as Json[])[1] ?? parameter.default) : { keyframes: [[0, value]] });
+  const menu = (e: React.MouseEvent) => {
+    // Text that is edited has the browser's own.
+    if (e.target === document.activeElement && (e.target as Element).matches("input, textarea")) return;
+    e.preventDefault();
+    const text = JSON.stringify(value);
+    showMenu(e, parameter.name, menuOf(
+      { name: "Copy the value", take: () => ((copied = { kind: parameter.kind, value }), void copyText(text)) },
+      { name: "Paste the value", off: copied?.kind !== parameter.kind || !writer, take: () => copied && change(copied.value) },
+      { name: "Copy as JSON", take: () => void copyText(`${JSON.stringify(parameter.name)}: ${text}`) }, null,
+      parameter.animated && { name: keyed ? "One value for all times" : "Change over time", off: !writer, take: animate },
+      { name: "Back to the default", off: set === undefined || !writer, take: () => edit(put(undefined)) },
+    ));
+  };
   return (
-    <div className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
+    <div
+      onContextMenu={menu} onMouseDown={(e) => e.button === 2 && e.target !== document.activeElement && e.preventDefault()}
+      className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
       <span className="name" title={tipOf(parameter)}>
         {labelOf(parameter.name)}
-        {parameter.unit && <small>{unitText(parameter.unit)}</small>}
-        {playing && !parameter.live && <small className="needs-reset" title="A change takes effect after a reset"><Icon name="reset" /></small>}
+        <small>
+          {parameter.unit && unitText(parameter.unit)}
+          {playing && !parameter.live && <span className="needs-reset" title="A change takes effect after a reset"> <Icon name="reset" /></span>}
+        </small>
       </span>
       <span className="field">
         <Field parameter={parameter} value={value} label={parameter.name} onChange={change} />
         {parameter.animated && (
           <button
             className="key" aria-pressed={keyed} title={keyed ? "One value for all times" : "Change over time by keyframes"}
-            onClick={() => change(keyed ? ((value.keyframes[0] as Json[])[1] ?? parameter.default) : { keyframes: [[0, value]] })}
+            onClick={animate}
           >
             ◆
           </button>
@@ -116,8 +139,9 @@ export function Parameters({ owner, parameters, path = [] }: Props) {
   const given = useStudio((s) => valueAt(paramsOf(s.scene, owner), path) as JsonObject | undefined) ?? {};
   // What is given is shown in any case: it may be what is wrong.
   const shown = parameters.filter((p) => p.name in given || isUsed(p, parameters, given));
+  const writer = useStudio((s) => s.role === "writer");
   return (
-    <div className="parameters">
+    <fieldset className="parameters" disabled={!writer}>
       {shown.map((p) => {
         const below = [...path, p.name];
         if (p.kind === "group list")
@@ -126,6 +150,6 @@ export function Parameters({ owner, parameters, path = [] }: Props) {
           return <details key={p.name} data-param={p.name} open><summary title={`${p.doc}\nIn the scene's file: ${p.name}`}>{labelOf(p.name)}</summary><Parameters owner={owner} parameters={p.parameters} path={below} /></details>;
         return <Row key={p.name} owner={owner} parameter={p} siblings={parameters} path={below} />;
       })}
-    </div>
+    </fieldset>
   );
 }
