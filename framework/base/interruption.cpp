@@ -55,7 +55,7 @@ InterruptibleWork::InterruptibleWork(const std::atomic<bool>* also) : outer_(may
 }
 
 InterruptibleWork::~InterruptibleWork() {
-  mayEnd = outer_;
+  mayEnd = mayEnd && outer_;  // what was ended is not ended again while the work around it cleans up
   alsoAsked = outerAlso_;
 }
 

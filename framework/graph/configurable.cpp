@@ -70,9 +70,10 @@ void Configurable::refuseUnused() const {
     const std::string chosen = chooser->value().asString();
     const auto& choices = condition->choices;
     if (std::find(choices.begin(), choices.end(), chosen) != choices.end()) continue;
-    throw sceneError(inQuotes(property->name()) + " is given, which means nothing for the " +
-                         chooser->name() + " " + inQuotes(chosen),
-                     "no " + property->name() + ", or as " + chooser->name() + ": " + joinNames(choices))
+    throw sceneError(
+        inQuotes(property->name()) + " is given, which means nothing for the " + chooser->name() + " " +
+            inQuotes(chosen),
+        "no " + property->name() + ", or as " + chooser->name() + ": " + joinNames(choices, ", "))
         .inParameter(property->name());
   }
 }
