@@ -25,7 +25,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
-      "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH)."};
+      "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH).",
+      "water, liquid, fluid, sph, oil, honey, sea, simulation, solver, viscosity"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> spacing{
@@ -38,7 +39,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
        .aboveMin = true,
        .softMin = 0.002,
        .softMax = 0.1,
-       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked."}};
+       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked.",
+       .also = "resolution, size, radius, detail, quality"}};
   Param<float> supportRatio{
       *this,
       "support_ratio",
@@ -51,7 +53,10 @@ class ParticleFluid final : public Node, private SolidCoupling {
            "are "
            "up to a tenth too slow."}};
   Param<float> restDensity{
-      *this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest."}};
+      *this,
+      "rest_density",
+      1000,
+      {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest.", .also = "mass, weight"}};
   Param<float> bulkModulus{
       *this,
       "bulk_modulus",
@@ -67,7 +72,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
       {.unit = "J",
        .min = 0,
        .aboveMin = true,
-       .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3."}};
+       .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3.",
+       .also = "stiffness"}};
   Param<Calibration> calibration{*this,
                                  "calibration",
                                  Calibration::kPacking,

@@ -38,12 +38,12 @@ class PressureSolver : public FluidModule, public PressureLaw {
       {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
   Param<EnergyName> energy{
       *this, "energy", EnergyName::kB0, {.doc = "Bulk energy B of the relative density λ."}};
-  Param<std::vector<float>> polynomial{
-      *this,
-      "polynomial",
-      {},
-      {.min = 0,
-       .doc = "c1, c2, … of the derivative of B, the sum of c_k (λ^k - 1); for energy: polynomial."}};
+  Param<std::vector<float>> polynomial{*this,
+                                       "polynomial",
+                                       {},
+                                       {.min = 0,
+                                        .doc = "c1, c2, … of the derivative of B, the sum of c_k (λ^k - 1).",
+                                        .onlyFor = "energy: polynomial"}};
   Param<StepLength> stepLength{
       *this, "step_length", StepLength::kFull, {.doc = "How far along its direction an update goes."}};
   Param<bool> recordObjective{*this,
