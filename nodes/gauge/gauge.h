@@ -31,18 +31,24 @@ struct EnumNames<GaugeShape> {
 class Gauge final : public Node {
  public:
   static constexpr NodeInfo kInfo{
-      "Gauge", "Measures particles at a point, along a line, through a plane or in a box."};
+      "Gauge", "Measures particles at a point, along a line, through a plane or in a box.",
+      "probe, sensor, measure, height, level, flow, flux, discharge, pressure, velocity"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<GaugeShape> shape{*this, "shape", GaugeShape::kPoint, {.doc = "Where it measures, and what."}};
-  Param<Vec3f> position{
-      *this,
-      "position",
-      {},
-      {.unit = "m", .doc = "The point, the beginning of the line, or the middle of the plane."}};
-  Param<Vec3f> end{*this, "end", {0, 1, 0}, {.unit = "m", .doc = "The end of the line."}};
+  Param<Vec3f> position{*this,
+                        "position",
+                        {},
+                        {.unit = "m",
+                         .doc = "The point, the beginning of the line, or the middle of the plane.",
+                         .onlyFor = "shape: point, line, plane"}};
+  Param<Vec3f> end{
+      *this, "end", {0, 1, 0}, {.unit = "m", .doc = "The end of the line.", .onlyFor = "shape: line"}};
   Param<Vec3f> normal{
-      *this, "normal", {0, 1, 0}, {.doc = "The way in which flow counts as positive; of any length but 0."}};
+      *this,
+      "normal",
+      {0, 1, 0},
+      {.doc = "The way in which flow counts as positive; of any length but 0.", .onlyFor = "shape: plane"}};
   Param<std::optional<float>> radius{
       *this,
       "radius",
@@ -50,9 +56,16 @@ class Gauge final : public Node {
       {.unit = "m",
        .min = 0,
        .aboveMin = true,
-       .doc = "Of the disc of the plane through which flow counts; all of the plane if it is left out."}};
-  Param<Vec3f> min{*this, "min", {-0.5f, 0, -0.5f}, {.unit = "m", .doc = "Lower corner of the box."}};
-  Param<Vec3f> max{*this, "max", {0.5f, 1, 0.5f}, {.unit = "m", .doc = "Upper corner of the box."}};
+       .doc = "Of the disc of the plane through which flow counts; all of the plane if it is left out.",
+       .onlyFor = "shape: plane"}};
+  Param<Vec3f> min{*this,
+                   "min",
+                   {-0.5f, 0, -0.5f},
+                   {.unit = "m", .doc = "Lower corner of the box.", .onlyFor = "shape: box"}};
+  Param<Vec3f> max{*this,
+                   "max",
+                   {0.5f, 1, 0.5f},
+                   {.unit = "m", .doc = "Upper corner of the box.", .onlyFor = "shape: box"}};
 
   Input<Particles> particles{*this, "particles", "The particles to measure, a fluid's or others."};
 
