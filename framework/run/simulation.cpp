@@ -19,8 +19,8 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Modules are timed in at most one step in kTimedEvery, and not again for a while: a step in which they are
-// is launched kernel by kernel, and takes up to 0.1 ms longer.
+// Modules are timed in at most one step in kStepsPerDetailed, and not again for a while: a step in which they
+// are is launched kernel by kernel, and takes up to 0.1 ms longer.
 constexpr std::int64_t kStepsPerDetailed = 32;
 constexpr std::chrono::milliseconds kBetweenDetailed{20};
 
