@@ -50,6 +50,7 @@ void describeParameters(const Configurable& owner, std::size_t indent, std::stri
     if (!spec.unit.empty()) facts += fmt::format(" [{}]", spec.unit);
     if (const std::string range = rangeOf(spec); !range.empty()) facts += ", " + range;
     if (property->group() == nullptr) facts += ", default " + oneLine(property->defaultValue());
+    if (!spec.onlyFor.empty()) facts += fmt::format(", only for {}", spec.onlyFor);
     if (spec.live) facts += ", may change during a run";
     if (spec.animated) facts += ", may be keyframes";
     text += fmt::format("{}{}: {}\n{}    {}\n", margin, property->name(), facts, margin,

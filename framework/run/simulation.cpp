@@ -80,7 +80,8 @@ SetupContext Simulation::setupContext(std::optional<std::int64_t> last, Log& log
       .dt = longestStep(),
       .seed = scene_->world.seed,
       .stepsVary = stepsVary(),
-      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get()};
+      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get(),
+      .progress = progress_};
 }
 
 MemoryEstimate Simulation::estimate(std::optional<std::int64_t> last) {

@@ -62,6 +62,8 @@ class Simulation {
   /// The part of a reset in which nodes check their settings and put particles in place; not that of frame 0,
   /// in which fluids come to rest. Only a reset may follow.
   void prepare(std::optional<std::int64_t> last = {}) { setUp(last, log_); }
+  /// Is told of each node that is set up, see SetupContext.
+  void onSetUp(decltype(SetupContext::progress) progress) { progress_ = std::move(progress); }
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }
   /// All that the future depends on; to be called at a frame.
@@ -153,6 +155,7 @@ class Simulation {
   std::int64_t stepsUntimed_ = 0;  // since modules were timed
   WallClock::time_point modulesTimedAt_;
   std::vector<OutputTime> outputTimes_;
+  decltype(SetupContext::progress) progress_;
 };
 
 }  // namespace weir
