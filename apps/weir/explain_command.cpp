@@ -50,7 +50,7 @@ std::int64_t runForSeconds(Simulation& simulation) {
 }
 
 /// What the steps so far tell of the whole run.
-std::string timeOf(const Simulation& simulation, double mostParticles) {
+std::string timeOf(const Simulation& simulation, double maxParticles) {
   if (simulation.stepsDone() == 0) return "Time: there are no steps to measure.";
   const auto done = static_cast<double>(simulation.stepsDone());
   const double perStep = simulation.stepSeconds() / done;
@@ -62,7 +62,7 @@ std::string timeOf(const Simulation& simulation, double mostParticles) {
       groupedText(simulation.stepsDone()), 1e3 * perStep, groupedText(simulation.particleCount()),
       groupedText(std::llround(steps)), durationText(steps * perStep));
   constexpr double kNoticeable = 1.1;
-  const double growth = mostParticles / std::max(static_cast<double>(simulation.particleCount()), 1.0);
+  const double growth = maxParticles / std::max(static_cast<double>(simulation.particleCount()), 1.0);
   if (growth > kNoticeable)
     text += fmt::format("; they grow longer with up to {:.2g} times the particles", growth);
   return text + ".";
@@ -103,22 +103,22 @@ std::unique_ptr<Scene> ExplainCommand::loadedScene() {
 void ExplainCommand::tellAmounts(Simulation& simulation) {
   const Device& device = simulation.device();
   const MemoryEstimate estimate = simulation.estimate();
-  const double most = estimate.total().particles;
+  const double max = estimate.total().particles;
   tell("\n" + explainMemory(estimate, device.name(), static_cast<double>(device.availableMemory())));
-  const std::string atMost = groupedText(std::llround(most));
+  const std::string atMost = groupedText(std::llround(max));
   std::string time = "Time: --measure runs the first steps to tell it.";
   if (measure_) {
     const std::int64_t atStart = runForSeconds(simulation);
     tell(fmt::format("Particles: {} at the start, at most {}.", groupedText(atStart), atMost));
-    time = timeOf(simulation, most);
-  } else if (most <= kMaxPrepared) {
+    time = timeOf(simulation, max);
+  } else if (max <= kMaxPrepared) {
     simulation.prepare();
     tell(fmt::format("Particles: {} at the start, at most {}.", groupedText(simulation.particleCount()),
                      atMost));
   } else {
     tell(fmt::format("Particles: at most {}.", atMost));
     warnings_.push_back(
-        "there are so many particles that settings are checked by --measure or 'weir run' only");
+        "there are that many particles that settings are checked by --measure or 'weir run' only");
   }
   tell(time);
 }

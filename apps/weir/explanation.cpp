@@ -54,11 +54,11 @@ std::string explainTime(const Simulation& simulation) {
                                  counted(clock.frameCount(), "frame"), world.frameRate.get());
   if (world.duration.get() == 0) return text + "There are no steps.";
   if (!simulation.stepsVary()) return text + equalSteps(clock);
-  const double least = std::ceil(world.duration.get() / simulation.longestStep() - 1e-6);
+  const double min = std::ceil(world.duration.get() / simulation.longestStep() - 1e-6);
   return text + fmt::format(
                     "Steps follow the fastest particles and take at most {:.3g} ms, so there are at least "
                     "{}.",
-                    1e3 * simulation.longestStep(), groupedText(std::llround(least)));
+                    1e3 * simulation.longestStep(), groupedText(std::llround(min)));
 }
 
 std::string explainNodes(const SceneGraph& graph) {

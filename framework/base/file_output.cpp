@@ -36,7 +36,7 @@ class Temporary {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (!fs::exists(folder, ignored))
       throw cannotWrite(path, "there is no folder " + folder.string(), "make the folder first");
-    // A device such as /dev/full or a pipe is no file that could be replaced.
+    // A device such as /dev/full or a pipe is not a file that could be replaced.
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
       throw cannotWrite(path, "it is not a regular file");
     // Opened with the usual permissions, which the process's umask narrows; mkstemp's would be the owner's

@@ -129,8 +129,8 @@ class Param final : public Property {
   }
 
   /// The largest from `from` to `to`, from <= to, in s.
-  T most(double from, double to) const requires std::floating_point<T> {
-    return keyframes_.empty() ? value_ : keyframes_.most(from, to);
+  T max(double from, double to) const requires std::floating_point<T> {
+    return keyframes_.empty() ? value_ : keyframes_.max(from, to);
   }
 
   /// Checked like a value from a scene.

@@ -109,7 +109,7 @@ class Simulation {
     double shortest = 0, longest = 0;  ///< s
     /// Where world.min_dt kept a step from being as short as the nodes asked, and the least that one asked.
     std::int64_t tooLong = 0;
-    double leastWanted = 0;  ///< s
+    double minWanted = 0;  ///< s
   };
   const StepLengths& stepLengths() const { return lengths_; }
 

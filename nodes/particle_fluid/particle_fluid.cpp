@@ -70,10 +70,10 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
 
 void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   double atFirst = 0, born = 0;
-  for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].most;
-  for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
-  most_ = atFirst + born;
-  fluid->most = most_;
+  for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].maxCount;
+  for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].maxCount;
+  maxParticles_ = atFirst + born;
+  fluid->maxCount = maxParticles_;
   fluid->material.spacing = spacing;
   // What is proportional to their number is so to 1/spacing³.
   needs.remedy = [d = double(spacing)](double share) {
@@ -81,12 +81,12 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
     return fmt::format("a spacing of at least {:.3g} m", std::ceil(fitting / digit) * digit);
   };
   constexpr double kMax = std::numeric_limits<int>::max();
-  if (!(most_ <= kMax))
-    throw sceneError(
-        fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
-        fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / most_));
-  needs.particles = most_;
-  needs.device = memoryFor(context.device, most_);
+  if (!(maxParticles_ <= kMax))
+    throw sceneError(fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles",
+                                 spacing.get(), maxParticles_),
+                     fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / maxParticles_));
+  needs.particles = maxParticles_;
+  needs.device = memoryFor(context.device, maxParticles_);
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
   needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
 }
@@ -136,7 +136,7 @@ void ParticleFluid::reset(const SetupContext& context) {
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
-  if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
+  if (maxParticles_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_));
   fluid->material = {
       .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
   fluid->assign(state.particles);
@@ -320,8 +320,8 @@ void ParticleFluid::checkEvents() {
   constexpr std::int64_t kMaxNonFinite = 10;
   constexpr double kMaxNonFiniteShare = 1e-3;
   state.events = state.neighbors.eventsOnHost();
-  const double most = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
-  if (state.events.nonFinite > most)
+  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
+  if (state.events.nonFinite > max)
     throw simulationError(
         fmt::format(
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",

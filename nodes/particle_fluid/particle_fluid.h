@@ -193,7 +193,7 @@ class ParticleFluid final : public Node, private SolidCoupling {
 
   Pipeline<FluidModule> pipeline_;
   FluidConstants constants_;
-  double most_ = 0;  // particles, as estimated; 0 if nobody asked
+  double maxParticles_ = 0;  // particles, as estimated; 0 if nobody asked
   std::optional<State> state_;
 };
 

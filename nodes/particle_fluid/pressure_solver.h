@@ -70,7 +70,7 @@ class PressureSolver : public FluidModule, public PressureLaw {
   void reserve(FluidStep& fluid, bool excess);
   /// Where the iterations have come to, if that is recorded.
   void record(const PressureProblem& problem);
-  /// Warns of a step that so many iterations leave compressed.
+  /// Warns of a step that this number of iterations leaves compressed.
   void warnOfFew(const FluidOutlook& outlook, int iterations, const std::string& another) const;
 
   BulkEnergy bulkEnergy_;

@@ -114,7 +114,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   Pose poseAt(double time) const override;
   Vec3f pivotAt(double time) const override;
   /// A bound of the speed of all points of the solids from `from` to `to`, in s; m/s.
-  double mostSpeed(double from, double to) const;
+  double maxSpeed(double from, double to) const;
 
  private:
   SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;

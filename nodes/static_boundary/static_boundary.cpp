@@ -85,7 +85,7 @@ void StaticBoundary::estimate(const SetupContext&, MemoryNeeds& needs) {
   for (const Boundary::Request& request : boundary.requests()) finest = std::min(finest, request.spacing);
   if (!std::isfinite(finest)) return;
   for (std::size_t i = 0; i < meshes.size(); ++i)
-    needs.add(MeshSdf::mostMemory(meshes[i], cellFor(finest), bandFor(finest)));
+    needs.add(MeshSdf::maxMemory(meshes[i], cellFor(finest), bandFor(finest)));
 }
 
 void StaticBoundary::reset(const SetupContext& context) {
@@ -132,14 +132,14 @@ double StaticBoundary::thickness() const {
 }
 
 void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) const {
-  const double least = inverted ? kMinSpacings : 1;
-  if (thickness() >= least * spacing * (1 - kSettingRounding)) return;
+  const double spacings = inverted ? kMinSpacings : 1;
+  if (thickness() >= spacings * spacing * (1 - kSettingRounding)) return;
   warnOfSetting(context.log, fmt::format("node '{}'", name()),
                 fmt::format("the {} is {:.3g} spacings thick, so {}", inverted ? "room inside" : "solid",
                             thickness() / spacing,
                             inverted ? "the fluid in it is not resolved" : "particles may pass through it"),
                 fmt::format("a thickness of at least {:.2g} m, or a spacing of at most {:.2g} m",
-                            least * spacing, thickness() / least));
+                            spacings * spacing, thickness() / spacings));
 }
 
 void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {

@@ -76,9 +76,9 @@ class OpenFile {
     return ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode);
   }
   /// As read(2), but goes on after a signal.
-  ssize_t read(char* to, std::size_t most) const {
+  ssize_t read(char* to, std::size_t max) const {
     ssize_t got = -1;
-    do got = ::read(file_, to, most);
+    do got = ::read(file_, to, max);
     while (got < 0 && errno == EINTR);
     return got;
   }

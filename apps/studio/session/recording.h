@@ -11,7 +11,7 @@ namespace weir::studio {
 class Recording {
  public:
   /// Where frames take more bytes than this, every second one is forgotten.
-  explicit Recording(std::int64_t most) : most_(most) {}
+  explicit Recording(std::int64_t max) : maxBytes_(max) {}
 
   void clear();
   /// Frames come in any order; one that is there already is replaced.
@@ -26,7 +26,7 @@ class Recording {
  private:
   void thin();
 
-  std::int64_t most_;
+  std::int64_t maxBytes_;
   std::int64_t bytes_ = 0;
   std::int64_t every_ = 1;  // only multiples of this are kept
   std::map<std::int64_t, Packet> frames_;

@@ -14,7 +14,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
-constexpr int kNumbersShare = 100;  // they take at most one part of so many of the time
+constexpr int kNumbersShare = 100;  // they take at most one part in kNumbersShare of the time
 constexpr int kAnswersShare = 40;   // and so do the answers to questions
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {

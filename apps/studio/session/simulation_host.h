@@ -62,7 +62,7 @@ class SimulationHost {
   void load(std::unique_ptr<Scene> scene, std::string device);
   void play();
   void pause();
-  void advance(std::int64_t frames);  ///< so many more than were asked for, and then pauses
+  void advance(std::int64_t frames);  ///< that many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
   void show(FrameView view);
   /// Has the listener's serve() called before the next step.

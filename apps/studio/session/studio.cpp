@@ -49,7 +49,7 @@ ServerOptions serverOptions(const StudioOptions& options) {
           .token = randomToken(),
           .largestUpload = options.largestUpload,
           .largestMessage = kLargestSceneFile,
-          .mostWaiting = options.mostWaiting};
+          .maxWaitingBytes = options.maxWaitingBytes};
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       folder_(options_.folder),
       sceneFiles_(folder_, options_.sceneFolders),
       device_(options_.device),
-      recording_(options_.mostRecorded),
+      recording_(options_.maxRecordedBytes),
       server_(serverOptions(options_), *this),
       desk_(registry,
             [this](const VideoStatus& video) {

@@ -30,9 +30,9 @@ struct StudioOptions {
   std::filesystem::path page;                                 ///< the built web page
   std::filesystem::path templates;                            ///< scenes to start from
   std::string types;                                          ///< what `weir nodes --json` prints
-  std::int64_t mostRecorded = std::int64_t{1} << 30;          ///< bytes of frames that are kept
+  std::int64_t maxRecordedBytes = std::int64_t{1} << 30;      ///< bytes of frames that are kept
   std::int64_t largestUpload = ServedFolder::kLargestUpload;  ///< bytes
-  std::int64_t mostWaiting = std::int64_t{64} << 20;          ///< bytes for a client before it is closed
+  std::int64_t maxWaitingBytes = std::int64_t{64} << 20;      ///< bytes for a client before it is closed
 };
 
 class Studio final : private ServerEvents, private HostListener {

@@ -89,7 +89,7 @@ void Studio::setView(ClientId client, const Value& message, Value&) {
   constexpr std::int64_t kMaxParticles = 20'000'000;
   FrameView view;
   view.attribute = textMember(message, "attribute");
-  view.most = wholeMember(message, "most", 1, kMaxParticles);
+  view.max = wholeMember(message, "most", 1, kMaxParticles);
   host_.show(std::move(view));
 }
 

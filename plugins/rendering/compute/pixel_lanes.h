@@ -64,7 +64,7 @@ inline Ints clamped(const Ints& x, int low, int high) {
   const Ints above = x > lowest ? x : lowest;
   return above < highest ? above : highest;
 }
-/// The larger one; `low` where x is no number.
+/// The larger one; `low` where x is NaN.
 inline Number atLeast(const Number& x, const Number& low) {
 #ifdef __AVX2__
   return Lanes::Vector(_mm256_max_ps(x.v, low.v));
@@ -72,7 +72,7 @@ inline Number atLeast(const Number& x, const Number& low) {
   return select(x > low, x, low);
 #endif
 }
-/// The smaller one; `high` where x is no number.
+/// The smaller one; `high` where x is NaN.
 inline Number atMost(const Number& x, const Number& high) {
 #ifdef __AVX2__
   return Lanes::Vector(_mm256_min_ps(x.v, high.v));

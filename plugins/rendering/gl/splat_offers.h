@@ -23,12 +23,12 @@ WEIR_HD float insetOfSphere(const Sphere& sphere) {
 }
 
 /// The bits of depths, alone or with the number of the sphere.
-WEIR_HD inline void offerDepth(std::uint32_t* least, std::uint32_t depthBits, std::int64_t) {
-  atomicMin(least, depthBits);
+WEIR_HD inline void offerDepth(std::uint32_t* min, std::uint32_t depthBits, std::int64_t) {
+  atomicMin(min, depthBits);
 }
-WEIR_HD inline void offerDepth(std::uint64_t* least, std::uint32_t depthBits, std::int64_t sphere) {
-  atomicMin(least, std::uint64_t{depthBits} << 32 |
-                       std::uint64_t{kNoSphere - 1 - static_cast<std::uint32_t>(sphere)});
+WEIR_HD inline void offerDepth(std::uint64_t* min, std::uint32_t depthBits, std::int64_t sphere) {
+  atomicMin(min, std::uint64_t{depthBits} << 32 |
+                     std::uint64_t{kNoSphere - 1 - static_cast<std::uint32_t>(sphere)});
 }
 
 template <class Least>
@@ -42,7 +42,7 @@ template <class Sphere, class Least>
 struct OfferToCamera {
   ArrayView<const Sphere> spheres;
   SplatCamera camera;
-  ArrayView<Least> least;
+  ArrayView<Least> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
     return -camera.point(group.center).z - group.radius;
@@ -82,7 +82,7 @@ struct OfferToCamera {
 
   WEIR_HD void offerRow(int row, const Reach& found, std::int64_t i, const Vec3f& center, float radius,
                         float inset) const {
-    Least* line = least.data + std::int64_t{row} * camera.width;
+    Least* line = min.data + std::int64_t{row} * camera.width;
     const float up = camera.ray(0, row).y;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, camera.width);
@@ -104,7 +104,7 @@ template <class Sphere>
 struct OfferToSun {
   ArrayView<const Sphere> spheres;
   SplatSun sun;
-  ArrayView<std::uint32_t> least;
+  ArrayView<std::uint32_t> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
     return sun.point(group.center).z - group.radius * sun.zToDepth;
@@ -137,7 +137,7 @@ struct OfferToSun {
     const float radius = metres / sun.halfSize, thick = metres * sun.zToDepth;
     const float texel = 2.0f / float(sun.resolution);
     const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
-    std::uint32_t* line = least.data + std::int64_t{row} * sun.resolution;
+    std::uint32_t* line = min.data + std::int64_t{row} * sun.resolution;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, sun.resolution);
       const Ints columns = intsFrom(column);
@@ -153,14 +153,14 @@ struct OfferToSun {
 
 template <class Backend, class Sphere, class Least>
 void offerToCamera(Backend& device, std::string_view name, ArrayView<const Sphere> spheres,
-                   const SplatCamera& camera, ArrayView<Least> least) {
-  offerAll(device, name, spheres, least, camera.width, OfferToCamera<Sphere, Least>{spheres, camera, least});
+                   const SplatCamera& camera, ArrayView<Least> min) {
+  offerAll(device, name, spheres, min, camera.width, OfferToCamera<Sphere, Least>{spheres, camera, min});
 }
 
 template <class Backend, class Sphere>
 void offerToSun(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, const SplatSun& sun,
-                ArrayView<std::uint32_t> least) {
-  offerAll(device, name, spheres, least, sun.resolution, OfferToSun<Sphere>{spheres, sun, least});
+                ArrayView<std::uint32_t> min) {
+  offerAll(device, name, spheres, min, sun.resolution, OfferToSun<Sphere>{spheres, sun, min});
 }
 
 }  // namespace weir::rendering::gl

@@ -169,7 +169,7 @@ TEST(StudioMemory, TellsWhichFramesAreKept) {
   StudioOptions options;
   options.folder = folder.path();
   options.threads = 1;
-  options.mostRecorded = 1;
+  options.maxRecordedBytes = 1;
   const RunningStudio studio(options, "scene.json");
   const Socket socket = studio.socket();
   socket.ask(R"({"id": 1, "do": "run.play"})");

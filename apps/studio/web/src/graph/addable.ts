@@ -5,7 +5,7 @@ import type { Scene } from "../model/scene";
 import type { NodeType, Types } from "../model/types";
 
 const kRecentKey = "weir-recent";
-const kMostRecent = 5;
+const kMaxRecent = 5;
 const kRecent = "Recently used";
 
 function recent(): string[] {
@@ -17,13 +17,13 @@ function recent(): string[] {
 }
 
 export function remember(type: string): void {
-  localStorage.setItem(kRecentKey, JSON.stringify([type, ...recent().filter((t) => t !== type)].slice(0, kMostRecent)));
+  localStorage.setItem(kRecentKey, JSON.stringify([type, ...recent().filter((t) => t !== type)].slice(0, kMaxRecent)));
 }
 
 /** All types of nodes that fit: those that were used last, and the others by their roles. */
 export function nodesToAdd(types: Types, fits: (type: NodeType) => boolean, add: (type: string) => void): Found[] {
   const last = recent();
-  const rank = (name: string, t: NodeType) => (last.includes(name) ? last.indexOf(name) - kMostRecent : kRoleNames.indexOf(roleOf(t).name));
+  const rank = (name: string, t: NodeType) => (last.includes(name) ? last.indexOf(name) - kMaxRecent : kRoleNames.indexOf(roleOf(t).name));
   return Object.entries(types.nodes)
     .filter(([, t]) => fits(t))
     .sort(([a, s], [b, t]) => rank(a, s) - rank(b, t) || (a < b ? -1 : 1))

@@ -15,7 +15,7 @@ import { Recorder } from "./Recorder";
 import { Rendered } from "./Rendered";
 import { kPresets, View, type Preset, type ViewEvents } from "./view";
 
-const kMostChoices = [50_000, 200_000, 1_000_000];
+const kMaxChoices = [50_000, 200_000, 1_000_000];
 
 /** Pixels that a hand may tremble in a click. */
 const kTremble = 3;
@@ -37,7 +37,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [rendered, setRendered] = useState(false);
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => setRendered(false), []);
-  const [most, setMost] = useState(kMostChoices[1]!);
+  const [most, setMost] = useState(kMaxChoices[1]!);
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
   const selected = useStudio((s) => s.selected);
@@ -164,7 +164,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           {Object.keys(kColorMaps).map((m) => <option key={m}>{m}</option>)}
         </select>
         <select aria-label="Most particles" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
-          {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
+          {kMaxChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
       <div
