@@ -7,7 +7,7 @@ import {
   addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksFor, linksOf, linkText, moveModule, nameProblem, pasteNodes,
   pipelineOf, placeModule, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
-import { isUsed, labelOf, withoutUnused } from "../src/model/parameters";
+import { afterChoice, isUsed, labelOf } from "../src/model/parameters";
 import { menuOf } from "../src/Menu";
 import { shorterSteps } from "../src/model/remedy";
 import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
@@ -532,8 +532,12 @@ describe("parameters", () => {
     expect(used({ shape: "cone" })).toEqual(["shape", "height", "friction"]);
     expect(used({ shape: { keyframes: [[0, "box"]] } })).toEqual(["shape", "min", "height", "friction"]);
   });
-  test("go with the choice that gave them a meaning", () => {
-    expect(withoutUnused(all, { shape: "cone", min: 2, height: 3, friction: 4, strange: 5 })).toEqual({ shape: "cone", height: 3, friction: 4, strange: 5 });
+  test("go with the choice that gave them a meaning, and come back with it", () => {
+    const cone = afterChoice(all, { shape: "cone", min: 2, height: 3, friction: 4, strange: 5 }, {});
+    expect(cone).toEqual({ values: { shape: "cone", height: 3, friction: 4, strange: 5 }, left: { min: 2 } });
+    const none = afterChoice(all, { ...cone.values, shape: "none" }, cone.left);
+    expect(none).toEqual({ values: { shape: "none", friction: 4, strange: 5 }, left: { min: 2, height: 3 } });
+    expect(afterChoice(all, { ...none.values, shape: "box", height: 7 }, none.left)).toEqual({ values: { shape: "box", min: 2, height: 7, friction: 4, strange: 5 }, left: {} });
   });
 });
 

@@ -23,11 +23,15 @@ export function isUsed(p: Parameter, all: Parameter[], values: JsonObject): bool
   return !chooser || p.only_for!.choices.includes(String(valueOf(chooser, values)));
 }
 
-/** The values without those that another choice has left without a meaning: with them the scene would be refused. */
-export function withoutUnused(all: Parameter[], values: JsonObject): JsonObject {
-  const kept = Object.entries(values).filter(([name]) => {
+/**
+ * The values after a choice: without those that it leaves without a meaning, with which the scene would be refused, and with
+ * those that it gives one again. `left` are those that were left out before, and now.
+ */
+export function afterChoice(all: Parameter[], values: JsonObject, left: JsonObject): { values: JsonObject; left: JsonObject } {
+  const isLeft = (name: string) => {
     const p = all.find((q) => q.name === name);
-    return !p || isUsed(p, all, values);
-  });
-  return Object.fromEntries(kept);
+    return p !== undefined && !isUsed(p, all, values);
+  };
+  const part = (of: JsonObject, out: boolean) => Object.fromEntries(Object.entries(of).filter(([name]) => isLeft(name) === out));
+  return { values: { ...part(left, false), ...part(values, false) }, left: { ...part(left, true), ...part(values, true) } };
 }

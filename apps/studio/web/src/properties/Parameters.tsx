@@ -2,12 +2,15 @@
 import { Icon } from "../Icon";
 import { copyText, menuOf, showMenu } from "../Menu";
 import { isKeyframes } from "../model/keyframes";
-import { isUsed, labelOf, withoutUnused } from "../model/parameters";
+import { afterChoice, isUsed, labelOf } from "../model/parameters";
 import { paramsOf, setParam, setParams, type Owner, type Scene } from "../model/scene";
 import { edit, problemOf, useStudio } from "../model/store";
 import type { Json, JsonObject, Parameter } from "../model/types";
 import { ValueField } from "./fields";
 import { KeyframesField } from "./KeyframesField";
+
+/** By owner, the values that a choice left without a meaning: they come back with the choice before. */
+const leftOut = new Map<string, JsonObject>();
 
 /** The value that was copied last, for others of its kind. */
 let copied: { kind: string; value: Json } | null = null;
@@ -83,10 +86,13 @@ function Row({ owner, parameter, siblings, path }: { owner: Owner; parameter: Pa
   const problem = useProblem(owner, path.join("/"));
   const value = set === undefined ? parameter.default : set;
   const keyed = isKeyframes(value);
-  // What another choice leaves without a meaning goes with it.
   const put = (v: Json | undefined) => (s: Scene) => {
     const next = setParam(s, owner, path, v);
-    return parameter.choices && path.length === 1 ? setParams(next, owner, withoutUnused(siblings, paramsOf(next, owner))) : next;
+    if (!parameter.choices || path.length > 1) return next;
+    const key = JSON.stringify([useStudio.getState().opened, owner]);
+    const { values, left } = afterChoice(siblings, paramsOf(next, owner), leftOut.get(key) ?? {});
+    leftOut.set(key, left);
+    return setParams(next, owner, values);
   };
   const change = (v: Json) => edit(put(v), JSON.stringify([owner, path]));
   const Field = keyed ? KeyframesField : ValueField;
