@@ -66,6 +66,10 @@ class Temporary {
     }
   }
 
+  void setPermissions(fs::perms permissions) {
+    if (::fchmod(file_, static_cast<mode_t>(permissions)) != 0) throw cannotWrite(path_, errno);
+  }
+
   void rename() {
     if (::fsync(file_) != 0 && errno != EINVAL) throw cannotWrite(path_, errno);
     if (close() != 0) throw cannotWrite(path_, errno);
@@ -105,6 +109,20 @@ void checkWritable(const fs::path& path) {
 void writeFileAtomically(const fs::path& path, std::string_view text) {
   Temporary file(path);
   file.write(text);
+  file.rename();
+}
+
+void replaceFileAtomically(const fs::path& path, std::string_view text) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) throw cannotWrite(path, error.message());
+  const fs::perms permissions = fs::status(real, error).permissions() & fs::perms::mask;
+  constexpr fs::perms kWrite = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+  if ((permissions & kWrite) == fs::perms::none || ::access(real.c_str(), W_OK) != 0)
+    throw cannotWrite(path, "it is read-only");
+  Temporary file(real);
+  file.write(text);
+  file.setPermissions(permissions);
   file.rename();
 }
 

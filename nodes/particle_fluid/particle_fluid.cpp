@@ -63,7 +63,7 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
   lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
                  WallField(device).memoryFor(particles, room.solids) +
-                 ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);  // the density
+                 (pressure ? 2 : 1) * ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);
   pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
   return bytes;
 }
@@ -125,6 +125,12 @@ void ParticleFluid::reset(const SetupContext& context) {
                                               .unit = "kg/m^3",
                                               .doc = "Density.",
                                               .derived = true});
+  if (pressure)
+    state.pressure = state.particles.add<float>({.name = "pressure",
+                                                 .type = AttributeType::kFloat,
+                                                 .unit = "Pa",
+                                                 .doc = "Pressure, 0 where fluid is not compressed.",
+                                                 .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)
@@ -179,6 +185,15 @@ WallFinder* ParticleFluid::wallFinder() const {
   for (const auto& module : pipeline_.modules())
     if (auto* finder = module->enabled() ? dynamic_cast<WallFinder*>(module.get()) : nullptr) return finder;
   return nullptr;
+}
+
+const BulkEnergy& ParticleFluid::bulkEnergy() const {
+  for (const auto& module : pipeline_.modules())
+    if (const auto* law = module->enabled() ? dynamic_cast<PressureLaw*>(module.get()) : nullptr)
+      return law->bulkEnergy();
+  throw sceneError("the fluid has no enabled module that knows its pressure",
+                   "a module such as SemiImplicitSolver or AcceleratedSolver, or \"pressure\": false")
+      .inParameter(pressure.name());
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
@@ -277,7 +292,10 @@ void ParticleFluid::refresh(const StepContext& context) {
     state.particles.refreshCount();
     state.walls.pairs.waitForNumber();
     findWalls(context);
-    dispatch(context.device, [&](auto& device) { densityOn(device); });
+    dispatch(context.device, [&](auto& device) {
+      densityOn(device);
+      if (pressure) pressureOn(device);
+    });
   }
   checkEvents();
 }

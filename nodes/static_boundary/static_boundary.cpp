@@ -28,27 +28,8 @@ Quatf rotationFromUp(const Vec3f& direction) {
 }  // namespace
 
 void StaticBoundary::validate() const {
-  using S = BoundaryShape;
-  const auto refuseFor = [this](const Property& property, std::initializer_list<S> uses) {
-    if (!property.isSet() || std::find(uses.begin(), uses.end(), shape.get()) != uses.end()) return;
-    std::string shapes;
-    for (const S s : uses)
-      shapes +=
-          (shapes.empty() ? "" : ", ") + std::string(EnumNames<S>::kNames[static_cast<std::size_t>(s)].first);
-    throw sceneError(fmt::format("'{}' is given, which means nothing for the shape '{}'", property.name(),
-                                 EnumNames<S>::kNames[static_cast<std::size_t>(shape.get())].first),
-                     "it belongs to the shapes: " + shapes)
-        .inParameter(property.name());
-  };
-  refuseFor(min, {S::kBox});
-  refuseFor(max, {S::kBox});
-  refuseFor(position, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone, S::kPlane});
-  refuseFor(radius, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone});
-  refuseFor(height, {S::kCylinder, S::kCapsule, S::kCone});
-  refuseFor(normal, {S::kPlane});
-  refuseFor(rotation, {S::kBox, S::kCylinder, S::kCapsule, S::kCone});
   const Vec3f extent = max.get() - min.get();
-  if (shape == S::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
+  if (shape == BoundaryShape::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
   if (length(normal.get()) == 0)
     throw sceneError("the normal is [0, 0, 0]", "a direction").inParameter(normal.name());

@@ -18,6 +18,8 @@ class Recording {
   void add(std::int64_t frame, Packet packet);
   /// The frame nearest to this one; null if there is none.
   Packet nearest(std::int64_t frame) const;
+  /// Of frames, this and its multiples are kept.
+  std::int64_t every() const { return every_; }
   std::int64_t bytes() const { return bytes_; }
   std::size_t size() const { return frames_.size(); }
 

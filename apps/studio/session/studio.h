@@ -87,6 +87,7 @@ class Studio final : private ServerEvents, private HostListener {
   void saveScene(ClientId client, const Value& message, Value& result);
   void play(ClientId client, const Value& message, Value& result);
   void pause(ClientId client, const Value& message, Value& result);
+  void cancel(ClientId client, const Value& message, Value& result);
   void step(ClientId client, const Value& message, Value& result);
   void reset(ClientId client, const Value& message, Value& result);
   void seek(ClientId client, const Value& message, Value& result);
@@ -108,6 +109,8 @@ class Studio final : private ServerEvents, private HostListener {
   CheckedScene check() const;
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
+  /// Whether the simulation has last told that it is in a state.
+  bool isState(HostState state) const;
   /// Whether there is no run that could go on.
   bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);

@@ -37,7 +37,7 @@ std::vector<BenchCase> benchCases();
 /// Those that are compared with other programs, and two beyond them.
 std::vector<BlockSize> blockSizes();
 
-/// One of blockSizes() if it has exactly that many particles; otherwise the block of about that many that is
+/// One of blockSizes() if it has exactly that many particles; otherwise the block of about as many that is
 /// nearest to a cube: its base is a square, and its height takes up the rest.
 BlockSize blockOf(std::int64_t particles);
 

@@ -2,7 +2,6 @@
 import type { Found } from "../Finder";
 import { kModuleRole, kRoleNames, roleOf } from "../model/roles";
 import type { Scene } from "../model/scene";
-import { synonymsOf } from "../model/synonyms";
 import type { NodeType, Types } from "../model/types";
 
 const kRecentKey = "weir-recent";
@@ -29,7 +28,7 @@ export function nodesToAdd(types: Types, fits: (type: NodeType) => boolean, add:
     .filter(([, t]) => fits(t))
     .sort(([a, s], [b, t]) => rank(a, s) - rank(b, t) || (a < b ? -1 : 1))
     .map(([name, t]) => ({
-      id: name, name, doc: t.doc, synonyms: synonymsOf(name), role: roleOf(t), group: last.includes(name) ? kRecent : roleOf(t).name,
+      id: name, name, doc: t.doc, synonyms: t.also ?? [], role: roleOf(t), group: last.includes(name) ? kRecent : roleOf(t).name,
       take: () => (remember(name), add(name)),
     }));
 }
@@ -42,5 +41,5 @@ export function hostOf(scene: Scene, types: Types, family: string, selected: str
 
 export const modulesToAdd = (types: Types, take: (module: string) => void): Found[] =>
   Object.entries(types.modules).sort(([a], [b]) => (a < b ? -1 : 1)).map(([name, m]) => ({
-    id: `module ${name}`, name, doc: m.doc, synonyms: synonymsOf(name), role: kModuleRole, group: kModuleRole.name, beside: "module", take: () => take(name),
+    id: `module ${name}`, name, doc: m.doc, synonyms: m.also ?? [], role: kModuleRole, group: kModuleRole.name, beside: "module", take: () => take(name),
   }));

@@ -20,6 +20,10 @@ export interface Status {
   stepping_seconds?: number;
   /** 0 to 1 */
   device_busy?: number;
+  /** Which node is set up while the scene is built, how many were before, and how many there are. */
+  building?: { node: string; done: number; all: number };
+  /** Of the frames of the run, 0, this and its multiples can be looked at again. */
+  recorded_every?: number;
   problem?: Problem;
 }
 
