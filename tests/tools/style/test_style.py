@@ -87,6 +87,10 @@ class NamesTest(Folder):
         text = "#pragma once\nclass GoodName {\n public:\n  int goodName() const { return member_; }\n\n private:\n  int member_ = 0;\n};\n"
         self.assertEqual(self.check(text), (0, "1 headers read, in 1 groups\n"))
 
+    def test_protected_members_are_like_private_ones_or_plain(self):
+        self.assertEqual(self.check("#pragma once\nclass A {\n protected:\n  int likePrivate_ = 0;\n  int plainOne = 0;\n};\n")[0], 0)
+        self.assertEqual(self.check("#pragma once\nclass A {\n protected:\n  int not_so_ = 0;\n};\n")[0], 1)
+
     def test_a_name_against_the_rules_fails_and_is_told(self):
         code, text = self.check("#pragma once\nstruct bad_name {};\n")
         self.assertEqual(code, 1)
