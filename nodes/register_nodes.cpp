@@ -5,6 +5,7 @@
 #include "nodes/emitters/mesh_emitter.h"
 #include "nodes/emitters/square_emitter.h"
 #include "nodes/fluid_surface/fluid_surface.h"
+#include "nodes/gauge/gauge.h"
 #include "nodes/mesh_file/mesh_file.h"
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
@@ -37,6 +38,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<BoxSampler>();
   registry.addNode<CircleEmitter>();
   registry.addNode<FluidSurface>();
+  registry.addNode<Gauge>();
   registry.addNode<MeshEmitter>();
   registry.addNode<MeshFile>();
   registry.addNode<MeshSampler>();

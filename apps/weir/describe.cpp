@@ -16,28 +16,6 @@ namespace weir::app {
 
 namespace {
 
-/// Text broken into lines that fit a terminal, all but the first one indented.
-std::string wrapped(std::string_view text, std::size_t indent) {
-  constexpr std::size_t kWidth = 100;
-  std::string result;
-  std::size_t column = indent;
-  while (!text.empty()) {
-    const std::size_t space = std::min(text.find(' '), text.size());
-    const bool breaks = column > indent && column + 1 + space > kWidth;
-    if (breaks) {
-      result += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (column > indent) {
-      result += ' ';
-      ++column;
-    }
-    result += text.substr(0, space);
-    column += space;
-    text.remove_prefix(std::min(space + 1, text.size()));
-  }
-  return result;
-}
-
 template <class Types>
 std::string typeTable(const Types& types) {
   std::size_t width = 0;
@@ -72,6 +50,7 @@ void describeParameters(const Configurable& owner, std::size_t indent, std::stri
     if (!spec.unit.empty()) facts += fmt::format(" [{}]", spec.unit);
     if (const std::string range = rangeOf(spec); !range.empty()) facts += ", " + range;
     if (property->group() == nullptr) facts += ", default " + oneLine(property->defaultValue());
+    if (!spec.onlyFor.empty()) facts += fmt::format(", only for {}", spec.onlyFor);
     if (spec.live) facts += ", may change during a run";
     if (spec.animated) facts += ", may be keyframes";
     text += fmt::format("{}{}: {}\n{}    {}\n", margin, property->name(), facts, margin,
@@ -132,6 +111,27 @@ Error unknownType(const Registry& registry, const std::string& type) {
 }
 
 }  // namespace
+
+std::string wrapped(std::string_view text, std::size_t indent) {
+  constexpr std::size_t kWidth = 100;
+  std::string result;
+  std::size_t column = indent;
+  while (!text.empty()) {
+    const std::size_t space = std::min(text.find(' '), text.size());
+    const bool breaks = column > indent && column + 1 + space > kWidth;
+    if (breaks) {
+      result += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (column > indent) {
+      result += ' ';
+      ++column;
+    }
+    result += text.substr(0, space);
+    column += space;
+    text.remove_prefix(std::min(space + 1, text.size()));
+  }
+  return result;
+}
 
 std::string describeAll(const Registry& registry) {
   return "Nodes\n" + typeTable(registry.nodes()) + "\nModules\n" + typeTable(registry.modules()) +

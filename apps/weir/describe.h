@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "apps/weir/program.h"
 
 namespace weir::app {
+
+/// Text broken into lines that fit a terminal, all but the first one indented.
+std::string wrapped(std::string_view text, std::size_t indent);
 
 /// All node and module types in a line each.
 std::string describeAll(const Registry& registry);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "apps/weir/each_file.h"
 #include "apps/weir/standard_streams.h"
 #include "framework/base/text.h"
 #include "framework/graph/guard.h"
@@ -123,17 +124,11 @@ std::string sceneIn(const std::string& file, const FileContents& contents) {
 }  // namespace
 
 int describeFiles(Program& program, const std::vector<std::string>& files, bool sceneOnly) {
-  int code = kDone;
-  for (const std::string& file : files) {
-    try {
-      const FileContents contents = contentsOf(program.registry(), file);
-      print(sceneOnly ? sceneIn(file, contents) : described(file, contents));
-    } catch (const Error& e) {
-      program.log().error(e.what());
-      if (code == kDone) code = exitCode(e.kind());
-    }
-  }
-  return code;
+  return forEachFile(program, files, [&](const std::string& file) {
+    const FileContents contents = contentsOf(program.registry(), file);
+    print(sceneOnly ? sceneIn(file, contents) : described(file, contents));
+    return kDone;
+  });
 }
 
 }  // namespace weir::app

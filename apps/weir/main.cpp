@@ -11,12 +11,17 @@
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
 #include "apps/weir/describe_file.h"
+#include "apps/weir/explain_command.h"
+#include "apps/weir/format_command.h"
+#include "apps/weir/installed_scenes.h"
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
 #include "apps/weir/render_command.h"
 #include "apps/weir/run_command.h"
+#include "apps/weir/scenes_command.h"
 #include "apps/weir/standard_streams.h"
 #include "apps/weir/studio_command.h"
+#include "apps/weir/upgrade_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
 #include "framework/base/interruption.h"
@@ -85,10 +90,16 @@ int runProgram(Program& program, int argc, char** argv) {
   RenderCommand render(app, program);
   BenchCommand bench(app, program);
   StudioCommand studio(app, program);
+  ScenesCommand installed(app, program);
+  ExplainCommand explain(app, program);
+  FormatCommand format(app, program);
+  UpgradeCommand upgrade(app, program);
 
   std::vector<std::string> scenes, set, plugins;
   CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
-  validate->add_option("scenes", scenes, "The scene files")->required()->type_name("SCENE...");
+  validate->add_option("scenes", scenes, "The scene files, or names of 'weir scenes'")
+      ->required()
+      ->type_name("SCENE...");
   validate->add_option("--set", set, "Change a parameter first, as for 'weir run'")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -138,6 +149,10 @@ int runProgram(Program& program, int argc, char** argv) {
   if (render.command().parsed()) return render.run();
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (studio.command().parsed()) return studio.run();
+  if (installed.command().parsed()) return installed.run();
+  if (explain.command().parsed()) return explain.run();
+  if (format.command().parsed()) return format.run();
+  if (upgrade.command().parsed()) return upgrade.run();
   if (validate->parsed()) return validateScenes(program, scenes, set);
   if (nodes->parsed() && json) print(writeJson(typesAsValue(registry, type)));
   if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));
@@ -147,7 +162,7 @@ int runProgram(Program& program, int argc, char** argv) {
     throw usageError("--scene needs a file", "a checkpoint, or an export that Weir wrote");
   if (info->parsed() && !files.empty()) return describeFiles(program, files, sceneOnly);
   if (info->parsed()) print(describeProgram(program, registry));
-  if (completion->parsed()) print(bashCompletion(app));
+  if (completion->parsed()) print(bashCompletion(app, installedScenes()));
   return kDone;
 }
 

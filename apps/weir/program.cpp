@@ -107,9 +107,7 @@ void Program::loadPluginsOf(const fs::path& scene, const std::vector<FilePath>& 
 
 std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Override>& overrides) {
   std::vector<std::string> warnings;
-  std::unique_ptr<Scene> scene =
-      loadScene(file, registry_, overrides, warnings,
-                [&](const std::vector<FilePath>& plugins) { loadPluginsOf(file, plugins); });
+  std::unique_ptr<Scene> scene = loadScene(file, registry_, overrides, warnings, pluginLoader(file));
   for (const std::string& warning : warnings) log_.warn(warning);
   return scene;
 }

@@ -53,6 +53,11 @@ class Program {
   std::unique_ptr<Scene> loadText(const std::string& name, std::string_view text,
                                   const std::vector<Override>& overrides);
 
+  /// Loads the plugins that a scene names, or throws, as load() does.
+  PluginLoader pluginLoader(const std::filesystem::path& scene) {
+    return [this, scene](const std::vector<FilePath>& plugins) { loadPluginsOf(scene, plugins); };
+  }
+
   /// Called before a message is written, to make room for it on a terminal.
   void beforeMessage(std::function<void()> action) { beforeMessage_ = std::move(action); }
   /// Whether messages below warnings are shown.

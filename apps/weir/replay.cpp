@@ -11,7 +11,7 @@ namespace weir::app {
 
 namespace {
 
-/// Adds an attribute of the type that has such numbers, and so many of them, if there is one.
+/// Adds an attribute of the type that has such numbers, and that many of them, if there is one.
 template <class From>
 void addNumbers(const RecordedArray& array, AttributeInfo info, const std::vector<From>& numbers,
                 ParticleSet& particles, const StateWriter& to) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/weir/installed_scenes.h"
 #include "apps/weir/shown_run.h"
 #include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
@@ -58,7 +59,7 @@ std::string summaryOf(const Simulation& simulation) {
 RunCommand::RunCommand(CLI::App& app, Program& program)
     : program_(program),
       command_(app.add_subcommand("run", "Simulate a scene, and write videos, images and data")) {
-  command_->add_option("scene", scene_, "The scene file")->required()->type_name("SCENE");
+  command_->add_option("scene", scene_, kSceneHelp)->required()->type_name("SCENE");
   command_->add_option("--device", device_, "auto, cpu, cuda or cuda:N")
       ->type_name("D")
       ->capture_default_str();
@@ -173,6 +174,7 @@ void RunCommand::printResults() const {
 int RunCommand::run() {
   program_.setQuiet(quiet_);
   Log& log = program_.log();
+  scene_ = sceneFile(scene_);
   const std::vector<OutputLock> locks = takeOutputPaths();
   auto scene = program_.load(scene_, overrides());
   const std::unique_ptr<Device> device = openDevice(device_, threads_);

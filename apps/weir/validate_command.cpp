@@ -1,5 +1,7 @@
 #include "apps/weir/validate_command.h"
 
+#include "apps/weir/each_file.h"
+#include "apps/weir/installed_scenes.h"
 #include "apps/weir/standard_streams.h"
 #include "framework/base/text.h"
 #include "framework/run/simulation.h"
@@ -25,7 +27,7 @@ void checkFiles(const Configurable& owner, const std::string& node) {
 void validateScene(Program& program, const std::string& file, const std::vector<std::string>& overrides) {
   std::vector<Override> changes;
   for (const std::string& text : overrides) changes.push_back(parseOverride(text));
-  const std::unique_ptr<Scene> scene = program.load(file, changes);
+  const std::unique_ptr<Scene> scene = program.load(sceneFile(file), changes);
   clockOf(*scene);
   for (const auto& node : scene->graph.nodes()) checkFiles(*node, node->name());
 }
@@ -34,17 +36,11 @@ void validateScene(Program& program, const std::string& file, const std::vector<
 
 int validateScenes(Program& program, const std::vector<std::string>& scenes,
                    const std::vector<std::string>& overrides) {
-  int code = kDone;
-  for (const std::string& file : scenes) {
-    try {
-      validateScene(program, file, overrides);
-      print(file + ": valid\n");
-    } catch (const Error& e) {
-      program.log().error(e.what());
-      if (code == kDone) code = exitCode(e.kind());
-    }
-  }
-  return code;
+  return forEachFile(program, scenes, [&](const std::string& file) {
+    validateScene(program, file, overrides);
+    print(file + ": valid\n");
+    return kDone;
+  });
 }
 
 }  // namespace weir::app

@@ -33,7 +33,7 @@ std::string print(const A& a) {
 
 struct CheckResult {
   bool ok;
-  std::string values;  // "" where the expression is no comparison
+  std::string values;  // "" where the expression is not a comparison
 };
 
 template <class A>

@@ -1,5 +1,5 @@
 // Digests by which damage and changes are seen: CRC-32, as zlib makes it. It sees every damage of up to 32
-// bits in a row and misses one in four billion others. Who wants to deceive can: it is no signature.
+// bits in a row and misses one in four billion others. Who wants to deceive can: it is not a signature.
 #pragma once
 
 #include <cstddef>

@@ -36,7 +36,7 @@ class Temporary {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (!fs::exists(folder, ignored))
       throw cannotWrite(path, "there is no folder " + folder.string(), "make the folder first");
-    // A device such as /dev/full or a pipe is no file that could be replaced.
+    // A device such as /dev/full or a pipe is not a file that could be replaced.
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
       throw cannotWrite(path, "it is not a regular file");
     // Opened with the usual permissions, which the process's umask narrows; mkstemp's would be the owner's
@@ -64,6 +64,10 @@ class Temporary {
       if (written < 0) throw cannotWrite(path_, errno);
       text.remove_prefix(static_cast<std::size_t>(written));
     }
+  }
+
+  void setPermissions(fs::perms permissions) {
+    if (::fchmod(file_, static_cast<mode_t>(permissions)) != 0) throw cannotWrite(path_, errno);
   }
 
   void rename() {
@@ -105,6 +109,20 @@ void checkWritable(const fs::path& path) {
 void writeFileAtomically(const fs::path& path, std::string_view text) {
   Temporary file(path);
   file.write(text);
+  file.rename();
+}
+
+void replaceFileAtomically(const fs::path& path, std::string_view text) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) throw cannotWrite(path, error.message());
+  const fs::perms permissions = fs::status(real, error).permissions() & fs::perms::mask;
+  constexpr fs::perms kWrite = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+  if ((permissions & kWrite) == fs::perms::none || ::access(real.c_str(), W_OK) != 0)
+    throw cannotWrite(path, "it is read-only");
+  Temporary file(real);
+  file.write(text);
+  file.setPermissions(permissions);
   file.rename();
 }
 

@@ -18,4 +18,9 @@ void syncFolderOf(const std::filesystem::path& file);
 /// the path is then as before.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+/// The same for a file that is there: what a symbolic link leads to is replaced, with the permissions that it
+/// has. Throws an io Error for a read-only file, although one that stands in a writable folder could be
+/// replaced.
+void replaceFileAtomically(const std::filesystem::path& path, std::string_view text);
+
 }  // namespace weir

@@ -99,7 +99,7 @@ void sendAll(int pipe, const std::string& bytes) {
   ::_exit(0);
 }
 
-/// All that the pipe gives, or the first `most` bytes of it and one more.
+/// All that the pipe gives, or the first `max` bytes of it and one more.
 /// Throws Interrupted where that ends this work.
 void waitForBytes(int pipe) {
   constexpr int kMilliseconds = 100;
@@ -108,7 +108,7 @@ void waitForBytes(int pipe) {
   while (::poll(&waiting, 1, kMilliseconds) == 0);
 }
 
-std::string readToEnd(int pipe, std::uint64_t most) {
+std::string readToEnd(int pipe, std::uint64_t max) {
   std::string bytes;
   std::vector<char> block(std::size_t{1} << 16);
   while (true) {
@@ -117,7 +117,7 @@ std::string readToEnd(int pipe, std::uint64_t most) {
     if (more < 0 && errno == EINTR) continue;
     if (more <= 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(more));
-    if (most > 0 && bytes.size() > most) return bytes;
+    if (max > 0 && bytes.size() > max) return bytes;
   }
 }
 

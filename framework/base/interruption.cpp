@@ -10,6 +10,7 @@ namespace {
 std::atomic<bool> interruptionAsked = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 thread_local bool mayEnd = false;
+thread_local const std::atomic<bool>* alsoAsked = nullptr;
 
 void onSignal(int) {
   interruptionAsked = true;
@@ -48,16 +49,18 @@ const std::atomic<bool>& Interruption::asked() {
   return interruptionAsked;
 }
 
-InterruptibleWork::InterruptibleWork() : outer_(mayEnd) {
+InterruptibleWork::InterruptibleWork(const std::atomic<bool>* also) : outer_(mayEnd), outerAlso_(alsoAsked) {
   mayEnd = true;
+  if (also != nullptr) alsoAsked = also;
 }
 
 InterruptibleWork::~InterruptibleWork() {
-  mayEnd = outer_;
+  mayEnd = mayEnd && outer_;  // what was ended is not ended again while the work around it cleans up
+  alsoAsked = outerAlso_;
 }
 
 void InterruptibleWork::endIfAsked() {
-  if (!mayEnd || !interruptionAsked) return;
+  if (!mayEnd || !(interruptionAsked || (alsoAsked != nullptr && *alsoAsked))) return;
   mayEnd = false;
   throw Interrupted();
 }

@@ -28,10 +28,12 @@ class Interrupted final : public std::exception {
 };
 
 /// While it lives, work of this thread that nobody has seen anything of yet, such as setting up a scene, may
-/// end anywhere by Interrupted once an Interruption asks for it.
+/// end anywhere by Interrupted once an Interruption, or whoever wants the work, asks for it.
 class InterruptibleWork {
  public:
-  InterruptibleWork();
+  InterruptibleWork() : InterruptibleWork(nullptr) {}
+  /// The work ends as well once `also` is true; null leaves that as it is.
+  explicit InterruptibleWork(const std::atomic<bool>* also);
   ~InterruptibleWork();
   InterruptibleWork(const InterruptibleWork&) = delete;
   InterruptibleWork& operator=(const InterruptibleWork&) = delete;
@@ -43,6 +45,7 @@ class InterruptibleWork {
 
  private:
   bool outer_;
+  const std::atomic<bool>* outerAlso_;
 };
 
 }  // namespace weir

@@ -8,7 +8,7 @@
 namespace weir {
 
 void Log::write(LogLevel level, std::string_view message) {
-  if (!sink_ || level < least_) return;
+  if (!sink_ || level < minLevel_) return;
   const std::scoped_lock lock(mutex_);
   sink_(level, message);
 }

@@ -16,7 +16,7 @@ class Log {
   using Sink = std::function<void(LogLevel, std::string_view message)>;
 
   /// Without a sink, messages are dropped.
-  explicit Log(Sink sink = {}, LogLevel least = LogLevel::kInfo) : sink_(std::move(sink)), least_(least) {}
+  explicit Log(Sink sink = {}, LogLevel min = LogLevel::kInfo) : sink_(std::move(sink)), minLevel_(min) {}
 
   void write(LogLevel level, std::string_view message);
   void debug(std::string_view message) { write(LogLevel::kDebug, message); }
@@ -29,7 +29,7 @@ class Log {
 
  private:
   Sink sink_;
-  LogLevel least_;
+  LogLevel minLevel_;
   std::mutex mutex_;
   std::set<std::string> seen_;
 };

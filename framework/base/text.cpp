@@ -45,6 +45,18 @@ bool isName(std::string_view text) {
          std::all_of(text.begin(), text.end(), isInner);
 }
 
+std::vector<std::string> commaList(std::string_view text) {
+  std::vector<std::string> items;
+  while (!text.empty()) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    std::string_view item = text.substr(0, comma);
+    while (item.starts_with(' ')) item.remove_prefix(1);
+    items.emplace_back(item);
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return items;
+}
+
 std::string lowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace weir {
 
@@ -18,6 +19,9 @@ bool isName(std::string_view text);
 
 /// With 'A' to 'Z' as 'a' to 'z' and all else as it is, whatever the locale.
 std::string lowerCase(std::string_view text);
+
+/// "a, b" as "a" and "b".
+std::vector<std::string> commaList(std::string_view text);
 
 /// Text as a message may show it: control characters and bytes that are no UTF-8 are escaped, and it is cut
 /// after `longest` bytes. So no scene file can confuse a terminal or flood it.

@@ -60,7 +60,7 @@ class Value {
   const Object& asObject() const;
   Object& asObject();
 
-  /// The member of an object, or null if it has none of that name (or this is no object).
+  /// The member of an object, or null if it has none of that name (or this is not an object).
   const Value* find(std::string_view key) const;
   Value* find(std::string_view key);
   /// The member of an object, made if it is not there. A null value becomes an object first.

@@ -29,10 +29,10 @@ struct ArrayView {
   }
 };
 
-/// How long what has outgrown its room of `present` elements becomes: `least`, or a quarter longer than it
+/// How long what has outgrown its room of `present` elements becomes: `min`, or a quarter longer than it
 /// was.
-constexpr std::int64_t grownSize(std::int64_t present, std::int64_t least) {
-  return std::max(least, present + present / 4);
+constexpr std::int64_t grownSize(std::int64_t present, std::int64_t min) {
+  return std::max(min, present + present / 4);
 }
 
 /// Owns memory on one device. Contents start undefined.

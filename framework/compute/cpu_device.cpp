@@ -26,7 +26,7 @@ namespace weir {
 namespace {
 
 /// Gathers touch more pages of large arrays than a processor can look up at a time. Only a wish, so a system
-/// that does not grant it is no error.
+/// that does not grant it is not an error.
 void adviseHugePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
   constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;

@@ -234,8 +234,8 @@ void CudaDevice::upload(void* to, const void* fromHost, std::size_t bytes) {
   if (bytes == 0) return;
   check(impl_->makeCurrent(), "upload");
   // Where hundreds of solids stand is 100 KiB; the parameters of a kernel have room for 4.
-  constexpr std::size_t kFew = 1 << 10, kMost = 1 << 18;
-  if (impl_->launches->gathering() && bytes <= kMost && bytes % sizeof(unsigned) == 0) {
+  constexpr std::size_t kFew = 1 << 10, kMax = 1 << 18;
+  if (impl_->launches->gathering() && bytes <= kMax && bytes % sizeof(unsigned) == 0) {
     auto* const store = bytes <= kFew ? storePieces<kFew / sizeof(unsigned)> : storePieces<960>;
     check(store(*impl_->launches, to, fromHost, bytes), "upload");
     return;

@@ -27,7 +27,7 @@ class Moment {
 };
 std::unique_ptr<Moment> makeMoment(Device& device);
 
-/// Whether so many bytes more may be held beside a simulation: it may grow, so as much must stay free as is
+/// Whether that many bytes more may be held beside a simulation: it may grow, so as much must stay free as is
 /// in use. Always on the CPU.
 bool hasRoomBeside(const Device& device, std::size_t bytes);
 }  // namespace detail

@@ -17,7 +17,7 @@ namespace detail {
 class HostCopyMemory {
  public:
   virtual ~HostCopyMemory() = default;
-  /// Makes room for so many bytes; what was there is lost.
+  /// Makes room for that many bytes; what was there is lost.
   virtual void reserve(std::size_t bytes) = 0;
   virtual void start(std::size_t at, const void* from, std::size_t bytes) = 0;
   virtual void wait() = 0;

@@ -50,15 +50,15 @@ std::size_t leftInGroup(const fs::path& group, const char* limitFile, const char
 
 /// The least of a group and all those around it.
 template <class Left>
-std::size_t leastUpwards(const fs::path& root, const std::string& group, const Left& left) {
-  std::size_t least = left(root);
+std::size_t leastOfParents(const fs::path& root, const std::string& group, const Left& left) {
+  std::size_t min = left(root);
   fs::path at = root;
-  for (const fs::path& part : fs::path(group).relative_path()) least = std::min(least, left(at /= part));
-  return least;
+  for (const fs::path& part : fs::path(group).relative_path()) min = std::min(min, left(at /= part));
+  return min;
 }
 
 std::size_t leftInControlGroups(const SystemFiles& files) {
-  std::size_t least = kNoLimit;
+  std::size_t min = kNoLimit;
   std::ifstream in(files.proc / "self/cgroup");
   // "0::/path" is version 2, "5:memory:/path" version 1.
   for (std::string line; std::getline(in, line);) {
@@ -67,23 +67,23 @@ std::size_t leftInControlGroups(const SystemFiles& files) {
     const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
     const std::string group = line.substr(second + 1);
     if (controllers == ",,")
-      least = std::min(least, leastUpwards(files.cgroup, group, [](const fs::path& at) {
-                         return leftInGroup(at, "memory.max", "memory.current", "inactive_file");
-                       }));
+      min = std::min(min, leastOfParents(files.cgroup, group, [](const fs::path& at) {
+                       return leftInGroup(at, "memory.max", "memory.current", "inactive_file");
+                     }));
     if (controllers.find(",memory,") != std::string::npos)
-      least = std::min(least, leastUpwards(files.cgroup / "memory", group, [](const fs::path& at) {
-                         return leftInGroup(at, "memory.limit_in_bytes", "memory.usage_in_bytes",
-                                            "total_inactive_file");
-                       }));
+      min = std::min(min, leastOfParents(files.cgroup / "memory", group, [](const fs::path& at) {
+                       return leftInGroup(at, "memory.limit_in_bytes", "memory.usage_in_bytes",
+                                          "total_inactive_file");
+                     }));
   }
-  return least;
+  return min;
 }
 
 std::size_t leftOfAddressSpace(const SystemFiles& files) {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kNoLimit;
-  const std::size_t most = limit.rlim_cur, used = kibibytes(files.proc / "self/status", "VmSize");
-  return most - std::min(most, used);
+  const std::size_t max = limit.rlim_cur, used = kibibytes(files.proc / "self/status", "VmSize");
+  return max - std::min(max, used);
 }
 
 }  // namespace
@@ -101,10 +101,10 @@ std::string valueInFile(const fs::path& file, std::string_view key) {
 
 std::size_t availableHostMemory(const SystemFiles& files) {
   const fs::path memory = files.proc / "meminfo";
-  std::size_t least = kibibytes(memory, "MemAvailable") + kibibytes(memory, "SwapFree");
-  if (least == 0) least = kNoLimit;
-  least = std::min({least, leftInControlGroups(files), leftOfAddressSpace(files)});
-  return least == kNoLimit ? 0 : least;
+  std::size_t min = kibibytes(memory, "MemAvailable") + kibibytes(memory, "SwapFree");
+  if (min == 0) min = kNoLimit;
+  min = std::min({min, leftInControlGroups(files), leftOfAddressSpace(files)});
+  return min == kNoLimit ? 0 : min;
 }
 
 }  // namespace weir

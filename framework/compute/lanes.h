@@ -68,7 +68,7 @@ WEIR_HD void setLane(Vec3<T>& a, int lane, const Vec3f& value) {
   setLane(a.z, lane, value.z);
 }
 
-/// t where it is above zero, otherwise (also where it is no number) zero.
+/// t where it is above zero, otherwise (also where it is NaN) zero.
 WEIR_HD inline float positivePart(float t) {
   return t > 0 ? t : 0;
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kAlignment = 256;  // bytes
 constexpr std::size_t kLargest = std::size_t{1} << 62;
 
-/// A block that was idle for so many requests is a leftover of arrays that have grown since.
+/// A block that was idle for that many requests is a leftover of arrays that have grown since.
 constexpr std::uint64_t kKeepRequests = 4096;
 
 }  // namespace

@@ -309,7 +309,7 @@ void compact(CudaDevice& device, std::string_view name, Count count, const Keep&
   }
   const Count steady = detail::steadyCount(count);
   const unsigned blocks = detail::blocksFor(steady.bound);
-  // Each block can sum what so many others keep.
+  // How many other blocks' partial sums each block can add.
   constexpr unsigned kFewBlocks = 1024;
   Array<int> keptBy(device, std::int64_t{blocks} + 1);
   Array<unsigned> votes(device, std::int64_t{blocks} * detail::kWarps);

@@ -5,8 +5,8 @@
 
 namespace weir {
 
-/// Calls f(), at most so many times, as long as it returns true. CUDA compiles the turn once, as copies of it
-/// take registers from threads that mostly need none.
+/// Calls f(), at most that many times, as long as it returns true. CUDA compiles the turn once, as copies of
+/// it take registers from threads that mostly need none.
 template <class F>
 WEIR_HD void repeatUpTo(int times, const F& f) {
 #ifdef __CUDA_ARCH__

@@ -43,7 +43,7 @@ BoxBlocks::BoxBlocks(Device& device, const std::vector<Aabb>& boxes) : blocks_(d
   blocks_.assign(blocks);
 }
 
-double BoxBlocks::mostMemory(std::size_t triangles) {
+double BoxBlocks::maxMemory(std::size_t triangles) {
   // Each level has an eighth of the blocks of the one below, rounded up.
   return bytesOfArray(static_cast<double>(triangles) / (kEightBoxes - 1) + kMaxLevels, sizeof(Block));
 }

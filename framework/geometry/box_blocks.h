@@ -21,14 +21,14 @@ class BoxBlocks {
   /// Of the boxes of triangles, in the order of the leaves.
   BoxBlocks(Device& device, const std::vector<Aabb>& boxes);
 
-  /// Bytes on the device for so many triangles, at most.
-  static double mostMemory(std::size_t triangles);
+  /// Bytes on the device for that many triangles, at most.
+  static double maxMemory(std::size_t triangles);
 
 #ifdef WEIR_HAS_LANES
   /// Writes the indices of the triangles whose boxes are as near to p as `radius`: those that
-  /// TriangleTreeView::forEachTriangleNear finds, in the same order. Returns how many, `most` + 1 if there
-  /// are more. There must be room for `most` and eight more.
-  int near(const Vec3f& p, float radius, int* found, int most) const {
+  /// TriangleTreeView::forEachTriangleNear finds, in the same order. Returns how many, `max` + 1 if there
+  /// are more. There must be room for `max` and eight more.
+  int near(const Vec3f& p, float radius, int* found, int max) const {
     const float reach = radius * radius * (1 + 1e-6f);
     struct {
       int block;
@@ -37,7 +37,7 @@ class BoxBlocks {
     if (levels_ == 0) return 0;
     int level = levels_ - 1, count = 0;
     open[level] = {0, blockAt(level, 0).near(p, reach)};
-    if (level == 0) return std::min(storeChosen(found, LaneInts::from(0), open[0].bits), most + 1);
+    if (level == 0) return std::min(storeChosen(found, LaneInts::from(0), open[0].bits), max + 1);
     while (level < levels_) {
       auto& at = open[level];
       if (at.bits == 0) {
@@ -52,7 +52,7 @@ class BoxBlocks {
         continue;
       }
       count += storeChosen(found + count, LaneInts::from(child * kEightBoxes), bits);
-      if (count > most) return most + 1;
+      if (count > max) return max + 1;
     }
     return count;
   }

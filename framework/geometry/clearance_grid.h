@@ -15,7 +15,7 @@ struct ClearanceView {
   float inverseCell = 0;  ///< 1/m
   float step = 0;         ///< m
   Vec3i cells{0, 0, 0};   ///< along each axis
-  /// From the middle of a cell nothing is nearer than so many steps; x runs fastest.
+  /// From the middle of a cell nothing is nearer than that many steps; x runs fastest.
   ArrayView<const std::uint8_t> steps;
 
   /// No triangle is nearer to p than this, m, up to a few roundings of the coordinates; may be negative. Not

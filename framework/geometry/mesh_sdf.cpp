@@ -72,7 +72,7 @@ float largestCoordinate(const Aabb& box) {
 }
 
 Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::string& what, double bytes,
-               double most) {
+               double max) {
   const auto gibibytes = [](double n) { return fmt::format("{:.3g} GiB", n / (std::int64_t{1} << 30)); };
   float larger = cellSize;
   GridSize size;
@@ -83,7 +83,7 @@ Error tooLarge(const TriangleMesh& mesh, float cellSize, float band, const std::
   return sceneError(
       fmt::format("with cells of {} m the signed distance grid of the mesh is too large: {}, {}", cellSize,
                   what, gibibytes(bytes)),
-      fmt::format("at most {}", gibibytes(most)), fmt::format("try a cell_size of {:.2g} m or more", larger));
+      fmt::format("at most {}", gibibytes(max)), fmt::format("try a cell_size of {:.2g} m or more", larger));
 }
 
 /// Origin, size and number of bricks of a grid around the mesh.
@@ -141,7 +141,7 @@ class Builder {
   std::vector<int> brickIndex;
 
  private:
-  /// Of the node that is so many cells from the origin of the grid.
+  /// Of the node that is that many cells from the origin of the grid.
   Vec3f position(const Vec3i& cells) const {
     const Vec3f c{static_cast<float>(cells.x), static_cast<float>(cells.y), static_cast<float>(cells.z)};
     return grid_.origin + grid_.cellSize * c;
@@ -285,7 +285,7 @@ MeshSdf::MeshSdf(Device& device, const TriangleMesh& original, float cellSize, f
   brickIndex_ = Array<int>(device, built.brickIndex);
 }
 
-double MeshSdf::mostMemory(const TriangleMesh& mesh, float cellSize, float band) {
+double MeshSdf::maxMemory(const TriangleMesh& mesh, float cellSize, float band) {
   if (mesh.empty()) return 0;
   const GridSize size = sizeOfGrid(mesh, cellSize, band);
   constexpr double kRough = 2, kFewBricks = 64;

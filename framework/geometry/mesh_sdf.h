@@ -48,7 +48,7 @@ class MeshSdf {
 
   /// Bytes on the device that such a grid takes at most. Of a surface that is rough on the scale of the cells
   /// it is an estimate, as it counts bricks by the area.
-  static double mostMemory(const TriangleMesh& mesh, float cellSize, float band);
+  static double maxMemory(const TriangleMesh& mesh, float cellSize, float band);
 
   MeshSdfView view(bool inverted) const;
 
@@ -79,9 +79,9 @@ WEIR_HD inline Interpolated trilinear(const float* corner, int strideY, int stri
   return {y0 + t.z * (y1 - y0), {gx, gy, y1 - y0}};
 }
 
-/// Into [0, most]; what is no number becomes 0, so that it leads to some cell.
-WEIR_HD inline float clampTo(float x, float most) {
-  return x > 0 ? (x < most ? x : most) : 0;
+/// Into [0, most]; NaN becomes 0, so that it leads to some cell.
+WEIR_HD inline float clampTo(float x, float max) {
+  return x > 0 ? (x < max ? x : max) : 0;
 }
 
 /// The cell of a coordinate in [0, count], and where in it.

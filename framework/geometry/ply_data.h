@@ -42,7 +42,7 @@ class PlyAsciiNumbers {
     return rest_.empty();
   }
   /// No file has more numbers left than this.
-  std::uint64_t mostNumbersLeft(std::size_t) const { return rest_.size() / 2 + 1; }
+  std::uint64_t maxNumbersLeft(std::size_t) const { return rest_.size() / 2 + 1; }
   Location place() const { return {.line = line_, .column = 1}; }
 
  private:
@@ -98,7 +98,7 @@ class PlyBinaryNumbers {
   }
   /// Some programs end a binary file with a line feed.
   bool atEnd() const { return rest_.find_first_not_of("\r\n") == std::string_view::npos; }
-  std::uint64_t mostNumbersLeft(std::size_t bytesEach) const { return rest_.size() / bytesEach; }
+  std::uint64_t maxNumbersLeft(std::size_t bytesEach) const { return rest_.size() / bytesEach; }
   Location place() const { return {}; }
 
  private:
@@ -130,7 +130,7 @@ std::uint64_t nextPlyLength(Numbers& numbers, const PlyProperty& list) {
   if (!(length >= 0) || length != std::floor(length))
     throw ioError("the list " + inQuotes(list.name) + " has no valid length", "an integer from 0 on")
         .at(numbers.place());
-  if (length > static_cast<double>(numbers.mostNumbersLeft(sizeOf(list.type))))
+  if (length > static_cast<double>(numbers.maxNumbersLeft(sizeOf(list.type))))
     throw ioError("the file ends too early: the list " + inQuotes(list.name) + " is longer than the file")
         .at(numbers.place());
   return static_cast<std::uint64_t>(length);

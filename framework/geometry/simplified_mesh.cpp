@@ -95,7 +95,7 @@ class Simplifier {
     }
   }
 
-  /// False if the triangles around u are no fan that covers a polygon once.
+  /// False if the triangles around u are not a fan that covers a polygon once.
   bool findFan(int u) {
     const std::vector<int>& triangles = around_[u];
     const int count = static_cast<int>(triangles.size());
@@ -176,12 +176,12 @@ class Simplifier {
 
   bool isWellShaped(int into) const {
     const Fan& f = fan_;
-    const double least = std::min(kGoodShape, f.slimmest);
+    const double min = std::min(kGoodShape, f.slimmest);
     for (int by = 1; by + 1 < f.spokes; ++by) {
       const int a = f.next(into, by), b = f.next(into, by + 1);
       if (!(turn(f.seen[into], f.seen[a], f.seen[b]) > 0)) return false;
       const Shape shape = shapeOf(f.place[into], f.place[a], f.place[b]);
-      if (!(shape.slimness >= least)) return false;
+      if (!(shape.slimness >= min)) return false;
       const bool turned = std::none_of(f.shape.begin(), f.shape.begin() + f.spokes, [&](const Shape& old) {
         return dot(old.normal, shape.normal) >= kSameWay;
       });
@@ -220,8 +220,8 @@ class Simplifier {
 
   /// The greatest difference of heights between the two fans.
   std::optional<double> deviation(int into) const {
-    std::optional<double> most = heightOfMiddle(into);
-    if (!most) return {};
+    std::optional<double> max = heightOfMiddle(into);
+    if (!max) return {};
     const Fan& f = fan_;
     for (int by = 2; by + 1 < f.spokes; ++by) {
       const Seen &from = f.seen[into], &to = f.seen[f.next(into, by)];
@@ -236,10 +236,10 @@ class Simplifier {
         const double along = ((at.x - from.x) * dx + (at.y - from.y) * dy) / (dx * dx + dy * dy);
         if (!(along >= 0 && along <= 1)) continue;
         const double height = from.height + along * (to.height - from.height);
-        most = std::max(*most, std::abs(height - at.height));
+        max = std::max(*max, std::abs(height - at.height));
       }
     }
-    return most;
+    return max;
   }
 
   /// How far the vertex is above or below the new fan; nothing if rounding hides where.

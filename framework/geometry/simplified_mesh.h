@@ -26,7 +26,7 @@ struct SimplifiedMesh {
 };
 
 /// At most `tolerance` (m, not negative) off. With 0, or where nothing can be merged, the original. Vertices
-/// on borders, or whose triangles are no simple fan (three at an edge, turned differently, without area),
+/// on borders, or whose triangles are not a simple fan (three at an edge, turned differently, without area),
 /// stay. The indices must be valid and the vertices finite. Takes O(n) or so; deterministic.
 SimplifiedMesh simplified(const TriangleMesh& mesh, double tolerance);
 

@@ -33,7 +33,7 @@ class Sweep {
     const bool onSurface = nearest.distance < rounding_;
     Vec3f p = onSurface ? offSurface(nearest, towards) : from;
     const float atStart = onSurface ? mesh_.nearest(p, thickness_).distance : nearest.distance;
-    least_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
+    kept_ = atStart < kRoom * thickness_ ? kKept * atStart : kRoom * thickness_;
     Vec3f target = to, before;
     for (int slide = 0; slide < kSlides; ++slide) {
       const SegmentHit hit = mesh_.firstHit(p, target);
@@ -109,12 +109,12 @@ class Sweep {
       addContact(away, thickness_ - near.distance);
       q = pushed;
     }
-    return !(mesh_.nearest(q, least_).distance < least_);
+    return !(mesh_.nearest(q, kept_).distance < kept_);
   }
 
   const NearTriangles& mesh_;
   float thickness_, rounding_;
-  float least_ = 0;  // distance of any place to stay
+  float kept_ = 0;  // distance of any place to stay
   Vec3f contact_;
   bool hit_ = false;
 };
@@ -123,7 +123,7 @@ class Sweep {
 
 /// The thinnest that `sweep` takes a mesh for at coordinates of this size: 32 roundings. Thinner is taken for
 /// that.
-WEIR_HD inline float leastThickness(float coordinate) {
+WEIR_HD inline float minThickness(float coordinate) {
   return 32 * detail::kEpsilon * coordinate;
 }
 
@@ -139,8 +139,8 @@ WEIR_HD inline float largestCoordinate(const TriangleTreeView& tree, const Vec3f
 WEIR_HD inline bool isClear(const TriangleTreeView& tree, const ClearanceView& clearance, const Vec3f& from,
                             const Vec3f& to, float thickness) {
   if (tree.empty() || !isFinite(from) || !isFinite(to)) return true;
-  const float least = leastThickness(detail::largestCoordinate(tree, from));
-  return clearance.clears(from, to, thickness > least ? thickness : least);
+  const float min = minThickness(detail::largestCoordinate(tree, from));
+  return clearance.clears(from, to, thickness > min ? thickness : min);
 }
 
 /// Moves a point from `from` straight to `to` against a mesh, both in the mesh's frame (for a mesh that
@@ -166,12 +166,12 @@ WEIR_HD inline SweepResult sweep(const TriangleTreeView& tree, const ClearanceVi
                                  const Vec3f& from, const Vec3f& to, float thickness,
                                  const Vec3f& towards = {}) {
   if (isClear(tree, clearance, from, to, thickness)) return {to};
-  const float least = leastThickness(detail::largestCoordinate(tree, from));
-  thickness = thickness > least ? thickness : least;
+  const float min = minThickness(detail::largestCoordinate(tree, from));
+  thickness = thickness > min ? thickness : min;
   // No contact takes it farther than its way, and pushes are of a thickness at most.
   const NearTriangles mesh(tree, from, length(to - from) + 3 * thickness);
   if (!mesh.mayComeNear(from, to, thickness)) return {to};
-  return detail::Sweep(mesh, thickness, 0.125f * least).run(from, to, towards);
+  return detail::Sweep(mesh, thickness, 0.125f * min).run(from, to, towards);
 }
 
 }  // namespace weir

@@ -42,12 +42,12 @@ TriangleTree::TriangleTree(Device& device, const TriangleMesh& mesh) {
   blocks_ = std::make_unique<BoxBlocks>(device, boxes);
 }
 
-double TriangleTree::mostMemory(std::size_t triangles) {
+double TriangleTree::maxMemory(std::size_t triangles) {
   // A leaf holds one triangle or more, and a tree of n leaves has 2·n − 1 nodes.
   const auto count = static_cast<double>(triangles);
   return bytesOfArray(2 * count, sizeof(detail::TreeNode)) +
          bytesOfArray(count, sizeof(detail::TreeTriangle)) + bytesOfArray(count, sizeof(PseudoNormals)) +
-         bytesOfArray(count, sizeof(int)) + BoxBlocks::mostMemory(triangles);
+         bytesOfArray(count, sizeof(int)) + BoxBlocks::maxMemory(triangles);
 }
 
 TriangleTreeView TriangleTree::view() const {

@@ -77,8 +77,8 @@ class TriangleTree {
   ~TriangleTree();
 
   TriangleTreeView view() const;
-  /// Bytes on the device that a tree of so many triangles takes at most.
-  static double mostMemory(std::size_t triangles);
+  /// Bytes on the device that a tree of that many triangles takes at most.
+  static double maxMemory(std::size_t triangles);
 
  private:
   Array<detail::TreeNode> nodes_;
@@ -218,16 +218,16 @@ class WalkNear {
     if (!tree.empty()) stack_[size_++] = 0;
   }
 
-  /// Writes the next triangles, in the order of the leaves, and returns how many: fewer than `most` at the
+  /// Writes the next triangles, in the order of the leaves, and returns how many: fewer than `max` at the
   /// end.
-  WEIR_HD int next(int* found, int most) {
+  WEIR_HD int next(int* found, int room) {
     int count = 0;
     while (true) {
-      for (; leaf_ < leafEnd_ && count < most; ++leaf_) {
+      for (; leaf_ < leafEnd_ && count < room; ++leaf_) {
         const detail::TreeTriangle t = tree_.triangles[leaf_];
         if (isNear(min(min(t.a, t.b), t.c), max(max(t.a, t.b), t.c))) found[count++] = leaf_;
       }
-      if (count == most || size_ == 0) return count;
+      if (count == room || size_ == 0) return count;
       const detail::TreeNode node = tree_.nodes[stack_[--size_]];
       if (!isNear(node.lo, node.hi)) continue;
       if (node.link > 0) {

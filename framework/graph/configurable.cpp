@@ -1,5 +1,7 @@
 #include "framework/graph/configurable.h"
 
+#include <algorithm>
+
 #include "framework/base/check.h"
 #include "framework/base/text.h"
 
@@ -9,6 +11,14 @@ Property::Property(Configurable& owner, std::string_view name, const ParamSpec& 
     : name_(name), spec_(spec) {
   WEIR_CHECK(owner.findProperty(name) == nullptr);
   owner.properties_.push_back(this);
+}
+
+std::optional<Property::Condition> Property::condition() const {
+  const std::string_view text = spec_.onlyFor;
+  if (text.empty()) return std::nullopt;
+  const std::size_t colon = text.find(':');
+  WEIR_CHECK(colon != std::string_view::npos);
+  return Condition{std::string(text.substr(0, colon)), commaList(text.substr(colon + 1))};
 }
 
 Property* Configurable::findProperty(std::string_view name) const {
@@ -42,10 +52,29 @@ void Configurable::assignAll(const Value& object, const Place& place) {
       property->assign(value, place / key);
     }
     validate();
+    refuseUnused();
   } catch (Error& e) {
     locate(e);
     for (auto restore = undo.rbegin(); restore != undo.rend(); ++restore) (*restore)();
     throw e.at(place.of(object));
+  }
+}
+
+void Configurable::refuseUnused() const {
+  for (const Property* property : properties_) {
+    const auto condition = property->condition();
+    if (!condition) continue;
+    const Property* chooser = findProperty(condition->parameter);
+    WEIR_CHECK(chooser != nullptr);
+    if (!property->isSet() || property->value() == property->defaultValue()) continue;
+    const std::string chosen = chooser->value().asString();
+    const auto& choices = condition->choices;
+    if (std::find(choices.begin(), choices.end(), chosen) != choices.end()) continue;
+    throw sceneError(
+        inQuotes(property->name()) + " is given, which means nothing for the " + chooser->name() + " " +
+            inQuotes(chosen),
+        "no " + property->name() + ", or as " + chooser->name() + ": " + joinNames(choices, ", "))
+        .inParameter(property->name());
   }
 }
 
@@ -72,6 +101,8 @@ Value Configurable::schema() const {
     std::string doc(property->spec().doc);
     if (!property->spec().unit.empty())
       doc += (doc.empty() ? "[" : " [") + std::string(property->spec().unit) + "]";
+    if (const std::string_view when = property->spec().onlyFor; !when.empty())
+      doc += " Only for " + std::string(when) + ".";
     if (!doc.empty()) schema["description"] = doc;
     if (property->group() == nullptr) schema["default"] = property->defaultValue();
     members[property->name()] = std::move(schema);

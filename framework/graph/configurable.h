@@ -50,6 +50,13 @@ class Property {
   /// The nested parameters of a group; null for other kinds.
   virtual const Configurable* group() const { return nullptr; }
 
+  /// Under which choices of which other parameter of its owner it means anything; empty if always.
+  struct Condition {
+    std::string parameter;
+    std::vector<std::string> choices;
+  };
+  std::optional<Condition> condition() const;
+
   /// Whether a scene, an option or a program has set it.
   bool isSet() const { return origin_.has_value(); }
   /// Where it was set; all empty if it was not, or not by a file.
@@ -90,6 +97,9 @@ class Configurable {
 
  private:
   friend class Property;
+  /// Throws a scene Error for what is given and means nothing under the choices that are made.
+  void refuseUnused() const;
+
   std::vector<Property*> properties_;
 };
 
@@ -119,8 +129,8 @@ class Param final : public Property {
   }
 
   /// The largest from `from` to `to`, from <= to, in s.
-  T most(double from, double to) const requires std::floating_point<T> {
-    return keyframes_.empty() ? value_ : keyframes_.most(from, to);
+  T max(double from, double to) const requires std::floating_point<T> {
+    return keyframes_.empty() ? value_ : keyframes_.max(from, to);
   }
 
   /// Checked like a value from a scene.

@@ -93,11 +93,11 @@ class Keyframes {
   }
 
   /// The largest value from `from` to `to`, from <= to.
-  T most(double from, double to) const requires std::floating_point<T> {
-    T most = std::max(at(from), at(to));
+  T max(double from, double to) const requires std::floating_point<T> {
+    T max = std::max(at(from), at(to));
     for (auto key = firstAfter(from); key != keys_.end() && key->first < to; ++key)
-      most = std::max(most, key->second);
-    return most;
+      max = std::max(max, key->second);
+    return max;
   }
 
   /// The fastest change from `from` to `to`, from <= to, per s; distance(a, b) says how far two values are

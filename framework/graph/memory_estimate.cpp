@@ -47,13 +47,13 @@ std::string MemoryEstimate::remedyFor(double available) const {
 Error MemoryEstimate::tooMuch(double needed, double available, const std::string& where) const {
   const MemoryNeeds all = total();
   std::string largest;
-  double most = 0;
+  double max = 0;
   for (const Entry& entry : entries_)
-    if (entry.needs.device > most) most = entry.needs.device, largest = entry.node;
+    if (entry.needs.device > max) max = entry.needs.device, largest = entry.node;
   return sceneError(
       fmt::format("the scene needs {} of memory {}, {} of them for '{}' with up to {:.4g} "
                   "particles in all; there are {}",
-                  shortBytes(needed), where, shortBytes(most), largest, all.particles, shortBytes(available)),
+                  shortBytes(needed), where, shortBytes(max), largest, all.particles, shortBytes(available)),
       remedyFor(available));
 }
 

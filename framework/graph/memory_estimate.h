@@ -1,7 +1,8 @@
-// What a scene will hold in memory, told before it is made, so that what does not fit is refused at once.
+// What a scene will hold in memory, told before it is made, so that a scene too large for it is refused at
+// once.
 //
 // Every node tells what it needs in Node::estimate(), from the first node to the last: a source how many
-// particles it brings, a fluid what so many particles take. These are upper bounds, from the same sizes by
+// particles it brings, a fluid what that many particles take. These are upper bounds, from the same sizes by
 // which arrays are allocated.
 #pragma once
 
@@ -17,14 +18,14 @@
 
 namespace weir {
 
-/// What an array of so many elements takes of a device, in bytes; in double, as it may be absurdly much.
+/// What an array of that many elements takes of a device, in bytes; in double, as it may be absurdly much.
 inline double bytesOfArray(double elements, std::size_t elementSize) {
   const double bytes = elements * static_cast<double>(elementSize);
   constexpr double kExact = 1e18;
   return bytes < kExact ? static_cast<double>(MemoryPool::sizeClass(static_cast<std::size_t>(bytes))) : bytes;
 }
 
-/// What these arrays take with so many elements each.
+/// What these arrays take with that many elements each.
 template <class... T>
 double bytesOfArrays(double elements, const Array<T>&...) {
   return (bytesOfArray(elements, sizeof(T)) + ... + 0.0);

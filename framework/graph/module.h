@@ -23,6 +23,7 @@ struct ModuleInfo {
   std::string_view type;    ///< its name in scenes
   std::string_view family;  ///< the pipelines it fits: the name of its base class
   std::string_view doc;
+  std::string_view also = {};  ///< other words for it, parted by commas, by which people look for it
 };
 
 /// Between steps it keeps in State members what its node's reset() does not make again; see state.h.

@@ -14,7 +14,9 @@
 //   };
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -37,6 +39,7 @@ struct MemoryNeeds;
 struct NodeInfo {
   std::string_view type;  ///< its name in scenes
   std::string_view doc;
+  std::string_view also = {};  ///< other words for it, parted by commas, by which people look for it
 };
 
 /// What all nodes of a scene share while it is set up.
@@ -49,6 +52,8 @@ struct SetupContext {
   std::int64_t seed = 0;   ///< for random numbers
   bool stepsVary = false;  ///< whether nodes are asked for their longestStep()
   double end = 0;          ///< when the run will end, s
+  /// If it is there, told of each node that is set up next, how many were before, and how many there are.
+  std::function<void(std::string_view node, std::size_t done, std::size_t all)> progress = {};
 };
 
 /// One step from `time` to `time + dt`, in seconds.

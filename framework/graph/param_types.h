@@ -34,6 +34,9 @@ struct ParamSpec {
   bool live = false;      ///< may change while the simulation runs; otherwise a change asks for a reset
   bool animated = false;  ///< may be given as keyframes over time, if the type is Animatable (keyframes.h)
   std::string_view doc = {};
+  std::string_view onlyFor =
+      {};                      ///< "shape: box, cone": refused with other choices of this enum of its owner
+  std::string_view also = {};  ///< other words for it, parted by commas, by which people look for it
 };
 
 /// A colour, red, green, blue and opacity in [0, 1] (sRGB). Written as [r, g, b], [r, g, b, a] or

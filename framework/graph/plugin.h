@@ -97,7 +97,7 @@ constexpr PluginHeader pluginHeader(const char* name, const char* doc) {
 /// must be gone by then.
 class Plugin {
  public:
-  /// Loads and registers. Throws an io Error if the file cannot be loaded, is no plugin, is of another
+  /// Loads and registers. Throws an io Error if the file cannot be loaded, is not a plugin, is of another
   /// version or build, or fails to register; the registry is then as before.
   Plugin(const std::filesystem::path& file, Registry& registry);
   ~Plugin();

@@ -233,8 +233,10 @@ void SceneGraph::restore(const StateReader& from) {
 
 void SceneGraph::reset(const SetupContext& context) {
   configure(context);
-  for (Node* node : order_) {
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    Node* node = order_[i];
     InterruptibleWork::endIfAsked();
+    if (context.progress) context.progress(node->name(), i, order_.size());
     const ProfileScope scope(context.device.profiler(), node->name());
     call(*node, "reset", context.device, [&] { node->reset(context); });
   }

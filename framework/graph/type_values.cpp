@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "framework/base/text.h"
+
 namespace weir {
 
 namespace {
@@ -24,6 +26,20 @@ std::string elementKind(const Property& list) {
 
 }  // namespace
 
+namespace {
+
+Value textsAsValue(const std::vector<std::string>& texts) {
+  Value list = Value::array();
+  for (const std::string& text : texts) list.push(text);
+  return list;
+}
+
+void addWords(Value& v, std::string_view also) {
+  if (!also.empty()) v["also"] = textsAsValue(commaList(also));
+}
+
+}  // namespace
+
 Value parametersAsValue(const Configurable& owner) {
   Value list = Value::array();
   for (const Property* property : owner.properties()) {
@@ -36,11 +52,16 @@ Value parametersAsValue(const Configurable& owner) {
     }
     if (!spec.unit.empty()) v["unit"] = spec.unit;
     v["doc"] = spec.doc;
+    addWords(v, spec.also);
     v["default"] = property->defaultValue();
     if (std::isfinite(spec.min)) v[spec.aboveMin ? "above" : "min"] = spec.min;
     if (std::isfinite(spec.max)) v["max"] = spec.max;
     if (!std::isnan(spec.softMin)) v["soft_min"] = spec.softMin;
     if (!std::isnan(spec.softMax)) v["soft_max"] = spec.softMax;
+    if (const auto condition = property->condition()) {
+      v["only_for"]["parameter"] = condition->parameter;
+      v["only_for"]["choices"] = textsAsValue(condition->choices);
+    }
     v["live"] = spec.live;
     v["animated"] = spec.animated;
     for (const EnumName& choice : property->choices()) {
@@ -69,6 +90,7 @@ Value typeAsValue(const Registry& registry, const Registry::NodeType& type) {
   const std::unique_ptr<Node> node = registry.createNode(type.info.type);
   Value v = Value::object();
   v["doc"] = type.info.doc;
+  addWords(v, type.info.also);
   v["source"] = type.source;
   Value inputs = Value::array(), outputs = Value::array();
   for (const InputPort* input : node->inputs()) {
@@ -100,6 +122,7 @@ Value typeAsValue(const Registry& registry, const Registry::ModuleType& type) {
   const std::unique_ptr<Module> module = registry.createModule(type.info.type);
   Value v = Value::object();
   v["doc"] = type.info.doc;
+  addWords(v, type.info.also);
   v["source"] = type.source;
   v["family"] = type.info.family;
   v["parameters"] = parametersAsValue(*module);

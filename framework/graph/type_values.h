@@ -6,14 +6,15 @@
 
 namespace weir {
 
-/// A list of objects: name, kind, unit, doc, default, min or above, max, soft_min, soft_max, live, animated,
-/// choices {name: doc} of an enum, and parameters of a group. What is not said is left out.
+/// A list of objects: name, kind, unit, doc, also (other words for it), default, min or above, max, soft_min,
+/// soft_max, only_for {parameter, choices}, live, animated, choices {name: doc} of an enum, and parameters of
+/// a group. What is not said is left out.
 Value parametersAsValue(const Configurable& owner);
 
-/// doc, source, inputs and outputs [{name, type, doc, …}], parameters, and for a node with a pipeline family
-/// and modules [{name, type, enabled}].
+/// doc, also, source, inputs and outputs [{name, type, doc, …}], parameters, and for a node with a pipeline
+/// family and modules [{name, type, enabled}].
 Value typeAsValue(const Registry& registry, const Registry::NodeType& type);
-/// doc, source, family, parameters.
+/// doc, also, source, family, parameters.
 Value typeAsValue(const Registry& registry, const Registry::ModuleType& type);
 
 }  // namespace weir

@@ -27,7 +27,7 @@ struct ShortPlace {
 
   std::int16_t x, y, z;
 
-  /// Of so many steps.
+  /// Of that many steps.
   template <class T>
   static T inRange(const T& steps) {
     using std::abs;
@@ -108,7 +108,7 @@ inline std::uint64_t mayBeNear(const std::int16_t* x, const std::int16_t* y, con
                                const ShortPlace& p, int reach) {
 #if defined(__AVX2__)
   const __m256i px = _mm256_set1_epi16(p.x), py = _mm256_set1_epi16(p.y), pz = _mm256_set1_epi16(p.z);
-  const __m256i most = _mm256_set1_epi16(static_cast<std::int16_t>(reach));
+  const __m256i max = _mm256_set1_epi16(static_cast<std::int16_t>(reach));
   const auto beyond = [&](int k) {
     const auto squared = [k](const std::int16_t* column, __m256i own) {
       const __m256i d =
@@ -116,7 +116,7 @@ inline std::uint64_t mayBeNear(const std::int16_t* x, const std::int16_t* y, con
       return _mm256_mulhi_epi16(d, d);
     };
     const __m256i sum = _mm256_adds_epi16(_mm256_adds_epi16(squared(x, px), squared(y, py)), squared(z, pz));
-    return _mm256_cmpgt_epi16(sum, most);
+    return _mm256_cmpgt_epi16(sum, max);
   };
   const auto bits = [&](int k) {
     // By halves of registers.
@@ -126,14 +126,14 @@ inline std::uint64_t mayBeNear(const std::int16_t* x, const std::int16_t* y, con
   return bits(0) | std::uint64_t{bits(32)} << 32;
 #elif defined(__SSE2__)
   const __m128i px = _mm_set1_epi16(p.x), py = _mm_set1_epi16(p.y), pz = _mm_set1_epi16(p.z);
-  const __m128i most = _mm_set1_epi16(static_cast<std::int16_t>(reach));
+  const __m128i max = _mm_set1_epi16(static_cast<std::int16_t>(reach));
   const auto beyond = [&](int k) {
     const auto squared = [k](const std::int16_t* column, __m128i own) {
       const __m128i d = _mm_sub_epi16(own, _mm_load_si128(reinterpret_cast<const __m128i*>(column + k)));
       return _mm_mulhi_epi16(d, d);
     };
     return _mm_cmpgt_epi16(_mm_adds_epi16(_mm_adds_epi16(squared(x, px), squared(y, py)), squared(z, pz)),
-                           most);
+                           max);
   };
   std::uint64_t bits = 0;
   for (int k = 0; k < 64; k += 16)
@@ -205,8 +205,8 @@ class Candidates {
 
   /// Writes those that may be near a particle at p, but for itself, to each eighth place of `list`, behind
   /// the first `found` ones, and up to kWrittenBehind more. The particle is the candidate `own`, or none of
-  /// them. Returns how many there are then; nothing is written of those that would be more than `most`.
-  int near(const ShortPlace& p, int reach, unsigned own, int* list, int found, int most) const {
+  /// them. Returns how many there are then; nothing is written of those that would be more than `max`.
+  int near(const ShortPlace& p, int reach, unsigned own, int* list, int found, int max) const {
     const std::uint64_t ownBit = std::uint64_t{1} << own % kTogether;
     const int ownBase = static_cast<int>(own - own % kTogether), last = lastBase_;
     const int* index = index_;
@@ -216,7 +216,7 @@ class Candidates {
       bits &= ~(base == ownBase ? ownBit : 0);
       int* to = list + std::int64_t{found} * kEight;
       found += std::popcount(bits);
-      if (found > most) break;
+      if (found > max) break;
       // Mostly one turn, too. When no bit is left, it is the first index of the next 64.
       do {
         for (int k = 0; k < kWrittenBehind; ++k, to += kEight) {

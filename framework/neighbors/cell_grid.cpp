@@ -23,9 +23,9 @@ class Axis {
     cells_ = std::max(kMin, bestNear(std::floor(needed_ / (turns_ + kEnd))));
   }
   void enlarge() { cells_ *= 2; }
-  /// To so many cells, but no fewer than half of the box.
-  void cut(double most) {
-    cells_ = std::max({kMin, std::ceil(0.5 * needed_), std::min(cells_, std::floor(most))});
+  /// To that many cells, but no fewer than half of the box.
+  void cut(double max) {
+    cells_ = std::max({kMin, std::ceil(0.5 * needed_), std::min(cells_, std::floor(max))});
   }
 
  private:
@@ -35,11 +35,11 @@ class Axis {
   static constexpr double kGrowth = 1.02;  // so that the longest boxes are no matter of millions of steps
 
   /// Where the box is many grids long, one cell more or less moves its end far.
-  double bestNear(double most) const {
+  double bestNear(double max) const {
     constexpr double kMinShare = 0.8;
     constexpr int kTries = 32;
-    double best = most, bestError = 1;
-    for (double cells = most; cells > most - kTries && cells >= std::max(kMin, kMinShare * most); --cells) {
+    double best = max, bestError = 1;
+    for (double cells = max; cells > max - kTries && cells >= std::max(kMin, kMinShare * max); --cells) {
       const double error = std::abs(needed_ / cells - std::floor(needed_ / cells) - kEnd);
       if (error < bestError) best = cells, bestError = error;
     }
@@ -56,7 +56,7 @@ double offCenter(double mean, double low, double high) {
 
 }  // namespace
 
-CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells, std::int64_t fewestCells,
+CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t maxCells, std::int64_t fewestCells,
                         const std::optional<Vec3f>& mean) {
   CellGrid grid;
   grid.inverseCellSize = 1.0f / cellSize;
@@ -65,18 +65,18 @@ CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells,
   for (int k = 0; k < 3 && !box.empty(); ++k) axes[k] = Axis(std::ceil(double(box.size()[k]) / cellSize) + 3);
   const auto cells = [&] { return axes[0].cells() * axes[1].cells() * axes[2].cells(); };
   const auto shorter = [](const Axis& a, const Axis& b) { return a.cells() < b.cells(); };
-  const auto most = double(std::max<std::int64_t>(mostCells, 27));
-  if (mean && cells() > most) {
+  const auto max = double(std::max<std::int64_t>(maxCells, 27));
+  if (mean && cells() > max) {
     // Water in a tank: drops fly high above what lies at the bottom. Of points in a box of height 1 whose
     // mean is at m, at most m/c are above c.
     constexpr double kAtOneEnd = 0.25;
     const double off[] = {offCenter(mean->x, box.lo.x, box.hi.x), offCenter(mean->y, box.lo.y, box.hi.y),
                           offCenter(mean->z, box.lo.z, box.hi.z)};
     const auto k = std::max_element(off, off + 3) - off;
-    if (off[k] >= kAtOneEnd) axes[std::size_t(k)].cut(most / (cells() / axes[std::size_t(k)].cells()));
+    if (off[k] >= kAtOneEnd) axes[std::size_t(k)].cut(max / (cells() / axes[std::size_t(k)].cells()));
   }
-  while (cells() > most) std::max_element(axes.begin(), axes.end(), shorter)->shrink();
-  while (cells() < double(std::min(fewestCells, mostCells)) / 2)
+  while (cells() > max) std::max_element(axes.begin(), axes.end(), shorter)->shrink();
+  while (cells() < double(std::min(fewestCells, maxCells)) / 2)
     std::min_element(axes.begin(), axes.end(), shorter)->enlarge();
   grid.cells = {int(axes[0].cells()), int(axes[1].cells()), int(axes[2].cells())};
   return grid;

@@ -50,11 +50,11 @@ struct CellGrid {
   }
 };
 
-/// A grid of at most `mostCells` cells whose shape follows a bounding box. Where the box has fewer than
+/// A grid of at most `maxCells` cells whose shape follows a bounding box. Where the box has fewer than
 /// `fewestCells`, the grid is larger than it, up to about that number. The mean of the points tells where in
 /// the box nearly all of them are; the grid may then leave out what is opposite, whose few points share the
 /// cells of others.
-CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t mostCells,
-                        std::int64_t fewestCells = 27, const std::optional<Vec3f>& mean = {});
+CellGrid chooseCellGrid(const Aabb& box, float cellSize, std::int64_t maxCells, std::int64_t fewestCells = 27,
+                        const std::optional<Vec3f>& mean = {});
 
 }  // namespace weir

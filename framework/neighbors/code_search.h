@@ -160,7 +160,7 @@ struct CodeSearch {
     if (find.writer.packer.allInWindows) return group;
     // The least, because where the first is in the lowest layer of the grid, what is below it is the highest.
     for (int w = 0; w < kWindows; ++w)
-      group.shift[w] = threads.least(rows(w, 1).begin) - kWindow / 2 - w * kWindow;
+      group.shift[w] = threads.min(rows(w, 1).begin) - kWindow / 2 - w * kWindow;
     return group;
   }
 

@@ -15,7 +15,7 @@ struct GroupThreads {
   }
 
 #ifdef __CUDA_ARCH__
-  __device__ int least(int value) const {
+  __device__ int min(int value) const {
 #if __CUDA_ARCH__ >= 800
     return __reduce_min_sync(mask, value);
 #else
@@ -38,7 +38,7 @@ struct GroupThreads {
     __syncwarp(mask);
   }
 #else
-  int least(int value) const {
+  int min(int value) const {
     return value;
   }
   bool all(bool value) const {

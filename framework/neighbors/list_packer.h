@@ -47,7 +47,7 @@ struct ListPacker {
       const int end = window == 0 ? found.own : (window == 1 ? found.above : found.kept);
       IndexSpan span;
       for (; k < end; ++k) span.add(found.index[k]);
-      const int begin = threads.least(span.low);
+      const int begin = threads.min(span.low);
       fits = fits && span.fits(begin);
       group.shift[window] = (begin == INT_MAX ? 0 : begin) - window * kWindow;
     }

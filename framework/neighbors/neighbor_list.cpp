@@ -16,8 +16,8 @@ namespace {
 constexpr std::int64_t kCellsPerParticle = 4;
 constexpr std::int64_t kMinCells = 1 << 12;
 constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
-// A block for every so many groups of lists, and a few. At rows of cells that the grid wraps around, and
-// where few particles lie above many, groups are wide; blocks are for those with long lists among them.
+// A block for every kGroupsPerBlock groups of lists, and a few. At rows of cells that the grid wraps around,
+// and where few particles lie above many, groups are wide; blocks are for those with long lists among them.
 constexpr std::int64_t kGroupsPerBlock = 64;
 constexpr std::int64_t kMinBlocks = 16;
 

@@ -64,10 +64,10 @@ struct WriteKeys {
     const Aabb& box = key.domain;
     const CellGrid& grid = key.grid;
     const auto alongAxis = [&](const Lanes& at, float low, float high, int cells) {
-      const auto most = static_cast<float>(cells);
+      const auto max = static_cast<float>(cells);
       const Lanes cell = Lanes::Vector(_mm256_floor_ps((grid.inverseCellSize * at).v));
-      usual = usual & !(at < Lanes(low)) & !(at > Lanes(high)) & !(cell < Lanes(-most)) &
-              (cell < Lanes(2 * most));
+      usual =
+          usual & !(at < Lanes(low)) & !(at > Lanes(high)) & !(cell < Lanes(-max)) & (cell < Lanes(2 * max));
       const LaneInts::Vector c = __builtin_convertvector(cell.v, LaneInts::Vector);
       return c + ((c < 0) & cells) - ((c >= cells) & cells);
     };

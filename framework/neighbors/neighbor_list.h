@@ -15,7 +15,7 @@
 namespace weir {
 
 /// On the CPU, the lists of eight particles that stand side by side are interleaved: their k-th neighbours
-/// stand together, and the next eight of one list are so many entries behind.
+/// stand together, and the next eight of one list are that many entries behind.
 inline constexpr int kInterleaved = kEight;
 
 // By-products of the search, for the particles' present positions: one of the two.
@@ -146,7 +146,7 @@ struct NeighborEditor {
 struct NeighborEvents {
   int truncated = 0;  ///< lists that had more neighbours than there is room for
   int escaped = 0;    ///< particles that left the domain and were removed
-  int nonFinite = 0;  ///< particles with a position or velocity that is no number, removed
+  int nonFinite = 0;  ///< particles with a position or velocity that is NaN or infinite, removed
   /// Not since the reset: groups of the last search that asked for a block (see packed_lists.h).
   int wideGroups = 0;
   /// Groups of lists that were cut off because no block was left. Which ones those are depends on the order
@@ -193,7 +193,7 @@ class NeighborList {
   std::vector<std::vector<int>> listsOnHost(std::int64_t particles) const;
 
  private:
-  /// All that lists of so many particles need, each array alone and without what it held before.
+  /// All that lists of that many particles need, each array alone and without what it held before.
   void makeRoom(std::int64_t particles);
   static std::int64_t groupsOf(std::int64_t particles) { return (particles + kListGroup - 1) / kListGroup; }
   std::int64_t blocksFor(std::int64_t particles) const;
@@ -203,7 +203,7 @@ class NeighborList {
   template <class Backend>
   void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
               const FineCell* fine, float* crowding, Vec4f* places);
-  /// Of so many particles; a team of threads searches for each of fewer.
+  /// Of that many particles; a team of threads searches for each of fewer.
   bool needsFineCells(std::int64_t particles) const { return packs_ && particles > kFewForTeams; }
 
   /// More do as well with one thread each.

@@ -24,7 +24,7 @@ inline constexpr int kCodesTogether = 4;  // of a list
 inline constexpr int kCodesInInt = 2;
 inline constexpr int kWindows = 3;
 inline constexpr int kWindow = 21845;                   // indices; three windows make 16 bits
-inline constexpr std::int64_t kAllInWindows = 1 << 16;  // so many particles need no search for windows
+inline constexpr std::int64_t kAllInWindows = 1 << 16;  // that many particles need no search for windows
 
 /// What decodes the entries of a group.
 struct alignas(16) ListGroup {

@@ -14,9 +14,9 @@ namespace weir {
 /// A place in 64ths of a cell, modulo four cells: bytes of x, y and z from the highest down, and a zero.
 struct FineCell {
   static constexpr int kSteps = 64;
-  /// Places have this precision up to so many cells from the origin.
+  /// Places have this precision up to that many cells from the origin.
   static constexpr float kFarthest = 4096;
-  /// So many are read behind the last of an array; they mean nothing.
+  /// That many are read behind the last of an array; they mean nothing.
   static constexpr int kAhead = 3;
 
   std::uint32_t bytes = 0;

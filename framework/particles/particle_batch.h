@@ -43,7 +43,7 @@ struct ParticleBatch {
   Array<Vec3f> velocities;  ///< m/s; empty where all have the same
   Vec3f velocity{};         ///< m/s, of all in that case
   /// How many particles come this way in the whole run at most; told before there are any.
-  double most = 0;
+  double maxCount = 0;
 
   /// Where the fluid may rest until the simulation starts, as RestState makes it; nowhere if it is null.
   std::shared_ptr<const Boundary> container;

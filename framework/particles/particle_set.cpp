@@ -64,8 +64,8 @@ Lease<Vec4f> ParticleSet::leaseWide() {
   return lendWide(capacity(), true);
 }
 
-Lease<Vec4f> ParticleSet::leaseUnordered(std::int64_t least) {
-  return lendWide(std::max(least, capacity()), false);
+Lease<Vec4f> ParticleSet::leaseUnordered(std::int64_t min) {
+  return lendWide(std::max(min, capacity()), false);
 }
 
 Lease<Vec4f> ParticleSet::lendWide(std::int64_t size, bool byParticle) {
@@ -147,7 +147,7 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   constexpr std::int64_t kMinGrowth = 4096;
   const std::int64_t present = capacity();
   const std::int64_t grown = std::max(grownSize(present, particles), present + kMinGrowth);
-  const std::int64_t room = std::max(particles, std::min(grown, most_));
+  const std::int64_t room = std::max(particles, std::min(grown, maxParticles_));
   // One after another, so that never more than one of them is there twice; what is given back here makes room
   // for that one.
   spares_.release();

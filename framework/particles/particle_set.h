@@ -53,9 +53,9 @@ class ParticleSet {
   Lease<Vec3f> leaseVectors();
   /// Four numbers a particle, in a room that is also the next one's.
   Lease<Vec4f> leaseWide();
-  /// At least so many elements of that room for what is not by particle, so that they may be put into another
-  /// order meanwhile.
-  Lease<Vec4f> leaseUnordered(std::int64_t least);
+  /// At least that many elements of that room for what is not by particle, so that they may be put into
+  /// another order meanwhile.
+  Lease<Vec4f> leaseUnordered(std::int64_t min);
   /// Four numbers a particle in another room, for solvers. Once it has been leased, the search on CUDA leaves
   /// places there, too (kPlaces).
   Lease<Vec4f> leasePlaces();
@@ -65,7 +65,7 @@ class ParticleSet {
   ByProducts& byProducts() { return byProducts_; }
   const ByProducts& byProducts() const { return byProducts_; }
 
-  /// Up to so many particles, attributes go into another order all at once, which takes a kernel less but
+  /// Up to that many particles, attributes go into another order all at once, which takes a kernel less but
   /// memory for all of them twice.
   static constexpr std::int64_t kFew = 1 << 20;
 
@@ -105,7 +105,7 @@ class ParticleSet {
   /// How many particles there is room for: the size of every attribute's array.
   std::int64_t capacity() const { return position_ != nullptr ? position_->values.size() : 0; }
   /// There will be no more particles than this, so no room is made for more as long as that holds.
-  void expectAtMost(std::int64_t particles) { most_ = particles; }
+  void expectAtMost(std::int64_t particles) { maxParticles_ = particles; }
 
   /// All particles move. It is put off until somebody reads or writes positions or velocities, or the
   /// particles are put into another order, which then moves them on its way.
@@ -155,7 +155,7 @@ class ParticleSet {
   void rearrange();
   Lease<Vec4f> lendWide(std::int64_t size, bool byParticle);
   void makeRoom(std::int64_t particles);
-  bool hasFew() const { return (most_ == kUnknown ? capacity() : most_) <= kFew; }
+  bool hasFew() const { return (maxParticles_ == kUnknown ? capacity() : maxParticles_) <= kFew; }
 
   using Storage = std::shared_ptr<detail::AttributeStorage>;
   Storage storage(std::string_view name) const;
@@ -184,7 +184,7 @@ class ParticleSet {
   std::int64_t bound_ = 0;
   std::int64_t nextId_ = 0;
   static constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
-  std::int64_t most_ = kUnknown;
+  std::int64_t maxParticles_ = kUnknown;
 };
 
 }  // namespace weir

@@ -2,10 +2,11 @@
 //
 //   Output<Particles> particles{*this, "particles", "The tracers."};
 //   ...
-//   void estimate(...) { particles->material.spacing = spacing, particles->most = count; }
+//   void estimate(...) { particles->material.spacing = spacing, particles->maxCount = count; }
 //   void reset(...) { particles->assign(set_); }
 //
-// Nothing in it is a fluid's: a node whose particles are no fluid is drawn, exported and measured like one.
+// Nothing in it is a fluid's: a node whose particles are not a fluid is drawn, exported and measured like
+// one.
 #pragma once
 
 #include <string>
@@ -41,8 +42,8 @@ class Particles {
     friend bool operator==(const Request&, const Request&) = default;
   };
 
-  Material material;  ///< its spacing is told in estimate() already
-  double most = 0;    ///< particles that there will be at any time; told in estimate(), 0 if nobody asked
+  Material material;    ///< its spacing is told in estimate() already
+  double maxCount = 0;  ///< particles that there will be at any time; told in estimate(), 0 if nobody asked
 
   /// Whether there are particles to look at: from the reset of their node on.
   bool exist() const { return set_ != nullptr; }

@@ -47,7 +47,7 @@ void addInputs(const Configurable& owner, const std::string& prefix, Value& inpu
     const std::string name = prefix + "." + std::string(property->name());
     const auto* path = dynamic_cast<const Param<FilePath>*>(property);
     std::error_code ignored;
-    // What is no file is refused by whoever reads it, and says so better.
+    // What is not a file is refused by whoever reads it, and says so better.
     if (path == nullptr || !fs::is_regular_file(path->get().resolved, ignored)) continue;
     const FileDigest digest = digestOfFile(path->get().resolved);
     inputs[name]["file"] = path->get().text;

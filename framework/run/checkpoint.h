@@ -55,7 +55,7 @@ std::string checkpointInputs(const Scene& scene);
 /// another scene, other files or another back end than the simulation.
 void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation);
 
-/// How often checkpoints are made: at every so many frames, or at the first frame after so many seconds.
+/// How often checkpoints are made: every n frames, or at the first frame after n seconds.
 struct CheckpointInterval {
   std::optional<std::int64_t> frames;
   std::optional<double> seconds;

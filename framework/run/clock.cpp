@@ -16,7 +16,7 @@ namespace {
 // errors. This is far more than those, and far less than any difference that someone means.
 constexpr double kRounding = 1e-9;
 
-double leastParts(double ratio) {
+double fewestParts(double ratio) {
   return std::max(1.0, std::ceil(ratio * (1 - kRounding)));
 }
 
@@ -28,7 +28,7 @@ std::int64_t stepsIn(double interval, double longest) {
         fmt::format("a step of {} s divides a frame of {} s into {:.3g} steps", longest, interval, ratio),
         fmt::format("at most {:.0e} steps in a frame", Clock::kMaxStepsPerFrame),
         "times are in seconds; a larger dt or a higher frame_rate makes fewer steps");
-  return static_cast<std::int64_t>(leastParts(ratio));
+  return static_cast<std::int64_t>(fewestParts(ratio));
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ std::int64_t stepsIn(double interval, double longest) {
 double evenStep(double remaining, double longest) {
   WEIR_CHECK(remaining > 0);
   WEIR_CHECK(longest > 0);
-  return remaining / leastParts(remaining / longest);
+  return remaining / fewestParts(remaining / longest);
 }
 
 Clock::Clock(double frameRate, double longestDt, double duration)

@@ -28,7 +28,7 @@ class Progress {
   using WallClock = std::function<double()>;
   using Writer = std::function<void(std::string_view)>;
 
-  /// `width` gives the columns of the terminal, or nothing where the output is no terminal.
+  /// `width` gives the columns of the terminal, or nothing where the output is not a terminal.
   Progress(Writer write, std::function<std::optional<int>()> width, WallClock now);
 
   /// To be called after every step and frame. Shows the state if it is time to: ten times a second on a

@@ -19,8 +19,8 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Modules are timed in one of so many steps at most, and not again for a while: a step in which they are is
-// launched kernel by kernel, and takes up to 0.1 ms longer.
+// Modules are timed in at most one step in kStepsPerDetailed, and not again for a while: a step in which they
+// are is launched kernel by kernel, and takes up to 0.1 ms longer.
 constexpr std::int64_t kStepsPerDetailed = 32;
 constexpr std::chrono::milliseconds kBetweenDetailed{20};
 
@@ -70,22 +70,31 @@ void Simulation::setDuration(double duration) {
   clock_ = clockOf(*scene_);
 }
 
+SetupContext Simulation::setupContext(std::optional<std::int64_t> last, Log& log) {
+  scene_->animate(0);
+  return {.device = device_,
+          .log = log,
+          .registry = registry_,
+          .gravity = scene_->world.gravity,
+          .dt = longestStep(),
+          .seed = scene_->world.seed,
+          .stepsVary = stepsVary(),
+          .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get(),
+          .progress = progress_};
+}
+
+MemoryEstimate Simulation::estimate(std::optional<std::int64_t> last) {
+  clock_ = clockOf(*scene_);
+  return scene_->graph.estimate(setupContext(last, log_));
+}
+
 void Simulation::setUp(std::optional<std::int64_t> last, Log& log) {
   clock_ = clockOf(*scene_);
   resetAt_ = WallClock::now();
   frame_ = stepInFrame_ = stepsDone_ = 0;
   time_ = 0;
   lengths_ = {};
-  scene_->animate(0);
-  const SetupContext context{
-      .device = device_,
-      .log = log,
-      .registry = registry_,
-      .gravity = scene_->world.gravity,
-      .dt = longestStep(),
-      .seed = scene_->world.seed,
-      .stepsVary = stepsVary(),
-      .end = last ? clock_.frameTime(std::min(*last, clock_.frameCount())) : scene_->world.duration.get()};
+  const SetupContext context = setupContext(last, log);
   checkMemory(context);
   scene_->graph.reset(context);
 }
@@ -170,7 +179,7 @@ double Simulation::chooseStep(const StepContext& next) {
   const double wanted = scene_->graph.longestStep(next, *world.cfl.get());
   double longest = std::min(next.dt, wanted);
   if (!(longest >= world.shortestStep())) {
-    lengths_.leastWanted = lengths_.tooLong == 0 ? wanted : std::min(lengths_.leastWanted, wanted);
+    lengths_.minWanted = lengths_.tooLong == 0 ? wanted : std::min(lengths_.minWanted, wanted);
     ++lengths_.tooLong;
     longest = world.shortestStep();
   }

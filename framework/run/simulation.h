@@ -57,6 +57,13 @@ class Simulation {
   /// at which the run will end, if its duration does not end it before. Throws a scene Error if what the
   /// scene needs until then does not fit into memory (memory_estimate.h).
   void reset(std::optional<std::int64_t> last = {});
+  /// What a reset would estimate; makes nothing, and throws nothing for want of memory.
+  MemoryEstimate estimate(std::optional<std::int64_t> last = {});
+  /// The part of a reset in which nodes check their settings and put particles in place; not that of frame 0,
+  /// in which fluids come to rest. Only a reset may follow.
+  void prepare(std::optional<std::int64_t> last = {}) { setUp(last, log_); }
+  /// Is told of each node that is set up, see SetupContext.
+  void onSetUp(decltype(SetupContext::progress) progress) { progress_ = std::move(progress); }
   /// What the last reset estimated.
   const MemoryNeeds& memoryNeeds() const { return memoryNeeds_; }
   /// All that the future depends on; to be called at a frame.
@@ -102,7 +109,7 @@ class Simulation {
     double shortest = 0, longest = 0;  ///< s
     /// Where world.min_dt kept a step from being as short as the nodes asked, and the least that one asked.
     std::int64_t tooLong = 0;
-    double leastWanted = 0;  ///< s
+    double minWanted = 0;  ///< s
   };
   const StepLengths& stepLengths() const { return lengths_; }
 
@@ -119,6 +126,7 @@ class Simulation {
 
   /// Makes all nodes anew, if there is memory for them.
   void setUp(std::optional<std::int64_t> last, Log& log);
+  SetupContext setupContext(std::optional<std::int64_t> last, Log& log);
   void checkMemory(const SetupContext& context);
   /// The context of what comes next, with the world as it is then.
   StepContext stepContext();
@@ -147,6 +155,7 @@ class Simulation {
   std::int64_t stepsUntimed_ = 0;  // since modules were timed
   WallClock::time_point modulesTimedAt_;
   std::vector<OutputTime> outputTimes_;
+  decltype(SetupContext::progress) progress_;
 };
 
 }  // namespace weir

@@ -120,7 +120,7 @@ void addReports(Simulation& simulation, Value& statistics) {
   addEvent("world",
            {fmt::format("steps were longer than cfl allows, because of min_dt: down to {:.3g} s would "
                         "have been needed",
-                        lengths.leastWanted),
+                        lengths.minWanted),
             lengths.tooLong});
   for (const auto& node : simulation.scene().graph.nodes()) {
     Value& entry = nodes[node->name()];

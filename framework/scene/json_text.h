@@ -25,7 +25,7 @@ class JsonTokens {
 
   /// The start of the next token that is no ',' or ':'; moves behind it. The token must be valid.
   TextPlace next();
-  /// The first character that is no white space.
+  /// The first character that is not white space.
   TextPlace skipSpace();
   void skipOne() { advance(1); }
   const TextPlace& place() const { return place_; }

@@ -2,17 +2,14 @@
 
 #include <charconv>
 #include <cmath>
-#include <optional>
 
 #include "framework/base/text.h"
+#include "framework/scene/layout.h"
 #include "framework/scene/scene_file.h"
 
 namespace weir {
 
 namespace {
-
-constexpr std::size_t kLineWidth = 100;
-constexpr std::size_t kIndent = 2;
 
 void writeString(std::string& out, std::string_view text) {
   constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
@@ -56,8 +53,7 @@ void writeDouble(std::string& out, double d) {
   out.append(text, end.ptr);
 }
 
-/// Writes on one line; stops as soon as `out` is longer than `longest`, and says so.
-bool writeLine(std::string& out, const Value& v, std::size_t longest) {
+void writeLine(std::string& out, const Value& v) {
   if (v.isNull()) {
     out += "null";
   } else if (v.isBool()) {
@@ -72,7 +68,7 @@ bool writeLine(std::string& out, const Value& v, std::size_t longest) {
     out += '[';
     for (std::size_t i = 0; i < v.asArray().size(); ++i) {
       if (i > 0) out += ", ";
-      if (!writeLine(out, v.asArray()[i], longest)) return false;
+      writeLine(out, v.asArray()[i]);
     }
     out += ']';
   } else {
@@ -82,53 +78,21 @@ bool writeLine(std::string& out, const Value& v, std::size_t longest) {
       if (i > 0) out += ", ";
       writeString(out, members[i].first);
       out += ": ";
-      if (!writeLine(out, members[i].second, longest)) return false;
+      writeLine(out, members[i].second);
     }
     out += members.empty() ? "}" : " }";
   }
-  return out.size() <= longest;
-}
-
-/// Writes at the end of a line that holds `column` characters already.
-void write(std::string& out, const Value& v, std::size_t indent, std::size_t column, bool mayBeOneLine) {
-  const bool container = v.isArray() || v.isObject();
-  const bool empty = container && (v.isArray() ? v.asArray().empty() : v.asObject().empty());
-  std::string line;
-  const std::size_t room = column < kLineWidth ? kLineWidth - column : 0;
-  if (!container || empty || (mayBeOneLine && writeLine(line, v, room))) {
-    if (line.empty()) writeLine(line, v, std::string::npos);
-    out += line;
-    return;
-  }
-  const std::string newLine = "\n" + std::string(indent + kIndent, ' ');
-  out += v.isArray() ? '[' : '{';
-  const std::size_t count = v.isArray() ? v.asArray().size() : v.asObject().size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t lineStart = out.size() + (i > 0 ? 2 : 1);
-    out += (i > 0 ? "," : "") + newLine;
-    if (v.isObject()) {
-      writeString(out, v.asObject()[i].first);
-      out += ": ";
-    }
-    const Value& child = v.isArray() ? v.asArray()[i] : v.asObject()[i].second;
-    // One more than it holds: a comma may follow.
-    write(out, child, indent + kIndent, out.size() - lineStart + 2, true);
-  }
-  out += "\n" + std::string(indent, ' ') + (v.isArray() ? ']' : '}');
 }
 
 }  // namespace
 
 std::string writeJson(const Value& value) {
-  std::string out;
-  const bool mayBeOneLine = !value.isObject();  // a scene always has one member a line
-  write(out, value, 0, 0, mayBeOneLine);
-  return out + "\n";
+  return inLayout(writeJsonLine(value));
 }
 
 std::string writeJsonLine(const Value& value) {
   std::string out;
-  writeLine(out, value, std::string::npos);
+  writeLine(out, value);
   return out + "\n";
 }
 

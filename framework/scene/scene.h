@@ -18,7 +18,11 @@ class World final : public Configurable {
   Param<Vec3f> gravity{*this,
                        "gravity",
                        {0, -9.8f, 0},
-                       {.unit = "m/s^2", .live = true, .animated = true, .doc = "Acceleration of gravity."}};
+                       {.unit = "m/s^2",
+                        .live = true,
+                        .animated = true,
+                        .doc = "Acceleration of gravity.",
+                        .also = "weight, acceleration, down"}};
   Param<double> dt{
       *this,
       "dt",
@@ -27,7 +31,8 @@ class World final : public Configurable {
        .min = 0,
        .max = 1,
        .aboveMin = true,
-       .doc = "Longest time step. A frame is divided into equal steps that are no longer than it."}};
+       .doc = "Longest time step. A frame is divided into equal steps that are no longer than it.",
+       .also = "time step"}};
   Param<std::optional<double>> cfl{
       *this,
       "cfl",
@@ -50,13 +55,20 @@ class World final : public Configurable {
        .aboveMin = true,
        .doc = "With cfl: steps are not made shorter than this for the sake of fast particles; where they "
               "would have to be, that is counted and reported. A thousandth of dt if it is left out."}};
-  Param<double> frameRate{
-      *this,
-      "frame_rate",
-      30.0,
-      {.unit = "1/s", .min = 0, .max = 10000, .aboveMin = true, .doc = "Frames per simulated second."}};
+  Param<double> frameRate{*this,
+                          "frame_rate",
+                          30.0,
+                          {.unit = "1/s",
+                           .min = 0,
+                           .max = 10000,
+                           .aboveMin = true,
+                           .doc = "Frames per simulated second.",
+                           .also = "fps"}};
   Param<double> duration{
-      *this, "duration", 4.0, {.unit = "s", .min = 0, .max = 1e6, .doc = "Simulated time."}};
+      *this,
+      "duration",
+      4.0,
+      {.unit = "s", .min = 0, .max = 1e6, .doc = "Simulated time.", .also = "length, end, seconds, time"}};
   Param<std::int64_t> seed{*this, "seed", 1, {.min = 0, .doc = "Seed of all random numbers."}};
 
   void validate() const override;

@@ -7,7 +7,7 @@ namespace weir {
 
 namespace {
 
-/// Of a node; of repeated ones, with the index in braces; or a member that is no node.
+/// Of a node; of repeated ones, with the index in braces; or a member that is not a node.
 constexpr const char* kNodeName =
     R"(^([A-Za-z][A-Za-z0-9_-]{0,99}|[A-Za-z{][^.\s]*\{.*\}.*|\{.*\}.*|\$include)$)";
 constexpr const char* kLinkForm = R"(^\s*[^.\s]+\.[^.\s]+\s*->\s*[^.\s]+\.[^.\s]+\s*$)";
@@ -197,9 +197,9 @@ void addToObject(Value& schema) {
 void addToList(Value& schema) {
   Value items = *schema.find("items");
   schema["items"] = either(std::move(items), reference("repeat"));
-  const Value* least = schema.find("minItems");
-  if (least == nullptr) return;
-  Value enough = object({{"minItems", *least}});
+  const Value* min = schema.find("minItems");
+  if (min == nullptr) return;
+  Value enough = object({{"minItems", *min}});
   Value repeated = object({{"contains", object({{"required", Value::Array{"repeat"}}, {"type", "object"}})}});
   std::erase_if(schema.asObject(), [](const auto& member) { return member.first == "minItems"; });
   schema["anyOf"] = either(std::move(enough), std::move(repeated))["anyOf"];

@@ -20,8 +20,8 @@ WEIR_HD auto sidesOf(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, const
   constexpr float kRounding = 1e-5f;  // far above that of the cross product of floats
   const Vec3<T> normal = cross(b - a, c - a), arm = p - a;
   const T height = dot(arm, normal);
-  const T least = kRounding * sqrtf(dot(arm, arm) * dot(normal, normal));
-  return SidesOf<decltype(height < least)>{!(height < -least), !(height > least)};
+  const T min = kRounding * sqrtf(dot(arm, arm) * dot(normal, normal));
+  return SidesOf<decltype(height < min)>{!(height < -min), !(height > min)};
 }
 
 WEIR_HD inline int sidesSeen(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {

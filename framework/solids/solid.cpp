@@ -14,8 +14,8 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
   impulse_->fillZero();
 }
 
-double Solid::mostMemory(const TriangleMesh& mesh) {
-  return TriangleTree::mostMemory(mesh.triangles.size()) + ClearanceGrid::kMaxMemory;
+double Solid::maxMemory(const TriangleMesh& mesh) {
+  return TriangleTree::maxMemory(mesh.triangles.size()) + ClearanceGrid::kMaxMemory;
 }
 
 SolidView Solid::view(double time, double dt) {

@@ -67,7 +67,7 @@ class Solid final : public Stateful {
         float detail);
 
   /// Bytes on the device that the solid of such a mesh takes at most.
-  static double mostMemory(const TriangleMesh& mesh);
+  static double maxMemory(const TriangleMesh& mesh);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);

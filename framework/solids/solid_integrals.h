@@ -43,7 +43,7 @@
 // solid, all that a thin part hides must count as solid, as it does for a sheet. The sum over the triangles
 // that face p (δ > 0) is just that: the integral over all that the surface hides from p. At a thick solid
 // nothing faces away within reach and both are the same. At an edge they differ: what is round the corner
-// is hidden, but it is no wall that fluid leans on. So a back is left out as far as it is parallel to what
+// is hidden, but it is not a wall that fluid leans on. So a back is left out as far as it is parallel to what
 // faces p. With φ_T = δ·∫_T G(r)/r³ dA and the normal m of the back, its share is left out that is the mean
 // of −n·m over what faces p, weighted by −n·m and φ_T:
 //
@@ -214,7 +214,7 @@ class SolidIntegrator {
 
   WEIR_HD static TriangleTerms<T> termsOf(const Triangle& triangle) {
     using Of = TriangleIntegrator<T>;
-    const T squaredDistance = Of::leastSquaredDistance(triangle);
+    const T squaredDistance = Of::minSquaredDistance(triangle);
     if (!Of::isReached(squaredDistance)) return {T(0), T(0), T(0), triangle.normal, triangle.delta};
     const typename Of::Fine fine = Of::asFine(triangle, squaredDistance);
     return fine.is ? Of::termsOfFine(triangle, fine) : Of::termsOfEdges(triangle);
@@ -235,8 +235,8 @@ class SolidIntegrator {
     const T against = dot(facing_, m);
     const T squares = dot(m, Vec3<T>{dot(facingX_, m), dot(facingY_, m), dot(facingZ_, m)});
     // Less is rounding: of what is at right angles to all that faces p.
-    const T least = kMinCosine * (facingX_.x + facingY_.y + facingZ_.z);
-    return against > least ? (squares < against ? squares / against : T(1)) : T(0);
+    const T min = kMinCosine * (facingX_.x + facingY_.y + facingZ_.z);
+    return against > min ? (squares < against ? squares / against : T(1)) : T(0);
   }
 
   /// How much of a back is left out.

@@ -50,7 +50,7 @@ class SolidPairs {
 
   /// Pairs for which there was no room, since the beginning; not on the CPU. Waits for the device.
   std::int64_t lostOnHost() const { return lost_.toHost().front(); }
-  /// Bytes for so many particles and solids, and for two pairs of each particle with so many bytes of
+  /// Bytes for that many particles and solids, and for two pairs of each particle with that many bytes of
   /// somebody else's.
   double memoryFor(double particles, int solids, std::size_t bytesOfPair) const;
 

@@ -83,7 +83,7 @@ class TriangleIntegrator {
 
   /// A lower bound of the distance of a triangle, squared: that of its plane, and within the plane how far p
   /// is on the outer side of one of the edges.
-  WEIR_HD static T leastSquaredDistance(const Triangle& triangle) {
+  WEIR_HD static T minSquaredDistance(const Triangle& triangle) {
     T out = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3<T>& u = triangle.corner[k];

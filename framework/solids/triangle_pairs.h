@@ -41,7 +41,7 @@ class TrianglePairs {
     finish(corners, 1 / radius, withEdges_, edges,
            [](const Triangle& triangle) { return Of::termsOfEdges(triangle); });
     finish(corners, 1 / radius, withPoints_, fine, [](const Triangle& triangle) {
-      return Of::termsOfFine(triangle, Of::asFine(triangle, Of::leastSquaredDistance(triangle)));
+      return Of::termsOfFine(triangle, Of::asFine(triangle, Of::minSquaredDistance(triangle)));
     });
   }
 
@@ -101,7 +101,7 @@ class TrianglePairs {
     if (!any(reached)) return;
     zeroUnless(reached, triangle.delta).store(delta_ + k);
     for (int axis = 0; axis < 3; ++axis) zeroUnless(reached, triangle.normal[axis]).store(normal_[axis] + k);
-    const Lanes squaredDistance = Of::leastSquaredDistance(triangle);
+    const Lanes squaredDistance = Of::minSquaredDistance(triangle);
     reached = reached & Of::isReached(squaredDistance);
     const LaneMask points = Of::asFine(triangle, squaredDistance).is;
     edges += storeChosen(withEdges_ + edges, LaneInts::from(k), (reached & !points).bits());

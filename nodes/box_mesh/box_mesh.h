@@ -8,7 +8,8 @@ namespace weir {
 
 class BoxMesh final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"BoxMesh", "A box as a mesh: a block, a wall, a paddle or a tank."};
+  static constexpr NodeInfo kInfo{"BoxMesh", "A box as a mesh: a block, a wall, a paddle or a tank.",
+                                  "cube, block, wall, paddle, tank"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<Vec3f> min{*this, "min", {-0.5f, 0, -0.5f}, {.unit = "m", .doc = "Lower corner."}};

@@ -10,7 +10,8 @@ namespace weir {
 class CircleEmitter final : public NozzleEmitter {
  public:
   static constexpr NodeInfo kInfo{"CircleEmitter",
-                                  "A round nozzle that emits a jet of particles along its -y axis."};
+                                  "A round nozzle that emits a jet of particles along its -y axis.",
+                                  "jet, nozzle, tap, faucet, hose, inflow, inlet, source, pour, spray"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> radius{

@@ -34,7 +34,7 @@ void Emitter::checkLayerSize(const SetupContext& context) const {
 
 void Emitter::warnOfSettings(const SetupContext& context) const {
   const std::string where = fmt::format("node '{}'", name());
-  const double fastest = speed.most(start, stop.get().value_or(std::numeric_limits<double>::max()));
+  const double fastest = speed.max(start, stop.get().value_or(std::numeric_limits<double>::max()));
   const double travel = fastest * context.dt / spacing_;
   if (!context.stepsVary && travel > kMaxTravel * (1 + kSettingRounding))
     warnOfSetting(
@@ -59,12 +59,12 @@ void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {
   const double begin = start, end = std::min(context.end, stop.get().value_or(context.end));
   const double travel = end > begin ? double(speed.mean(begin, end)) * (end - begin) : 0;
   const auto limited = [&](double layers) {
-    const double most = maxParticles.get() ? static_cast<double>(*maxParticles.get()) : inLayer * layers;
-    return std::min(inLayer * layers, most);
+    const double max = maxParticles.get() ? static_cast<double>(*maxParticles.get()) : inLayer * layers;
+    return std::min(inLayer * layers, max);
   };
   // One layer more than fit in, as the first leaves at once; another for rounding over the steps.
-  particles->most = travel > 0 ? limited(std::ceil(travel / request->spacing) + 1) : 0;
-  const double fastest = end > begin ? double(speed.most(begin, end)) : 0;
+  particles->maxCount = travel > 0 ? limited(std::ceil(travel / request->spacing) + 1) : 0;
+  const double fastest = end > begin ? double(speed.max(begin, end)) : 0;
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // Batches differ by a layer from step to step; arrays that grow are up to a quarter too long.
   const double atOnce = limited(std::ceil(fastest * context.dt / request->spacing) + 1);
@@ -97,7 +97,7 @@ double Emitter::longestStep(const StepContext& next, double cfl) {
   const double end = std::min(next.time + next.dt, stop.get().value_or(next.time + next.dt));
   const bool exhausted = maxParticles.get() && emitted_ >= *maxParticles.get();
   if (end <= begin || exhausted) return Node::longestStep(next, cfl);
-  return timeToFly(cfl * spacing_, speed.most(begin, end), length(next.gravity));
+  return timeToFly(cfl * spacing_, speed.max(begin, end), length(next.gravity));
 }
 
 void Emitter::step(const StepContext& context) {

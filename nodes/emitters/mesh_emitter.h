@@ -12,7 +12,8 @@ namespace weir {
 class MeshEmitter final : public Emitter {
  public:
   static constexpr NodeInfo kInfo{
-      "MeshEmitter", "Emits particles from the surface of a mesh, along the normals of its triangles."};
+      "MeshEmitter", "Emits particles from the surface of a mesh, along the normals of its triangles.",
+      "jet, inflow, inlet, source, rain, pour"};
   const NodeInfo& info() const override { return kInfo; }
 
   Input<TriangleMesh> surface{*this, "surface", "The mesh to emit from; it may be open."};

@@ -9,7 +9,8 @@ namespace weir {
 class SquareEmitter final : public NozzleEmitter {
  public:
   static constexpr NodeInfo kInfo{"SquareEmitter",
-                                  "A rectangular nozzle that emits a jet of particles along its -y axis."};
+                                  "A rectangular nozzle that emits a jet of particles along its -y axis.",
+                                  "jet, nozzle, sheet, inflow, inlet, source, pour, curtain"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> width{*this,

@@ -11,7 +11,7 @@
 namespace weir {
 
 void FluidSurface::estimate(const SetupContext&, MemoryNeeds& needs) {
-  const double n = fluid->most;
+  const double n = fluid->maxCount;
   needs.certain += ParticleKernels::memoryFor(n);
   needs.device += ParticleKernels::memoryFor(n) + KernelField::memoryFor(n, kernelRadius, cellSize);
   needs.remedy = [cells = double(cellSize)](double share) {

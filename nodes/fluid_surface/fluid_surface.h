@@ -18,7 +18,8 @@ namespace weir {
 class FluidSurface final : public Node {
  public:
   static constexpr NodeInfo kInfo{
-      "FluidSurface", "The surface of a fluid as a closed triangle mesh, for pictures and export."};
+      "FluidSurface", "The surface of a fluid as a closed triangle mesh, for pictures and export.",
+      "mesh, skin, marching cubes, reconstruction, export, render"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> cellSize{*this,

@@ -24,8 +24,8 @@ class KernelField {
   /// How far particles may be from the origin along each axis, m.
   static float farthest(float cellSize, float kernelRadius);
 
-  /// Bytes on the device for so many particles in fluid that hangs together, with the mesh; kernels and cells
-  /// in spacings. Spray takes more, as each drop has blocks of its own.
+  /// Bytes on the device for that many particles in fluid that hangs together, with the mesh; kernels and
+  /// cells in spacings. Spray takes more, as each drop has blocks of its own.
   static double memoryFor(double particles, double kernelRadius, double cellSize);
 
   /// Makes the grid and its values. Throws a simulation Error where it would have more nodes than can be

@@ -150,7 +150,7 @@ struct MakeKernel {
       const Pack q2 = dot(d, d) * inverseSquare;
       const auto near = packBelow(j, end) & (q2 < Pack(1.0f));
       if (canSkip(near)) continue;
-      // What is beyond the range may be no number.
+      // What is beyond the range may be NaN.
       moments.add(zeroUnless(near, 1 - q2 * sqrtf(q2)),
                   {zeroUnless(near, d.x), zeroUnless(near, d.y), zeroUnless(near, d.z)});
     }
@@ -170,8 +170,8 @@ struct MakeKernel {
         .weight = settings.spacing * settings.spacing * settings.spacing * kNormalization / (h * h * h)};
     SymmetricMatrix inverse, squares;
     for (int k = 0; k < 3; ++k) {
-      const float own = axisOf(eigen.values[k], usual), least = longest / settings.anisotropy;
-      const float full = clamped(own > least ? own : least, kMinAxis, kLongestAxis);
+      const float own = axisOf(eigen.values[k], usual), min = longest / settings.anisotropy;
+      const float full = clamped(own > min ? own : min, kMinAxis, kLongestAxis);
       const float axis = settings.loneAxis + blend * (full - settings.loneAxis);
       const double length = double(h) * double(axis);
       inverse.addProduct(1 / (length * length), eigen.vectors[k]);

@@ -48,7 +48,7 @@ class ParticleKernels {
   void make(Device& device, ArrayView<const Vec3f> positions, std::int64_t count,
             const KernelSettings& settings, float farthest);
 
-  /// Bytes on the device for so many particles.
+  /// Bytes on the device for that many particles.
   static double memoryFor(double particles);
 
   /// How many there are.

@@ -74,7 +74,7 @@ class SparseGrid {
   std::int64_t blocks() const { return blocks_; }
   GridView view() const { return {cellSize_, {keys_.data(), blocks_}, around_.view(), values_.view()}; }
 
-  /// Room for so many blocks, whose keys and values are then undefined.
+  /// Room for that many blocks, whose keys and values are then undefined.
   void resize(float cellSize, std::int64_t blocks);
   /// The keys must be different and ascending.
   Array<std::uint64_t>& keys() { return keys_; }

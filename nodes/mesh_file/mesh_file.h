@@ -24,7 +24,8 @@ struct EnumNames<MeshAnchor> {
 
 class MeshFile final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"MeshFile", "Reads a triangle mesh from a file."};
+  static constexpr NodeInfo kInfo{"MeshFile", "Reads a triangle mesh from a file.",
+                                  "import, load, obj, stl, ply, gltf, model, cad, geometry"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<FilePath> file{*this, "file", {}, {.doc = "The file; its ending says what reads it."}};

@@ -81,7 +81,7 @@ class PlyMesh {
     for (int k = 0; k < 3; ++k) {
       const auto found = findProperty(element, {kNames[static_cast<std::size_t>(k)]});
       if (!found || element.properties[*found].lengthType)
-        throw ioError("the element 'vertex' has no number " + inQuotes(kNames[static_cast<std::size_t>(k)]),
+        throw ioError("the element 'vertex' has no property " + inQuotes(kNames[static_cast<std::size_t>(k)]),
                       "properties x, y and z");
       axes_[static_cast<std::size_t>(k)] = *found;
     }

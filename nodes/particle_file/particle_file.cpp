@@ -77,9 +77,9 @@ ParticleData ParticleFile::readWith(const ParticleReader& reader) const {
 
 void ParticleFile::estimate(const SetupContext& context, MemoryNeeds& needs) {
   read_ = read(context.registry);
-  particles->most = static_cast<double>(read_->positions.size());
-  needs.add(bytesOfArrays(particles->most, particles->positions, particles->velocities));
-  needs.host = 2 * sizeof(Vec3f) * particles->most;
+  particles->maxCount = static_cast<double>(read_->positions.size());
+  needs.add(bytesOfArrays(particles->maxCount, particles->positions, particles->velocities));
+  needs.host = 2 * sizeof(Vec3f) * particles->maxCount;
 }
 
 void ParticleFile::reset(const SetupContext& context) {

@@ -14,7 +14,8 @@ namespace weir {
 
 class ParticleFile final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"ParticleFile", "Particles from a file: .csv, .ply, .vtkhdf and others."};
+  static constexpr NodeInfo kInfo{"ParticleFile", "Particles from a file: .csv, .ply, .vtkhdf and others.",
+                                  "import, load, csv, ply, point cloud, restart, initial"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<FilePath> file{*this, "file", {}, {.doc = "The file; its ending says what it is."}};

@@ -38,12 +38,12 @@ void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neig
   const double mass = constants.particleMass, count = std::max(double(n), 1.0);
   statistics["particles"] = n;
   statistics["fluid_volume"] = double(n) * constants.particleVolume;
-  statistics["neighbors"] = meanAndMax(double(sums.neighbors) / count, sums.mostNeighbors);
-  statistics["compression"] = meanAndMax(sums.compression / count, sums.mostCompression);
+  statistics["neighbors"] = meanAndMax(double(sums.neighbors) / count, sums.maxNeighbors);
+  statistics["compression"] = meanAndMax(sums.compression / count, sums.maxCompression);
   statistics["linear_momentum"] = toValue(mass * sums.velocity);
   statistics["kinetic_energy"] = mass * 0.5 * sums.speedSquared;
   statistics["potential_energy"] = -mass * dot(toDouble(gravity), sums.position);
-  statistics["max_speed"] = std::sqrt(sums.mostSpeedSquared);
+  statistics["max_speed"] = std::sqrt(sums.maxSpeedSquared);
   if (n == 0) return;
   statistics["center_of_mass"] = toValue(sums.position / count);
   statistics["bounds"] = Value::Array{toValue(toDouble(sums.box.lo)), toValue(toDouble(sums.box.hi))};

@@ -28,11 +28,11 @@ struct SumsOfOne {
     FluidSums one{.velocity = v,
                   .position = toDouble(positions[i]),
                   .speedSquared = speedSquared,
-                  .mostSpeedSquared = largest(0, speedSquared),
+                  .maxSpeedSquared = largest(0, speedSquared),
                   .compression = over < 0 ? 0 : over,
-                  .mostCompression = largest(0, over),
+                  .maxCompression = largest(0, over),
                   .neighbors = neighbors,
-                  .mostNeighbors = neighbors};
+                  .maxNeighbors = neighbors};
     one.box.extend(positions[i]);
     return one;
   }
@@ -43,11 +43,11 @@ struct AddSums {
     return {.velocity = a.velocity + b.velocity,
             .position = a.position + b.position,
             .speedSquared = a.speedSquared + b.speedSquared,
-            .mostSpeedSquared = largest(a.mostSpeedSquared, b.mostSpeedSquared),
+            .maxSpeedSquared = largest(a.maxSpeedSquared, b.maxSpeedSquared),
             .compression = a.compression + b.compression,
-            .mostCompression = largest(a.mostCompression, b.mostCompression),
+            .maxCompression = largest(a.maxCompression, b.maxCompression),
             .neighbors = a.neighbors + b.neighbors,
-            .mostNeighbors = a.mostNeighbors > b.mostNeighbors ? a.mostNeighbors : b.mostNeighbors,
+            .maxNeighbors = a.maxNeighbors > b.maxNeighbors ? a.maxNeighbors : b.maxNeighbors,
             .box = {min(a.box.lo, b.box.lo), max(a.box.hi, b.box.hi)}};
   }
 };

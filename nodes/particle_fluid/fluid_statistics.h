@@ -13,15 +13,15 @@ namespace weir {
 /// Sums and extremes over some particles; as it is, over none.
 struct FluidSums {
   Vec3d velocity, position;
-  double speedSquared = 0, mostSpeedSquared = 0;
-  double compression = 0, mostCompression = 0;  ///< of max(λ − 1, 0)
-  std::int64_t neighbors = 0, mostNeighbors = 0;
+  double speedSquared = 0, maxSpeedSquared = 0;
+  double compression = 0, maxCompression = 0;  ///< of max(λ − 1, 0)
+  std::int64_t neighbors = 0, maxNeighbors = 0;
   Aabb box;
 };
 
 /// Writes those over all particles to *sums, on the device; its attribute "density" and the numbers of
 /// neighbours are as of the last frame, and there may be none yet where a run failed before its first search.
-/// Extremes leave out what is no number.
+/// Extremes leave out NaN.
 template <class Backend>
 void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
               double restDensity, FluidSums* sums);

@@ -1,4 +1,4 @@
-// Particles that a solid hides from each other are no neighbours: water on one side of a thin wall must not
+// Particles that a solid hides from each other are not neighbours: water on one side of a thin wall must not
 // feel the water on the other.
 //
 // A pair is taken out of the neighbour lists if the straight segment between the two meets the surface of a

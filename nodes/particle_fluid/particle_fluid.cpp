@@ -63,17 +63,17 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
   lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
                  WallField(device).memoryFor(particles, room.solids) +
-                 ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);  // the density
+                 (pressure ? 2 : 1) * ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);
   pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
   return bytes;
 }
 
 void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   double atFirst = 0, born = 0;
-  for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].most;
-  for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].most;
-  most_ = atFirst + born;
-  fluid->most = most_;
+  for (std::size_t i = 0; i < initial.size(); ++i) atFirst += initial[i].maxCount;
+  for (std::size_t i = 0; i < emitters.size(); ++i) born += emitters[i].maxCount;
+  maxParticles_ = atFirst + born;
+  fluid->maxCount = maxParticles_;
   fluid->material.spacing = spacing;
   // What is proportional to their number is so to 1/spacing³.
   needs.remedy = [d = double(spacing)](double share) {
@@ -81,12 +81,12 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
     return fmt::format("a spacing of at least {:.3g} m", std::ceil(fitting / digit) * digit);
   };
   constexpr double kMax = std::numeric_limits<int>::max();
-  if (!(most_ <= kMax))
-    throw sceneError(
-        fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles", spacing.get(), most_),
-        fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / most_));
-  needs.particles = most_;
-  needs.device = memoryFor(context.device, most_);
+  if (!(maxParticles_ <= kMax))
+    throw sceneError(fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles",
+                                 spacing.get(), maxParticles_),
+                     fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / maxParticles_));
+  needs.particles = maxParticles_;
+  needs.device = memoryFor(context.device, maxParticles_);
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
   needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
 }
@@ -125,12 +125,18 @@ void ParticleFluid::reset(const SetupContext& context) {
                                               .unit = "kg/m^3",
                                               .doc = "Density.",
                                               .derived = true});
+  if (pressure)
+    state.pressure = state.particles.add<float>({.name = "pressure",
+                                                 .type = AttributeType::kFloat,
+                                                 .unit = "Pa",
+                                                 .doc = "Pressure, 0 where fluid is not compressed.",
+                                                 .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
-  if (most_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(most_));
+  if (maxParticles_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_));
   fluid->material = {
       .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
   fluid->assign(state.particles);
@@ -179,6 +185,15 @@ WallFinder* ParticleFluid::wallFinder() const {
   for (const auto& module : pipeline_.modules())
     if (auto* finder = module->enabled() ? dynamic_cast<WallFinder*>(module.get()) : nullptr) return finder;
   return nullptr;
+}
+
+const BulkEnergy& ParticleFluid::bulkEnergy() const {
+  for (const auto& module : pipeline_.modules())
+    if (const auto* law = module->enabled() ? dynamic_cast<PressureLaw*>(module.get()) : nullptr)
+      return law->bulkEnergy();
+  throw sceneError("the fluid has no enabled module that knows its pressure",
+                   "a module such as SemiImplicitSolver or AcceleratedSolver, or \"pressure\": false")
+      .inParameter(pressure.name());
 }
 
 void ParticleFluid::resetModules(FluidStep& step) {
@@ -277,7 +292,10 @@ void ParticleFluid::refresh(const StepContext& context) {
     state.particles.refreshCount();
     state.walls.pairs.waitForNumber();
     findWalls(context);
-    dispatch(context.device, [&](auto& device) { densityOn(device); });
+    dispatch(context.device, [&](auto& device) {
+      densityOn(device);
+      if (pressure) pressureOn(device);
+    });
   }
   checkEvents();
 }
@@ -302,8 +320,8 @@ void ParticleFluid::checkEvents() {
   constexpr std::int64_t kMaxNonFinite = 10;
   constexpr double kMaxNonFiniteShare = 1e-3;
   state.events = state.neighbors.eventsOnHost();
-  const double most = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
-  if (state.events.nonFinite > most)
+  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
+  if (state.events.nonFinite > max)
     throw simulationError(
         fmt::format(
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",

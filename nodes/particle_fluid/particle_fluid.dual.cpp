@@ -47,6 +47,20 @@ struct Density {
   }
 };
 
+/// Fluid of n particles per volume has p = n·dE/dn with E = n·V0·K'·B(λ) minus what rest holds, and
+/// dλ/dn = γ·λ/n (fluid_constants.h): p = γ·K'·λ·Ḃ(λ) where one particle fills V0.
+struct Pressure {
+  BulkEnergy energy;
+  float restDensity, stiffness;  // γ·K'
+  ArrayView<const float> density;
+  ArrayView<float> pressure;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const float lambda = density[i] / restDensity;
+    pressure[i] = lambda > 1 ? stiffness * lambda * energy.derivative(lambda - 1) : 0.0f;
+  }
+};
+
 /// Whether particles lie in a solid, or so near that there is no room for them.
 struct MarkInside {
   ArrayView<const SolidView> solids;
@@ -118,10 +132,20 @@ void ParticleFluid::densityOn(Backend& device) {
               state.particles.positions().read(), state.walls.view(), state.density.write()});
 }
 
+template <class Backend>
+void ParticleFluid::pressureOn(Backend& device) {
+  State& state = *state_;
+  const auto stiffness = static_cast<float>(settledResponse(supportRatio) * double(constants_.bulkModulus));
+  parallelFor(device, "pressure", state.particles.count(),
+              Pressure{bulkEnergy(), constants_.restDensity, stiffness, state.density.read(),
+                       state.pressure.write()});
+}
+
 template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);
 template void ParticleFluid::markInsideOn(ThisBackend&, const Array<SolidView>&, Array<int>&);
 template void ParticleFluid::boundingBoxOn(ThisBackend&);
 template void ParticleFluid::speedOn(ThisBackend&);
 template void ParticleFluid::densityOn(ThisBackend&);
+template void ParticleFluid::pressureOn(ThisBackend&);
 
 }  // namespace weir

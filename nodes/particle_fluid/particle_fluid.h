@@ -8,6 +8,7 @@
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
 #include "framework/solids/solid_coupling.h"
+#include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
@@ -24,7 +25,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
-      "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH)."};
+      "An incompressible liquid, simulated with particles (semi-implicit incompressible SPH).",
+      "water, liquid, fluid, sph, oil, honey, sea, simulation, solver, viscosity"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> spacing{
@@ -37,7 +39,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
        .aboveMin = true,
        .softMin = 0.002,
        .softMax = 0.1,
-       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked."}};
+       .doc = "Distance of particles at rest. It drives the emitters and samplers that are linked.",
+       .also = "resolution, size, radius, detail, quality"}};
   Param<float> supportRatio{
       *this,
       "support_ratio",
@@ -50,7 +53,10 @@ class ParticleFluid final : public Node, private SolidCoupling {
            "are "
            "up to a tenth too slow."}};
   Param<float> restDensity{
-      *this, "rest_density", 1000, {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest."}};
+      *this,
+      "rest_density",
+      1000,
+      {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest.", .also = "mass, weight"}};
   Param<float> bulkModulus{
       *this,
       "bulk_modulus",
@@ -66,7 +72,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
       {.unit = "J",
        .min = 0,
        .aboveMin = true,
-       .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3."}};
+       .doc = "The paper's stiffness, an energy per particle, in place of bulk_modulus = mu / spacing^3.",
+       .also = "stiffness"}};
   Param<Calibration> calibration{*this,
                                  "calibration",
                                  Calibration::kPacking,
@@ -77,6 +84,11 @@ class ParticleFluid final : public Node, private SolidCoupling {
                        {.min = 0,
                         .doc = "At most this many damped steps bring relaxed initial particles to rest in "
                                "their regions before the start; 0 leaves them as they were sampled."}};
+  Param<bool> pressure{*this,
+                       "pressure",
+                       false,
+                       {.doc = "Keep each particle's pressure as an attribute, for exports, pictures and "
+                               "gauges; 4 bytes a particle."}};
   Param<std::optional<Vec3f>> domainMin{
       *this,
       "domain_min",
@@ -130,8 +142,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
     NeighborList neighbors;
     WallField walls;
     Array<FluidExtent> extent;
-    Array<float> speedSquared;  // the largest
-    Attribute<float> density;
+    Array<float> speedSquared;           // the largest
+    Attribute<float> density, pressure;  // the latter if it is asked for
     std::vector<const Boundary*> boundaries;
     Array<SinkPiece> sinks;
     CellSort born;  // those of an emitter's particles that have room
@@ -148,6 +160,9 @@ class ParticleFluid final : public Node, private SolidCoupling {
   std::int64_t carve(std::span<const std::unique_ptr<Solid>> solids);
   /// The enabled module that has the role; null if there is none.
   WallFinder* wallFinder() const;
+
+  /// Of the enabled module that knows it; throws a scene Error if there is none.
+  const BulkEnergy& bulkEnergy() const;
 
   double memoryFor(Device& device, double particles) const;
   FluidStep fluidStep(const StepContext& time);
@@ -173,10 +188,12 @@ class ParticleFluid final : public Node, private SolidCoupling {
   void speedOn(Backend& device);
   template <class Backend>
   void densityOn(Backend& device);
+  template <class Backend>
+  void pressureOn(Backend& device);
 
   Pipeline<FluidModule> pipeline_;
   FluidConstants constants_;
-  double most_ = 0;  // particles, as estimated; 0 if nobody asked
+  double maxParticles_ = 0;  // particles, as estimated; 0 if nobody asked
   std::optional<State> state_;
 };
 

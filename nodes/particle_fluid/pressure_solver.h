@@ -6,6 +6,7 @@
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/objective.h"
+#include "nodes/particle_fluid/pressure_law.h"
 #include "nodes/particle_fluid/solver_sums.h"
 
 namespace weir {
@@ -22,7 +23,7 @@ struct EnumNames<StepLength> {
       EnumName{"global", "One for all particles, which keeps displacements of pairs opposite."}};
 };
 
-class PressureSolver : public FluidModule {
+class PressureSolver : public FluidModule, public PressureLaw {
  public:
   Param<bool> conservative{
       *this,
@@ -37,12 +38,12 @@ class PressureSolver : public FluidModule {
       {.live = true, .doc = "Let fluid below rest density pull together; free surfaces then clump."}};
   Param<EnergyName> energy{
       *this, "energy", EnergyName::kB0, {.doc = "Bulk energy B of the relative density λ."}};
-  Param<std::vector<float>> polynomial{
-      *this,
-      "polynomial",
-      {},
-      {.min = 0,
-       .doc = "c1, c2, … of the derivative of B, the sum of c_k (λ^k - 1); for energy: polynomial."}};
+  Param<std::vector<float>> polynomial{*this,
+                                       "polynomial",
+                                       {},
+                                       {.min = 0,
+                                        .doc = "c1, c2, … of the derivative of B, the sum of c_k (λ^k - 1).",
+                                        .onlyFor = "energy: polynomial"}};
   Param<StepLength> stepLength{
       *this, "step_length", StepLength::kFull, {.doc = "How far along its direction an update goes."}};
   Param<bool> recordObjective{*this,
@@ -56,6 +57,7 @@ class PressureSolver : public FluidModule {
   void reset(FluidStep& fluid) override;
   void report(NodeReport& report) override;
   double memory(const FluidRoom& room) const override;
+  const BulkEnergy& bulkEnergy() const override { return bulkEnergy_; }
 
  protected:
   PressureProblem problemOf(FluidStep& fluid) const;
@@ -68,7 +70,7 @@ class PressureSolver : public FluidModule {
   void reserve(FluidStep& fluid, bool excess);
   /// Where the iterations have come to, if that is recorded.
   void record(const PressureProblem& problem);
-  /// Warns of a step that so many iterations leave compressed.
+  /// Warns of a step that this number of iterations leaves compressed.
   void warnOfFew(const FluidOutlook& outlook, int iterations, const std::string& another) const;
 
   BulkEnergy bulkEnergy_;

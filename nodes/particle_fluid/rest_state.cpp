@@ -30,7 +30,7 @@ bool RestState::liftUnheld(int steps) {
   return any;
 }
 
-int RestState::reach(int most, const std::function<void()>& step) {
+int RestState::reach(int max, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
   // Between two stops; sooner, an implicit step that has just begun to carry pressure looks like the peak.
@@ -38,7 +38,7 @@ int RestState::reach(int most, const std::function<void()>& step) {
   double last = 0;
   int taken = 0, stopped = 0;
   bool moving = true;
-  while (taken < most && moving) {
+  while (taken < max && moving) {
     step();
     dispatch(fluid_.device, [&](auto& device) {
       findCarriedOn(device);
@@ -51,7 +51,7 @@ int RestState::reach(int most, const std::function<void()>& step) {
     const bool fastest = square <= last && taken - stopped >= kMinMotion;
     const bool calm = fastest && square <= atRest;
     // Before, pushes are those of particles on their way to where they will rest.
-    const bool lifted = (calm || (fastest && 2 * taken > most)) && liftUnheld(taken - stopped);
+    const bool lifted = (calm || (fastest && 2 * taken > max)) && liftUnheld(taken - stopped);
     moving = lifted || !calm;
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
     last = fastest ? 0 : square;

@@ -26,8 +26,8 @@ class RestState {
 
   /// Whether there is a container at all.
   bool wanted() const;
-  /// Takes at most `most` steps, by calling `step`; says how many.
-  int reach(int most, const std::function<void()>& step);
+  /// Takes at most `max` steps, by calling `step`; says how many.
+  int reach(int max, const std::function<void()>& step);
 
  private:
   template <class Backend>

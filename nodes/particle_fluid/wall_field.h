@@ -104,7 +104,7 @@ struct WallField {
   }
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);
-  /// Bytes that this takes on the device, with so many solids.
+  /// Bytes that this takes on the device, with that many solids.
   double memoryFor(double particles, int solidCount) const;
 
  private:

@@ -7,7 +7,8 @@ namespace weir {
 
 class BoxSampler final : public Sampler {
  public:
-  static constexpr NodeInfo kInfo{"BoxSampler", "Fills a box with particles."};
+  static constexpr NodeInfo kInfo{"BoxSampler", "Fills a box with particles.",
+                                  "block, cube, dam, dam break, column, initial, fill, water"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<Vec3f> min{*this, "min", {}, {.unit = "m", .doc = "Lower corner."}};

@@ -22,7 +22,7 @@ double MeshSampler::maxParticleCount() const {
 }
 
 double MeshSampler::regionMemory() const {
-  return MeshSdf::mostMemory(*surface, sdfCell(requestedSpacing()), sdfBand(requestedSpacing()));
+  return MeshSdf::maxMemory(*surface, sdfCell(requestedSpacing()), sdfBand(requestedSpacing()));
 }
 
 void MeshSampler::reset(const SetupContext& context) {

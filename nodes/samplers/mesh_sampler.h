@@ -8,7 +8,8 @@ namespace weir {
 
 class MeshSampler final : public Sampler {
  public:
-  static constexpr NodeInfo kInfo{"MeshSampler", "Fills the inside of a mesh with particles."};
+  static constexpr NodeInfo kInfo{"MeshSampler", "Fills the inside of a mesh with particles.",
+                                  "volume, initial, fill, water"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> margin{

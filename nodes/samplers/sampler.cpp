@@ -80,12 +80,12 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
 }
 
 void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
-  particles->most = maxParticleCount();
-  needs.add(bytesOfArrays(particles->most, particles->positions));
+  particles->maxCount = maxParticleCount();
+  needs.add(bytesOfArrays(particles->maxCount, particles->positions));
   if (relaxed()) needs.add(regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // sampleLattice() holds all points twice for a moment.
-  needs.host = 2 * sizeof(Vec3f) * particles->most;
+  needs.host = 2 * sizeof(Vec3f) * particles->maxCount;
 }
 
 void Sampler::frame(const StepContext&) {

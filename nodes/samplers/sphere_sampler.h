@@ -7,7 +7,8 @@ namespace weir {
 
 class SphereSampler final : public Sampler {
  public:
-  static constexpr NodeInfo kInfo{"SphereSampler", "Fills a sphere with particles."};
+  static constexpr NodeInfo kInfo{"SphereSampler", "Fills a sphere with particles.",
+                                  "ball, drop, droplet, initial, fill, water"};
   const NodeInfo& info() const override { return kInfo; }
   SphereSampler() : Sampler(StartPressure::kNone) {}
 

@@ -43,7 +43,7 @@ Vec3f SemiAnalyticalSFI::pivotAt(double time) const {
   return pivot.get() + position.at(time) + static_cast<float>(time) * velocity.get();
 }
 
-double SemiAnalyticalSFI::mostSpeed(double from, double to) const {
+double SemiAnalyticalSFI::maxSpeed(double from, double to) const {
   constexpr double kRadians = std::numbers::pi / 180;
   const auto apart = [](const Vec3f& a, const Vec3f& b) { return double(length(b - a)); };
   // Three turns one after another: their rates add at most.
@@ -59,7 +59,7 @@ double SemiAnalyticalSFI::longestStep(const StepContext& next, double cfl) {
   double spacing = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fluid.size(); ++i)
     spacing = std::min(spacing, double(fluid[i].material.spacing));
-  return timeToFly(cfl * spacing, mostSpeed(next.time, next.time + next.dt), 0);
+  return timeToFly(cfl * spacing, maxSpeed(next.time, next.time + next.dt), 0);
 }
 
 SolidKind SemiAnalyticalSFI::kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const {
@@ -105,7 +105,7 @@ void SemiAnalyticalSFI::configure(const SetupContext&) {
 
 void SemiAnalyticalSFI::estimate(const SetupContext&, MemoryNeeds& needs) {
   // Simplifying makes meshes smaller than they are here.
-  for (std::size_t k = 0; k < solids.size(); ++k) needs.add(Solid::mostMemory(solids[k]));
+  for (std::size_t k = 0; k < solids.size(); ++k) needs.add(Solid::maxMemory(solids[k]));
 }
 
 void SemiAnalyticalSFI::save(const StateWriter& to) const {

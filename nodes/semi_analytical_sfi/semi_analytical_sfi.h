@@ -51,14 +51,19 @@ struct SolidForces {
 class SemiAnalyticalSFI final : public Node, public RigidMotion {
  public:
   static constexpr NodeInfo kInfo{"SemiAnalyticalSFI",
-                                  "Couples fluids with rigid triangle meshes, at rest or in motion."};
+                                  "Couples fluids with rigid triangle meshes, at rest or in motion.",
+                                  "moving, stirrer, mixer, paddle, obstacle, solid, collider, wall, "
+                                  "container, rigid, body, coupling, ship, force, torque"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<SolidFill> fill{*this, "fill", SolidFill::kAuto, {.doc = "Where the matter of the meshes is."}};
   Param<WallIntegralForm> integrals{
       *this, "integrals", WallIntegralForm::kExact, {.doc = "How the kernel is integrated over solids."}};
   Param<float> friction{
-      *this, "friction", 0, {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction."}};
+      *this,
+      "friction",
+      0,
+      {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction.", .also = "slip, rough"}};
   Param<float> noSlip{*this,
                       "no_slip",
                       0,
@@ -109,7 +114,7 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
   Pose poseAt(double time) const override;
   Vec3f pivotAt(double time) const override;
   /// A bound of the speed of all points of the solids from `from` to `to`, in s; m/s.
-  double mostSpeed(double from, double to) const;
+  double maxSpeed(double from, double to) const;
 
  private:
   SolidKind kindOf(const TriangleMesh& mesh, const std::string& from, Log& log) const;

@@ -30,7 +30,7 @@ float Sink::finestSpacing() const {
 void Sink::estimate(const SetupContext&, MemoryNeeds& needs) {
   const float spacing = finestSpacing();
   for (std::size_t i = 0; i < meshes.size() && spacing > 0; ++i)
-    needs.add(MeshSdf::mostMemory(meshes[i], cellFor(spacing), cellFor(spacing)));
+    needs.add(MeshSdf::maxMemory(meshes[i], cellFor(spacing), cellFor(spacing)));
 }
 
 void Sink::reset(const SetupContext& context) {

@@ -15,7 +15,8 @@ namespace weir {
 class Sink final : public Node {
  public:
   static constexpr NodeInfo kInfo{"Sink",
-                                  "Removes the particles of fluids inside a box or inside closed meshes."};
+                                  "Removes the particles of fluids inside a box or inside closed meshes.",
+                                  "drain, outflow, outlet, delete, remove, kill, hole"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<std::optional<Vec3f>> min{

@@ -54,15 +54,15 @@ WEIR_HD inline bool isBox(const BoundaryPiece& piece) {
   return !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
 }
 
-/// The same for all solids; what is no box counts as near.
+/// The same for all solids; what is not a box counts as near.
 template <class T>
 WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   constexpr float kFar = 1e30f;
-  T least = kFar;
+  T min = kFar;
   forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-    least = isBox(piece) ? detail::smaller(least, boxClearance(piece.shape, p)) : T(-kFar);
+    min = isBox(piece) ? detail::smaller(min, boxClearance(piece.shape, p)) : T(-kFar);
   });
-  return least;
+  return min;
 }
 
 /// Which points may be nearer to a boundary than `radius`.

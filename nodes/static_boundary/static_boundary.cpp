@@ -28,27 +28,8 @@ Quatf rotationFromUp(const Vec3f& direction) {
 }  // namespace
 
 void StaticBoundary::validate() const {
-  using S = BoundaryShape;
-  const auto refuseFor = [this](const Property& property, std::initializer_list<S> uses) {
-    if (!property.isSet() || std::find(uses.begin(), uses.end(), shape.get()) != uses.end()) return;
-    std::string shapes;
-    for (const S s : uses)
-      shapes +=
-          (shapes.empty() ? "" : ", ") + std::string(EnumNames<S>::kNames[static_cast<std::size_t>(s)].first);
-    throw sceneError(fmt::format("'{}' is given, which means nothing for the shape '{}'", property.name(),
-                                 EnumNames<S>::kNames[static_cast<std::size_t>(shape.get())].first),
-                     "it belongs to the shapes: " + shapes)
-        .inParameter(property.name());
-  };
-  refuseFor(min, {S::kBox});
-  refuseFor(max, {S::kBox});
-  refuseFor(position, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone, S::kPlane});
-  refuseFor(radius, {S::kSphere, S::kCylinder, S::kCapsule, S::kCone});
-  refuseFor(height, {S::kCylinder, S::kCapsule, S::kCone});
-  refuseFor(normal, {S::kPlane});
-  refuseFor(rotation, {S::kBox, S::kCylinder, S::kCapsule, S::kCone});
   const Vec3f extent = max.get() - min.get();
-  if (shape == S::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
+  if (shape == BoundaryShape::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
   if (length(normal.get()) == 0)
     throw sceneError("the normal is [0, 0, 0]", "a direction").inParameter(normal.name());
@@ -104,7 +85,7 @@ void StaticBoundary::estimate(const SetupContext&, MemoryNeeds& needs) {
   for (const Boundary::Request& request : boundary.requests()) finest = std::min(finest, request.spacing);
   if (!std::isfinite(finest)) return;
   for (std::size_t i = 0; i < meshes.size(); ++i)
-    needs.add(MeshSdf::mostMemory(meshes[i], cellFor(finest), bandFor(finest)));
+    needs.add(MeshSdf::maxMemory(meshes[i], cellFor(finest), bandFor(finest)));
 }
 
 void StaticBoundary::reset(const SetupContext& context) {
@@ -151,14 +132,14 @@ double StaticBoundary::thickness() const {
 }
 
 void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) const {
-  const double least = inverted ? kMinSpacings : 1;
-  if (thickness() >= least * spacing * (1 - kSettingRounding)) return;
+  const double spacings = inverted ? kMinSpacings : 1;
+  if (thickness() >= spacings * spacing * (1 - kSettingRounding)) return;
   warnOfSetting(context.log, fmt::format("node '{}'", name()),
                 fmt::format("the {} is {:.3g} spacings thick, so {}", inverted ? "room inside" : "solid",
                             thickness() / spacing,
                             inverted ? "the fluid in it is not resolved" : "particles may pass through it"),
                 fmt::format("a thickness of at least {:.2g} m, or a spacing of at most {:.2g} m",
-                            least * spacing, thickness() / least));
+                            spacings * spacing, thickness() / spacings));
 }
 
 void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {

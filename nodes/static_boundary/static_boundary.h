@@ -27,29 +27,57 @@ struct EnumNames<BoundaryShape> {
 class StaticBoundary final : public Node {
  public:
   static constexpr NodeInfo kInfo{
-      "StaticBoundary", "Solids or containers that do not move: shapes and meshes by signed distance."};
+      "StaticBoundary", "Solids or containers that do not move: shapes and meshes by signed distance.",
+      "tank, wall, collider, container, obstacle, floor, ground, solid, box, sphere, plane, cylinder, cup, "
+      "glass, sdf"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<BoundaryShape> shape{*this, "shape", BoundaryShape::kNone, {.doc = "The analytic shape."}};
-  Param<Vec3f> min{*this, "min", {-0.5f, 0, -0.5f}, {.unit = "m", .doc = "Lower corner of the box."}};
-  Param<Vec3f> max{*this, "max", {0.5f, 1, 0.5f}, {.unit = "m", .doc = "Upper corner of the box."}};
-  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Where the shape is; not for a box."}};
-  Param<float> radius{*this, "radius", 0.5f, {.unit = "m", .min = 0, .aboveMin = true, .doc = "Radius."}};
+  Param<Vec3f> min{*this,
+                   "min",
+                   {-0.5f, 0, -0.5f},
+                   {.unit = "m", .doc = "Lower corner of the box.", .onlyFor = "shape: box"}};
+  Param<Vec3f> max{*this,
+                   "max",
+                   {0.5f, 1, 0.5f},
+                   {.unit = "m", .doc = "Upper corner of the box.", .onlyFor = "shape: box"}};
+  Param<Vec3f> position{*this,
+                        "position",
+                        {},
+                        {.unit = "m",
+                         .doc = "Where the shape is.",
+                         .onlyFor = "shape: sphere, cylinder, capsule, cone, plane"}};
+  Param<float> radius{*this,
+                      "radius",
+                      0.5f,
+                      {.unit = "m",
+                       .min = 0,
+                       .aboveMin = true,
+                       .doc = "Radius.",
+                       .onlyFor = "shape: sphere, cylinder, capsule, cone"}};
   Param<float> height{*this,
                       "height",
                       1,
                       {.unit = "m",
                        .min = 0,
                        .aboveMin = true,
-                       .doc = "Height of a cylinder or cone, length of a capsule's axis."}};
-  Param<Vec3f> normal{*this, "normal", {0, 1, 0}, {.doc = "Which way a plane faces; of any length but 0."}};
+                       .doc = "Height of a cylinder or cone, length of a capsule's axis.",
+                       .onlyFor = "shape: cylinder, capsule, cone"}};
+  Param<Vec3f> normal{*this,
+                      "normal",
+                      {0, 1, 0},
+                      {.doc = "Which way a plane faces; of any length but 0.", .onlyFor = "shape: plane"}};
   Param<Rotation> rotation{
-      *this, "rotation", {}, {.unit = "degrees", .doc = "Turns the shape; not a plane."}};
+      *this,
+      "rotation",
+      {},
+      {.unit = "degrees", .doc = "Turns the shape.", .onlyFor = "shape: box, cylinder, capsule, cone"}};
   Param<bool> inverted{
       *this,
       "inverted",
       false,
-      {.doc = "The solid is all that is outside: a container. For the shape and the meshes alike."}};
+      {.doc = "The solid is all that is outside: a container. For the shape and the meshes alike.",
+       .also = "container, inside, tank, hollow"}};
   Param<std::optional<float>> cellSize{
       *this,
       "cell_size",
@@ -64,7 +92,10 @@ class StaticBoundary final : public Node {
       0,
       {.min = 0, .max = 1, .doc = "Share of its speed into the wall that a particle bounces back with."}};
   Param<float> friction{
-      *this, "friction", 0, {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction."}};
+      *this,
+      "friction",
+      0,
+      {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction.", .also = "slip, rough"}};
 
   Inputs<TriangleMesh> meshes{*this, "meshes", "Meshes that are solid, or containers if inverted."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Other boundaries that this one shall include."};

@@ -10,8 +10,8 @@ namespace weir {
 
 class Terrain final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"Terrain",
-                                  "A landscape: slopes, cliffs, a river bed, rough ground, rocks."};
+  static constexpr NodeInfo kInfo{"Terrain", "A landscape: slopes, cliffs, a river bed, rough ground, rocks.",
+                                  "landscape, ground, river, valley, mountain, hill, rocks"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<Vec2f> size{

@@ -8,8 +8,8 @@ namespace weir {
 
 class TurningModel final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"TurningModel",
-                                  "A surface of revolution from a profile, such as a goblet."};
+  static constexpr NodeInfo kInfo{"TurningModel", "A surface of revolution from a profile, such as a goblet.",
+                                  "goblet, glass, bottle, vase, lathe, revolve, cup, bowl"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<Curve> profile{

@@ -11,7 +11,7 @@ namespace weir {
 class FrameFiles {
  public:
   /// Makes the folder if it is missing; the folder above must be there. Throws an io Error if it cannot be
-  /// made, is no folder, or if nothing can be written in it.
+  /// made, is not a folder, or if nothing can be written in it.
   FrameFiles(std::filesystem::path folder, std::string extension);
 
   /// Where a thing's file of a frame is; its name must be one that a file may have, as those of nodes are.

@@ -84,7 +84,7 @@ void ParticleSequence::begin(Simulation& simulation) {
 }
 
 std::unique_ptr<Snapshot> ParticleSequence::capture(Simulation& simulation, std::unique_ptr<Snapshot>) {
-  // Attributes may come and go, so a used snapshot is no help.
+  // Attributes may come and go, so a used snapshot does not help.
   auto frame = std::make_unique<Frame>();
   frame->number = simulation.frame();
   for (const Source& source : sources_) {

@@ -35,7 +35,7 @@ Error wrongLine(const fs::path& file, int line, const std::string& what, const s
   return ioError(what, allowed).at({.file = file.string(), .line = line});
 }
 
-/// The numbers of a line; none if one of its cells is no number.
+/// The numbers of a line; none if one of its cells is not a number.
 std::vector<double> numbersOf(std::string_view line) {
   std::vector<double> numbers;
   const auto isGap = [](char c) { return c == ',' || c == ';' || c == ' ' || c == '\t' || c == '\r'; };

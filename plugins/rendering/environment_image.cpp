@@ -52,7 +52,7 @@ Vec3f EnvironmentImage::directionOf(int column, int row) const {
 }
 
 void findAmbient(EnvironmentImage& image) {
-  constexpr float kBrightest = 4;   // of what is no sun
+  constexpr float kBrightest = 4;   // of what is not the sun
   constexpr float kSunPart = 0.5f;  // of the brightest light
   float brightest = 0;
   for (const Vec3f& light : image.light) brightest = std::max(brightest, luminance(light));

@@ -40,7 +40,7 @@ class SceneView {
   /// Of the view that was made last.
   const ColorKey& colorKey() const { return key_; }
   const ColorMap& colorMap() const { return map_; }
-  /// Null if they are no picture.
+  /// Null if they are not a picture.
   const EnvironmentImage* surroundings() const { return image_.get(); }
 
  private:

@@ -40,7 +40,7 @@ class ExportSettings final : public Configurable {
 
   void validate() const override;
 
-  /// Whether a frame is written, in a run with so many frames a second.
+  /// Whether a frame is written, in a run with that many frames a second.
   bool wants(std::int64_t frame, double frameRate) const;
   /// The multiples that coordinates are rounded to, in m; 0 if they are not.
   float grid() const;

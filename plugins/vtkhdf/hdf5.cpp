@@ -390,9 +390,9 @@ Group Group::createGroup(const std::string& name) {
 Dataset Group::createGrowing(const std::string& name, const Growing& layout) {
   const int dimensions = layout.columns > 1 || layout.matrix ? 2 : 1;
   const auto columns = static_cast<hsize_t>(layout.columns);
-  const std::array<hsize_t, 2> size{0, columns}, most{H5S_UNLIMITED, columns};
+  const std::array<hsize_t, 2> size{0, columns}, max{H5S_UNLIMITED, columns};
   const std::array<hsize_t, 2> chunk{static_cast<hsize_t>(layout.chunkRows), columns};
-  const Handle space(H5Screate_simple(dimensions, size.data(), most.data()), H5Sclose);
+  const Handle space(H5Screate_simple(dimensions, size.data(), max.data()), H5Sclose);
   const Handle properties = withoutTimes();
   checked(H5Pset_chunk(properties.get(), dimensions, chunk.data()), "lay out a data set of");
   if (layout.deflate && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
@@ -497,7 +497,7 @@ void File::reserve() {
 void File::flush() {
   reserve();
   // A write that failed once stays to be done: without the second attempt a single failure on the way to the
-  // disk would leave half an index, which is no file.
+  // disk would leave half an index, which is not a file.
   for (int attempt = 0; H5Fflush(handle_.get(), H5F_SCOPE_LOCAL) < 0; ++attempt)
     if (attempt > 0) throw error("write the file");
 }

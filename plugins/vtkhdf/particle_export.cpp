@@ -41,7 +41,7 @@ VtkHdfAttribute attributeOf(const AttributeInfo& info) {
           .unit = info.unit};
 }
 
-/// The numbers of an attribute on their way to the host, so many of each particle.
+/// The numbers of an attribute on their way to the host, that many of each particle.
 using ColumnCopy = std::variant<HostCopy<float>, HostCopy<int>>;
 
 ColumnCopy columnOf(const AttributeInfo& info, Device& device) {

@@ -47,9 +47,9 @@ class PolyDataFile {
   struct Cells {
     Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows);
     Cells(hdf5::Group group, std::int64_t chunkRows);
-    /// Leaves so many parts, ids and offsets.
+    /// Leaves that many parts, ids and offsets.
     void truncate(std::int64_t parts, std::int64_t ids, std::int64_t offsetRows);
-    // Each adds a part: without cells, with one cell for each of so many points, or with triangles.
+    // Each adds a part: without cells, with one cell for each of that many points, or with triangles.
     void appendNone();
     void appendPoints(std::int64_t count);
     void appendTriangles(std::span<const Vec3i> triangles);

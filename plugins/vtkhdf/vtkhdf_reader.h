@@ -46,7 +46,7 @@ class VtkHdfReader {
   /// Of a step; 0 if the file has none.
   std::int64_t polygonCount(std::size_t step) const;
   /// The polygons of a step as indices of its points; none if the file has no polygons. Throws an io Error if
-  /// they are no triangles, or name points that are not there.
+  /// they are not triangles, or name points that are not there.
   std::vector<Vec3i> triangles(std::size_t step) const;
   /// A text of the file's group /simulation.
   std::string text(const std::string& name) const;

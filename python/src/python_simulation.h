@@ -35,7 +35,7 @@ class PythonSimulation {
   void reset();
   /// One step. Throws a usage Error at the end of the duration.
   void step();
-  /// To the next frame, so many times; false if a callback ended it.
+  /// To the next frame, that many times; false if a callback ended it.
   bool advance(std::int64_t frames, const nb::object& callback, const nb::object& self);
   /// Frames with outputs; false if a callback ended it. After Ctrl-C the outputs hold what there was, and
   /// KeyboardInterrupt is raised.

@@ -27,7 +27,7 @@ class Parameters:
         self._core.assign(self._target, values)
 
     def get(self) -> dict[str, Any]:
-        """All parameters that are no groups, by name."""
+        """All parameters that are not groups, by name."""
         return {name: self._get(name) for name, about in self._parameters.items() if about["kind"] != "group"}
 
     def _get(self, name: str) -> Any:

@@ -59,7 +59,7 @@ class Simulation:
         `callback` is called with the simulation after each step, and ends the run by returning True; then the
         result is False. After Ctrl-C, or an exception of the callback, outputs are complete up to there.
 
-        `checkpoint` (FILE.h5) saves the state at every so many frames, or seconds as "90s". `resume` goes on from
+        `checkpoint` (FILE.h5) saves the state at every n frames, or seconds as "90s". `resume` goes on from
         such a file of the same scene, not from where the simulation is, and outputs go on behind what they had.
         """
         asked = {"video": video, "images": images, "export": export, "series": series, **outputs}

@@ -129,7 +129,7 @@ def stages(water):
 
 
 def unmet(water):
-    return str(water["solver_iterations"]["unmet"]) if water else "failed"
+    return str(water["solver_iterations"]["not_converged"]) if water else "failed"
 
 
 def numbers(text):
@@ -156,7 +156,7 @@ def main():
     columns = ["d (m)", "dt (ms)"]
     if not arguments.heights:
         columns += ["iterations, plain, first part", "accelerated, first part"]
-    columns += ["accelerated, all", "stages", "steps not met", "compression (%)", "height"]
+    columns += ["accelerated, all", "stages", "steps not converged", "compression (%)", "height"]
     if not arguments.heights:
         columns += ["untuned: compression (%)", "height", "PBF: compression (%)", "height"]
     print("| " + " | ".join(columns) + " |")

@@ -101,7 +101,7 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         samples = run(options, folder)
-    # What the end does, such as closing files, is no frame.
+    # What the end does, such as closing files, is not a frame.
     samples = [(frame, kib) for frame, kib in samples if frame < options.frames]
     print("samples      MiB")
     for tenth in range(1, 11):

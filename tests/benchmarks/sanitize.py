@@ -114,7 +114,7 @@ def run_batch(work, gpu, tool, binary, tests):
 
 
 def batches_of(tool, binary, durations, results, seconds):
-    """The tests that are not clean yet, the quickest first, in batches of so many seconds without a sanitizer."""
+    """The tests that are not clean yet, the quickest first, in batches of that many seconds without a sanitizer."""
     known = results["tests"].get(tool, {}).get(binary, {})
     batch, total, batches = [], 0, []
     for test in sorted(durations, key=durations.get):

@@ -35,7 +35,7 @@ double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A cube of about so many particles that falls apart in a tank.
+/// A cube of about that many particles that falls apart in a tank.
 std::string sceneOf(double particles, double duration) {
   constexpr double kSpacing = 0.01;
   const double side = kSpacing * std::round(std::cbrt(particles));
@@ -290,12 +290,12 @@ void slowdown(int threads, int blocks, const std::string& device) {
     // As if all threads of the simulation waited for each of these.
     counted.add(kPercent * (with.seconds - with.stepping + serving + viewing) / without.seconds);
   }
-  const auto [least, most] = slower.sure();
+  const auto [min, max] = slower.sure();
   fmt::print(
       "| threads | blocks | a frame alone, ms | watched, ms | slower by | 95 % sure | its steps slower by |\n"
       "|---|---|---|---|---|---|---|\n"
       "| {} | {} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} to {:.1f} % | {:.1f} % |\n\n",
-      threads, blocks, aloneMs.median(), watchedMs.median(), slower.median(), least, most, steps.median());
+      threads, blocks, aloneMs.median(), watchedMs.median(), slower.median(), min, max, steps.median());
   fmt::print(
       "| besides steps, ms a frame | server's thread, ms of a core | viewer's | all of it, if nothing else "
       "ran meanwhile |\n"

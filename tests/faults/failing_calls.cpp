@@ -114,7 +114,7 @@ bool allocationFails(const void* caller) {
   return fails(at >= hdf5.begin && at < hdf5.end ? kMallocByHdf5 : kMalloc);
 }
 
-/// The path of an open file; false for what is no file below the folder.
+/// The path of an open file; false for what is not a file below the folder.
 bool pathOf(int fd, char* path) {
   char link[64];
   snprintf(link, sizeof link, "/proc/self/fd/%d", fd);

@@ -189,7 +189,7 @@ def main():
     parser.add_argument("--scenario", action="append", help="of SCENARIOS; all without it")
     parser.add_argument("--all", action="store_true", help="every call, however long it takes")
     parser.add_argument("--at", type=int, action="append", help="this call only")
-    parser.add_argument("--most", type=int, default=0, help="at most so many calls of a scenario, evenly spread")
+    parser.add_argument("--most", type=int, default=0, help="at most that many calls of a scenario, evenly spread")
     parser.add_argument("--seconds", type=float, default=40, help="of a sample")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1)

@@ -59,6 +59,10 @@ if [ -e "$weir/lib/weir/plugins/weir_assimp.so" ]; then
     --set water.spacing=0.05 --frames 1 --quiet
 fi
 
+say "Scenes by their names"
+(cd "$folder" && "$weir/bin/weir" scenes | grep -x gallery/goblet >/dev/null) || fail "the installed scenes are not listed"
+(cd "$folder" && "$weir/bin/weir" validate dam_break gallery/goblet)
+
 say "A new plugin"
 "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force" >/dev/null
 fails_with 5 "exists already" "$weir/bin/weir" new-plugin my_force --directory "$folder/my_force"

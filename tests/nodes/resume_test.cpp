@@ -52,6 +52,7 @@ const std::map<std::string, const char*> kParameters{
     {"BoxSampler", R"({"min": [0, 0.2, 0], "max": [0.1, 0.3, 0.1]})"},
     {"CircleEmitter", R"({"position": [0.1, 0.3, 0.15], "radius": 0.06, "jitter": 0.2,
                           "speed": {"keyframes": [[0, 0.5], [0.16, 2.5]]}})"},
+    {"Gauge", R"({"shape": "plane", "position": [0.15, 0.03, 0.15], "normal": [1, 0, 0]})"},
     {"MeshEmitter", R"({"max_particles": 900, "jitter": 0.1})"},
     {"MeshFile", R"({"file": "mesh.tetrahedron"})"},
     {"ParticleFile", R"({"file": "particles.csv"})"},

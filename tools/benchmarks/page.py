@@ -39,7 +39,7 @@ def case_table(results):
 
 
 def soft_rows(results):
-    """Says which rows are no water."""
+    """Says which rows are not water."""
     rows = [f"{count(row.particles)} ({row.case})" for row in results.rows if row.is_soft]
     if not rows:
         return []

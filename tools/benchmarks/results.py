@@ -85,7 +85,7 @@ def read(path):
     except (OSError, ValueError) as e:
         raise Unusable(f"{path}: {e}") from e
     if not isinstance(written, dict) or written.get("weir_bench") != FORM:
-        raise Unusable(f"{path} is no file that weir bench --json wrote (its weir_bench is not {FORM})")
+        raise Unusable(f"{path} is not a file that weir bench --json wrote (its weir_bench is not {FORM})")
     return Results(written["machine"], written["command"], written["copy_bytes_per_second"],
                    [row_of(entry) for entry in written["results"]])
 

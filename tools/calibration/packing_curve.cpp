@@ -323,9 +323,9 @@ void printFactors(int threads, double tolerance, const std::vector<double>& rati
     settleWith(std::clamp(zeroOf(factors, missing), table - kFar, table + kFar));
     std::vector<double> zeros;
     for (const std::vector<double>& one : missingOfEach) zeros.push_back(zeroOf(factors, one));
-    const auto [least, most] = std::minmax_element(zeros.begin(), zeros.end());
+    const auto [min, max] = std::minmax_element(zeros.begin(), zeros.end());
     fmt::print("{}d: a = {:.3f}, in single tanks from {:.3f} to {:.3f}; in the table {:.3f}\n", ratio,
-               zeroOf(factors, missing), *least, *most, table);
+               zeroOf(factors, missing), *min, *max, table);
     std::fflush(stdout);
   }
 }

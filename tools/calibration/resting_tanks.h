@@ -49,8 +49,8 @@ class RestingTank {
   /// Twice the height of the centre of mass over the height of the water's volume.
   double height() const;
 
-  /// Lets the water move for so many seconds, with nothing but walls and gravity to hold it. With a factor a,
-  /// walls of a mesh push with that one from now on: over the first half of the time it changes evenly, as
+  /// Lets the water move for that many seconds, with nothing but walls and gravity to hold it. With a factor
+  /// a, walls of a mesh push with that one from now on: over the first half of the time it changes evenly, as
   /// water that is kicked stays looser than it was.
   void settle(double seconds, std::optional<double> wallFactor = {});
 

@@ -213,7 +213,7 @@ class PageCheck:
             base = next((f for f in (self.folder / mark.scene, ROOT / mark.scene) if f.is_file()), None)
             if base is None:
                 raise Mistake(f"there is no scene {mark.scene}")
-            scene = json.loads(base.read_text())
+            scene = json.loads(without_comments(base.read_text()))
             keys = [key for key in mark.place.split(".") if key]
             for key in reversed(keys):
                 value = {key: value}

@@ -124,5 +124,5 @@ def on_page_content(html, page, **_):
     """Lists, tables and fences that were not understood stand in the text as they were written."""
     text = re.sub(r"<(pre|code)\b.*?</\1>", "", html, flags=re.DOTALL)
     for found in re.finditer(r"\n(- |\d\. |\|---|```)[^\n]{0,40}", text):
-        log.warning("%s: '%s' is no list, table or block to the site: it needs an empty line before it, and what "
+        log.warning("%s: '%s' is not a list, table or block to the site: it needs an empty line before it, and what "
                     "belongs to an item four spaces", page.file.src_uri, found[0].strip())

@@ -194,8 +194,9 @@ def scene_page(schema):
 
 
 def command_page(program):
-    text = "# The command line\n\nExit codes: 0 done, 2 wrong usage, 3 invalid scene, 4 the simulation failed, 5 a file could " \
-           f"not be read or written, 130 interrupted.\n\n```text\n{program.text('--help')}```\n"
+    text = "# The command line\n\nExit codes: 0 done, 1 --check found a file that would change, 2 wrong usage, " \
+           "3 invalid scene, 4 the simulation failed, 5 a file could not be read or written, " \
+           f"130 interrupted.\n\n```text\n{program.text('--help')}```\n"
     for command in program.commands():
         text += f"\n## weir {command}\n\n```text\n{program.text(command, '--help')}```\n"
     return text

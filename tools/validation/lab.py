@@ -35,7 +35,7 @@ class Row:
 
     @property
     def passed(self):
-        """None where nothing is demanded. What is no number passes nothing."""
+        """None where nothing is demanded. NaN passes nothing."""
         demands = []
         if self.within is not None:
             demands.append(abs(self.deviation) <= self.within)
@@ -91,7 +91,7 @@ class Pending:
 
 
 class Lab:
-    """Runs of all checks, so many `jobs` at a time, first come, first served. With `reuse`, results of the very same
+    """Runs of all checks, that many `jobs` at a time, first come, first served. With `reuse`, results of the very same
     command are taken where they are there already: they may be another build's."""
 
     def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True):

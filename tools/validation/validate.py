@@ -67,7 +67,7 @@ def arguments(argv):
                         help="do not repeat runs that are there already, maybe by another build")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
     parser.add_argument("--jobs", type=int, default=1, metavar="N",
-                        help="run so many simulations at a time, with --threads of a part of the cores each")
+                        help="run that many simulations at a time, with --threads of a part of the cores each")
     parser.add_argument("--no-plots", action="store_true",
                         help="numbers only, on a machine without Python's matplotlib")
     parser.add_argument("--docs", action="store_true",
@@ -149,7 +149,7 @@ def results_of(path):
         report.summary(found)
         return found
     except (OSError, ValueError, KeyError, TypeError) as e:
-        raise program.RunFailed(f"--beside {path}: these are no results of ./dev validate ({type(e).__name__}: {e})") from e
+        raise program.RunFailed(f"--beside {path}: these are not results of ./dev validate ({type(e).__name__}: {e})") from e
 
 
 def main(argv):

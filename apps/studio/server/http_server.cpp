@@ -40,7 +40,7 @@ constexpr std::int64_t kMessageBytes = 128;
 constexpr std::int64_t kTextsShare = 4;
 constexpr std::size_t kKeptBuffer = 64 << 10;
 constexpr std::uint32_t kLargestHeader = 16 << 10;
-constexpr std::uint64_t kLargestBody = 16 << 10;  // of what is no upload, and is not read
+constexpr std::uint64_t kLargestBody = 16 << 10;  // of what is not an upload, and is not read
 
 constexpr const char* kPagePolicy =
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
@@ -207,8 +207,8 @@ class HttpServer::State::Socket : public std::enable_shared_from_this<Socket> {
     queue_.emplace_back(std::move(bytes), binary);
     count(1);
     // It has stopped reading. A single text may be as long as it is.
-    const std::int64_t most = server_.options_.mostWaiting;
-    if (waiting_ > most || (waitingTexts_ > most / kTextsShare && !binary && queue_.size() > kFew))
+    const std::int64_t max = server_.options_.maxWaitingBytes;
+    if (waiting_ > max || (waitingTexts_ > max / kTextsShare && !binary && queue_.size() > kFew))
       return drop();
     if (queue_.size() == 1) write();
   }
@@ -332,7 +332,7 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
                                 .local = local});
     keep_ = false;  // what is refused has a body that nobody reads
     if (access != Access::kGranted) return reply(refusal(access));
-    if (server_.connections_ >= server_.options_.mostConnections)
+    if (server_.connections_ >= server_.options_.maxConnections)
       return reply({.status = kUnavailable, .body = "too many windows are open: close some of them"});
     setStranger(false);
     setKnown(true);
@@ -372,10 +372,10 @@ class HttpServer::State::Connection : public std::enable_shared_from_this<Connec
     });
   }
 
-  void refuseBody(std::uint64_t most) {
+  void refuseBody(std::uint64_t max) {
     constexpr unsigned kTooLarge = 413;
     keep_ = false;
-    reply({.status = kTooLarge, .body = "a request may hold at most " + std::to_string(most) + " bytes"});
+    reply({.status = kTooLarge, .body = "a request may hold at most " + std::to_string(max) + " bytes"});
   }
 
   void answer(bool keep) {
@@ -470,7 +470,7 @@ void HttpServer::State::accept() {
       acceptAgain_.async_wait([this](error_code) { accept(); });
       return;
     }
-    if (strangers_.size() >= static_cast<std::size_t>(options_.mostStrangers)) strangers_.front()->close();
+    if (strangers_.size() >= static_cast<std::size_t>(options_.maxStrangers)) strangers_.front()->close();
     error_code ignored;
     socket.set_option(Tcp::no_delay(true), ignored);
     std::make_shared<Connection>(*this, std::move(socket))->readHeader();

@@ -52,12 +52,12 @@ struct ServerOptions {
   std::string host = "127.0.0.1";  ///< the address to listen at
   int port = 0;                    ///< 0: any free one
   std::string token;
-  std::int64_t largestUpload = 0;       ///< the body of a PUT, bytes
-  std::int64_t largestMessage = 0;      ///< of a WebSocket, bytes
-  std::int64_t mostWaiting = 64 << 20;  ///< bytes that a client may be behind before it is closed
-  int mostConnections = 64;             ///< of those who know the token
+  std::int64_t largestUpload = 0;           ///< the body of a PUT, bytes
+  std::int64_t largestMessage = 0;          ///< of a WebSocket, bytes
+  std::int64_t maxWaitingBytes = 64 << 20;  ///< bytes that a client may be behind before it is closed
+  int maxConnections = 64;                  ///< of those who know the token
   /// That have not yet said who they are; a further one takes the place of the oldest.
-  int mostStrangers = 64;
+  int maxStrangers = 64;
 };
 
 class HttpServer {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <system_error>
 
 #include "framework/base/error.h"
@@ -49,6 +50,15 @@ bool isHidden(const fs::path& path) {
   });
 }
 
+/// When something was written, s since 1970; 0 where nobody knows.
+std::int64_t writtenAt(const fs::directory_entry& entry) {
+  std::error_code error;
+  const fs::file_time_type time = entry.last_write_time(error);
+  if (error) return 0;
+  const auto system = std::chrono::file_clock::to_sys(time);
+  return std::chrono::duration_cast<std::chrono::seconds>(system.time_since_epoch()).count();
+}
+
 /// A file that is open, and closed at the end.
 class OpenFile {
  public:
@@ -66,9 +76,9 @@ class OpenFile {
     return ::fstat(file_, &found) == 0 && S_ISREG(found.st_mode);
   }
   /// As read(2), but goes on after a signal.
-  ssize_t read(char* to, std::size_t most) const {
+  ssize_t read(char* to, std::size_t max) const {
     ssize_t got = -1;
-    do got = ::read(file_, to, most);
+    do got = ::read(file_, to, max);
     while (got < 0 && errno == EINTR);
     return got;
   }
@@ -141,6 +151,7 @@ std::vector<ServedFile> ServedFolder::list(std::string_view folder) const {
     file.path = i->path().lexically_relative(root_).generic_string();
     file.isFolder = i->is_directory(ignored);
     if (!file.isFolder) file.bytes = static_cast<std::int64_t>(i->file_size(ignored));
+    file.modified = writtenAt(*i);
     files.push_back(std::move(file));
     if (files.size() == kMaxListed) break;
   }

@@ -12,6 +12,7 @@ namespace weir::studio {
 struct ServedFile {
   std::string path;  ///< below the folder, with '/'
   std::int64_t bytes = 0;
+  std::int64_t modified = 0;  ///< s since 1970; 0 where nobody knows
   bool isFolder = false;
 };
 

@@ -28,7 +28,7 @@ Value poseValue(const Pose& pose) {
   return Value(Value::Array{p.x, p.y, p.z, q.x, q.y, q.z, q.w});
 }
 
-/// That of what has no numbers is 0 to 0.
+/// That of an empty range is 0 to 0.
 Range<float> closed(const Range<float>& range) {
   return range.low <= range.high ? range : Range<float>{};
 }
@@ -51,7 +51,7 @@ class FrameMaker::FluidFrame {
   Value make(const std::string& node, const Particles& source, const FrameView& view, PacketWriter& writer) {
     ParticleSet& particles = source.set();
     const std::int64_t total = particles.refreshCount();
-    const ChosenParticles chosen = choose(particles, total, view.most);
+    const ChosenParticles chosen = choose(particles, total, view.max);
     const bool hasValues = place(particles, view.attribute, chosen);
 
     onHost_.resize(kIdsAt + chosen.count * (kIdBytes + kPointBytes + kValueBytes));
@@ -106,9 +106,8 @@ class FrameMaker::FluidFrame {
                                 kIdBytes = sizeof(int), kIdsAt = sizeof(Ranges);
 
   /// All, or those with every n-th id, so that the same ones are seen in every frame.
-  ChosenParticles choose(const ParticleSet& particles, std::int64_t total, std::int64_t most) {
-    const std::int64_t every =
-        std::max<std::int64_t>(1, (total + most - 1) / std::max<std::int64_t>(most, 1));
+  ChosenParticles choose(const ParticleSet& particles, std::int64_t total, std::int64_t max) {
+    const std::int64_t every = std::max<std::int64_t>(1, (total + max - 1) / std::max<std::int64_t>(max, 1));
     if (every == 1) return {.indices = {}, .count = total};
     indices_.resizeDiscarding(total);
     dispatch(device_, [&](auto& device) {

@@ -15,7 +15,7 @@ namespace weir::studio {
 /// What viewers want to see of the particles.
 struct FrameView {
   std::string attribute = "speed";  ///< that colours them; a vector counts by its length. "none": no values
-  std::int64_t most = 200000;       ///< particles of a fluid; of more, those with every n-th id are sent
+  std::int64_t max = 200000;        ///< particles of a fluid; of more, those with every n-th id are sent
 };
 
 /// Makes frames, one after another, in memory that is kept. What viewers get is chosen and brought into 16

@@ -63,11 +63,11 @@ std::string textMember(const Value& message, std::string_view name) {
   return v.asString();
 }
 
-std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t least, std::int64_t most) {
+std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t min, std::int64_t max) {
   const Value& v = member(message, name);
-  if (!v.isInt() || v.asInt() < least || v.asInt() > most)
+  if (!v.isInt() || v.asInt() < min || v.asInt() > max)
     throw usageError("'" + std::string(name) + "' is " + v.brief(),
-                     "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+                     "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
   return v.asInt();
 }
 
@@ -115,8 +115,8 @@ LivePictureOptions pictureOptionsOf(const Value& message) {
   constexpr std::int64_t kMin = 16, kMax = 4096, kMaxSamples = 4;
   LivePictureOptions options;
   options.camera = cameraOf(message);
-  const auto whole = [&](std::string_view name, std::int64_t least, std::int64_t most, int& to) {
-    if (message.find(name) != nullptr) to = static_cast<int>(wholeMember(message, name, least, most));
+  const auto whole = [&](std::string_view name, std::int64_t min, std::int64_t max, int& to) {
+    if (message.find(name) != nullptr) to = static_cast<int>(wholeMember(message, name, min, max));
   };
   whole("width", kMin, kMax, options.width);
   whole("height", kMin, kMax, options.height);

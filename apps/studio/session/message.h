@@ -22,7 +22,7 @@ std::optional<std::int64_t> idOf(std::string_view text);
 
 const Value& member(const Value& message, std::string_view name);
 std::string textMember(const Value& message, std::string_view name);
-std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t least, std::int64_t most);
+std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t min, std::int64_t max);
 bool switchMember(const Value& message, std::string_view name);
 
 /// The members "eye" and "target", and "up" and "fov" where they are given.

@@ -24,7 +24,7 @@ struct ParticlePage {
 /// {"node", "time", "total", "from", "columns": [{"name", "unit"}], "rows": [[number, …]]}: the first column
 /// is "id", a vector has the columns "name.x", "name.y" and "name.z", and "speed" is among them. Null if
 /// there is no such fluid. Numbers that are none, null in rows, come last in either order. Where there are no
-/// longer so many particles, it is the last page. Throws a usage Error for an unknown column. Waits for the
+/// longer that many particles, it is the last page. Throws a usage Error for an unknown column. Waits for the
 /// device; takes as long as to copy and partition one attribute.
 Value particlePageValue(const Simulation& simulation, const ParticlePage& page);
 

@@ -16,7 +16,7 @@ class QuestionQueue {
   using Question = std::function<void(Simulation*)>;
   static constexpr std::size_t kMaxOfAClient = 32;
 
-  /// False if so many questions of the client wait already.
+  /// False if that many questions of the client wait already.
   bool add(std::uint64_t client, Question question);
   /// Drops what a client has asked.
   void forget(std::uint64_t client) { waiting_.erase(client); }

@@ -17,7 +17,7 @@ void Recording::add(std::int64_t frame, Packet packet) {
   if (place) bytes_ -= static_cast<std::int64_t>(place->size());
   place = std::move(packet);
   bytes_ += static_cast<std::int64_t>(place->size());
-  while (bytes_ > most_ && frames_.size() > 1) thin();
+  while (bytes_ > maxBytes_ && frames_.size() > 1) thin();
 }
 
 void Recording::thin() {

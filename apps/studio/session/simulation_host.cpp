@@ -14,7 +14,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
-constexpr int kNumbersShare = 100;  // they take at most one part of so many of the time
+constexpr int kNumbersShare = 100;  // they take at most one part in kNumbersShare of the time
 constexpr int kAnswersShare = 40;   // and so do the answers to questions
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {
@@ -49,7 +49,7 @@ SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener&
 
 SimulationHost::~SimulationHost() {
   quit_ = true;
-  order([](RunOrders&) {});
+  order([this](RunOrders&) { replaced_ = true; });
   thread_.join();
 }
 
@@ -63,7 +63,10 @@ void SimulationHost::order(const std::function<void(RunOrders&)>& add) {
 }
 
 void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
-  order([&](RunOrders& orders) { orders.addLoad({std::move(scene), std::move(device)}); });
+  order([&](RunOrders& orders) {
+    orders.addLoad({std::move(scene), std::move(device)});
+    replaced_ = true;
+  });
 }
 void SimulationHost::play() {
   order([](RunOrders& orders) { orders.addPlay(); });
@@ -114,7 +117,7 @@ void SimulationHost::work() {
 RunOrders SimulationHost::takeOrders() {
   std::unique_lock lock(mutex_);
   if (state_ != HostState::kPlaying) wake_.wait(lock, [this] { return ordered_ || !questions_.empty(); });
-  ordered_ = false;
+  ordered_ = replaced_ = false;
   return std::exchange(orders_, {});
 }
 
@@ -165,6 +168,7 @@ void SimulationHost::guarded(const std::function<void()>& f) {
     problem_ = problemOf(e);
     log_.error(e.what());
   } catch (const Interrupted&) {
+    if (replaced_) return;
     problem_ = problemOf(simulationError("the scene was not set up, as the studio ends"));
   } catch (const std::bad_alloc&) {
     problem_ = problemOf(simulationError("out of memory"));
@@ -187,17 +191,31 @@ void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& 
   if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
   deviceName_ = device;
   deviceDescription_ = device_->description();  // which it asks the system for
+  build(std::move(scene));
+  listener_.geometry(geometryPacket(*simulation_));
+  tell(HostState::kPaused);
+  frameReached();
+}
+
+void SimulationHost::build(std::unique_ptr<Scene> scene) {
+  const InterruptibleWork work(&replaced_);
   simulation_ = std::make_unique<Simulation>(std::move(scene), *device_, log_, registry_);
+  simulation_->onSetUp([this](std::string_view node, std::size_t done, std::size_t all) {
+    building_ = Value::object();
+    (*building_)["node"] = node;
+    (*building_)["done"] = static_cast<std::int64_t>(done);
+    (*building_)["all"] = static_cast<std::int64_t>(all);
+    listener_.status(status());
+  });
   try {
     simulation_->reset();
+    building_.reset();
   } catch (...) {
+    building_.reset();
     frames_.reset();
     simulation_.reset();  // nobody may look at half a scene
     throw;
   }
-  listener_.geometry(geometryPacket(*simulation_));
-  tell(HostState::kPaused);
-  frameReached();
 }
 
 void SimulationHost::go(std::optional<std::int64_t> pauseAt) {
@@ -255,7 +273,9 @@ void SimulationHost::tell(HostState state) {
 Value SimulationHost::status() {
   Value v = Value::object();
   v["state"] = nameOf(state_);
-  if (simulation_) {
+  if (building_) {
+    v["building"] = *building_;
+  } else if (simulation_) {
     v["device"] = deviceDescription_;
     v["frame"] = simulation_->frame();
     v["frames"] = simulation_->clock().frameCount();

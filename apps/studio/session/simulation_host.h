@@ -29,8 +29,9 @@ class HostListener {
  public:
   virtual ~HostListener() = default;
   /// {state, device, frame, frames, time, duration, steps, particles, stepping_seconds, device_busy,
-  /// problem}; the numbers only where there is a simulation, the problem (see problemOf) only where it
-  /// failed. device_busy is the share of the last second that steps took, 0 where it does not play.
+  /// building, problem}; the numbers only where there is a simulation, building {node, done, all} only while
+  /// its nodes are set up, the problem (see problemOf) only where it failed. device_busy is the share of the
+  /// last second that steps took, 0 where it does not play.
   virtual void status(const Value& status) = 0;
   /// Of the run so far, at a frame, see runStatistics; a few times a second, but more rarely where they would
   /// take more than a hundredth of the time.
@@ -57,11 +58,11 @@ class SimulationHost {
   // From any thread; each returns at once.
 
   /// Takes another scene and brings it to time 0 on a device, "auto", "cpu", "cuda:0". What was before is
-  /// gone, and a scene that was still waiting for its turn is passed over.
+  /// gone, and a scene that was still waiting for its turn or being built is passed over. Null for no scene.
   void load(std::unique_ptr<Scene> scene, std::string device);
   void play();
   void pause();
-  void advance(std::int64_t frames);  ///< so many more than were asked for, and then pauses
+  void advance(std::int64_t frames);  ///< that many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
   void show(FrameView view);
   /// Has the listener's serve() called before the next step.
@@ -86,6 +87,7 @@ class SimulationHost {
   /// Runs f; what it throws ends the simulation's run, and is told.
   void guarded(const std::function<void()>& f);
   void takeScene(std::unique_ptr<Scene> scene, const std::string& device);
+  void build(std::unique_ptr<Scene> scene);
   void advanceBy(std::int64_t frames);
   void advanceNow();
   void frameReached();
@@ -104,8 +106,9 @@ class SimulationHost {
   std::condition_variable wake_;
   RunOrders orders_;
   QuestionQueue questions_;
-  std::atomic<bool> ordered_ = false;  // an order waits, or it is to end
-  std::atomic<bool> asked_ = false;    // a question waits
+  std::atomic<bool> ordered_ = false;   // an order waits, or it is to end
+  std::atomic<bool> asked_ = false;     // a question waits
+  std::atomic<bool> replaced_ = false;  // another scene waits, so nobody wants the one that is being built
 
   // The rest belongs to the thread.
   std::unique_ptr<Device> device_;
@@ -114,6 +117,7 @@ class SimulationHost {
   std::string deviceName_, deviceDescription_;
   HostState state_ = HostState::kEmpty;
   std::optional<Value> problem_;
+  std::optional<Value> building_;
   std::optional<std::int64_t> pauseAt_;  // a frame
   FrameView view_;
   BusyShare busy_;

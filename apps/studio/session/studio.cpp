@@ -1,13 +1,10 @@
 #include "apps/studio/session/studio.h"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
-#include "apps/studio/session/particle_values.h"
-#include "apps/studio/session/templates.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
 #include "framework/compute/device.h"
@@ -17,12 +14,6 @@ namespace weir::studio {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr unsigned kNotFound = 404, kMethodNotAllowed = 405;
-constexpr const char* kJson = "application/json";
-constexpr std::string_view kFile = "/api/file/";
-/// Frames that may be under way to a viewer; more would be shown late.
-constexpr int kMaxUnseen = 2;
 
 std::string_view nameOf(LogLevel level) {
   switch (level) {
@@ -36,28 +27,6 @@ std::string_view nameOf(LogLevel level) {
       return "error";
   }
   return "error";
-}
-
-std::string typeOf(const fs::path& file) {
-  static const std::map<std::string, std::string, std::less<>> kTypes{
-      {".html", "text/html; charset=utf-8"},
-      {".js", "text/javascript; charset=utf-8"},
-      {".css", "text/css; charset=utf-8"},
-      {".json", kJson},
-      {".svg", "image/svg+xml"},
-      {".png", "image/png"},
-      {".jpg", "image/jpeg"},
-      {".mp4", "video/mp4"},
-      {".woff2", "font/woff2"}};
-  const auto type = kTypes.find(file.extension().string());
-  return type != kTypes.end() ? type->second : "application/octet-stream";
-}
-
-/// The type of a file that anybody may have put into the served folder. What a browser might run has none.
-std::string inertTypeOf(const fs::path& file) {
-  const std::string type = typeOf(file);
-  const bool inert = type == kJson || type == "image/png" || type == "image/jpeg" || type == "video/mp4";
-  return inert ? type : "application/octet-stream";
 }
 
 Value stringsValue(const std::vector<std::string>& texts) {
@@ -80,7 +49,7 @@ ServerOptions serverOptions(const StudioOptions& options) {
           .token = randomToken(),
           .largestUpload = options.largestUpload,
           .largestMessage = kLargestSceneFile,
-          .mostWaiting = options.mostWaiting};
+          .maxWaitingBytes = options.maxWaitingBytes};
 }
 
 }  // namespace
@@ -92,7 +61,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       folder_(options_.folder),
       sceneFiles_(folder_, options_.sceneFolders),
       device_(options_.device),
-      recording_(options_.mostRecorded),
+      recording_(options_.maxRecordedBytes),
       server_(serverOptions(options_), *this),
       desk_(registry,
             [this](const VideoStatus& video) {
@@ -120,79 +89,9 @@ void Studio::showLog(LogLevel level, std::string_view message) {
   server_.post([this, line = std::move(line)] { tell("log", line); });
 }
 
-// Requests
-
-HttpReply Studio::request(const HttpRequest& request) {
-  constexpr std::string_view kThumbnail = "/api/thumbnail/";
-  if (request.path == "/api/types") return {.type = kJson, .body = options_.types};
-  if (request.path == "/api/templates")
-    return {.type = kJson, .body = writeJsonLine(templatesIn(options_.templates))};
-  if (request.path.starts_with(kThumbnail)) return thumbnail(request.path.substr(kThumbnail.size()));
-  if (request.path.starts_with("/api/")) return files(request);
-  if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET"};
-  return page(request.path == "/" ? "/index.html" : request.path);
-}
-
-HttpReply Studio::page(const std::string& path) const {
-  std::error_code error;
-  if (!fs::is_directory(options_.page, error))
-    return {.status = kNotFound,
-            .body = "this Weir was built without the studio's page: install npm, and build again"};
-  const ServedFolder page(options_.page);
-  const std::string below = path.substr(1);
-  if (!fs::is_regular_file(page.resolve(below), error)) return {.status = kNotFound, .body = "not found"};
-  return {.type = typeOf(below), .body = page.read(below)};
-}
-
-HttpReply Studio::thumbnail(const std::string& name) const {
-  std::error_code error;
-  if (!fs::is_directory(options_.templates, error)) return {.status = kNotFound, .body = "not found"};
-  const fs::path file = thumbnailFile(options_.templates, name);
-  if (!fs::is_regular_file(file, error)) return {.status = kNotFound, .body = "not found"};
-  return {.type = typeOf(file), .body = readRegularFile(file, name)};
-}
-
-HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
-  Value list = Value::array();
-  for (const ServedFile& file : files) {
-    Value v = Value::object();
-    v["path"] = file.path;
-    v["folder"] = file.isFolder;
-    v["bytes"] = file.bytes;
-    list.push(std::move(v));
-  }
-  return {.type = kJson, .body = writeJsonLine(list)};
-}
-
-fs::path Studio::uploadPlace(const HttpRequest& request) {
-  if (!request.path.starts_with(kFile))
-    throw usageError("nothing can be written at " + inQuotes(request.path),
-                     "an address that begins with " + std::string(kFile));
-  const std::string path = request.path.substr(kFile.size());
-  if (request.query.contains("new")) requireNew(path);
-  return folder_.partOf(path);
-}
-
 void Studio::requireNew(const std::string& path) const {
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(folder_.resolve(path), ignored))) throw FileExists(path);
-}
-
-HttpReply Studio::files(const HttpRequest& request) {
-  constexpr std::string_view kList = "/api/files";
-  if (request.path == kList) {
-    const auto folder = request.query.find("folder");
-    return listing(folder_.list(folder != request.query.end() ? folder->second : ""));
-  }
-  if (!request.path.starts_with(kFile)) return {.status = kNotFound, .body = "not found"};
-  const std::string path = request.path.substr(kFile.size());
-  if (request.method == "PUT") {
-    if (request.query.contains("new")) requireNew(path);
-    folder_.take(request.upload, path);
-    return {.body = "written"};
-  }
-  if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET and PUT"};
-  return {.type = inertTypeOf(path), .body = folder_.read(path), .isForeign = true};
 }
 
 // Clients
@@ -222,6 +121,7 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
                                                                      {"scene.save", &Studio::saveScene},
                                                                      {"run.play", &Studio::play},
                                                                      {"run.pause", &Studio::pause},
+                                                                     {"run.cancel", &Studio::cancel},
                                                                      {"run.step", &Studio::step},
                                                                      {"run.reset", &Studio::reset},
                                                                      {"run.seek", &Studio::seek},
@@ -465,173 +365,6 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   path_ = path;
   tell("scene", sceneValue(), client);
   result = sceneState();
-}
-
-// The run
-
-void Studio::reset(ClientId client, const Value& message, Value& result) {
-  requireWriter(client);
-  if (message.find("device") != nullptr) {
-    const std::string device = textMember(message, "device");
-    // Kept only if it can be used: who names none gets the last one.
-    if (device != device_) (void)openDevice(device, options_.threads);
-    device_ = device;
-  }
-  CheckedScene checked = check();
-  if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
-  running_ = check().scene;
-  const bool differed = reset_.has_value();
-  reset_.reset();
-  recording_.clear();
-  geometry_.reset();
-  host_.load(std::move(checked.scene), device_);
-  if (differed) tell("scene", sceneValue(), client);
-  result = sceneState();
-  result["device"] = device_;
-}
-
-bool Studio::needsReset() const {
-  const Value* state = status_.find("state");
-  const std::string name = state != nullptr ? state->asString() : std::string();
-  return !running_ || name == nameOf(HostState::kFailed) || name == nameOf(HostState::kFinished);
-}
-
-void Studio::play(ClientId client, const Value& message, Value& result) {
-  requireWriter(client);
-  if (needsReset()) reset(client, message, result);
-  host_.play();
-}
-
-void Studio::pause(ClientId client, const Value&, Value&) {
-  requireWriter(client);
-  host_.pause();
-}
-
-void Studio::step(ClientId client, const Value& message, Value& result) {
-  constexpr std::int64_t kMaxFrames = 1'000'000;
-  const std::int64_t frames =
-      message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMaxFrames) : 1;
-  requireWriter(client);
-  if (needsReset()) reset(client, message, result);
-  host_.advance(frames);
-}
-
-void Studio::seek(ClientId client, const Value& message, Value& result) {
-  const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
-  const Packet packet = recording_.nearest(frame);
-  result["found"] = packet != nullptr;
-  if (packet) sendFrame(client, clients_[client], packet);
-}
-
-void Studio::setView(ClientId client, const Value& message, Value&) {
-  requireWriter(client);
-  constexpr std::int64_t kMaxParticles = 20'000'000;
-  FrameView view;
-  view.attribute = textMember(message, "attribute");
-  view.most = wholeMember(message, "most", 1, kMaxParticles);
-  host_.show(std::move(view));
-}
-
-void Studio::confirm(ClientId client, const Value&, Value& result) {
-  Client& c = clients_[client];
-  c.unseen = std::max(0, c.unseen - 1);
-  if (const Packet next = std::exchange(c.next, nullptr)) sendFrame(client, c, next);
-  result = {};
-}
-
-void Studio::answerLater(ClientId client, const Value& message, Value& result,
-                         std::function<Value(const Simulation&)> f) {
-  const Value* id = message.find("id");
-  const auto answer = [this, client, f = std::move(f),
-                       id = id != nullptr ? *id : Value()](Simulation* simulation) {
-    Value reply = Value::object();
-    reply["id"] = id;
-    try {
-      reply["result"] = simulation != nullptr ? f(*simulation) : Value();
-    } catch (const Error& e) {
-      if (e.kind() != ErrorKind::kUsage) throw;  // the simulation failed
-      reply["error"] = problemOf(e);
-    }
-    server_.sendText(client, writeJsonLine(reply));
-  };
-  if (!host_.ask(client, answer))
-    throw usageError("this window asks faster than the simulation answers",
-                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
-  result = {};
-}
-
-void Studio::askParticle(ClientId client, const Value& message, Value& result) {
-  const std::string node = textMember(message, "node");
-  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
-  answerLater(client, message, result, [node, particle](const Simulation& simulation) {
-    return particleValue(simulation, node, particle);
-  });
-}
-
-void Studio::askParticles(ClientId client, const Value& message, Value& result) {
-  constexpr std::int64_t kMaxRows = 1000;
-  ParticlePage page;
-  page.node = textMember(message, "node");
-  if (message.find("sort") != nullptr) page.sort = textMember(message, "sort");
-  if (message.find("descending") != nullptr) page.descending = switchMember(message, "descending");
-  if (message.find("from") != nullptr)
-    page.from = wholeMember(message, "from", 0, std::numeric_limits<std::int32_t>::max());
-  if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMaxRows);
-  answerLater(client, message, result,
-              [page](const Simulation& simulation) { return particlePageValue(simulation, page); });
-}
-
-// What the simulation tells
-
-void Studio::status(const Value& status) {
-  const std::string& state = status.find("state")->asString();
-  if (state == nameOf(HostState::kFinished) || state == nameOf(HostState::kFailed)) desk_.stopVideo();
-  // Those who wait for a picture of a run that could not begin are told so.
-  if (state == nameOf(HostState::kFailed)) host_.serve();
-  server_.post([this, status] {
-    status_ = status;
-    tell("status", status);
-  });
-}
-
-void Studio::numbers(const Value& numbers) {
-  server_.post([this, numbers] { tell("numbers", numbers); });
-}
-
-void Studio::geometry(const Packet& packet) {
-  server_.post([this, packet] {
-    geometry_ = packet;
-    for (const auto& [client, unused] : clients_) server_.sendBinary(client, packet);
-  });
-}
-
-void Studio::frame(std::int64_t frame, const Packet& packet) {
-  server_.post([this, frame, packet] {
-    recording_.add(frame, packet);
-    for (auto& [id, client] : clients_) sendFrame(id, client, packet);
-  });
-}
-
-void Studio::reached(Simulation& simulation) {
-  desk_.frame(simulation);
-}
-
-void Studio::serve(Simulation* simulation) {
-  desk_.serve(simulation);
-}
-
-void Studio::leaving() {
-  desk_.leave();
-}
-
-void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {
-  if (!client.wantsFrames) return;
-  if (client.unseen >= kMaxUnseen) {
-    client.next = packet;
-    return;
-  }
-  ++client.unseen;
-  server_.sendBinary(id, packet);
 }
 
 }  // namespace weir::studio

@@ -30,9 +30,9 @@ struct StudioOptions {
   std::filesystem::path page;                                 ///< the built web page
   std::filesystem::path templates;                            ///< scenes to start from
   std::string types;                                          ///< what `weir nodes --json` prints
-  std::int64_t mostRecorded = std::int64_t{1} << 30;          ///< bytes of frames that are kept
+  std::int64_t maxRecordedBytes = std::int64_t{1} << 30;      ///< bytes of frames that are kept
   std::int64_t largestUpload = ServedFolder::kLargestUpload;  ///< bytes
-  std::int64_t mostWaiting = std::int64_t{64} << 20;          ///< bytes for a client before it is closed
+  std::int64_t maxWaitingBytes = std::int64_t{64} << 20;      ///< bytes for a client before it is closed
 };
 
 class Studio final : private ServerEvents, private HostListener {
@@ -87,6 +87,7 @@ class Studio final : private ServerEvents, private HostListener {
   void saveScene(ClientId client, const Value& message, Value& result);
   void play(ClientId client, const Value& message, Value& result);
   void pause(ClientId client, const Value& message, Value& result);
+  void cancel(ClientId client, const Value& message, Value& result);
   void step(ClientId client, const Value& message, Value& result);
   void reset(ClientId client, const Value& message, Value& result);
   void seek(ClientId client, const Value& message, Value& result);
@@ -108,6 +109,8 @@ class Studio final : private ServerEvents, private HostListener {
   CheckedScene check() const;
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
+  /// Whether the simulation has last told that it is in a state.
+  bool isState(HostState state) const;
   /// Whether there is no run that could go on.
   bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);

@@ -2,7 +2,7 @@
 
 namespace weir::app {
 
-double leastBytesOfStep(const StepPasses& passes, double neighbors) {
+double minBytesOfStep(const StepPasses& passes, double neighbors) {
   const double list = 4 * neighbors;
   const double solver = (passes.iterations - 1) * (20 + list) + passes.iterations * (36 + list);
   const double viscosity = passes.viscositySweeps * (48 + list);

@@ -19,6 +19,6 @@ struct StepPasses {
 ///   updates               36 + 4n    each
 ///   viscosity             48 + 4n    each sweep
 ///   walls and velocities  80
-double leastBytesOfStep(const StepPasses& passes, double neighbors);
+double minBytesOfStep(const StepPasses& passes, double neighbors);
 
 }  // namespace weir::app

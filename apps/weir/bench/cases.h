@@ -12,7 +12,7 @@
 
 namespace weir::app {
 
-/// A block of so many particles along each edge.
+/// A block of that many particles along each edge.
 struct BlockSize {
   Vec3<std::int64_t> sides;
 
@@ -37,11 +37,11 @@ std::vector<BenchCase> benchCases();
 /// Those that are compared with other programs, and two beyond them.
 std::vector<BlockSize> blockSizes();
 
-/// One of blockSizes() if it has exactly so many particles; otherwise the block of about so many that is
+/// One of blockSizes() if it has exactly that many particles; otherwise the block of about as many that is
 /// nearest to a cube: its base is a square, and its height takes up the rest.
 BlockSize blockOf(std::int64_t particles);
 
-/// What makes the cube of benchmark_dam_break.json, 0.81 m wide, of so many particles.
+/// What makes the cube of benchmark_dam_break.json, 0.81 m wide, of that many particles.
 std::vector<std::string> settingsOf(const BlockSize& size);
 
 /// The text of a file of resources/scenes that a case names; it is part of the program.

@@ -38,14 +38,14 @@ double copyBandwidth(Device& device) {
   Array<std::byte> from(device, kBytes), to(device, kBytes);
   device.fillBytes(from.data(), 1, kBytes);
   device.synchronize();
-  double least = 0;
+  double min = 0;
   for (int k = 0; k < kRepetitions; ++k) {
     const auto start = std::chrono::steady_clock::now();
     copyOnce(device, {to.data(), from.data()});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    least = k == 0 ? seconds : std::min(least, seconds);
+    min = k == 0 ? seconds : std::min(min, seconds);
   }
-  return 2.0 * kBytes / least;
+  return 2.0 * kBytes / min;
 }
 
 }  // namespace weir::app

@@ -13,7 +13,7 @@ namespace weir::app {
 
 namespace {
 
-// Whole frames are made until there are so many. Modules are timed in the first step, and now and then.
+// Whole frames are made until there are that many. Modules are timed in the first step, and now and then.
 constexpr std::int64_t kWarmSteps = 20;
 constexpr std::size_t kTimedSteps = 40;
 constexpr std::int64_t kBatchedSteps = 60;
@@ -131,7 +131,7 @@ void judge(Moment& moment, Simulation& simulation, bool isClosed, std::int64_t p
   const Value statistics = runStatistics(simulation, RunEnd::kFinished);
   moment.meanNeighbors = numberAt(statistics, {"nodes", "water", "neighbors", "mean"});
   moment.meanCompression = numberAt(statistics, {"nodes", "water", "compression", "mean"});
-  moment.mostCompression = numberAt(statistics, {"nodes", "water", "compression", "max"});
+  moment.maxCompression = numberAt(statistics, {"nodes", "water", "compression", "max"});
   moment.rareEvents = rareEventTexts(statistics);
   moment.diverged = divergence(moment, statistics, isClosed, particlesAtStart);
 }
@@ -163,7 +163,7 @@ bool runMoments(Simulation& simulation, const MeasurementPlan& plan, const std::
 Measurement measure(Simulation& simulation, const MeasurementPlan& plan, const std::atomic<bool>& stop,
                     const std::function<void(const std::string&)>& say) {
   Measurement result;
-  std::string* complaint = &result.skipped;  // what does not begin, most of all what does not fit
+  std::string* complaint = &result.skipped;  // a case that cannot start, such as one too large for memory
   try {
     simulation.reset();
     complaint = &result.failed;

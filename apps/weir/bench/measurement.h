@@ -20,7 +20,7 @@ struct MeasurementPlan {
   bool isClosed = false;  ///< a particle more or less than at the start means that the run diverged
 };
 
-/// A mean compression above this is no liquid any more, and means that the run diverged.
+/// A mean compression above this is not a liquid any more, and means that the run diverged.
 inline constexpr double kMaxMeanCompression = 0.5;
 
 /// What the steps around one moment took.
@@ -34,7 +34,7 @@ struct Moment {
   double batchMeanMs = 0;
   /// Scopes of the profiler by path, "water/solver", and ms a step.
   std::vector<std::pair<std::string, double>> modulesMs;
-  double meanNeighbors = 0, meanCompression = 0, mostCompression = 0;
+  double meanNeighbors = 0, meanCompression = 0, maxCompression = 0;
   std::vector<std::string> rareEvents;
   std::string diverged;  ///< why these times are none of a fluid; empty if they are
 };

@@ -11,8 +11,8 @@ namespace {
 /// Of the copy bandwidth, by the model of the least bytes; nothing where there is no model.
 std::optional<double> shareOfBandwidth(const BenchResult& result, const Moment& moment, double bandwidth) {
   if (!result.benchCase.passes) return {};
-  const double bytes = leastBytesOfStep(*result.benchCase.passes, moment.meanNeighbors) *
-                       static_cast<double>(moment.particles);
+  const double bytes =
+      minBytesOfStep(*result.benchCase.passes, moment.meanNeighbors) * static_cast<double>(moment.particles);
   return bytes / (1e-3 * moment.medianMs * bandwidth);
 }
 
@@ -48,7 +48,7 @@ Value momentValue(const BenchResult& result, const Moment& moment, double bandwi
   v["particles"] = moment.particles;
   v["neighbors_mean"] = moment.meanNeighbors;
   v["compression_mean"] = moment.meanCompression;
-  v["compression_max"] = moment.mostCompression;
+  v["compression_max"] = moment.maxCompression;
   Value events = Value::array();
   for (const std::string& event : moment.rareEvents) events.push(event);
   v["rare_events"] = std::move(events);
@@ -62,7 +62,7 @@ Value momentValue(const BenchResult& result, const Moment& moment, double bandwi
   v["batched_steps"] = moment.batchedSteps;
   v["batch_step_ms_mean"] = moment.batchMeanMs;
   if (result.benchCase.passes) {
-    v["least_bytes_per_particle"] = leastBytesOfStep(*result.benchCase.passes, moment.meanNeighbors);
+    v["least_bytes_per_particle"] = minBytesOfStep(*result.benchCase.passes, moment.meanNeighbors);
     v["share_of_copy_bandwidth"] = *shareOfBandwidth(result, moment, bandwidth);
   }
   Value& modules = v["modules_ms"] = Value::object();

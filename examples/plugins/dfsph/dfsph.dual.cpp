@@ -202,13 +202,13 @@ void Dfsph::solve(Backend& device, FluidStep& fluid, float until, SolverRecord& 
     reduce(device, "error", count, 0.0f, ValueOf{error_.view()}, Add{}, errorSum_.data());
     error = double(errorSum_.toHost().front()) / double(std::max<std::int64_t>(count.bound, 1));
     ++iterations;
-    if (error <= until || iterations >= mostIterations) break;
+    if (error <= until || iterations >= maxIterations) break;
     state_.swap(next_);
   }
   record.iterations += iterations;
   ++record.steps;
   record.error = error;
-  record.mostError = std::max(record.mostError, error);
+  record.maxError = std::max(record.maxError, error);
   if (!(error <= until)) ++record.unfinished;
 }
 

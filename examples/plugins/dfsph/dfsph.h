@@ -31,7 +31,7 @@ using namespace weir;
 struct SolverRecord {
   std::int64_t iterations = 0, steps = 0, unfinished = 0;
   double error = 0;  ///< of the last step
-  double mostError = 0;
+  double maxError = 0;
 };
 
 class Dfsph final : public FluidModule {
@@ -56,10 +56,10 @@ class Dfsph final : public FluidModule {
        .max = 1,
        .live = true,
        .doc = "Iterate until the mean of what ρ/ρ0 would grow in one step is not above this."}};
-  Param<int> mostIterations{*this,
-                            "most_iterations",
-                            200,
-                            {.min = 1, .max = 10000, .live = true, .doc = "Of each solver, in a step."}};
+  Param<int> maxIterations{*this,
+                           "most_iterations",
+                           200,
+                           {.min = 1, .max = 10000, .live = true, .doc = "Of each solver, in a step."}};
   Param<bool> divergenceFree{
       *this, "divergence_free", true, {.live = true, .doc = "Whether the second solver runs."}};
 

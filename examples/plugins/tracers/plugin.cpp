@@ -2,6 +2,6 @@
 
 #include "tracers.h"
 
-WEIR_PLUGIN("tracers", "Particles that are no fluid: tracers in a vortex.", registry) {
+WEIR_PLUGIN("tracers", "Particles that are not a fluid: tracers in a vortex.", registry) {
   registry.addNode<tracers::VortexTracers>();
 }

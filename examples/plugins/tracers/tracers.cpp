@@ -11,12 +11,12 @@ void VortexTracers::configure(const SetupContext&) {
 }
 
 void VortexTracers::estimate(const SetupContext&, MemoryNeeds& needs) {
-  particles->most = 0;
-  for (std::size_t i = 0; i < initial.size(); ++i) particles->most += initial[i].most;
+  particles->maxCount = 0;
+  for (std::size_t i = 0; i < initial.size(); ++i) particles->maxCount += initial[i].maxCount;
   particles->material.spacing = spacing;
-  needs.particles = particles->most;
-  needs.add(ParticleSet::memoryFor(particles->most) +
-            ParticleSet::memoryOfAttribute(particles->most, AttributeType::kFloat));
+  needs.particles = particles->maxCount;
+  needs.add(ParticleSet::memoryFor(particles->maxCount) +
+            ParticleSet::memoryOfAttribute(particles->maxCount, AttributeType::kFloat));
 }
 
 void VortexTracers::reset(const SetupContext& context) {

@@ -1,4 +1,4 @@
-// Particles that are no fluid: points without mass that drift in a given flow, a Lamb-Oseen vortex.
+// Particles that are not a fluid: points without mass that drift in a given flow, a Lamb-Oseen vortex.
 //
 // A tracer at the distance r from the axis turns about it at the rate
 //

@@ -22,8 +22,8 @@ double WavePaddle::wantedAt(double time) const {
 }
 
 void WavePaddle::chooseVelocity(double time, double dt) {
-  const double most = acceleration * dt;
-  velocity_ += std::clamp((wantedAt(time + dt) - position_) / dt - velocity_, -most, most);
+  const double max = acceleration * dt;
+  velocity_ += std::clamp((wantedAt(time + dt) - position_) / dt - velocity_, -max, max);
 }
 
 void WavePaddle::reset(const SetupContext& context) {

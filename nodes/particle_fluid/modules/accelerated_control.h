@@ -19,8 +19,8 @@ struct SolverControl {
   double objective = 0;  // the least so far
   // Of all steps.
   std::int64_t steps = 0, passes = 0, total = 0;
-  int most = 0;
-  int unmet = 0;  // steps that ended before the tolerance was met, the last one not counted
+  int max = 0;
+  int notConverged = 0;  // steps that ended before the tolerance was met, the last one not counted
   // Of the way to the predicted positions, see the class comment of AcceleratedSolver.
   int stages = 1;           // of this step
   float stride = 0;         // s; what a stage goes on by, over the velocity
@@ -31,7 +31,7 @@ struct SolverControl {
   int advance = 0;          // whether the next pass is another stage
   int over = 0;             // whether there is no next pass
   int surplus = 0;          // whether the present pass began when all was over
-  int mostStages = 1;       // of all steps
+  int maxStages = 1;        // of all steps
   std::int64_t staged = 0;  // stages of all steps
 };
 

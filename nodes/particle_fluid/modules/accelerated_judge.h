@@ -72,7 +72,7 @@ struct Judge {
     }
     ++control->iterations;
     ++control->total;
-    if (control->iterations > control->most) control->most = control->iterations;
+    if (control->iterations > control->max) control->max = control->iterations;
     if (control->takesBack) {
       control->sinceRestart = 0;
       control->momentum = 0;

@@ -14,19 +14,19 @@ struct BeginStep {
   const float* farthest;  // null where all is gone at once
   float dt;
   float stage;  // m, the longest way of a stage
-  int most;     // stages
+  int max;      // stages
 
   WEIR_HD void operator()(std::int64_t) const {
-    if (control->steps > 0 && !control->met) ++control->unmet;
+    if (control->steps > 0 && !control->met) ++control->notConverged;
     control->iterations = 0;
     ++control->steps;
     control->stage = 1;
     control->repeats = control->finals = control->begun = control->advance = control->over = 0;
     const float stages = farthest != nullptr ? ceilf(sqrtf(*farthest) / stage) : 1.0f;
-    control->stages = stages > float(most) ? most : stages > 1 ? int(stages) : 1;
+    control->stages = stages > float(max) ? max : stages > 1 ? int(stages) : 1;
     control->stride = dt / float(control->stages);
     control->staged += control->stages;
-    if (control->stages > control->mostStages) control->mostStages = control->stages;
+    if (control->stages > control->maxStages) control->maxStages = control->stages;
   }
 };
 

@@ -126,17 +126,17 @@ void AcceleratedSolver::report(NodeReport& report) {
   used = Value::object();
   used["mean"] =
       control.steps > 0 ? static_cast<double>(control.total) / static_cast<double>(control.steps) : 0.0;
-  used["max"] = control.most;
+  used["max"] = control.max;
   used["last"] = control.iterations;
-  const std::int64_t unmet = control.unmet + (control.met || control.steps == 0 ? 0 : 1);
-  used["unmet"] = unmet;
+  const std::int64_t notConverged = control.notConverged + (control.met || control.steps == 0 ? 0 : 1);
+  used["not_converged"] = notConverged;
   // From here on `used` may refer to nothing, as the statistics grow.
   Value& stages = report.statistics["solver_stages"];
   stages = Value::object();
   stages["mean"] =
       control.steps > 0 ? static_cast<double>(control.staged) / static_cast<double>(control.steps) : 0.0;
-  stages["max"] = control.mostStages;
-  report.events.push_back({"steps ended with more compression than the solver's tolerance", unmet});
+  stages["max"] = control.maxStages;
+  report.events.push_back({"steps ended with more compression than the solver's tolerance", notConverged});
 }
 
 }  // namespace weir

@@ -136,7 +136,7 @@ void AcceleratedSolver::beginStep(Backend& device, FluidStep& fluid) {
                                 .farthest = staged(fluid) ? farthest_.data() : nullptr,
                                 .dt = dt,
                                 .stage = kStage * fluid.constants.spacing,
-                                .most = pathStages});
+                                .max = pathStages});
   if (staged(fluid))
     parallelFor(device, "go back", count,
                 detail::GoBack{control_->data(), velocities, fluid.particles.positions().write()});

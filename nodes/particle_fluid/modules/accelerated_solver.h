@@ -40,7 +40,8 @@ class AcceleratedSolver final : public PressureSolver {
   static constexpr ModuleInfo kInfo{
       "AcceleratedSolver", kFamily,
       "Keeps the fluid incompressible to a tolerance, by accelerated substitution; takes the place of the "
-      "solver."};
+      "solver.",
+      "incompressible, pressure, compression, faster, tolerance, convergence"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<std::optional<float>> tolerance{

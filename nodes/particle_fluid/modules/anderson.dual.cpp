@@ -11,8 +11,8 @@ constexpr int kEarlier = AndersonHistory::kEarlier;
 /// How many earlier iterates the next one is combined of; 0 if it is to be plain.
 WEIR_HD int earlierOf(const SolverControl& control) {
   if (control.done || control.takesBack || control.momentum == 0) return 0;
-  const int made = control.sinceRestart - 1, most = control.exhausted ? 1 : kEarlier;
-  return made < most ? made : most;
+  const int made = control.sinceRestart - 1, max = control.exhausted ? 1 : kEarlier;
+  return made < max ? made : max;
 }
 
 struct MeasureResiduals {

@@ -68,7 +68,7 @@ struct AndersonIterate {
 
 class AndersonMixing {
  public:
-  /// Memory for so many particles: 96 bytes each, and 16 more with shares of walls. Contents are undefined.
+  /// Memory for that many particles: 96 bytes each, and 16 more with shares of walls. Contents are undefined.
   void reserve(Device& device, std::int64_t particles, bool shares);
   /// Bytes of that.
   double memoryFor(double particles, bool shares) const;

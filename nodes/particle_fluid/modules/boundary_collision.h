@@ -17,7 +17,8 @@ class BoundaryCollision final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "BoundaryCollision", kFamily,
-      "Pushes particles out of boundaries, with their restitution and friction."};
+      "Pushes particles out of boundaries, with their restitution and friction.",
+      "wall, collider, bounce, friction"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

@@ -8,14 +8,14 @@ namespace {
 
 struct Slow {
   const int* neighborCounts;
-  float rate;         // dt·k of an exposed particle, s/m
-  float inverseMost;  // 1 over the neighbours from which a particle is not exposed; 0 exposes all
-  float kept;         // by damping
+  float rate;        // dt·k of an exposed particle, s/m
+  float inverseMax;  // 1 over the neighbours from which a particle is not exposed; 0 exposes all
+  float kept;        // by damping
   Vec3f wind;
   ArrayView<Vec3f> velocities;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const float exposed = 1 - static_cast<float>(neighborCounts[i]) * inverseMost;
+    const float exposed = 1 - static_cast<float>(neighborCounts[i]) * inverseMax;
     Vec3f v = velocities[i];
     if (exposed > 0) {
       const Vec3f relative = v - wind;

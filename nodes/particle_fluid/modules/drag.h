@@ -26,7 +26,8 @@ class Drag final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "Drag", kFamily,
-      "Slows spray by the drag of the air, or all by damping; insert it after \"viscosity\"."};
+      "Slows spray by the drag of the air, or all by damping; insert it after \"viscosity\".",
+      "air, damping, slow, resistance, wind"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<DragOn> on{*this, "on", DragOn::kExposed, {.live = true, .doc = "Which particles the air drags."}};

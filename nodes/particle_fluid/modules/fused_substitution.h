@@ -17,13 +17,13 @@ namespace weir {
 struct OfCrowding {
   static constexpr bool kFirst = true;
   float volumeAtZero;  // V0·W(0)
-  float least;         // that e may be
+  float min;           // that e may be
   float factor;
 
   template <class T>
   WEIR_HD T operator()(const T& crowding) const {
     const T e = volumeAtZero * crowding - 1;
-    return factor * select(e > T(least), e, T(least));
+    return factor * select(e > T(min), e, T(min));
   }
 };
 
@@ -155,7 +155,7 @@ class FusedSubstitution {
   bool iterateFromCrowding() const {
     if (!hasPlaces() || !problem_.energy.isQuadratic()) return false;
     const OfCrowding weight{.volumeAtZero = volumeAtZero_,
-                            .least = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
+                            .min = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
                             .factor = problem_.energy.derivative(1.0f)};
     parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSearch>>(substitute(weight)));
     return true;

@@ -8,7 +8,8 @@ namespace weir {
 class NeighborSearch final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{"NeighborSearch", kFamily,
-                                    "Sorts particles by cell and lists the neighbours of each, once a step."};
+                                    "Sorts particles by cell and lists the neighbours of each, once a step.",
+                                    "neighbours, grid, cells, hash"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override { fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks); }

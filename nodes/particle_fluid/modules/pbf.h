@@ -33,7 +33,8 @@ class Pbf final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "Pbf", kFamily,
-      "Keeps the fluid incompressible by position based fluids; takes the place of the solver."};
+      "Keeps the fluid incompressible by position based fluids; takes the place of the solver.",
+      "position based, incompressible, pressure, solver"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<PbfForm> form{

@@ -8,7 +8,8 @@ namespace weir {
 class Predict final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{"Predict", kFamily,
-                                    "Moves particles by their velocity and gravity alone."};
+                                    "Moves particles by their velocity and gravity alone.",
+                                    "gravity, advection, integrate"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

@@ -19,7 +19,8 @@ class SemiImplicitSolver final : public PressureSolver {
  public:
   static constexpr ModuleInfo kInfo{
       "SemiImplicitSolver", kFamily,
-      "Keeps the fluid incompressible by semi-implicit successive substitution."};
+      "Keeps the fluid incompressible by semi-implicit successive substitution.",
+      "incompressible, pressure, compression"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<int> iterations{*this,

@@ -15,7 +15,8 @@ class SolidApproach final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "SolidApproach", kFamily,
-      "Stops particles at solids on their way to their predicted positions (continuous collision)."};
+      "Stops particles at solids on their way to their predicted positions (continuous collision).",
+      "collider, tunnelling, ccd, collision"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

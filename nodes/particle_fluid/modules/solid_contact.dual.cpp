@@ -58,9 +58,9 @@ struct Contact {
     const Vec3f along = relative - approach * normal;
     const float slip = length(along);
     if (!(slip > 0)) return;
-    const float most = solid.friction * fabsf(share[i]) * steep / dt;
+    const float max = solid.friction * fabsf(share[i]) * steep / dt;
     const float touch = at.w < contactPhi ? at.w / contactPhi : 1.0f;
-    const float kept = slip > most ? (1 - most / slip) * expf(-solid.noSlip * dt * touch) : 0.0f;
+    const float kept = slip > max ? (1 - max / slip) * expf(-solid.noSlip * dt * touch) : 0.0f;
     particle.velocity = wall + approach * normal + kept * along;
     particle.solid = k;
   }

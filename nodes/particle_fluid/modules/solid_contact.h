@@ -18,7 +18,8 @@ class SolidContact final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "SolidContact", kFamily,
-      "Stops particles at solids, lets friction act, and sums the forces on the solids."};
+      "Stops particles at solids, lets friction act, and sums the forces on the solids.",
+      "collider, collision, friction, force"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

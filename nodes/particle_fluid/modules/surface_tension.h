@@ -22,7 +22,8 @@ class SurfaceTension final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "SurfaceTension", kFamily,
-      "Draws the fluid's surface together; insert it after the module \"viscosity\"."};
+      "Draws the fluid's surface together; insert it after the module \"viscosity\".",
+      "drops, cohesion, surface, wetting, capillary"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<float> coefficient{

@@ -38,8 +38,8 @@ struct Vorticity {
 struct Confine {
   NeighborView neighbors;
   SpikyKernel kernel;
-  float impulse;     // dt·strength·d, m
-  float leastSlope;  // of |ω|, over |ω|: 0.01/d
+  float impulse;   // dt·strength·d, m
+  float minSlope;  // of |ω|, over |ω|: 0.01/d
   ArrayView<const Vec3f> positions, vorticity;
   ArrayView<Vec3f> velocities;
 
@@ -54,7 +54,7 @@ struct Confine {
       sum += (pairWeight(kernel, d, norm) * (length(vorticity[j]) - magnitude)) * d;
     });
     const Vec3f slope = perNorm(sum, norm);
-    velocities[i] += (impulse / (length(slope) + leastSlope * magnitude)) * cross(slope, own);
+    velocities[i] += (impulse / (length(slope) + minSlope * magnitude)) * cross(slope, own);
   }
 };
 

@@ -20,7 +20,8 @@ class VorticityConfinement final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{
       "VorticityConfinement", kFamily,
-      "Strengthens eddies, and shows the vorticity; insert it after the module \"viscosity\"."};
+      "Strengthens eddies, and shows the vorticity; insert it after the module \"viscosity\".",
+      "eddies, turbulence, swirl, curl"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<float> strength{

@@ -10,7 +10,8 @@ class WallIntegrals final : public FluidModule, public WallFinder {
  public:
   static constexpr ModuleInfo kInfo{
       "WallIntegrals", kFamily,
-      "Integrates the kernel over the solids near each particle, so that the solver feels them."};
+      "Integrates the kernel over the solids near each particle, so that the solver feels them.",
+      "wall, boundary"};
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {

@@ -4,15 +4,6 @@
 
 namespace weir {
 
-void Xsph::validate() const {
-  const bool isExplicit = form == XsphForm::kExplicit;
-  const Property& other = isExplicit ? static_cast<const Property&>(viscosity) : strength;
-  if (!other.isSet()) return;
-  throw sceneError(other.name() + " is given for the form " + (isExplicit ? "\"explicit\"" : "\"implicit\""),
-                   std::string("only with \"form\": ") + (isExplicit ? "\"implicit\"" : "\"explicit\""))
-      .inParameter(other.name());
-}
-
 void Xsph::reset(FluidStep& fluid) {
   if (form == XsphForm::kExplicit) fluid.particles.byProducts().request(kMotionCodes);
 }

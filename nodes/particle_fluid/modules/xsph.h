@@ -38,7 +38,8 @@ struct EnumNames<XsphForm> {
 class Xsph final : public FluidModule {
  public:
   static constexpr ModuleInfo kInfo{"Xsph", kFamily,
-                                    "Smooths velocities between neighbours (artificial viscosity)."};
+                                    "Smooths velocities between neighbours (artificial viscosity).",
+                                    "viscosity, viscous, smoothing, thick, honey"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<XsphForm> form{
@@ -51,7 +52,9 @@ class Xsph final : public FluidModule {
                          .live = true,
                          .animated = true,
                          .doc = "Share of the difference to the neighbours' velocities that is removed in a "
-                                "step (explicit form)."}};
+                                "step.",
+                         .onlyFor = "form: explicit",
+                         .also = "viscosity"}};
   Param<float> viscosity{
       *this,
       "viscosity",
@@ -61,11 +64,9 @@ class Xsph final : public FluidModule {
        .softMax = 100,
        .live = true,
        .animated = true,
-       .doc =
-           "Rate at which differences to the neighbours decay, times the support radius (implicit form)."}};
+       .doc = "Rate at which differences to the neighbours decay, times the support radius.",
+       .onlyFor = "form: implicit"}};
 
-  /// A scene Error for a parameter that the form does not have.
-  void validate() const override;
   void reset(FluidStep& fluid) override;
   void step(FluidStep& fluid) override;
   double memory(const FluidRoom& room) const override;

@@ -1,5 +1,4 @@
-// Spheres offer their depths to the samples of a camera, or of the sun. The arithmetic is that of the shaders
-// of ParticlePass and WaterParticlePass.
+// Spheres offer their depths to the samples of a camera, or of the sun.
 #pragma once
 
 #include "plugins/rendering/gl/splat_kernels.h"
@@ -23,12 +22,12 @@ WEIR_HD float insetOfSphere(const Sphere& sphere) {
 }
 
 /// The bits of depths, alone or with the number of the sphere.
-WEIR_HD inline void offerDepth(std::uint32_t* least, std::uint32_t depthBits, std::int64_t) {
-  atomicMin(least, depthBits);
+WEIR_HD inline void offerDepth(std::uint32_t* min, std::uint32_t depthBits, std::int64_t) {
+  atomicMin(min, depthBits);
 }
-WEIR_HD inline void offerDepth(std::uint64_t* least, std::uint32_t depthBits, std::int64_t sphere) {
-  atomicMin(least, std::uint64_t{depthBits} << 32 |
-                       std::uint64_t{kNoSphere - 1 - static_cast<std::uint32_t>(sphere)});
+WEIR_HD inline void offerDepth(std::uint64_t* min, std::uint32_t depthBits, std::int64_t sphere) {
+  atomicMin(min, std::uint64_t{depthBits} << 32 |
+                     std::uint64_t{kNoSphere - 1 - static_cast<std::uint32_t>(sphere)});
 }
 
 template <class Least>
@@ -42,7 +41,7 @@ template <class Sphere, class Least>
 struct OfferToCamera {
   ArrayView<const Sphere> spheres;
   SplatCamera camera;
-  ArrayView<Least> least;
+  ArrayView<Least> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
     return -camera.point(group.center).z - group.radius;
@@ -82,20 +81,18 @@ struct OfferToCamera {
 
   WEIR_HD void offerRow(int row, const Reach& found, std::int64_t i, const Vec3f& center, float radius,
                         float inset) const {
-    Least* line = least.data + std::int64_t{row} * camera.width;
-    const float up = camera.ray(0, row).y;
+    Least* line = min.data + std::int64_t{row} * camera.width;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, camera.width);
       const Ints columns = intsFrom(column);
-      const Mask open = notSo(now < Number(found.depth)) & below(columns, found.x.last + 1);
+      const Mask open = !(now < Number(found.depth)) & below(columns, found.x.last + 1);
       if (!any(open)) continue;  // all of it is hidden there
-      const Number right =
-          ((toNumbers(columns) + 0.5f) * (2.0f / float(camera.width)) - 1) * camera.tangent.x;
-      const Hit<Number> hit(Numbers3{right, Number(up), Number(-1.0f)}, allOf(center), radius);
-      const Number depth =
-          positivePart(0.5f + 0.5f * (camera.projection.w / (hit.distance + inset) - camera.projection.z));
-      const Mask missed = either(hit.rest < Number(0.0f), hit.distance < Number(camera.near));
-      offerDepths(line + column, open & notSo(either(missed, now < depth)), depth, i);
+      const Numbers3 ray = camera.ray(toNumbers(columns), Number(float(row)));
+      Number rest;
+      const Number distance = shading::distanceOfSphere(ray, allOf(center), Number(radius), rest);
+      const Number depth = positivePart(camera.depthAt(distance + inset));
+      const Mask missed = (rest < Number(0.0f)) | (distance < Number(camera.near)) | (now < depth);
+      offerDepths(line + column, open & !missed, depth, i);
     }
   }
 };
@@ -104,7 +101,7 @@ template <class Sphere>
 struct OfferToSun {
   ArrayView<const Sphere> spheres;
   SplatSun sun;
-  ArrayView<std::uint32_t> least;
+  ArrayView<std::uint32_t> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
     return sun.point(group.center).z - group.radius * sun.zToDepth;
@@ -137,30 +134,31 @@ struct OfferToSun {
     const float radius = metres / sun.halfSize, thick = metres * sun.zToDepth;
     const float texel = 2.0f / float(sun.resolution);
     const float v = ((float(row) + 0.5f) * texel - 1 - center.y) / radius;
-    std::uint32_t* line = least.data + std::int64_t{row} * sun.resolution;
+    std::uint32_t* line = min.data + std::int64_t{row} * sun.resolution;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, sun.resolution);
       const Ints columns = intsFrom(column);
-      const Mask open = notSo(now < Number(found.depth)) & below(columns, found.x.last + 1);
+      const Mask open = !(now < Number(found.depth)) & below(columns, found.x.last + 1);
       if (!any(open)) continue;
       const Number u = ((toNumbers(columns) + 0.5f) * texel - 1 - center.x) / radius;
       const Number rest = 1 - (u * u + v * v);
-      const Number depth = positivePart(0.5f + 0.5f * (center.z - thick * sqrtf(positivePart(rest))));
-      offerDepths(line + column, open & (depth < now) & notSo(rest < Number(0.0f)), depth, 0);
+      const Number depth =
+          positivePart(shading::depthFromSun(positivePart(rest), Number(center.z), Number(thick)));
+      offerDepths(line + column, open & (depth < now) & !(rest < Number(0.0f)), depth, 0);
     }
   }
 };
 
 template <class Backend, class Sphere, class Least>
 void offerToCamera(Backend& device, std::string_view name, ArrayView<const Sphere> spheres,
-                   const SplatCamera& camera, ArrayView<Least> least) {
-  offerAll(device, name, spheres, least, camera.width, OfferToCamera<Sphere, Least>{spheres, camera, least});
+                   const SplatCamera& camera, ArrayView<Least> min) {
+  offerAll(device, name, spheres, min, camera.width, OfferToCamera<Sphere, Least>{spheres, camera, min});
 }
 
 template <class Backend, class Sphere>
 void offerToSun(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, const SplatSun& sun,
-                ArrayView<std::uint32_t> least) {
-  offerAll(device, name, spheres, least, sun.resolution, OfferToSun<Sphere>{spheres, sun, least});
+                ArrayView<std::uint32_t> min) {
+  offerAll(device, name, spheres, min, sun.resolution, OfferToSun<Sphere>{spheres, sun, min});
 }
 
 }  // namespace weir::rendering::gl

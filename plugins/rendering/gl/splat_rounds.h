@@ -97,7 +97,7 @@ struct OfferShare {
 
 template <class Sphere, class Least, class Offer>
 void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<const Sphere> spheres,
-                       ArrayView<Least> least, int width, const Offer& offer) {
+                       ArrayView<Least> min, int width, const Offer& offer) {
   constexpr std::int64_t kMin = 4096;  // elements of a round: enough for all threads
   Array<SphereGroup> found(device, (spheres.size + Shares::kGroup - 1) / Shares::kGroup);
   const ArrayView<const SphereGroup> groups = static_cast<const Array<SphereGroup>&>(found).view();
@@ -106,7 +106,7 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
   parallelFor(device, "group spheres", groups.size, FindDistance<Offer>{offer, groups, distances.view()});
   const std::vector<int> order = nearestFirst(static_cast<const Array<float>&>(distances).view());
 
-  const int height = static_cast<int>(least.size / width);
+  const int height = static_cast<int>(min.size / width);
   const auto tilesAlong = [](int samples) { return (samples - 1) / FarthestTiles::kSide + 1; };
   Array<float> farthest(device, std::int64_t{tilesAlong(width)} * tilesAlong(height));
   OfferSlice<Offer> slices{.offer = offer,
@@ -123,19 +123,19 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
     slices.first = behind;
     if (behind == count) break;
     parallelFor(device, "farthest", farthest.size(),
-                FindFarthest<Least>{least.data, width, height, slices.tiles.perRow, farthest.data()});
+                FindFarthest<Least>{min.data, width, height, slices.tiles.perRow, farthest.data()});
     slices.tiles.farthest = static_cast<const Array<float>&>(farthest).view();
   }
 }
 
-/// Offers every sphere to `least`, rows of `width` samples. Offer is a functor for a sphere's number, a part
+/// Offers every sphere to `min`, rows of `width` samples. Offer is a functor for a sphere's number, a part
 /// of its rows and how many parts there are.
 template <class Backend, class Sphere, class Least, class Offer>
-void offerAll(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, ArrayView<Least> least,
+void offerAll(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, ArrayView<Least> min,
               int width, const Offer& offer) {
   if (spheres.size == 0) return;
   if constexpr (std::is_base_of_v<CpuBackend, Backend>) {
-    offerNearestFirst(device, name, spheres, least, width, offer);
+    offerNearestFirst(device, name, spheres, min, width, offer);
   } else {
     const Shares shares(spheres.size);
     parallelFor(device, name, shares.count(), OfferShare<Offer>{offer, shares});

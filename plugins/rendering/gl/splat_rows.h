@@ -25,10 +25,10 @@ __attribute__((no_sanitize("thread"))) inline Number depthsFrom(const std::uint6
 }
 #else
 WEIR_HD inline Number depthsFrom(const std::uint32_t* first) {
-  return std::bit_cast<float>(currentLeast(first));
+  return std::bit_cast<float>(currentMin(first));
 }
 WEIR_HD inline Number depthsFrom(const std::uint64_t* first) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(currentLeast(first) >> 32));
+  return std::bit_cast<float>(static_cast<std::uint32_t>(currentMin(first) >> 32));
 }
 #endif
 
@@ -38,7 +38,7 @@ WEIR_HD Number depthsOfRow(const Least* line, int column, int width) {
   if (column + kPixels <= width) return depthsFrom(line + column);
   Least last[kPixels];
   for (int l = 0; l < kPixels; ++l)
-    last[l] = currentLeast(line + (column + l < width ? column + l : width - 1));
+    last[l] = currentMin(line + (column + l < width ? column + l : width - 1));
   return depthsFrom(last);
 }
 
@@ -61,7 +61,7 @@ struct FarthestTiles {
 
 template <class Least>
 struct FindFarthest {
-  const Least* least;
+  const Least* min;
   int width, height, perRow;
   float* farthest;
 
@@ -71,7 +71,7 @@ struct FindFarthest {
     Number found = 0.0f;
     for (int y = low; y < low + FarthestTiles::kSide && y < height; ++y)
       for (int x = left; x < left + FarthestTiles::kSide && x < width; x += kPixels)
-        found = atLeast(found, depthsOfRow(least + std::int64_t{y} * width, x, width));
+        found = atLeast(found, depthsOfRow(min + std::int64_t{y} * width, x, width));
     float one = 0;
     for (int l = 0; l < kPixels; ++l) one = laneOf(found, l) > one ? laneOf(found, l) : one;
     farthest[tile] = one;

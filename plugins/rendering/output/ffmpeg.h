@@ -14,7 +14,7 @@ namespace weir::rendering {
 
 /// It says nothing but errors and, at its end, toldFrames(); it fails where it cannot write, and replaces
 /// files. `output` as a PipedProgram's. With the limits that the environment variable WEIR_FFMPEG_LIMIT sets:
-/// so many seconds without taking a frame, 60 without it, and twice as many at the end, with a second more
+/// that many seconds without taking a frame, 60 without it, and twice as many at the end, with a second more
 /// for each of the `frames` that it reads by itself. Throws an io Error that names the file that it was to
 /// make if there is no ffmpeg, or it cannot be started.
 std::unique_ptr<PipedProgram> startFfmpeg(const std::filesystem::path& file,

@@ -19,8 +19,8 @@ namespace {
 
 /// A digest of the last of the file's first bytes; 0 if there are fewer.
 std::uint64_t markOf(const fs::path& file, std::uint64_t bytes) {
-  constexpr std::uint64_t kMost = 1 << 16;
-  std::string last(std::min(bytes, kMost), '\0');
+  constexpr std::uint64_t kMax = 1 << 16;
+  std::string last(std::min(bytes, kMax), '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(bytes - last.size()));
   if (!stream.read(last.data(), static_cast<std::streamsize>(last.size()))) return 0;

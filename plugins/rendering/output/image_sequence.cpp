@@ -32,7 +32,7 @@ std::size_t longestQueue() {
   return static_cast<std::size_t>(2 * threadCount());
 }
 
-/// The number in the name of a frame; none if the name is no frame's.
+/// The number in the name of a frame; none if the name is not that of a frame.
 std::optional<std::int64_t> frameOf(const std::string& name) {
   const std::string_view digits = std::string_view(name).substr(std::min<std::size_t>(name.size(), 6));
   std::int64_t frame = -1;

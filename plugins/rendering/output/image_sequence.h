@@ -19,7 +19,7 @@ class ImageSequence {
   static std::string nameOf(std::int64_t frame);
 
   /// Makes the folder if it is missing; the folder above must be there. Throws an io Error if it cannot be
-  /// made, is no folder, or if no picture can be written in it.
+  /// made, is not a folder, or if no picture can be written in it.
   /// The first picture is that of the frame `first`.
   explicit ImageSequence(std::filesystem::path folder, std::int64_t first = 0);
   /// Pictures that are still waiting are lost unless finish() has been called. Whole files only are left

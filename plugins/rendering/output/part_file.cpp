@@ -19,7 +19,7 @@ std::string reasonOf(int error) {
 void checkTarget(const fs::path& target) {
   std::error_code ignored;
   if (fs::is_directory(target, ignored)) throw cannotWrite(target, "it is a folder");
-  // A device or a pipe is no file that could be replaced.
+  // A device or a pipe is not a file that could be replaced.
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored))
     throw cannotWrite(target, "it is not a regular file");
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");

@@ -141,7 +141,7 @@ std::chrono::nanoseconds Waiting::time() {
 
 PipedProgram::PipedProgram(const std::string& program, const std::vector<std::string>& arguments,
                            const ProgramLimits& limits, const std::filesystem::path& output)
-    : mostMessages_(output.empty() ? kMaxOutput : kMaxMessages), limits_(limits) {
+    : maxMessages_(output.empty() ? kMaxOutput : kMaxMessages), limits_(limits) {
   const Pair input = makeInput();
   const Descriptor theirInput(input.theirs);
   input_ = input.ours;
@@ -252,7 +252,7 @@ void PipedProgram::readMessages() {
     if (got < 0 && errno == EAGAIN) return;
     if (got <= 0) return closeAndForget(messagePipe_);
     messages_.append(buffer.data(), static_cast<std::size_t>(got));
-    if (messages_.size() > mostMessages_) messages_.erase(0, messages_.size() - mostMessages_);
+    if (messages_.size() > maxMessages_) messages_.erase(0, messages_.size() - maxMessages_);
   }
 }
 

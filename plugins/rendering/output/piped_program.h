@@ -81,7 +81,7 @@ class PipedProgram {
   pid_t pid_ = -1;  // of a program that has not been reaped, else -1
   int input_ = -1;  // our end of a socket pair
   int messagePipe_ = -1;
-  std::size_t mostMessages_;  // bytes
+  std::size_t maxMessages_;  // bytes
   const ProgramLimits limits_;
   std::atomic<bool> cancelled_ = false;
   // Once the run was asked to end: the time without a sign of life, and the processor time at the last one.

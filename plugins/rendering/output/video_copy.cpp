@@ -50,13 +50,13 @@ void keepSynced(PartFile& part) {
 
 }  // namespace
 
-std::int64_t countFrames(const fs::path& video, std::int64_t most) {
+std::int64_t countFrames(const fs::path& video, std::int64_t max) {
   std::error_code error;
   if (!fs::is_regular_file(video, error))
     throw ioError("there is no such video").at({.file = video.string()});
-  std::vector<std::string> arguments = reading(video, most);
+  std::vector<std::string> arguments = reading(video, max);
   add(arguments, {"-c", "copy", "-f", "null", "-"});
-  const auto ffmpeg = startFfmpeg(video, arguments, PipedProgram::kNowhere, most);
+  const auto ffmpeg = startFfmpeg(video, arguments, PipedProgram::kNowhere, max);
   if (!ffmpeg->finish())
     throw ioError("this is not a video that ffmpeg can read", "a video that an earlier run wrote")
         .at({.file = video.string()});

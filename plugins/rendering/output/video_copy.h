@@ -6,9 +6,9 @@
 
 namespace weir::rendering {
 
-/// How many frames a video holds, or `most` if it holds more. Throws an io Error if there is no such file or
+/// How many frames a video holds, or `max` if it holds more. Throws an io Error if there is no such file or
 /// ffmpeg cannot read it.
-std::int64_t countFrames(const std::filesystem::path& video, std::int64_t most);
+std::int64_t countFrames(const std::filesystem::path& video, std::int64_t max);
 
 /// A video as others expect it, or one that grows (video_format.h).
 enum class VideoKind { kComplete, kGrowing };
@@ -19,8 +19,8 @@ enum class VideoKind { kComplete, kGrowing };
 void copyVideo(const std::filesystem::path& source, std::int64_t frames, const std::filesystem::path& video,
                VideoKind kind);
 
-/// Cuts a file off behind so many bytes: it is replaced by a new one, as the ffmpeg of a killed run may still
-/// be appending to it. Throws an io Error; the file is then as it was.
+/// Cuts a file off behind that many bytes: it is replaced by a new one, as the ffmpeg of a killed run may
+/// still be appending to it. Throws an io Error; the file is then as it was.
 void cutFile(const std::filesystem::path& file, std::uintmax_t bytes);
 
 /// Waits until the file, and its name, are on the disk.

@@ -65,7 +65,7 @@ std::vector<std::string> argumentsFor(const VideoFormat& format, const VideoEnco
   const auto add = [&](const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
   };
-  // +discardcorrupt: where this program is killed within a frame, that frame is no reason to give up the
+  // +discardcorrupt: where this program is killed within a frame, that frame is not a reason to give up the
   // others.
   add({"-fflags", "+discardcorrupt", "-f", "rawvideo", "-pixel_format", format.alpha ? "rgba" : "rgb24"});
   add({"-video_size", fmt::format("{}x{}", roundedToEven(size.width), roundedToEven(size.height))});

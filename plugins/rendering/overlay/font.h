@@ -17,7 +17,7 @@ struct TextMask {
 
 class Font {
  public:
-  /// Throws an io Error if the file is no font.
+  /// Throws an io Error if the file is not a font.
   explicit Font(const std::filesystem::path& file);
   ~Font();
   Font(Font&&) noexcept;

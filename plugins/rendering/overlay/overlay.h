@@ -34,7 +34,8 @@ bool wantsLightText(const Color& backgroundTop, const Color& backgroundBottom);
 
 class Overlay {
  public:
-  /// The folder holds DejaVuSans.ttf and DejaVuSans-Bold.ttf. Throws an io Error if one of them is no font.
+  /// The folder holds DejaVuSans.ttf and DejaVuSans-Bold.ttf. Throws an io Error if one of them is not a
+  /// font.
   explicit Overlay(const std::filesystem::path& fontFolder);
 
   /// All sizes follow the picture's height. What does not fit is cut off at the picture's edges.

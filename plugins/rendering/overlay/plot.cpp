@@ -34,8 +34,8 @@ Range rangeOf(const std::vector<PlotPoint>& points) {
   if (range.low > 0 && range.low <= size) range.low = 0;
   if (range.high < 0 && -range.high <= size) range.high = 0;
   constexpr double kRoom = 0.05, kFlat = 1e-6;
-  const double least = kFlat * std::max(std::abs(range.low), std::abs(range.high));
-  if (!(range.high - range.low > least)) return {range.low - 0.5, range.low + 0.5};
+  const double min = kFlat * std::max(std::abs(range.low), std::abs(range.high));
+  if (!(range.high - range.low > min)) return {range.low - 0.5, range.low + 0.5};
   const double more = kRoom * (range.high - range.low);
   return {range.low == 0 ? 0 : range.low - more, range.high == 0 ? 0 : range.high + more};
 }

@@ -44,7 +44,7 @@ class BadInputTest : public testing::Test {
     options.types = "{}";
     options.threads = 1;
     options.largestUpload = 1 << 20;
-    options.mostWaiting = 1 << 20;
+    options.maxWaitingBytes = 1 << 20;
   }
   void start() {
     studio = std::make_unique<RunningStudio>(options, "scene.json", [this](Registry& registry) {

@@ -30,7 +30,7 @@ class FloodTest : public testing::Test {
   static std::int64_t stepsOf(const Socket& socket) {
     return socket.event("status", [](const Value&) { return true; }).find("steps")->asInt();
   }
-  /// Sends so many requests at once.
+  /// Sends that many requests at once.
   static void flood(const Socket& socket, std::string_view request, int count) {
     std::string frames;
     for (int i = 0; i < count; ++i) frames += Socket::frameOf(request);

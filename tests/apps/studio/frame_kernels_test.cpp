@@ -70,8 +70,8 @@ TEST_P(FrameKernels, WhatIsNoNumberOrHasNoRangeIsZero) {
   EXPECT_EQ(q.values, (std::vector<std::uint16_t>{0, 0, 65535, 0, 0}));
   EXPECT_EQ(quantized(std::vector<float>{}).values.size(), 0u);
   EXPECT_EQ(quantized(std::vector<float>{3, 3}).values, (std::vector<std::uint16_t>{0, 0}));
-  const float most = std::numeric_limits<float>::max();
-  EXPECT_EQ(quantized(std::vector<float>{-most, most}).values, (std::vector<std::uint16_t>{0, 0}));
+  const float max = std::numeric_limits<float>::max();
+  EXPECT_EQ(quantized(std::vector<float>{-max, max}).values, (std::vector<std::uint16_t>{0, 0}));
   const Quantized none = quantized(std::vector<float>{NAN, inf});
   EXPECT_GT(none.range.low, none.range.high);
   EXPECT_EQ(none.values, (std::vector<std::uint16_t>{0, 0}));

@@ -13,7 +13,7 @@
 namespace weir::studio {
 namespace {
 
-/// Three points that are no fluid; one of its kind with `empty` never makes any.
+/// Three points that are not a fluid; one of its kind with `empty` never makes any.
 class Dust final : public Node {
  public:
   static constexpr NodeInfo kInfo{"Dust", "Three points."};

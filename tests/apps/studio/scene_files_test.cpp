@@ -67,7 +67,7 @@ TEST_F(SceneFilesTest, ScenesReadTheServedFolderAndWhatTheUserHasAllowed) {
   EXPECT_NE(answerTo("particles.csv").find(R"("particles": 2)"), std::string::npos);
   EXPECT_NE(answerTo(folder / "particles.csv").find(R"("particles": 2)"), std::string::npos);
   options.sceneFolders = {outside.path()};
-  // It is read, and is no particles.
+  // It is read, and is not particles.
   EXPECT_NE(answerTo(outside / "secret.csv").find("password"), std::string::npos);
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 #include "framework/base/error.h"
 #include "tests/support/child_process.h"
 
@@ -55,6 +57,7 @@ TEST_F(ServedFolderTest, ListsFoldersFirstAndHidesHiddenFiles) {
   EXPECT_EQ(names, (std::vector<std::string>{"meshes", "up", "scene.json", "way_out"}));
   EXPECT_TRUE(files.front().isFolder);
   EXPECT_EQ(files[2].bytes, 2);
+  EXPECT_NEAR(static_cast<double>(files[2].modified), static_cast<double>(std::time(nullptr)), 60);
 }
 
 TEST_F(ServedFolderTest, MustBeThere) {

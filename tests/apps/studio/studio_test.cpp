@@ -1,12 +1,28 @@
 // The studio as a browser sees it: HTTP and WebSocket, over a real connection.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
+#include <thread>
 
+#include "framework/base/interruption.h"
 #include "tests/apps/studio/web_client.h"
 
 namespace weir::studio {
 namespace {
+
+/// Is set up without end, until nobody wants it any more.
+class Endless final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{"Endless", "Never ready."};
+  const NodeInfo& info() const override { return kInfo; }
+  void reset(const SetupContext&) override {
+    for (;;) {
+      InterruptibleWork::endIfAsked();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+};
 
 class StudioTest : public testing::Test {
  protected:
@@ -18,7 +34,8 @@ class StudioTest : public testing::Test {
     options.templates = folder / "templates";
     options.types = "{}";
     options.threads = 1;
-    studio = std::make_unique<RunningStudio>(options, "scene.json");
+    studio = std::make_unique<RunningStudio>(options, "scene.json",
+                                             [](Registry& registry) { registry.addNode<Endless>(); });
     port = studio->port();
     token = studio->token();
   }
@@ -94,6 +111,73 @@ TEST_F(StudioTest, TellsThatASceneIsBeingBuilt) {
     EXPECT_EQ(built.find("state")->asString(), "paused");
     EXPECT_EQ(built.find("frame")->asInt(), 0);
   }
+}
+
+constexpr const char* kSetEndless =
+    R"({"id": 1, "do": "scene.set", "scene": {"weir": 1, "nodes": {"slow": {"type": "Endless"}}}})";
+
+TEST_F(StudioTest, TellsWhichNodeIsSetUpAndGivesUpWhenAsked) {
+  const Socket socket = studio->socket();
+  socket.ask(kSetEndless);
+  socket.ask(R"({"id": 2, "do": "run.reset"})");
+  const Value status =
+      socket.event("status", [](const Value& data) { return data.find("building") != nullptr; });
+  EXPECT_EQ(status.find("state")->asString(), "building");
+  const Value& building = *status.find("building");
+  EXPECT_EQ(building.find("node")->asString(), "slow");
+  EXPECT_EQ(building.find("done")->asInt(), 0);
+  EXPECT_EQ(building.find("all")->asInt(), 1);
+  const Socket viewer = studio->socket();
+  EXPECT_NE(viewer.ask(R"({"id": 1, "do": "run.cancel"})").find("error"), nullptr);
+  socket.ask(R"({"id": 3, "do": "run.cancel"})");
+  const Value after =
+      socket.event("status", [](const Value& data) { return data.find("state")->asString() != "building"; });
+  EXPECT_EQ(after.find("state")->asString(), "empty");
+  EXPECT_EQ(after.find("problem"), nullptr);
+}
+
+TEST_F(StudioTest, ASceneThatIsBuiltMakesWayForTheNextOne) {
+  const Socket socket = studio->socket();
+  socket.ask(kSetEndless);
+  socket.ask(R"({"id": 2, "do": "run.reset"})");
+  socket.event("status", [](const Value& data) { return data.find("building") != nullptr; });
+  Value set = parseJson(R"({"id": 3, "do": "scene.set"})", "message");
+  set["scene"] = parseJson(kBriefScene, "scene");
+  socket.ask(set);
+  socket.ask(R"({"id": 4, "do": "run.reset"})");
+  const Value after =
+      socket.event("status", [](const Value& data) { return data.find("state")->asString() != "building"; });
+  EXPECT_EQ(after.find("state")->asString(), "paused");
+  EXPECT_EQ(after.find("particles")->asInt(), 125);
+}
+
+TEST_F(StudioTest, ARunThatIsNotBuiltCannotBeCancelled) {
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.state("paused");
+  socket.ask(R"({"id": 2, "do": "run.cancel"})");
+  socket.ask(R"({"id": 3, "do": "run.step"})");
+  const Value status = socket.event("status", [](const Value& data) {
+    return data.find("state")->asString() == "paused" && *data.find("frame") == Value(1);
+  });
+  EXPECT_EQ(status.find("recorded_every")->asInt(), 1);
+}
+
+TEST(StudioMemory, TellsWhichFramesAreKept) {
+  const test::TemporaryFolder folder;
+  folder.write("scene.json", kBriefScene);
+  StudioOptions options;
+  options.folder = folder.path();
+  options.threads = 1;
+  options.maxRecordedBytes = 1;
+  const RunningStudio studio(options, "scene.json");
+  const Socket socket = studio.socket();
+  socket.ask(R"({"id": 1, "do": "run.play"})");
+  const Value status =
+      socket.event("status", [](const Value& data) { return data.find("state")->asString() == "finished"; });
+  EXPECT_EQ(status.find("frame")->asInt(), 4);
+  // Frame 0 alone has room: each other one halves what is kept, down to every eighth.
+  EXPECT_EQ(status.find("recorded_every")->asInt(), 8);
 }
 
 TEST_F(StudioTest, EachStepIsAFrameHoweverQuicklyTheyCome) {

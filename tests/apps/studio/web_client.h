@@ -66,7 +66,7 @@ class Connection {
     }
     return true;
   }
-  /// Exactly so many bytes; fewer if the other side has closed.
+  /// Exactly that many bytes; fewer if the other side has closed.
   std::string read(std::size_t count) const {
     std::string bytes;
     while (bytes.size() < count) {
@@ -104,7 +104,7 @@ class Socket {
   bool accepted() const { return accepted_; }
 
   bool sendText(std::string_view text) const { return sendRaw(frameOf(text)); }
-  /// Bytes that may be no frame at all.
+  /// Bytes that may not be a frame at all.
   bool sendRaw(std::string_view bytes) const { return connection_.send(bytes); }
   /// A message as it goes over the wire, masked with 0.
   static std::string frameOf(std::string_view text) {

@@ -38,7 +38,7 @@ TEST(StandardStreams, ClosedOnesDisableNothing) {
     EXPECT_EQ(result.err.find("plugin"), std::string::npos) << result.err;
     const std::string stats = readFile(folder / "stats.json");
     EXPECT_EQ(stats.substr(0, 1), "{");
-    EXPECT_EQ(stats.find("stats.json\n"), std::string::npos) << "it is no standard output";
+    EXPECT_EQ(stats.find("stats.json\n"), std::string::npos) << "it is not standard output";
   }
   const ChildResult info = runInShell("info <&-", folder.path());
   EXPECT_EQ(info.out, runWeir({"info"}).out);

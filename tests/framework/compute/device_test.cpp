@@ -262,7 +262,7 @@ TEST_P(DeviceTest, FrameCopiesAreReadByAnotherDevice) {
   if (device->kind() == DeviceKind::kCuda) {
     EXPECT_THROW(copy.on(*fewThreads, room), InternalError);
     // With more than half of the device in use, the next copy that needs memory goes to the host.
-    const Array<char> most(*device, static_cast<std::int64_t>(device->availableMemory() * 3 / 5));
+    const Array<char> max(*device, static_cast<std::int64_t>(device->availableMemory() * 3 / 5));
     const std::size_t before = device->memoryUse().inUse;
     FrameCopy<std::int64_t> late(*device);
     late.start(values, kMany);

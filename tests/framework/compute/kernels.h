@@ -43,7 +43,7 @@ template <class Backend>
 void sumOfKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys, int key,
               float* result);
 
-/// The box around points; a result that is no plain number.
+/// The box around points; a result that is not a plain number.
 template <class Backend>
 void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result);
 

@@ -16,9 +16,9 @@ WEIR_ON_EVERY_DEVICE(ParallelTest);
 const std::vector<int> kSizes{0,    1,    2,    31,   32,   33,    255,   256,   257,    1023,    1024,
                               1025, 4095, 4096, 4097, 8191, 16384, 16385, 65537, 262145, 1000007, 1048577};
 
-std::vector<int> randomInts(int n, int least, int most, unsigned seed = 1) {
+std::vector<int> randomInts(int n, int min, int max, unsigned seed = 1) {
   std::mt19937 random(seed);
-  std::uniform_int_distribution<int> pick(least, most);
+  std::uniform_int_distribution<int> pick(min, max);
   std::vector<int> values(static_cast<std::size_t>(n));
   for (int& v : values) v = pick(random);
   return values;
@@ -194,9 +194,9 @@ TEST_P(ParallelTest, ExclusiveScanMatchesTheLoop) {
 }
 
 template <class Key>
-void testSort(Device& device, int n, Key most) {
+void testSort(Device& device, int n, Key max) {
   std::mt19937_64 random(static_cast<unsigned>(n));
-  std::uniform_int_distribution<Key> pick(0, most);
+  std::uniform_int_distribution<Key> pick(0, max);
   std::vector<std::pair<Key, int>> pairs(static_cast<std::size_t>(n));
   std::vector<Key> keys;
   std::vector<int> values;
@@ -211,17 +211,17 @@ void testSort(Device& device, int n, Key most) {
   dispatch(device, [&](auto& d) { stableSortByKey(d, deviceKeys.view(), deviceValues.view(), n); });
   keys = deviceKeys.toHost(), values = deviceValues.toHost();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    ASSERT_EQ(keys[i], pairs[i].first) << "n = " << n << ", most = " << most << ", i = " << i;
-    ASSERT_EQ(values[i], pairs[i].second) << "n = " << n << ", most = " << most << ", i = " << i;
+    ASSERT_EQ(keys[i], pairs[i].first) << "n = " << n << ", most = " << max << ", i = " << i;
+    ASSERT_EQ(values[i], pairs[i].second) << "n = " << n << ", most = " << max << ", i = " << i;
   }
 }
 
 TEST_P(ParallelTest, SortIsStableForBothWidthsOfKeys) {
   for (const int n : kSizes) {
     // One, a few, one digit, an odd number of digits, all bits.
-    for (const std::uint32_t most : {0u, 3u, 255u, 0xffffffu, 0xffffffffu}) testSort(*device, n, most);
-    for (const std::uint64_t most : {std::uint64_t{5}, std::uint64_t{1} << 39, ~std::uint64_t{0}}) {
-      testSort(*device, n, most);
+    for (const std::uint32_t max : {0u, 3u, 255u, 0xffffffu, 0xffffffffu}) testSort(*device, n, max);
+    for (const std::uint64_t max : {std::uint64_t{5}, std::uint64_t{1} << 39, ~std::uint64_t{0}}) {
+      testSort(*device, n, max);
     }
   }
 }

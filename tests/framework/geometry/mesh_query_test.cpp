@@ -100,7 +100,7 @@ constexpr double kDipoleError = 0.05;
 TEST(MeshQuery, WindingNumberIsOneInsideAndZeroOutsideOfClosedMeshes) {
   const MeshQuery sphere(icosphere(4));
   for (const Vec3f& p : randomPoints(3000, 2)) {
-    if (std::abs(length(p) - 1) < 0.003f) continue;  // the sphere is no polyhedron
+    if (std::abs(length(p) - 1) < 0.003f) continue;  // the sphere is not a polyhedron
     ASSERT_NEAR(sphere.windingNumber(p), length(p) < 1 ? 1 : 0, kDipoleError) << print(p);
   }
   const Aabb box{{-1, -0.5f, -0.2f}, {0.3f, 1, 0.7f}};

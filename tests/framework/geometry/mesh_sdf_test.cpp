@@ -91,8 +91,8 @@ TEST_P(MeshSdfs, OfASphere) {
     const double r = length(points[i]), expected = r - 1;
     const bool inBand = std::abs(expected) < kBand;
     if (!inBand && r < 1) continue;  // towards the centre, the coarse grid has no small bound of its error
-    const double most = facets + interpolationError(inBand ? kCell : kCoarse, r) + 1e-6;
-    ASSERT_NEAR(found[i].distance, expected, most) << print(points[i]);
+    const double max = facets + interpolationError(inBand ? kCell : kCoarse, r) + 1e-6;
+    ASSERT_NEAR(found[i].distance, expected, max) << print(points[i]);
     if (inBand) {
       ASSERT_GT(dot(found[i].normal, normalized(points[i])), 0.995) << print(points[i]);
     }

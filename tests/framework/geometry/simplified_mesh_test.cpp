@@ -39,9 +39,9 @@ std::vector<Vec3f> pointsOn(const TriangleMesh& mesh, int perTriangle) {
 
 double farthest(const std::vector<Vec3f>& points, const TriangleMesh& from) {
   const MeshQuery query(from);
-  double most = 0;
-  for (const Vec3f& p : points) most = std::max(most, double(query.closestDistance(p)));
-  return most;
+  double max = 0;
+  for (const Vec3f& p : points) max = std::max(max, double(query.closestDistance(p)));
+  return max;
 }
 
 void expectWithin(const TriangleMesh& mesh, const SimplifiedMesh& coarse, double tolerance) {

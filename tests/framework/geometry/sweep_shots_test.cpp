@@ -94,7 +94,7 @@ class Shots {
       for (std::size_t i = 0; i < points_.size(); ++i) judge(static_cast<int>(i), asked[i], found[i]);
       for (std::size_t i = 0; i < points_.size(); ++i) points_[i] = rotate(end, found[i].position);
     }
-    // Most shots are at the mesh, so many must have hit it.
+    // Most shots are at the mesh, that many must  have hit it.
     EXPECT_GT(hits_, setting_.shots * setting_.steps / 10);
     EXPECT_EQ(crossed_, 0);
     EXPECT_EQ(tooNear_, 0);

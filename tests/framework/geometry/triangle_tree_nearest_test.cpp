@@ -89,14 +89,14 @@ std::vector<Vec3f> pointsNearFeatures(const TriangleMesh& mesh, float distance) 
 
 /// In double: how far p is beyond the outermost face of a convex mesh, negative inside.
 double beyondConvex(const TriangleMesh& mesh, const Vec3f& p) {
-  double most = -std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
   const auto wide = [](const Vec3f& v) { return Vec3d{v.x, v.y, v.z}; };
   for (const Vec3i& t : mesh.triangles) {
     const Vec3d a = wide(mesh.vertices[t.x]);
     const Vec3d n = normalized(cross(wide(mesh.vertices[t.y]) - a, wide(mesh.vertices[t.z]) - a));
-    most = std::max(most, dot(wide(p) - a, n));
+    max = std::max(max, dot(wide(p) - a, n));
   }
-  return most;
+  return max;
 }
 
 TEST_P(TriangleTreeNearest, SideOfConvexSolidsIsRightAtFacesEdgesAndCorners) {

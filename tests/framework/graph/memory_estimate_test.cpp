@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kGiB = double(1 << 30);
 
-MemoryNeeds needs(double certain, double most, double particles) {
+MemoryNeeds needs(double certain, double max, double particles) {
   MemoryNeeds of;
   of.certain = certain;
-  of.device = most;
+  of.device = max;
   of.particles = particles;
   of.remedy = [](double share) { return "a share of " + std::to_string(share); };
   return of;

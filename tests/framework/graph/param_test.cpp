@@ -6,6 +6,7 @@
 
 #include "framework/base/check.h"
 #include "framework/graph/configurable.h"
+#include "framework/graph/type_values.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/test_nodes.h"
 
@@ -47,6 +48,38 @@ class ParamTest : public testing::Test {
 
   test::Source source;
 };
+
+/// A parameter that means something under one choice only.
+struct Tap final : Configurable {
+  Param<TestShape> shape{*this, "shape", TestShape::kBox};
+  Param<double> radius{
+      *this, "radius", 1, {.doc = "How wide.", .onlyFor = "shape: sphere", .also = "width, size"}};
+};
+
+TEST(Condition, RefusesWhatMeansNothingUnderTheChoice) {
+  Tap tap;
+  Value given = Value::object();
+  given["radius"] = 2;
+  const Error e = errorOf([&] { tap.assignAll(given, kPlace); });
+  EXPECT_CONTAINS(e.what(), "'radius' is given, which means nothing for the shape 'box'");
+  EXPECT_CONTAINS(e.what(), "no radius, or as shape: sphere");
+  EXPECT_EQ(e.location().pointer, "/p/radius");
+  EXPECT_EQ(tap.radius, 1);
+  given["shape"] = "sphere";
+  tap.assignAll(given, kPlace);
+  EXPECT_EQ(tap.radius, 2);
+}
+
+TEST(Condition, IsToldWithOtherWordsForTheParameter) {
+  const Tap tap;
+  const Value parameters = parametersAsValue(tap);
+  const Value& radius = parameters.asArray().at(1);
+  EXPECT_EQ(radius.find("only_for")->find("parameter")->asString(), "shape");
+  EXPECT_EQ(*radius.find("only_for")->find("choices"), list({"sphere"}));
+  EXPECT_EQ(*radius.find("also"), list({"width", "size"}));
+  EXPECT_EQ(*tap.schema().find("properties")->find("radius")->find("description"),
+            Value("How wide. Only for shape: sphere."));
+}
 
 TEST_F(ParamTest, Bool) {
   accepts("flag", true);

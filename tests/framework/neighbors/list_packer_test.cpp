@@ -43,8 +43,8 @@ struct HostThreads {
   Meeting* meeting;
   int thread;
 
-  int least(int value) const { return std::ranges::min(meeting->ask(thread, value)); }
-  bool all(bool value) const { return least(value ? 1 : 0) == 1; }
+  int min(int value) const { return std::ranges::min(meeting->ask(thread, value)); }
+  bool all(bool value) const { return min(value ? 1 : 0) == 1; }
   int ofFirst(int value) const { return meeting->ask(thread, value)[0]; }
 };
 
@@ -99,7 +99,7 @@ class Packed {
   ListPacker packer_;
 };
 
-/// Of particle i: so many neighbours in each layer, around the places where the layers begin.
+/// Of particle i: that many neighbours in each layer, around the places where the layers begin.
 Found listOf(int i, std::array<int, 3> counts, std::array<int, 3> layers, int apart) {
   Found found;
   for (std::size_t layer = 0; layer < 3; ++layer) {

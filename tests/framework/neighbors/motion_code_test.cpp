@@ -44,22 +44,22 @@ TEST(MotionCode, KeepsDifferencesOfPlacesToAFourThousandthOfTheRadius) {
     // A coordinate of each is right to its unit, an 8192nd; a float far from the origin has coarser units
     // itself.
     const double coarse = 4 * std::abs(double(length(a.place))) * std::pow(2.0, -24);
-    const double most = 2 * double(kRadius) / 8192 + coarse;
-    EXPECT_NEAR(unit * other.away.x, double(b.place.x) - double(a.place.x), most);
-    EXPECT_NEAR(unit * other.away.y, double(b.place.y) - double(a.place.y), most);
-    EXPECT_NEAR(unit * other.away.z, double(b.place.z) - double(a.place.z), most);
+    const double max = 2 * double(kRadius) / 8192 + coarse;
+    EXPECT_NEAR(unit * other.away.x, double(b.place.x) - double(a.place.x), max);
+    EXPECT_NEAR(unit * other.away.y, double(b.place.y) - double(a.place.y), max);
+    EXPECT_NEAR(unit * other.away.z, double(b.place.z) - double(a.place.z), max);
   }
 }
 
 TEST(MotionCode, KeepsSixteenBitsOfVelocities) {
   for (const auto& [a, b] : pairs()) {
     const MotionCode::Other other = seen(a, b);
-    const auto most = [](float one, float two) {
+    const auto max = [](float one, float two) {
       return (std::abs(double(one)) + std::abs(double(two))) * std::pow(2.0, -15);
     };
     const Vec3f &v = a.velocity, &u = b.velocity;
-    EXPECT_NEAR(other.faster.x, double(u.x) - double(v.x), most(u.x, v.x));
-    EXPECT_NEAR(other.faster.y, double(u.y) - double(v.y), most(u.y, v.y));
+    EXPECT_NEAR(other.faster.x, double(u.x) - double(v.x), max(u.x, v.x));
+    EXPECT_NEAR(other.faster.y, double(u.y) - double(v.y), max(u.y, v.y));
     EXPECT_EQ(other.faster.z, u.z - v.z);
   }
 }

@@ -524,7 +524,7 @@ TEST(SolidIntegrals, BehindAThinWallOnAFloorAllIsSolid) {
   }
 }
 
-/// Nothing changes at solids whose backs, if they are in reach, are no other side of a thin part.
+/// Nothing changes at solids whose backs, if they are in reach, are not the other side of a thin part.
 TEST(SolidIntegrals, OfBlocksAreTheSameWithWhatIsBehind) {
   const Frame frame = turnedFrame();
   for (const bool room : {false, true}) {

@@ -95,7 +95,7 @@ class TrianglePairsTest : public testing::Test {
 
 TEST_F(TrianglePairsTest, HaveTheIntegralsOfTrianglesOneByOne) {
   CpuDevice device(1);
-  int most = 0, deep = 0;
+  int max = 0, deep = 0;
   // Large triangles, smaller than H, and so small that points inside them do; a thin plate.
   for (const TriangleMesh& mesh : {boxMesh({-1, -1, -1}, {1, 1, 1}), icosphere(1), icosphere(3),
                                    icosphere(4, 0.5f), boxMesh({-1, -1, -0.05f}, {1, 1, 0.05f})}) {
@@ -108,7 +108,7 @@ TEST_F(TrianglePairsTest, HaveTheIntegralsOfTrianglesOneByOne) {
         for (; next < asked.size() && pairs_->hasRoom(int(asked[next].triangles.size())); ++next)
           pairs_->add(asked[next].p, asked[next].triangles.data(), int(asked[next].triangles.size()));
         ASSERT_GT(next, begin) << "a particle has too many triangles for this test";
-        most = std::max(most, int(next - begin));
+        max = std::max(max, int(next - begin));
         pairs_->evaluate(tree.view(), turned, kH);
         for (std::size_t i = begin; i < next; ++i) {
           const int particle = int(i - begin);
@@ -131,7 +131,7 @@ TEST_F(TrianglePairsTest, HaveTheIntegralsOfTrianglesOneByOne) {
       }
     }
   }
-  EXPECT_EQ(most, TrianglePairs::kMaxParticles);
+  EXPECT_EQ(max, TrianglePairs::kMaxParticles);
   EXPECT_GT(deep, 0) << "no point of which floats cannot tell whether it is deep inside";
 }
 

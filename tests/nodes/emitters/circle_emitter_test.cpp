@@ -41,7 +41,7 @@ TEST(CircleEmitter, ALayerIsALatticeInTheDisc) {
       EXPECT_LT(std::hypot(p.x - 1, p.z - 3), radius + 0.5 * kSpacing) << radius;
       middle += p / float(layer.size());
     }
-    EXPECT_GT(leastDistance(layer), 0.999 * kSpacing);
+    EXPECT_GT(minDistance(layer), 0.999 * kSpacing);
     // Balanced but for one particle that has no partner.
     EXPECT_LT(std::hypot(middle.x - 1, middle.z - 3), 1.5 * radius / double(layer.size()) + 1e-6) << radius;
   }

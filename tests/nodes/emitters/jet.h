@@ -47,11 +47,11 @@ class Jet {
 };
 
 /// The smallest distance of any two, by comparing all.
-inline double leastDistance(const std::vector<Vec3f>& points) {
-  double least = 1e30;
+inline double minDistance(const std::vector<Vec3f>& points) {
+  double min = 1e30;
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) least = std::min(least, double(length(points[i] - points[j])));
-  return least;
+    for (std::size_t j = 0; j < i; ++j) min = std::min(min, double(length(points[i] - points[j])));
+  return min;
 }
 
 }  // namespace weir::test

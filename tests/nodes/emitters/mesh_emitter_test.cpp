@@ -24,7 +24,7 @@ TEST(SurfacePoints, AreEvenByAreaAndKeepTheirDistance) {
   const std::size_t count = 1600;  // of 0.05² each
   const SurfacePoints spread = spreadOverSurface(mesh, count, 1);
   ASSERT_EQ(spread.positions.size(), count);
-  EXPECT_GT(leastDistance(spread.positions), 0.65 * 0.05);
+  EXPECT_GT(minDistance(spread.positions), 0.65 * 0.05);
   int left = 0;
   std::vector<int> inSquare(64, 0);  // of 8 x 8, with 25 points each
   for (const Vec3f& p : spread.positions) {
@@ -68,7 +68,7 @@ TEST(MeshEmitter, FluxIsAreaTimesSpeedAndMovesOutwards) {
       EXPECT_NEAR(length(v[k]), 0.7, 1e-5);
       EXPECT_GT(dot(normalized(p[k]), normalized(v[k])), 0.99);
     }
-    EXPECT_GT(leastDistance({p.begin(), p.begin() + std::int64_t(inLayer)}), 0.65 * d);
+    EXPECT_GT(minDistance({p.begin(), p.begin() + std::int64_t(inLayer)}), 0.65 * d);
   }
 }
 

@@ -52,7 +52,7 @@ FluidSums sumsOn(Device& device, const Particles& given) {
   return sums.toHost().front();
 }
 
-/// As exact as sums of so many numbers in double precision are in any order.
+/// As exact as sums of that many numbers in double precision are in any order.
 void expectNear(const Vec3d& found, const Vec3d& expected, double magnitude, const std::string& where) {
   for (int a = 0; a < 3; ++a)
     EXPECT_NEAR(found[a], expected[a], 1e-13 * magnitude) << where << ", axis " << a;
@@ -61,21 +61,21 @@ void expectNear(const Vec3d& found, const Vec3d& expected, double magnitude, con
 void expectObvious(const FluidSums& found, const Particles& p, const std::string& where) {
   const auto count = static_cast<double>(p.positions.size());
   Vec3d velocity, position;
-  double speedSquared = 0, most = 0, compression = 0, mostCompression = 0;
+  double speedSquared = 0, max = 0, compression = 0, maxCompression = 0;
   std::int64_t neighbors = 0;
-  int mostNeighbors = 0;
+  int maxNeighbors = 0;
   Aabb box;
   for (std::size_t i = 0; i < p.positions.size(); ++i) {
     const Vec3d v = toDouble(p.velocities[i]);
     velocity += v;
     position += toDouble(p.positions[i]);
     speedSquared += dot(v, v);
-    most = std::max(most, dot(v, v));
+    max = std::max(max, dot(v, v));
     const double over = std::max(double(p.densities[i]) / kRestDensity - 1, 0.0);
     compression += over;
-    mostCompression = std::max(mostCompression, over);
+    maxCompression = std::max(maxCompression, over);
     neighbors += p.neighbors[i];
-    mostNeighbors = std::max(mostNeighbors, p.neighbors[i]);
+    maxNeighbors = std::max(maxNeighbors, p.neighbors[i]);
     box.extend(p.positions[i]);
   }
   expectNear(found.velocity, velocity, 30 * count, where);
@@ -83,10 +83,10 @@ void expectObvious(const FluidSums& found, const Particles& p, const std::string
   EXPECT_NEAR(found.speedSquared, speedSquared, 1e-13 * 500 * count) << where;
   EXPECT_NEAR(found.compression, compression, 1e-13 * count) << where;
   // The extremes are some particle's, and whole numbers are exact.
-  EXPECT_DOUBLE_EQ(found.mostSpeedSquared, most) << where;
-  EXPECT_DOUBLE_EQ(found.mostCompression, mostCompression) << where;
+  EXPECT_DOUBLE_EQ(found.maxSpeedSquared, max) << where;
+  EXPECT_DOUBLE_EQ(found.maxCompression, maxCompression) << where;
   EXPECT_EQ(found.neighbors, neighbors) << where;
-  EXPECT_EQ(found.mostNeighbors, mostNeighbors) << where;
+  EXPECT_EQ(found.maxNeighbors, maxNeighbors) << where;
   EXPECT_EQ(found.box.lo, box.lo) << where;
   EXPECT_EQ(found.box.hi, box.hi) << where;
 }
@@ -122,15 +122,15 @@ TEST(FluidStatistics, ExtremesLeaveOutWhatIsNoNumber) {
       Particles p = randomParticles(5);
       p.velocities[bad] = {kNone, 0, 0};
       p.densities[bad] = kNone;
-      double most = 0, mostCompression = 0;
+      double max = 0, maxCompression = 0;
       for (std::size_t i = 0; i < 5; ++i) {
         if (i == bad) continue;
-        most = std::max(most, dot(toDouble(p.velocities[i]), toDouble(p.velocities[i])));
-        mostCompression = std::max(mostCompression, double(p.densities[i]) / kRestDensity - 1);
+        max = std::max(max, dot(toDouble(p.velocities[i]), toDouble(p.velocities[i])));
+        maxCompression = std::max(maxCompression, double(p.densities[i]) / kRestDensity - 1);
       }
       const FluidSums sums = sumsOn(*device, p);
-      EXPECT_DOUBLE_EQ(sums.mostSpeedSquared, most) << name << bad;
-      EXPECT_DOUBLE_EQ(sums.mostCompression, mostCompression) << name << bad;
+      EXPECT_DOUBLE_EQ(sums.maxSpeedSquared, max) << name << bad;
+      EXPECT_DOUBLE_EQ(sums.maxCompression, maxCompression) << name << bad;
       EXPECT_TRUE(std::isnan(sums.speedSquared)) << name << bad;
     }
   }
@@ -158,12 +158,12 @@ TEST(FluidStatistics, AreReportedInTheirUnits) {
     const std::vector<Vec3f> positions = scene.positions(), velocities = scene.velocities();
     const double mass = 1000 * std::pow(double(kSpacing), 3), count = static_cast<double>(positions.size());
     const Vec3d velocity = sumOf(velocities), position = sumOf(positions);
-    double speedSquared = 0, most = 0;
+    double speedSquared = 0, max = 0;
     Aabb box;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const double v2 = dot(toDouble(velocities[i]), toDouble(velocities[i]));
       speedSquared += v2;
-      most = std::max(most, v2);
+      max = std::max(max, v2);
       box.extend(positions[i]);
     }
     constexpr double kFloat = 1e-6;  // relative; the mass of a particle is one
@@ -172,8 +172,8 @@ TEST(FluidStatistics, AreReportedInTheirUnits) {
                 kFloat * mass * speedSquared);
     EXPECT_NEAR(numberIn(statistics, "potential_energy"), mass * 9.8 * position.y,
                 kFloat * mass * 9.8 * count);
-    EXPECT_NEAR(numberIn(statistics, "max_speed"), std::sqrt(most), kFloat);
-    const double scale = count * std::sqrt(most);
+    EXPECT_NEAR(numberIn(statistics, "max_speed"), std::sqrt(max), kFloat);
+    const double scale = count * std::sqrt(max);
     const Vec3d momentum = vectorIn(*statistics.find("linear_momentum")),
                 center = vectorIn(*statistics.find("center_of_mass"));
     for (int a = 0; a < 3; ++a) {

@@ -171,8 +171,8 @@ std::vector<Vec3d> confineVorticity(const ReferenceFluid& fluid, double strength
     for (const int j : lists[i])
       eta += (length(omega[static_cast<std::size_t>(j)]) - length(omega[i])) * kernelGradient(fluid, i, j) /
              derivativeNorm(fluid, i, lists[i]);
-    const double least = 0.01 * length(omega[i]) / fluid.spacing;
-    velocities[i] += fluid.dt * strength * fluid.spacing * cross(eta / (length(eta) + least), omega[i]);
+    const double min = 0.01 * length(omega[i]) / fluid.spacing;
+    velocities[i] += fluid.dt * strength * fluid.spacing * cross(eta / (length(eta) + min), omega[i]);
   }
   return velocities;
 }

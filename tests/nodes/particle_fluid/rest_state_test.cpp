@@ -54,12 +54,12 @@ TEST_P(CalmStart, AFullTankStaysAtRestInEveryStep) {
     Tank tank(*device, 0.12f, 0.16f, object({{"support_ratio", GetParam()}}));
     tank.reset(1e-3);
     EXPECT_EQ(tank.energy(), 0) << name;
-    double most = 0;
+    double max = 0;
     for (int step = 0; step < 100; ++step) {
       tank.step();
-      most = std::max(most, tank.energy());
+      max = std::max(max, tank.energy());
     }
-    EXPECT_LT(most, 1e-3) << name;
+    EXPECT_LT(max, 1e-3) << name;
     EXPECT_EQ(tank.positions().size(), std::size_t(12 * 12 * 16));
 
     Tank lattice(*device, 0.12f, 0.16f, object({{"support_ratio", GetParam()}}),
@@ -70,7 +70,7 @@ TEST_P(CalmStart, AFullTankStaysAtRestInEveryStep) {
       lattice.step();
       mostOfLattice = std::max(mostOfLattice, lattice.energy());
     }
-    EXPECT_GT(mostOfLattice, 5 * most) << name;
+    EXPECT_GT(mostOfLattice, 5 * max) << name;
   }
 }
 

@@ -50,9 +50,9 @@ struct Hostile {
 
 /// The largest distance of a particle from itself.
 double farthest(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, double(length(a[i] - b[i])));
-  return most;
+  double max = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) max = std::max(max, double(length(a[i] - b[i])));
+  return max;
 }
 
 TEST_P(SolverAcceleration, NeverEndsAboveTheObjectiveItBeganWith) {
@@ -93,7 +93,7 @@ TEST_P(SolverAcceleration, NeverEndsAboveTheObjectiveItBeganWith) {
         reference.positions = predicted;
         const double before = reference.objective(predicted);
         reference.positions = toDoubles(scene.positions());
-        // What is no number is not less, either.
+        // NaN is not less, either.
         EXPECT_LT(reference.objective(predicted), before)
             << hostile.name << ", " << energy.name << ", " << energy.stepLength << ", " << iterations;
       }
@@ -151,7 +151,7 @@ TEST_P(SolverAcceleration, NeedsFewerIterations) {
       block.scene.reset(1e-2);
       block.scene.step();
       const Value used = *block.scene.report().statistics.find("solver_iterations");
-      EXPECT_EQ(*used.find("unmet"), Value(0)) << name;
+      EXPECT_EQ(*used.find("not_converged"), Value(0)) << name;
       iterations[accelerated] = used.find("last")->asInt();
     }
     std::printf("iterations of a fall on %s: %d plain, %d with %s\n", name.c_str(), int(iterations[0]),
@@ -275,7 +275,7 @@ TEST(SolverTolerance, SaysWhichStepsDidNotMeetIt) {
     scene.reset(1e-3);
     scene.step();
     const NodeReport report = scene.report();
-    EXPECT_EQ(*report.statistics.find("solver_iterations")->find("unmet"), Value(1)) << name;
+    EXPECT_EQ(*report.statistics.find("solver_iterations")->find("not_converged"), Value(1)) << name;
     EXPECT_EQ(*report.statistics.find("solver_iterations")->find("last"), Value(15)) << name;
     bool told = false;
     for (const RareEvent& event : report.events)

@@ -42,7 +42,7 @@ TEST(WallCalibration, SemiAnalyticWallsLeaveWaterItsVolume) {
   EXPECT_NEAR(wallOffset(tanks, {tank.height()}), 0, kFillings);
 }
 
-/// λ of a body-centred lattice with so many particles per d³.
+/// λ of a body-centred lattice with that many particles per d³.
 double bodyCentredDensity(double number, double supportRatio) {
   const double cell = std::cbrt(2 / number);
   constexpr int kReach = 4;

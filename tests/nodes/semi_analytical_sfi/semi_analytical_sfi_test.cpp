@@ -73,7 +73,7 @@ TEST(SemiAnalyticalSFI, OneStepOnTheGroundAgreesWithDoublePrecision) {
 }
 
 /// Two particles go around a rectangle in (distance of the two, height above the ground). What the fluid's
-/// pressure does on the way is no work, as its forces are the gradient of one energy, those of walls
+/// pressure does on the way is not work, as its forces are the gradient of one energy, those of walls
 /// included.
 TEST(SemiAnalyticalSFI, WorkOnAClosedWayPastAWallIsNone) {
   constexpr float kSpacing = 0.02f;
@@ -190,20 +190,20 @@ TEST(SemiAnalyticalSFI, CarvesWhatStartsInsideAndCountsIt) {
       scene.reset(1e-3);
       // The icosphere's faces lie a little inside the sphere.
       const double sagitta = icosphereSagitta(icosphere(4, kRadius), kRadius);
-      int least = 0, most = 0;
+      int min = 0, max = 0;
       for (const Vec3f& p : positions) {
         const double r = length(toDouble(p));
         const double outside = kRadius + kGap, inside = kRadius - kGap;
         const bool kept = fill[0] != 'c' && r > outside, keptInside = fill[0] != 's' || fill[1] == 'h';
-        least += kept || (keptInside && r < inside - sagitta);
-        most += (fill[0] != 'c' && r > outside - sagitta) || (keptInside && r < inside);
+        min += kept || (keptInside && r < inside - sagitta);
+        max += (fill[0] != 'c' && r > outside - sagitta) || (keptInside && r < inside);
       }
       NodeReport report;
       contact.report(report);
       const std::int64_t left = scene.fluid().particleCount();
-      EXPECT_GE(left, least) << fill;
-      EXPECT_LE(left, most) << fill;
-      EXPECT_LT(most - least, 60) << fill;
+      EXPECT_GE(left, min) << fill;
+      EXPECT_LE(left, max) << fill;
+      EXPECT_LT(max - min, 60) << fill;
       EXPECT_EQ(report.statistics["particles_carved"].asInt(), std::int64_t(positions.size()) - left);
     }
   }

@@ -1,5 +1,5 @@
-// Particles of a node that is no fluid, here the tracers of examples/plugins, are exported, drawn, shown in
-// replays and given a surface as those of a fluid are.
+// Particles of a node that is not a fluid, here the tracers of examples/plugins, are exported, drawn, shown
+// in replays and given a surface as those of a fluid are.
 #include <gtest/gtest.h>
 
 #include <cmath>

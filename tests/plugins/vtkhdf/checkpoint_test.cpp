@@ -194,7 +194,7 @@ TEST_F(CheckpointOfRun, IsRefusedByAnotherScene) {
   EXPECT_CONTAINS(other.err, "nodes.water.params.spacing: 0.02 then, 0.03 now");
   EXPECT_CONTAINS(other.err, "world.seed: 3 then, 4 now");
   EXPECT_FALSE(fs::exists(folder_ / "b.vtkhdf"));
-  // More time is no other scene.
+  // More time is not another scene.
   EXPECT_EQ(run("a", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
 }
 

@@ -126,8 +126,8 @@ TEST_F(VtkHdfCrashTest, KeepsTheFramesWrittenBeforeAFileGetsTooLarge) {
     SCOPED_TRACE("limit " + std::to_string(limit));
     Child child([&](int pipe) {
       ::signal(SIGXFSZ, SIG_IGN);
-      const rlimit most{limit, limit};
-      ::setrlimit(RLIMIT_FSIZE, &most);
+      const rlimit max{limit, limit};
+      ::setrlimit(RLIMIT_FSIZE, &max);
       return writeUntilFull(file, pipe);
     });
     const std::int64_t written = child.next();
@@ -141,8 +141,8 @@ TEST_F(VtkHdfCrashTest, KeepsTheFramesWrittenBeforeAFileGetsTooLarge) {
 TEST_F(VtkHdfCrashTest, SaysSoWhereNotEvenTheFirstPartFits) {
   Child child([&](int) {
     ::signal(SIGXFSZ, SIG_IGN);
-    const rlimit most{1000, 1000};
-    ::setrlimit(RLIMIT_FSIZE, &most);
+    const rlimit max{1000, 1000};
+    ::setrlimit(RLIMIT_FSIZE, &max);
     try {
       VtkHdfWriter writer(folder / "run.vtkhdf", sampleLayout());
     } catch (const Error& error) {

@@ -1,4 +1,4 @@
-// Files of other programs, and files that are no such thing. They are made with HDF5's own interface.
+// Files of other programs, and files that are not such a thing. They are made with HDF5's own interface.
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 
 #include <hdf5.h>

@@ -25,7 +25,7 @@ GOOD_ENTRY = re.compile(r"^(/|\$ORIGIN(/|$)|\$\{ORIGIN\}(/|$))")
 
 def elf_files(folder):
     for root, folders, names in os.walk(folder):
-        # What CMake tries out while it configures, and objects that are no programs yet.
+        # What CMake tries out while it configures, and objects that are not programs yet.
         folders[:] = [name for name in folders if name != "CMakeFiles"]
         for name in sorted(names):
             path = os.path.join(root, name)

@@ -213,7 +213,7 @@ class SeveralDevices(unittest.TestCase):
                 path.write_text(text)
                 with self.assertRaises(program.RunFailed) as said:
                     validate.results_of(path)
-                self.assertIn("these are no results of ./dev validate", str(said.exception))
+                self.assertIn("these are not results of ./dev validate", str(said.exception))
             with self.assertRaises(program.RunFailed):
                 validate.results_of(Path(folder) / "none.json")
 

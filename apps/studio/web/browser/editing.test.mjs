@@ -301,7 +301,7 @@ step("a node is found by what people call it, in spite of a typo, and lies at th
   await page.keyboard.press("Enter");
   const box = await hands.node("sphere_sampler").boundingBox();
   assert.ok(box.x <= spot.x && spot.x <= box.x + box.width && box.y <= spot.y && spot.y <= box.y + box.height, JSON.stringify([spot, box]));
-  await hands.pressInGraph("Tab");
+  await hands.pressInGraph("a");
   await page.locator(".add-menu .heading").filter({ hasText: "Recently used" }).waitFor();
   await page.keyboard.press("Escape");
   await hands.pressInGraph("Control+z");
@@ -504,9 +504,12 @@ step("a plugin's module is inserted into a node, and runs", async () => {
   await hands.select("water");
   await hands.pressInGraph("Enter");
   const inside = page.getByRole("dialog", { name: "Inside water" });
-  await inside.getByLabel("Insert a module").selectOption("Lift");
+  await inside.getByRole("button", { name: "Insert a module…" }).click();
+  await inside.getByRole("textbox", { name: "Search modules" }).waitFor();
+  await page.keyboard.type("Lift");
+  await page.keyboard.press("Enter");
   await inside.locator('[data-module="lift"]').waitFor();
-  await inside.getByRole("button", { name: "lift", exact: true }).click();
+  await inside.locator('button.title[aria-expanded="true"]').filter({ hasText: "lift" }).waitFor();
   await hands.set(inside.locator('[data-module="lift"]'), "speed", "float", 2);
   await page.keyboard.press("Escape");
   await hands.pressInGraph("r");

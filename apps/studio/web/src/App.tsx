@@ -1,15 +1,17 @@
 // The whole page: bar, graph, view, properties, insight, transport.
 import { ReactFlowProvider } from "@xyflow/react";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useRef, useState, type CSSProperties } from "react";
 import { Dialog } from "./files/Dialog";
 import { takeFiles } from "./files/dropped";
 import { DropDialog } from "./files/DropDialog";
 import { FileBar, save } from "./files/FileBar";
 import { Offer } from "./files/Offer";
 import { GraphEditor } from "./graph/GraphEditor";
+import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
 import { askRun, client, problemOf, resetRun, useStudio } from "./model/store";
-import { Modules, PropertyPanel } from "./properties/PropertyPanel";
+import { Modules } from "./properties/Modules";
+import { PropertyPanel } from "./properties/PropertyPanel";
 import { Timeline } from "./transport/Timeline";
 import { Transport } from "./transport/Transport";
 import { Viewport } from "./viewport/Viewport";
@@ -100,12 +102,24 @@ function Inside() {
   if (!inside || !there) return null;
   const close = () => useStudio.setState({ inside: null });
   return (
-    <Dialog title={`Inside ${inside}`} className="inside" onClose={close}>
+    <Dialog title={`Inside ${inside}`} className="inside" beside onClose={close}>
       <h2>{inside}</h2>
       <Modules node={inside} />
       <button data-first onClick={close}>Close</button>
     </Dialog>
   );
+}
+
+const within = (v: number, least: number, most: number): number => Math.min(Math.max(v, least), most);
+
+/** A number that the browser keeps. */
+function useKeptNumber(key: string, first: () => number) {
+  const [value, setValue] = useState(() => {
+    const kept = Number(localStorage.getItem(key));
+    return kept > 0 ? kept : first();
+  });
+  useEffect(() => localStorage.setItem(key, String(value)), [key, value]);
+  return [value, setValue] as const;
 }
 
 /** A bar between two panes that is dragged. */
@@ -128,8 +142,9 @@ function Divider({ onMove, vertical }: { onMove(by: number): void; vertical?: bo
 
 export function App() {
   const [dark, setDark] = useState(() => (localStorage.getItem(kThemeKey) ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark")) === "dark");
-  const [side, setSide] = useState(320);
-  const [graph, setGraph] = useState(0.5);
+  const [side, setSide] = useKeptNumber("weir-side", () => within(0.21 * innerWidth, 320, 420));
+  const [graph, setGraph] = useKeptNumber("weir-graph", () => 0.5);
+  const [insight, setInsight] = useKeptNumber("weir-insight", () => 0.38);
   useEffect(() => client.open(), []);
   useEffect(() => {
     document.documentElement.dataset["theme"] = dark ? "dark" : "light";
@@ -146,12 +161,13 @@ export function App() {
       <FileBar dark={dark} onDark={() => setDark(!dark)} />
       <main style={{ gridTemplateRows: `${graph}fr 5px ${1 - graph}fr` }}>
         <Viewport dark={dark} />
-        <Divider vertical onMove={(by) => setGraph((g) => Math.min(0.85, Math.max(0.15, g + by / innerHeight)))} />
+        <Divider vertical onMove={(by) => setGraph((g) => within(g + by / innerHeight, 0.15, 0.85))} />
         <ReactFlowProvider><GraphEditor /></ReactFlowProvider>
       </main>
-      <Divider onMove={(by) => setSide((s) => Math.min(640, Math.max(240, s - by)))} />
-      <aside>
+      <Divider onMove={(by) => setSide((s) => within(s - by, 240, 720))} />
+      <aside style={{ "--insight": `${100 * insight}%` } as CSSProperties}>
         <div className="properties"><PropertyPanel /></div>
+        <Divider vertical onMove={(by) => setInsight((i) => within(i - by / innerHeight, 0.12, 0.8))} />
         <Insight />
       </aside>
       <div className="bottom"><Problem /><Timeline /><Transport /></div>
@@ -160,6 +176,7 @@ export function App() {
       <Offer />
       <Lost />
       <Message />
+      <Menu />
     </div>
   );
 }

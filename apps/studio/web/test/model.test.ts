@@ -4,24 +4,26 @@ import { evaluate } from "../src/model/expression";
 import { valueAt, withPoints, withTime, type Keyframe } from "../src/model/keyframes";
 import { addNote, moveAll, notesOf, withCarried } from "../src/model/notes";
 import {
-  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksOf, moveModule, nameProblem, pasteNodes,
-  pipelineOf, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
+  addGroupAround, addLink, addNode, collapse, copyNodes, emptyScene, freeNoteId, insertModule, linkProblem, linksFor, linksOf, linkText, moveModule, nameProblem, pasteNodes,
+  pipelineOf, placeModule, removeNodes, renameNode, setParam, toggleCollapsed, type Scene,
 } from "../src/model/scene";
-import { advance, counted, niceStep, ticks } from "../src/model/playback";
+import { afterChoice, isUsed, labelOf } from "../src/model/parameters";
+import { menuOf } from "../src/Menu";
+import { shorterSteps } from "../src/model/remedy";
+import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
 import { pointAt } from "../src/insight/Plot";
 import { titleOf, unitOf } from "../src/model/quantities";
 import { distance, search } from "../src/model/search";
 import { hostOf, nodesToAdd } from "../src/graph/addable";
 import { isScene, kindOfFile, stemOf } from "../src/files/kinds";
-import { kUses, withMesh } from "../src/model/fromFile";
+import { kUses, withMesh, withParticles } from "../src/model/fromFile";
 import { lightsOf, nodeIn, warningsOf, worst } from "../src/model/health";
 import { Box3, PerspectiveCamera, Vector3 } from "three";
 import { distanceFor } from "../src/viewport/view";
 import { roleOf } from "../src/model/roles";
-import { synonymsOf } from "../src/model/synonyms";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
-import type { NodeType, Types } from "../src/model/types";
-import { fileNameOf, withNumber } from "../src/model/names";
+import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
+import { fileNameOf, pathProblem, withNumber } from "../src/model/names";
 import { readPacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
@@ -103,7 +105,12 @@ describe("search", () => {
     StaticBoundary: "Solids or containers that do not move: shapes and meshes by signed distance.", Sink: "Removes the particles of fluids.",
     SurfaceTension: "Draws the fluid's surface together.", Xsph: "Smooths velocities between neighbours (artificial viscosity).",
   };
-  const find = (query: string) => search(query, Object.keys(docs), (name) => ({ name, doc: docs[name]!, synonyms: synonymsOf(name) }));
+  const also: { [name: string]: string[] } = {
+    BoxSampler: ["block", "cube", "dam", "fill", "water"], CircleEmitter: ["jet", "nozzle", "tap"], MeshEmitter: ["jet", "inflow", "rain"],
+    ParticleFluid: ["water", "liquid", "viscosity"], SemiAnalyticalSFI: ["moving", "stirrer", "collider", "wall"], SphereSampler: ["ball", "drop", "droplet", "fill", "water"],
+    StaticBoundary: ["tank", "wall", "collider", "container"], Sink: ["drain", "outflow"], SurfaceTension: ["drops", "cohesion"], Xsph: ["viscosity", "viscous", "honey"],
+  };
+  const find = (query: string) => search(query, Object.keys(docs), (name) => ({ name, doc: docs[name]!, synonyms: also[name]! }));
   test("knows the words of those who look for water, tanks, walls, jets and viscosity", () => {
     expect(find("water")[0]).toBe("ParticleFluid");
     expect(find("tank")[0]).toBe("StaticBoundary");
@@ -219,6 +226,12 @@ describe("a scene", () => {
     expect(linkProblem(linked(), types, link)).toBe("they are linked already");
     expect(linkProblem(linked(), types, { ...link, output: "smoke" })).toBe("there is no such port");
   });
+  test("knows all links that a node may still get", () => {
+    const [two] = addNode(linked(), "ParticleFluid", { x: 0, y: 0 }, "sea");
+    expect(linksFor(two, types, "box_sampler").map(linkText)).toEqual(["box_sampler.particles -> sea.initial"]);
+    expect(linksFor(two, types, "sea").map(linkText)).toEqual(["box_sampler.particles -> sea.initial"]);
+    expect(linksFor(two, types, "particle_fluid")).toEqual([]);
+  });
   test("keeps links when a node is renamed, and drops them when it goes", () => {
     expect(linksOf(renameNode(linked(), "particle_fluid", "water"))[0]!.to).toBe("water");
     expect(removeNodes(linked(), ["box_sampler"]).links).toEqual([]);
@@ -240,6 +253,23 @@ describe("a scene", () => {
     const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
     expect(names(inserted)).toEqual(["predict", "solver", "xsph"]);
     expect(names(moveModule(inserted, "particle_fluid", fluid, "xsph", -1))).toEqual(["predict", "xsph", "solver"]);
+  });
+});
+
+describe("modules", () => {
+  const names = (s: Scene) => pipelineOf(s, "particle_fluid", fluid).map((m) => m.name);
+  const three = insertModule(insertModule(linked(), "particle_fluid", fluid, "Xsph"), "particle_fluid", fluid, "Drag");
+  test("are inserted behind another one, or at the end", () => {
+    expect(names(three)).toEqual(["predict", "solver", "xsph", "drag"]);
+    expect(names(insertModule(three, "particle_fluid", fluid, "Tension", "predict"))).toEqual(["predict", "tension", "solver", "xsph", "drag"]);
+    expect(names(insertModule(three, "particle_fluid", fluid, "Tension", "gone"))).toEqual(["predict", "solver", "xsph", "drag", "tension"]);
+  });
+  test("are dragged before any other one, or to the end", () => {
+    const put = (module: string, before: string | null, s = three) => placeModule(s, "particle_fluid", fluid, module, before);
+    expect(names(put("drag", "predict"))).toEqual(["drag", "predict", "solver", "xsph"]);
+    expect(names(put("predict", null))).toEqual(["solver", "xsph", "drag", "predict"]);
+    expect(names(put("xsph", "solver", put("drag", "solver")))).toEqual(["predict", "drag", "xsph", "solver"]);
+    expect([put("xsph", "drag"), put("drag", null), put("drag", "drag"), put("gone", null)].every((s) => s === three)).toBe(true);
   });
 });
 
@@ -364,6 +394,10 @@ describe("playback of recorded frames", () => {
   });
 });
 
+test("frames that are kept where memory is short are marked, and no others", () => {
+  expect([recordedFrames(3, 1), recordedFrames(9, 4), recordedFrames(0, 8)]).toEqual([[0, 1, 2, 3], [0, 4, 8], [0]]);
+});
+
 describe("rulers", () => {
   test("have round ticks, few enough", () => {
     expect(ticks(0, 150, 12)).toEqual([0, 20, 40, 60, 80, 100, 120, 140]);
@@ -390,12 +424,18 @@ describe("dropped files", () => {
     expect(stemOf("folder/cup.v2.obj")).toBe("cup.v2");
   });
   const port = (name: string, type: string) => ({ name, type, doc: "", required: false, many: true });
+  const parameter = (name: string, kind: string): Parameter => ({ name, kind, doc: "", default: null, live: false, animated: false });
   const known: Types = {
     ...types,
     nodes: {
-      MeshFile: { ...sampler, outputs: [port("surface", "TriangleMesh")] },
-      StaticBoundary: { ...sampler, inputs: [port("meshes", "TriangleMesh")], outputs: [port("boundary", "Boundary")] },
-      MeshSampler: { ...sampler, inputs: [port("surface", "TriangleMesh")] }, MeshEmitter: { ...sampler, inputs: [port("surface", "TriangleMesh")] },
+      Block: { ...sampler, outputs: [port("surface", "TriangleMesh")] },
+      MeshFile: { ...sampler, outputs: [port("surface", "TriangleMesh")], parameters: [parameter("file", "path")] },
+      ParticleFile: { ...sampler, parameters: [parameter("time", "float"), parameter("file", "path")] },
+      StaticBoundary: {
+        ...sampler, inputs: [port("meshes", "TriangleMesh")], outputs: [port("boundary", "Boundary")],
+        parameters: [parameter("rough", "bool"), { ...parameter("inverted", "bool"), also: ["container"] }],
+      },
+      MeshEmitter: { ...sampler, also: ["inflow"], inputs: [port("surface", "TriangleMesh")] }, MeshSampler: { ...sampler, also: ["fill"], inputs: [port("surface", "TriangleMesh")] },
       ParticleFluid: { ...fluid, inputs: ["initial", "emitters"].map((n) => port(n, "ParticleBatch")).concat(port("boundaries", "Boundary")) },
     },
   };
@@ -410,6 +450,15 @@ describe("dropped files", () => {
     const [container, name] = withMesh(water, known, "meshes/cup.obj", "cup", kUses[1]!, { x: 0, y: 0 });
     expect(container.nodes[name]).toEqual({ type: "StaticBoundary", params: { inverted: true } });
     expect(container.nodes["cup"]).toEqual({ type: "MeshFile", params: { file: "meshes/cup.obj" } });
+    const [filled, read] = withParticles(water, known, "particles/a.csv", "a", { x: 0, y: 0 });
+    expect([filled.nodes[read], filled.links]).toEqual([{ type: "ParticleFile", params: { file: "particles/a.csv" } }, ["a.particles -> water.initial"]]);
+  });
+  test("need types of nodes that take them, whatever they are called", () => {
+    const { StaticBoundary, ...others } = known.nodes;
+    const renamed = { ...known, nodes: { ...others, PluginWalls: StaticBoundary! } };
+    const [scene, name] = withMesh(water, renamed, "cup.obj", "cup", kUses[0]!, { x: 0, y: 0 });
+    expect(scene.nodes[name]!.type).toBe("PluginWalls");
+    expect(() => withMesh(water, { ...known, nodes: others }, "cup.obj", "cup", kUses[0]!, { x: 0, y: 0 })).toThrow("no node here makes a Boundary of a mesh");
   });
 });
 
@@ -465,4 +514,53 @@ test("a camera that is fitted sees all of a box, and no more than it must", () =
       expect(outermost).toBeGreaterThan(0.99);
       expect(outermost).toBeLessThan(1.01);
     }
+});
+
+describe("parameters", () => {
+  const parameter = (name: string, more: Partial<Parameter> = {}): Parameter => ({ name, kind: "float", doc: "", default: 1, live: false, animated: false, ...more });
+  const only = (...choices: string[]) => ({ only_for: { parameter: "shape", choices } });
+  const all = [
+    parameter("shape", { kind: "enum", default: "none", choices: { none: "", box: "", cone: "" } }), parameter("min", only("box")), parameter("height", only("cone", "box")),
+    parameter("friction"),
+  ];
+  const used = (values: JsonObject) => all.filter((p) => isUsed(p, all, values)).map((p) => p.name);
+  test("have labels that people read", () => {
+    expect(["rest_density", "shape", "dt", "min_dt", "cfl", "mu"].map(labelOf)).toEqual(["Rest density", "Shape", "dt", "Min dt", "CFL", "µ"]);
+  });
+  test("that mean nothing under the present choice are known", () => {
+    expect(used({})).toEqual(["shape", "friction"]);
+    expect(used({ shape: "cone" })).toEqual(["shape", "height", "friction"]);
+    expect(used({ shape: { keyframes: [[0, "box"]] } })).toEqual(["shape", "min", "height", "friction"]);
+  });
+  test("go with the choice that gave them a meaning, and come back with it", () => {
+    const cone = afterChoice(all, { shape: "cone", min: 2, height: 3, friction: 4, strange: 5 }, {});
+    expect(cone).toEqual({ values: { shape: "cone", height: 3, friction: 4, strange: 5 }, left: { min: 2 } });
+    const none = afterChoice(all, { ...cone.values, shape: "none" }, cone.left);
+    expect(none).toEqual({ values: { shape: "none", friction: 4, strange: 5 }, left: { min: 2, height: 3 } });
+    expect(afterChoice(all, { ...none.values, shape: "box", height: 7 }, none.left)).toEqual({ values: { shape: "box", min: 2, height: 7, friction: 4, strange: 5 }, left: {} });
+  });
+});
+
+test("a path that cannot be written has a sentence that says why", () => {
+  for (const fine of ["a.json", "folder/a", "a..b.json"]) expect(pathProblem(fine)).toBeNull();
+  expect(pathProblem("../a.json")).toContain("below the served folder");
+  expect(pathProblem("/a.json")).toContain("below the served folder");
+  expect(["", "folder/", "a\\b", ".a.json", "b/.git/c"].map((p) => pathProblem(p) !== null)).toEqual([true, true, true, true, true]);
+});
+
+test("a menu has no lines above, below, or twice", () => {
+  const item = (name: string) => ({ name, take: () => {} });
+  expect(menuOf(null, item("a"), false, null, null, item("b"), null).map((i) => i?.name)).toEqual(["a", undefined, "b"]);
+});
+
+test("steps of half the length help: by CFL where the scene has it, or else by dt", () => {
+  const world: Parameter[] = [
+    { name: "dt", kind: "float", unit: "s", doc: "", default: 0.001, above: 0, live: false, animated: false }, { name: "cfl", kind: "float", doc: "", default: null, above: 0, live: false, animated: false },
+  ];
+  const remedy = (given: JsonObject) => shorterSteps({ ...emptyScene(), world: given }, world)!;
+  expect([remedy({}).text, remedy({ dt: 0.004 }).text, remedy({ dt: 0.004, cfl: 1 }).text]).toEqual([
+    "Halve dt to 0.0005 s and begin anew", "Halve dt to 0.002 s and begin anew", "Halve cfl to 0.5 and begin anew",
+  ]);
+  expect(remedy({ cfl: 1 }).change(emptyScene())["world"]).toEqual({ cfl: 0.5 });
+  expect(shorterSteps(emptyScene(), [])).toBeNull();
 });

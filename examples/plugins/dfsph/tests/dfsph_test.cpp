@@ -124,7 +124,7 @@ void run(const char* pluginFile, const char* text, const Check& check) {
 }
 
 void runAll(const char* pluginFile) {
-  double most = 0, mostGrowth = 0;
+  double max = 0, maxGrowth = 0;
   run(pluginFile, kDam, [&](Simulation& simulation, ParticleFluid& water) {
     const Measured now = measure(water);
     NodeReport report;
@@ -135,12 +135,12 @@ void runAll(const char* pluginFile) {
     std::printf("t = %.2f s: density %.4f %% (solver %.4f %%, %.1f iterations), divergence %.2g 1/s, %.1f\n",
                 simulation.time(), 100 * now.compression, 100 * of("density_solver", "error"),
                 of("density_solver", "iterations"), now.growth, of("divergence_solver", "iterations"));
-    most = std::max(most, now.compression);
-    mostGrowth = std::max(mostGrowth, 0.002 * now.growth);
+    max = std::max(max, now.compression);
+    maxGrowth = std::max(maxGrowth, 0.002 * now.growth);
   });
-  expect(most < 1e-3, "the dam's largest mean density error", most);
+  expect(max < 1e-3, "the dam's largest mean density error", max);
   // Viscosity acts after the solver, and the lists are those of the predicted positions.
-  expect(mostGrowth < 1e-3, "the dam's largest mean growth of density in a step", mostGrowth);
+  expect(maxGrowth < 1e-3, "the dam's largest mean growth of density in a step", maxGrowth);
 
   run(pluginFile, kTank, [&](Simulation& simulation, ParticleFluid& water) {
     const auto& tank = dynamic_cast<SemiAnalyticalSFI&>(*simulation.scene().graph.find("tank"));
@@ -153,11 +153,11 @@ void runAll(const char* pluginFile) {
   Vec3d drift{};
   run(pluginFile, kDrops, [&](Simulation&, ParticleFluid& water) {
     drift = momentumPerMass(water.fluid->set());
-    most = std::max(most, measure(water).compression);
+    max = std::max(max, measure(water).compression);
   });
   expect(std::sqrt(dot(drift, drift)) < 1e-3, "the drops' momentum per mass in m/s",
          std::sqrt(dot(drift, drift)));
-  expect(most < 1e-3, "the drops' largest mean density error", most);
+  expect(max < 1e-3, "the drops' largest mean density error", max);
 }
 
 }  // namespace

@@ -42,19 +42,19 @@ double wanted(double t) {
   return std::min(t / 0.2, 1.0) * 0.05 * std::sin(2 * std::numbers::pi * t / 0.5);
 }
 
-double leastX(const ParticleSet& particles) {
-  double least = 1e9;
-  for (const Vec3f& p : particles.positions().toHost(particles.bound())) least = std::min(least, double(p.x));
-  return least;
+double minX(const ParticleSet& particles) {
+  double min = 1e9;
+  for (const Vec3f& p : particles.positions().toHost(particles.bound())) min = std::min(min, double(p.x));
+  return min;
 }
 
-void run(const char* pluginFile, double mostAcceleration, bool follows) {
+void run(const char* pluginFile, double maxAcceleration, bool follows) {
   Registry registry;
   registerNodes(registry);
   const Plugin plugin(pluginFile, registry);
   std::string text = kScene;
   const std::string key = "ACCELERATION";
-  text.replace(text.find(key), key.size(), "\"acceleration\": " + std::to_string(mostAcceleration));
+  text.replace(text.find(key), key.size(), "\"acceleration\": " + std::to_string(maxAcceleration));
   std::vector<std::string> warnings;
   auto scene = buildScene(parseJson(text, "test"), {"test", "", "."}, registry, {}, warnings);
   const auto device = openDevice("auto");
@@ -73,16 +73,16 @@ void run(const char* pluginFile, double mostAcceleration, bool follows) {
     const double v = report.statistics.find("velocity")->asDouble();
     farthest = std::max(farthest, std::abs(x - wanted(t)));
     if (follows) expect(std::abs(x - wanted(t)) < 1e-9, "the position", t, x, wanted(t));
-    const double most = mostAcceleration * (t - timeBefore) * (1 + 1e-9);
+    const double max = maxAcceleration * (t - timeBefore) * (1 + 1e-9);
     if (timeBefore > 0)
-      expect(std::abs(v - velocityBefore) <= most, "the change of velocity", t, v - velocityBefore, most);
-    expect(leastX(water.fluid->set()) > x, "the fluid's edge", t, leastX(water.fluid->set()), x);
+      expect(std::abs(v - velocityBefore) <= max, "the change of velocity", t, v - velocityBefore, max);
+    expect(minX(water.fluid->set()) > x, "the fluid's edge", t, minX(water.fluid->set()), x);
     velocityBefore = v;
     timeBefore = t;
   }
   // A weak drive cannot keep up.
   if (!follows) expect(farthest > 0.005, "how far it lags", timeBefore, farthest, 0.005);
-  std::printf("acceleration up to %g m/s^2: at most %.2g m from where it shall be\n", mostAcceleration,
+  std::printf("acceleration up to %g m/s^2: at most %.2g m from where it shall be\n", maxAcceleration,
               farthest);
 }
 

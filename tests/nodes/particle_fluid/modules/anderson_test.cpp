@@ -89,10 +89,10 @@ struct Linear {
 };
 
 double error(const std::vector<Vec3f>& u) {
-  double most = 0;
+  double max = 0;
   for (std::size_t i = 0; i < u.size(); ++i)
-    most = std::max(most, double(length(u[i] - Linear{}.fixedPoint(i))));
-  return most;
+    max = std::max(max, double(length(u[i] - Linear{}.fixedPoint(i))));
+  return max;
 }
 
 // The residual of the m-th mixture is that of GMRES: with three factors, the third is exact.
@@ -160,7 +160,7 @@ TEST_P(AndersonMixingTest, TakesBackToTheLastPlainIterate) {
   }
 }
 
-// Residuals that do not differ have nothing to tell, and one that is no number must not reach the others.
+// Residuals that do not differ have nothing to tell, and one that is NaN must not reach the others.
 TEST_P(AndersonMixingTest, IsPlainWhereThereIsNothingToSolve) {
   const auto moving = [](std::size_t, const Vec3f& u) { return u + Vec3f{0.5f, 0.25f, 1}; };
   Mixer mixer(*device, std::vector<Vec3f>(kParticles), false);

@@ -89,7 +89,7 @@ TEST(Drag, ActsOnExposedParticlesOrOnAll) {
   positions.push_back({1.01f, 1, 1});
   constexpr double kSpeed = 10, kDt = 1e-3;
   const auto slowed = [&](double exposed) { return kSpeed / (1 + exposed * dragPerLength() * kSpeed * kDt); };
-  const double most = 2.0 / 3 * std::numbers::pi * std::pow(1.5, 3);
+  const double max = 2.0 / 3 * std::numbers::pi * std::pow(1.5, 3);
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     const auto after = [&](const char* on) {
@@ -104,7 +104,7 @@ TEST(Drag, ActsOnExposedParticlesOrOnAll) {
     };
     const std::vector<Vec3f> exposed = after("exposed"), all = after("all");
     EXPECT_FLOAT_EQ(exposed[inside].y, float(kSpeed)) << name;
-    EXPECT_NEAR(exposed[pair].y, slowed(1 - 1 / most), 1e-5) << name;
+    EXPECT_NEAR(exposed[pair].y, slowed(1 - 1 / max), 1e-5) << name;
     EXPECT_NEAR(all[inside].y, slowed(1), 1e-5) << name;
     EXPECT_NEAR(all[pair].y, slowed(1), 1e-5) << name;
   }

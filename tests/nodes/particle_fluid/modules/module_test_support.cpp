@@ -8,9 +8,9 @@ Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-std::vector<Vec3f> randomVelocities(std::size_t count, float most, unsigned seed) {
+std::vector<Vec3f> randomVelocities(std::size_t count, float max, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> component(-most, most);
+  std::uniform_real_distribution<float> component(-max, max);
   std::vector<Vec3f> velocities(count);
   for (Vec3f& v : velocities) v = {component(random), component(random), component(random)};
   return velocities;

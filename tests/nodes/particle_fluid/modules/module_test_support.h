@@ -11,7 +11,7 @@
 namespace weir::test {
 
 Vec3d toDouble(const Vec3f& v);
-std::vector<Vec3f> randomVelocities(std::size_t count, float most, unsigned seed);
+std::vector<Vec3f> randomVelocities(std::size_t count, float max, unsigned seed);
 double largestDifference(const std::vector<Vec3f>& found, const std::vector<Vec3d>& expected);
 Vec3d sumOf(const std::vector<Vec3f>& vectors);
 

@@ -35,8 +35,8 @@ TEST(SurfaceTension, AgreesWithDoublePrecision) {
   constexpr double kDt = 1e-3;
   for (const double airPressure : {0.0, 20.0}) {
     std::vector<Vec3d> expected = surfaceTension(reference, 0.05, airPressure);
-    double most = 0;
-    for (Vec3d& v : expected) v *= kDt, most = std::max(most, length(v));
+    double max = 0;
+    for (Vec3d& v : expected) v *= kDt, max = std::max(max, length(v));
     for (const std::string& name : availableDevices()) {
       const auto device = openDevice(name);
       FluidScene scene(*device, positions, {}, object({{"spacing", kSpacing}, {"support_ratio", 2.0}}),
@@ -44,8 +44,8 @@ TEST(SurfaceTension, AgreesWithDoublePrecision) {
       scene.gravity = {};
       scene.reset(kDt);
       scene.step();
-      EXPECT_LT(largestDifference(scene.velocities(), expected), 2e-5 * most) << name;
-      EXPECT_LT(length(sumOf(scene.velocities())), 1e-6 * most * double(positions.size())) << name;
+      EXPECT_LT(largestDifference(scene.velocities(), expected), 2e-5 * max) << name;
+      EXPECT_LT(length(sumOf(scene.velocities())), 1e-6 * max * double(positions.size())) << name;
     }
   }
 }
@@ -97,8 +97,8 @@ Shape shapeOf(const std::vector<Vec3f>& positions) {
   }
   const double volume = n * std::pow(double(kSpacing), 3);
   const double ball = 3.0 / 5 * std::pow(3 * volume / (4 * std::numbers::pi), 2.0 / 3);
-  const auto [least, most] = std::minmax({second.x, second.y, second.z});
-  return {ball / (second.x + second.y + second.z), axes / fourth, least / most};
+  const auto [min, max] = std::minmax({second.x, second.y, second.z});
+  return {ball / (second.x + second.y + second.z), axes / fourth, min / max};
 }
 
 TEST(SurfaceTension, CubeBecomesSphere) {
@@ -141,9 +141,9 @@ double speedOfDrop(Device& device, double coefficient, float supportRatio,
     if (contains(warning, "'tension'")) warnings.push_back(warning);  // the solver has its own at this step
   scene.step(100);
   scene.frame();
-  double most = 0;
-  for (const Vec3f& v : scene.velocities()) most = std::max(most, double(length(v)));
-  return most;
+  double max = 0;
+  for (const Vec3f& v : scene.velocities()) max = std::max(max, double(length(v)));
+  return max;
 }
 
 TEST(SurfaceTension, FliesApartWhereItWarnsOfTheStep) {

@@ -33,9 +33,9 @@ std::vector<Vec3f> smoothed(Device& device, const std::vector<Vec3f>& positions,
 }
 
 double fastest(const std::vector<Vec3f>& velocities) {
-  double most = 0;
-  for (const Vec3f& v : velocities) most = std::max(most, length(toDouble(v)));
-  return most;
+  double max = 0;
+  for (const Vec3f& v : velocities) max = std::max(max, length(toDouble(v)));
+  return max;
 }
 
 TEST(ImplicitXsph, AgreesWithDoublePrecision) {

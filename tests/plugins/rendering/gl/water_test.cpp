@@ -49,7 +49,7 @@ class Water : public testing::TestWithParam<std::string> {
   static Pixel middle(const Picture& picture) {
     return pixelAt(picture, picture.width / 2, picture.height / 2);
   }
-  /// White light after so many metres.
+  /// White light after that many metres.
   static void expectLightThrough(double metres, double relative, const Pixel& pixel) {
     const std::array<int, 3> found{pixel.r, pixel.g, pixel.b};
     for (int c = 0; c < 3; ++c) {

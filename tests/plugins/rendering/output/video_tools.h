@@ -37,7 +37,7 @@ class PathVariable {
   std::string before_;
 };
 
-/// A shell command that tells, as ffmpeg does, that so many frames are in the video, and leaves something
+/// A shell command that tells, as ffmpeg does, that this many frames are in the video, and leaves something
 /// there.
 std::string writesFrames(int frames);
 

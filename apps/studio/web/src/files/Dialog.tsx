@@ -3,7 +3,11 @@ import { useEffect, useRef, type ReactNode } from "react";
 
 const kReachable = "button:not(:disabled), input:not(:disabled), select:not(:disabled), textarea:not(:disabled), summary, [tabindex='0']";
 
-export function Dialog({ title, className = "", onClose, children }: { title: string; className?: string; onClose(): void; children: ReactNode }) {
+export function Dialog({ title, className = "", beside, onClose, children }: {
+  title: string; className?: string; onClose(): void; children: ReactNode;
+  /** It lies beside what it is about, which is still seen and used. */
+  beside?: boolean;
+}) {
   const box = useRef<HTMLDivElement>(null);
   // The keyboard goes back to where it was.
   useEffect(() => {
@@ -13,7 +17,7 @@ export function Dialog({ title, className = "", onClose, children }: { title: st
   }, []);
   const key = (e: React.KeyboardEvent) => {
     if (e.key === "Escape") return (e.stopPropagation(), onClose());
-    if (e.key !== "Tab") return;
+    if (e.key !== "Tab" || beside) return;
     const all = [...box.current!.querySelectorAll<HTMLElement>(kReachable)];
     const [from, to] = e.shiftKey ? [all[0], all.at(-1)] : [all.at(-1), all[0]];
     if (document.activeElement !== from) return;
@@ -22,8 +26,8 @@ export function Dialog({ title, className = "", onClose, children }: { title: st
   };
   return (
     <>
-      <div className="shade" onClick={onClose} />
-      <div ref={box} className={`dialog ${className}`} role="dialog" aria-modal aria-label={title} onKeyDown={key}>{children}</div>
+      {!beside && <div className="shade" onClick={onClose} />}
+      <div ref={box} className={`dialog ${beside ? "beside" : ""} ${className}`} role="dialog" aria-modal={!beside} aria-label={title} onKeyDown={key}>{children}</div>
     </>
   );
 }

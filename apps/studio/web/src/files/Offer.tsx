@@ -1,15 +1,7 @@
 // Offers changes that would else be lost: of an earlier run of the server, or of this window.
+import { ageOf } from "../model/time";
 import { answerOffer, useStudio } from "../model/store";
 import { Dialog } from "./Dialog";
-
-const kUnits: [Intl.RelativeTimeFormatUnit, number][] = [["day", 86_400], ["hour", 3600], ["minute", 60], ["second", 1]];
-
-/** "5 minutes ago" */
-export function ageOf(written: number, now = Date.now() / 1000): string {
-  const seconds = Math.max(0, now - written);
-  const [unit, length] = kUnits.find(([, l]) => seconds >= l) ?? kUnits.at(-1)!;
-  return new Intl.RelativeTimeFormat("en", { numeric: "auto" }).format(-Math.floor(seconds / length), unit);
-}
 
 export function Offer() {
   const offer = useStudio((s) => s.offer);

@@ -5,9 +5,9 @@ import { modulesToAdd, nodesToAdd } from "../graph/addable";
 import { surface } from "../graph/surface";
 import { takeModule } from "../graph/takeModule";
 import { kModuleRole, kOther, roleOf, type Role } from "../model/roles";
+import { labelOf } from "../model/parameters";
 import { addNode, pipelineOf, type Scene } from "../model/scene";
 import { askRun, edit, newScene, openScene, redo, resetRun, say, undo, useStudio, type Wanted } from "../model/store";
-import { synonymsOf } from "../model/synonyms";
 import type { Parameter, Types } from "../model/types";
 import { fetchTemplates, type Template } from "../protocol/client";
 import { Dialog } from "./Dialog";
@@ -31,16 +31,16 @@ export function thingsOf(scene: Scene, types: Types): Found[] {
   const parameters = (owner: string, all: Parameter[], role: Role, selected: string[], module?: string): Found[] =>
     leaves(all).map(({ parameter, path }) => ({
       id: `${owner}/${path.join("/")}`, name: path.at(-1)!, beside: [owner, ...path.slice(0, -1)].join(" / "), doc: parameter.doc, role, group: "Parameters",
-      synonyms: synonymsOf(parameter.name), take: () => show(selected, { module, path: module === undefined && selected.length === 0 ? [owner, ...path] : path }),
+      synonyms: [labelOf(parameter.name).toLowerCase(), ...(parameter.also ?? [])], take: () => show(selected, { module, path: module === undefined && selected.length === 0 ? [owner, ...path] : path }),
     }));
   const nodes = Object.entries(scene.nodes).flatMap(([name, spec]): Found[] => {
     const type = types.nodes[spec.type], role = roleOf(type);
     const modules = (type ? pipelineOf(scene, name, type) : []).filter((m) => m.type in types.modules).flatMap((m): Found[] => [
-      { id: `${name}/${m.name}`, name: m.name, beside: `module of ${name}`, doc: types.modules[m.type]!.doc, synonyms: synonymsOf(m.type), role: kModuleRole, group: kGoTo, take: () => show([name], { module: m.name }) },
+      { id: `${name}/${m.name}`, name: m.name, beside: `module of ${name}`, doc: types.modules[m.type]!.doc, synonyms: types.modules[m.type]!.also ?? [], role: kModuleRole, group: kGoTo, take: () => show([name], { module: m.name }) },
       ...parameters(`${name} / ${m.name}`, types.modules[m.type]!.parameters, kModuleRole, [name], m.name),
     ]);
     return [
-      { id: name, name, beside: spec.type, ...(type && { doc: type.doc }), synonyms: synonymsOf(spec.type), role, group: kGoTo, take: () => show([name], null) },
+      { id: name, name, beside: spec.type, ...(type && { doc: type.doc }), synonyms: type?.also ?? [], role, group: kGoTo, take: () => show([name], null) },
       ...parameters(name, type?.parameters ?? [], role, [name]), ...modules,
     ];
   });

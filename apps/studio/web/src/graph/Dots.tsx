@@ -2,14 +2,14 @@
 import { useStore } from "@xyflow/react";
 
 const kGap = 24;
-const kLeast = 14;
+const kMin = 14;
 
 const remainder = (x: number, by: number) => ((x % by) + by) % by;
 
 export function Dots() {
   const [x, y, zoom] = useStore((s) => s.transform);
   let gap = kGap * zoom;
-  while (gap < kLeast) gap *= 2;
+  while (gap < kMin) gap *= 2;
   return (
     <div
       className="dots" aria-hidden

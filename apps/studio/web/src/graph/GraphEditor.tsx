@@ -3,30 +3,31 @@ import {
   Controls, ReactFlow, useReactFlow, useStore, ViewportPortal, type Connection, type Edge, type EdgeChange, type Node, type NodeChange,
   type OnConnectEnd, type OnConnectStart, type ReactFlowInstance, type Viewport, type XYPosition,
 } from "@xyflow/react";
-import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState, type RefObject } from "react";
 import { takeFiles } from "../files/dropped";
-import { addNote, moveAll, notesOf, withCarried } from "../model/notes";
+import { addNote, moveAll, withCarried } from "../model/notes";
 import {
-  addGroupAround, addLink, addNode, copyNodes, freeNoteId, linkProblem, pasteNodes, removeLinks, removeNodes, toggleCollapsed,
-  type Clip, type LinkEnds, type Scene,
+  addGroupAround, addLink, addNode, freeNoteId, linkProblem, type LinkEnds, type Scene,
 } from "../model/scene";
-import { toggleOff, type Off } from "../model/switchedOff";
-import { edit, redo, say, undo, useStudio } from "../model/store";
+import { showMenu } from "../Menu";
+import { edit, say, useStudio } from "../model/store";
 import type { Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
-import { arrange } from "./arrange";
+import { chosenNodes, focusNote, select } from "./actions";
+import { canvasMenu, linkMenu, nodeMenu } from "./menus";
 import { Dots } from "./Dots";
 import { boundsOf, isFar, kLegible, placed, sizeOf, useFlow } from "./flow";
 import { FarLinks, Link } from "./Link";
+import { LinkMenu } from "./LinkMenu";
 import { NoteNode } from "./NoteNode";
 import { Overview } from "./Overview";
 import { SceneNode, type SceneNodeData } from "./SceneNode";
 import { surface as asked } from "./surface";
 import { takeModule } from "./takeModule";
+import { useKeys, type Asked } from "./useKeys";
 
 const kNodeTypes = { scene: SceneNode, note: NoteNode };
 const kEdgeTypes = { default: Link };
-const kPasteOffset = 40;
 /** Pixels that a hand may tremble in a click: no more than that, and a node is chosen, not moved. */
 const kTremble = 3;
 /** ms after which what was added is on the page */
@@ -65,6 +66,7 @@ interface Menu {
 }
 
 const kMenu = { width: 340, height: 350 };
+const inside = (v: number, most: number): number => Math.max(0, Math.min(v, most));
 /** A new node lies with its name under the pointer. */
 const kGrip = { x: 40, y: 14 };
 const kApart = 36;
@@ -89,17 +91,18 @@ export function GraphEditor() {
   const opened = useStudio((s) => s.opened);
   const types = useStudio((s) => s.types);
 
+  const fit = useFit(flow, surface);
   // An empty graph would be fitted to its first node, which would leave the pointer.
   useEffect(() => void setTimeout(() => {
-    if (flow.getNodes().length > 0) void flow.fitView({ padding: 0.15, maxZoom: 1, minZoom: kLegible });
-  }, kMounted), [flow, opened, types]);
+    if (flow.getNodes().length > 0) fit({ minZoom: kLegible });
+  }, kMounted), [flow, fit, opened, types]);
   useEffect(() => {
     asked.middle = () => {
       const { left, top, width, height } = surface.current!.getBoundingClientRect();
       return freePlace(useStudio.getState().scene, flow.screenToFlowPosition({ x: left + width / 2, y: top + height / 2 }));
     };
-    asked.fit = () => void flow.fitView({ padding: 0.15, maxZoom: 1, duration: 200 });
-  }, [flow]);
+    asked.fit = () => fit({ duration: kGlideMs });
+  }, [flow, fit]);
 
   // What is chosen elsewhere, as by a message, a key or a drop, is brought into view.
   const chosen = useStudio((s) => (s.selected.length === 1 ? s.selected[0]! : null));
@@ -111,7 +114,6 @@ export function GraphEditor() {
 
   const openMenu = useCallback((x: number, y: number, dangling: Dangling | null = null) => {
     const box = surface.current!.getBoundingClientRect();
-    const inside = (v: number, most: number) => Math.max(0, Math.min(v, most));
     setMenu({ x: inside(x - box.left, box.width - kMenu.width), y: inside(y - box.top, box.height - kMenu.height), point: { x, y }, dangling });
   }, []);
 
@@ -173,13 +175,49 @@ export function GraphEditor() {
     if (!Number.isInteger(x) || !Number.isInteger(y)) void flow.setViewport({ x: Math.round(x), y: Math.round(y), zoom });
   }, [flow]);
 
-  const key = useKeys(pointer, openMenu, surface);
+  const [linking, setLinking] = useState<{ node: string; x: number; y: number } | null>(null);
+  const closeLinking = useCallback(() => (setLinking(null), surface.current?.focus({ preventScroll: true })), []);
+  const wishes = useMemo((): Asked => ({
+    add: openMenu,
+    link: () => {
+      const [node] = chosenNodes();
+      const at = node === undefined ? undefined : surface.current!.querySelector(`[data-node="${node}"]`)?.getBoundingClientRect();
+      const box = surface.current!.getBoundingClientRect();
+      if (at) setLinking({ node: node!, x: inside(at.left - box.left, box.width - kMenu.width), y: inside(at.bottom - box.top, box.height - kMenu.height) });
+    },
+    group: () => groupSelected(flow),
+    fit: () => fit({ duration: kGlideMs }),
+  }), [flow, fit, openMenu]);
+  const key = useKeys(pointer, surface, wishes);
+  const onNodeMenu = useCallback((e: React.MouseEvent, n: Node) => {
+    e.preventDefault();
+    if (!useStudio.getState().selected.includes(n.id)) select([n.id]);
+    showMenu(e, "Node", nodeMenu(wishes));
+  }, [wishes]);
+  const onSelectionMenu = useCallback((e: React.MouseEvent) => (e.preventDefault(), showMenu(e, "Node", nodeMenu(wishes))), [wishes]);
+  const onLinkMenu = useCallback((e: React.MouseEvent, link: Edge) => {
+    e.preventDefault();
+    select([], [link.id]);
+    showMenu(e, "Link", linkMenu(link.id));
+  }, []);
+  const onCanvasMenu = useCallback((e: React.MouseEvent | MouseEvent) => {
+    e.preventDefault();
+    showMenu(e, "Graph", canvasMenu(wishes, e.clientX, e.clientY));
+  }, [wishes]);
+  /** By the menu key, for what is selected. */
+  const onMenuKey = (e: React.MouseEvent) => {
+    if (e.target !== e.currentTarget) return;
+    e.preventDefault();
+    const [first] = chosenNodes();
+    const at = (first && surface.current!.querySelector(`[data-node="${first}"] strong`)?.getBoundingClientRect()) || surface.current!.getBoundingClientRect();
+    showMenu({ clientX: at.left + 20, clientY: at.top + 20 }, first ? "Node" : "Graph", first ? nodeMenu(wishes) : canvasMenu(wishes, at.left + 20, at.top + 20));
+  };
   const shown = useMemo(() => nodes.map((n) => (dragged[n.id] ? placed(n, dragged[n.id]!) : n)), [nodes, dragged]);
   const ground = useMemo(() => boundsOf(nodes), [nodes]);
 
   return (
     <div
-      className="graph" ref={surface} data-far={far ? "" : undefined} tabIndex={0} role="application" aria-label="Node editor" onKeyDown={key}
+      className="graph" ref={surface} data-far={far ? "" : undefined} tabIndex={0} role="application" aria-label="Node editor" onKeyDown={key} onContextMenu={onMenuKey}
       onPointerMove={(e) => (pointer.current = { x: e.clientX, y: e.clientY })}
       onDrop={(e) => {
         if (e.dataTransfer.files.length === 0) return;
@@ -195,6 +233,7 @@ export function GraphEditor() {
         onSelectionDragStop={selectionDropped}
         onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectStart={connectStart} onConnectEnd={connectEnd}
         onNodeDoubleClick={openInside}
+        onNodeContextMenu={onNodeMenu} onSelectionContextMenu={onSelectionMenu} onEdgeContextMenu={onLinkMenu} onPaneContextMenu={onCanvasMenu}
         onMoveStart={moves} onMoveEnd={moved}
         nodeDragThreshold={kTremble} nodeClickDistance={kTremble} paneClickDistance={kTremble}
         deleteKeyCode={null} multiSelectionKeyCode={kSelectMore} selectionKeyCode="Shift" minZoom={0.05}
@@ -211,8 +250,47 @@ export function GraphEditor() {
       </FarLinks.Provider>
       {nodes.length === 0 && types && <p className="empty-hint">Tab or a double click adds a node. Templates, above, are scenes to start from.</p>}
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onModule={module} onNote={note} onClose={close} />}
+      {linking && <LinkMenu node={linking.node} at={linking} onClose={closeLinking} />}
     </div>
   );
+}
+
+/** Puts a group around what is selected. */
+function groupSelected(flow: ReactFlowInstance): void {
+  const chosen = new Set(useStudio.getState().selected);
+  const boxes = flow.getNodes().filter((n) => chosen.has(n.id))
+    .map((n) => ({ ...n.position, width: n.measured?.width ?? n.initialWidth!, height: n.measured?.height ?? n.initialHeight! }));
+  edit((s) => {
+    const id = freeNoteId(s), next = addGroupAround(s, id, boxes);
+    if (next !== s) select([id]);
+    return next;
+  });
+}
+
+const kGlideMs = 200;
+const kResizedMs = 80;
+
+/** Shows the whole graph; and again where its pane gets another size and nobody has moved it since. */
+function useFit(flow: ReactFlowInstance, surface: RefObject<HTMLDivElement | null>): (more: { duration?: number; minZoom?: number }) => void {
+  const fitted = useRef<{ at: Viewport; more: { minZoom?: number } } | null>(null);
+  const fit = useCallback((more: { duration?: number; minZoom?: number }) => {
+    void flow.fitView({ padding: 0.15, maxZoom: 1, ...more }).then(() => {
+      const { duration: _, ...rest } = more;
+      fitted.current = { at: flow.getViewport(), more: rest };
+    });
+  }, [flow]);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout>;
+    const again = () => {
+      const before = fitted.current, now = flow.getViewport();
+      const near = (a: number, b: number) => Math.abs(a - b) <= 1;
+      if (before && now.zoom === before.at.zoom && near(now.x, before.at.x) && near(now.y, before.at.y)) fit(before.more);
+    };
+    const observer = new ResizeObserver(() => (clearTimeout(timer), (timer = setTimeout(again, kResizedMs))));
+    observer.observe(surface.current!);
+    return () => (observer.disconnect(), clearTimeout(timer));
+  }, [flow, fit, surface]);
+  return fit;
 }
 
 /** The link from a dangling port to the first port of a new node that fits. */
@@ -273,96 +351,4 @@ function bringIntoView(flow: ReactFlowInstance, surface: Element, id: string): v
   const size = sizeOf(node), left = node.position.x * zoom + x, top = node.position.y * zoom + y;
   if (left < width && top < height && left + size.width * zoom > 0 && top + size.height * zoom > 0) return;
   void flow.setCenter(node.position.x + size.width / 2, node.position.y + size.height / 2, { zoom, duration: 200 });
-}
-
-/** What stands in the panel of properties is typed over. */
-function focusName(): void {
-  const field = document.querySelector<HTMLInputElement>(".name-field input");
-  field?.focus();
-  field?.select();
-}
-
-/** The text of the note that is selected. */
-const focusNote = (): void => document.querySelector<HTMLElement>(".react-flow__node-note.selected textarea")?.focus();
-
-function useKeys(
-  pointer: React.RefObject<{ x: number; y: number }>,
-  openMenu: (x: number, y: number) => void,
-  surface: React.RefObject<HTMLDivElement | null>,
-) {
-  const flow = useReactFlow();
-  return useCallback((e: React.KeyboardEvent) => {
-    if ((e.target as Element).closest("input, textarea, select, [contenteditable]")) return;
-    const { selected, selectedLinks, clip, types, scene } = useStudio.getState();
-    const command = e.ctrlKey || e.metaKey;
-    const copies = (c: Clip) => edit((s) => {
-      const [next, names] = pasteNodes(s, c, kPasteOffset);
-      useStudio.setState({ selected: names, selectedLinks: [] });
-      return next;
-    });
-    const paste = (c: Clip) => {
-      copies(c);
-      // What is pasted again lies beside, not upon, what was pasted before.
-      const now = useStudio.getState();
-      if (now.scene !== scene) useStudio.setState({ clip: copyNodes(now.scene, now.selected) });
-    };
-    const chosenNodes = selected.filter((n) => n in scene.nodes);
-    const key = e.key.toLowerCase();
-    const box = surface.current!.getBoundingClientRect();
-    const at = pointer.current ?? { x: box.left + box.width / 2, y: box.top + box.height / 2 };
-    const step = e.shiftKey ? 50 : 10;
-    const nudge = (x: number, y: number) => edit((s) => {
-      const at = { ...s.layout?.nodes, ...Object.fromEntries(notesOf(s).map((n) => [n.id, n])) };
-      return moveAll(s, Object.fromEntries(selected.map((n) => [n, { x: (at[n]?.x ?? 0) + x, y: (at[n]?.y ?? 0) + y }])));
-    });
-    const switchOff = (how: Off) => edit((s) => toggleOff(s, selected, how));
-    const group = () => {
-      const chosen = new Set(selected);
-      const boxes = flow.getNodes().filter((n) => chosen.has(n.id))
-        .map((n) => ({ ...n.position, width: n.measured?.width ?? n.initialWidth!, height: n.measured?.height ?? n.initialHeight! }));
-      edit((s) => {
-        const id = freeNoteId(s), next = addGroupAround(s, id, boxes);
-        if (next !== s) useStudio.setState({ selected: [id], selectedLinks: [] });
-        return next;
-      });
-    };
-    const selectNext = (by: number) => {
-      // From left to right, as things flow.
-      const at = (n: string) => scene.layout?.nodes?.[n] ?? { x: 0, y: 0 };
-      const names = Object.keys(scene.nodes).sort((a, b) => at(a).x - at(b).x || at(a).y - at(b).y);
-      const now = names.indexOf(selected[0] ?? "");
-      const next = names[now < 0 ? (by > 0 ? 0 : names.length - 1) : (now + by + names.length) % names.length];
-      if (next) useStudio.setState({ selected: [next], selectedLinks: [] });
-    };
-    if (command && key === "z") e.shiftKey ? redo() : undo();
-    else if (command && key === "y") redo();
-    else if (command && key === "a") useStudio.setState({ selected: [...notesOf(scene).map((n) => n.id), ...Object.keys(scene.nodes)] });
-    else if (command && key === "c") useStudio.setState({ clip: copyNodes(scene, selected) });
-    else if (command && key === "x") (useStudio.setState({ clip: copyNodes(scene, selected) }), edit((s) => removeNodes(s, selected)));
-    else if (command && key === "v") clip && paste(clip);
-    else if (command && key === "d") selected.length > 0 && copies(copyNodes(scene, selected));
-    else if (command) return;
-    // By Shift+Tab the keyboard leaves the graph.
-    else if ((key === "tab" && !e.shiftKey) || key === "a") openMenu(at.x, at.y);
-    else if (key === "delete" || key === "backspace") edit((s) => removeNodes(removeLinks(s, selectedLinks), selected));
-    else if (key === "c") edit((s) => toggleCollapsed(s, selected));
-    else if (key === "g") group();
-    else if ((key === "f2" || key === "enter") && selected.length === 1 && chosenNodes.length === 0) focusNote();
-    else if (key === "f2" && selected.length === 1) focusName();
-    else if (key === "pagedown") selectNext(1);
-    else if (key === "pageup") selectNext(-1);
-    else if (key === "escape") useStudio.setState({ selected: [], selectedLinks: [] });
-    else if (key === "m") switchOff("muted");
-    else if (key === "b") switchOff("bypassed");
-    else if (key === "l") edit((s) => arrange(s, types, chosenNodes.length > 1 ? chosenNodes : undefined));
-    else if (key === "f") void flow.fitView({ padding: 0.15, maxZoom: 1, duration: 200 });
-    else if (key === "enter" && selected.length === 1) useStudio.setState({ inside: selected[0]! });
-    else if (key === "arrowleft") nudge(-step, 0);
-    else if (key === "arrowright") nudge(step, 0);
-    else if (key === "arrowup") nudge(0, -step);
-    else if (key === "arrowdown") nudge(0, step);
-    else return;
-    e.preventDefault();
-    e.stopPropagation();
-  }, [flow, openMenu, pointer, surface]);
 }

@@ -6,7 +6,7 @@ import { collapse } from "../model/scene";
 import { roleOf } from "../model/roles";
 import { edit, useStudio } from "../model/store";
 import { inputFor, type Off } from "../model/switchedOff";
-import { msText } from "../model/time";
+import { kWorthTelling, msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
 import { FarLinks } from "./Link";
 import { portColor, roleColor } from "./ports";
@@ -24,15 +24,23 @@ export interface SceneNodeData extends Record<string, unknown> {
   warning: string | null;
 }
 
-/** Milliseconds below which nobody asks where the time goes. */
-const kWorthTelling = 0.01;
-
 /** Milliseconds a step of the last run, of a node and its modules. */
 function useTime(name: string): number | null {
   return useStudio((s) => {
     const all = s.numbers?.["modules_ms"] as JsonObject | undefined;
     const entry = all?.[name] as JsonObject | undefined;
     return typeof entry?.["per_step"] === "number" ? entry["per_step"] : null;
+  });
+}
+
+/** The share of the time of all nodes, 0 to 1. */
+function useShare(name: string): number {
+  return useStudio((s) => {
+    const all = Object.entries((s.numbers?.["modules_ms"] as JsonObject | undefined) ?? {}).filter(([path]) => !path.includes("/"));
+    const of = (entry: unknown) => Number((entry as JsonObject)["per_step"] ?? 0);
+    const total = all.reduce((sum, [, entry]) => sum + of(entry), 0);
+    const own = all.find(([path]) => path === name);
+    return own && total > 0 ? Math.round((100 * of(own[1])) / total) / 100 : 0;
   });
 }
 
@@ -60,6 +68,8 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
   const { name, typeName, type, collapsed, off, problem, wrongPort, warning } = data;
   const role = roleOf(type);
   const time = useTime(name);
+  const share = useShare(name);
+  const costs = !off && time !== null && time >= kWorthTelling;
   const far = useContext(FarLinks) !== null;
   const classes = ["scene-node", selected && "selected", off, problem && "wrong", collapsed && "collapsed"];
   return (
@@ -74,9 +84,11 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
         </button>
         <strong>{name}</strong>
         {warning && <span className="badge warns" title={warning} role="img" aria-label={`Warning: ${warning}`}><Icon name="warning" /></span>}
-        {off ? <span className="badge">{off}</span> : time !== null && time >= kWorthTelling && <span className="badge">{msText(time)}</span>}
+        {off && <span className="badge">{off}</span>}
         <small><span className="sign" title={role.name}><Icon name={role.icon} /></span> {typeName} {type?.modules && <Icon name="modules" />}</small>
       </header>
+      {costs && <span className="took">{msText(time)}</span>}
+      {costs && <i className="share" title={`${msText(time)} a step, ${Math.round(100 * share)} % of all nodes`} style={{ width: `${100 * share}%` }} />}
       <div className="ports">
         {off === "bypassed" && type && <Passages type={type} />}
         <div>

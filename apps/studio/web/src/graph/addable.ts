@@ -2,11 +2,10 @@
 import type { Found } from "../Finder";
 import { kModuleRole, kRoleNames, roleOf } from "../model/roles";
 import type { Scene } from "../model/scene";
-import { synonymsOf } from "../model/synonyms";
 import type { NodeType, Types } from "../model/types";
 
 const kRecentKey = "weir-recent";
-const kMostRecent = 5;
+const kMaxRecent = 5;
 const kRecent = "Recently used";
 
 function recent(): string[] {
@@ -18,18 +17,18 @@ function recent(): string[] {
 }
 
 export function remember(type: string): void {
-  localStorage.setItem(kRecentKey, JSON.stringify([type, ...recent().filter((t) => t !== type)].slice(0, kMostRecent)));
+  localStorage.setItem(kRecentKey, JSON.stringify([type, ...recent().filter((t) => t !== type)].slice(0, kMaxRecent)));
 }
 
 /** All types of nodes that fit: those that were used last, and the others by their roles. */
 export function nodesToAdd(types: Types, fits: (type: NodeType) => boolean, add: (type: string) => void): Found[] {
   const last = recent();
-  const rank = (name: string, t: NodeType) => (last.includes(name) ? last.indexOf(name) - kMostRecent : kRoleNames.indexOf(roleOf(t).name));
+  const rank = (name: string, t: NodeType) => (last.includes(name) ? last.indexOf(name) - kMaxRecent : kRoleNames.indexOf(roleOf(t).name));
   return Object.entries(types.nodes)
     .filter(([, t]) => fits(t))
     .sort(([a, s], [b, t]) => rank(a, s) - rank(b, t) || (a < b ? -1 : 1))
     .map(([name, t]) => ({
-      id: name, name, doc: t.doc, synonyms: synonymsOf(name), role: roleOf(t), group: last.includes(name) ? kRecent : roleOf(t).name,
+      id: name, name, doc: t.doc, synonyms: t.also ?? [], role: roleOf(t), group: last.includes(name) ? kRecent : roleOf(t).name,
       take: () => (remember(name), add(name)),
     }));
 }
@@ -42,5 +41,5 @@ export function hostOf(scene: Scene, types: Types, family: string, selected: str
 
 export const modulesToAdd = (types: Types, take: (module: string) => void): Found[] =>
   Object.entries(types.modules).sort(([a], [b]) => (a < b ? -1 : 1)).map(([name, m]) => ({
-    id: `module ${name}`, name, doc: m.doc, synonyms: synonymsOf(name), role: kModuleRole, group: kModuleRole.name, beside: "module", take: () => take(name),
+    id: `module ${name}`, name, doc: m.doc, synonyms: m.also ?? [], role: kModuleRole, group: kModuleRole.name, beside: "module", take: () => take(name),
   }));

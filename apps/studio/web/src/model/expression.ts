@@ -6,7 +6,7 @@ const kFunctions: { [name: string]: (x: number) => number } = {
   rad: (d) => (d * Math.PI) / 180, deg: (r) => (r * 180) / Math.PI,
 };
 
-/** The value, or null where it is no expression or not finite. */
+/** The value, or null where it is not an expression or not finite. */
 export function evaluate(text: string): number | null {
   const tokens = text.match(/\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|[a-z]+|\*\*|[-+*/^()]/gi) ?? [];
   if (tokens.join("") !== text.replace(/\s+/g, "") || tokens.length === 0) return null;

@@ -1,23 +1,46 @@
 // What a file becomes in a scene: nodes that read it and make something of it, linked to the fluid.
 import { addLink, addNode, linkProblem, setParam, type LinkEnds, type Scene } from "./scene";
-import type { JsonObject, Types } from "./types";
+import type { JsonObject, NodeType, Types } from "./types";
+
+type Place = { x: number; y: number };
 
 export interface Use {
   name: string;
   doc: string;
-  /** The node that takes the mesh, the port it comes in by, and what it gives to which port of the fluid. */
-  by?: { type: string; takes: string; gives: string; to: string; params?: JsonObject };
+  /** What kind of node takes the mesh, and to which port of the fluid what it gives goes. */
+  by?: { gives: string; word?: string; to: string; params?: (type: NodeType) => JsonObject };
 }
 
-const kSolid = { type: "StaticBoundary", takes: "meshes", gives: "boundary", to: "boundaries" };
+/** A switch is known by a word that people use for it. */
+const switched = (type: NodeType, word: string): JsonObject =>
+  Object.fromEntries(type.parameters.filter((p) => p.kind === "bool" && p.also?.includes(word)).map((p) => [p.name, true]));
+
+const kSolid = { gives: "Boundary", to: "boundaries" };
 
 export const kUses: Use[] = [
   { name: "Obstacle", doc: "A solid that does not move: the fluid flows around it.", by: kSolid },
-  { name: "Container", doc: "The fluid stays inside of it.", by: { ...kSolid, params: { inverted: true } } },
-  { name: "Fill it", doc: "Its inside is full of the fluid at the beginning.", by: { type: "MeshSampler", takes: "surface", gives: "particles", to: "initial" } },
-  { name: "Emit from it", doc: "The fluid comes out of its surface.", by: { type: "MeshEmitter", takes: "surface", gives: "particles", to: "emitters" } },
+  { name: "Container", doc: "The fluid stays inside of it.", by: { ...kSolid, params: (type) => switched(type, "container") } },
+  { name: "Fill it", doc: "Its inside is full of the fluid at the beginning.", by: { gives: "ParticleBatch", word: "fill", to: "initial" } },
+  { name: "Emit from it", doc: "The fluid comes out of its surface.", by: { gives: "ParticleBatch", word: "inflow", to: "emitters" } },
   { name: "Only the mesh", doc: "A node that reads it, to be linked by hand." },
 ];
+
+const kMesh = "TriangleMesh";
+
+/** The first type of node that takes and gives such things, and is called by this word, too. */
+const typeWith = (types: Types, takes: string | null, gives: string, word?: string): [string, NodeType] | undefined =>
+  Object.entries(types.nodes).find(([, t]) =>
+    (takes === null ? t.inputs.length === 0 && t.parameters.some((p) => p.kind === "path") : t.inputs.some((i) => i.type === takes)) &&
+    t.outputs.some((o) => o.type === gives) && (word === undefined || t.also?.includes(word)));
+
+/** A node that reads a file that gives such things. */
+function withReader(scene: Scene, types: Types, gives: string, path: string, at: Place, name: string): [Scene, string, string] {
+  const found = typeWith(types, null, gives);
+  if (!found) throw new Error(`no node here reads a file that gives a ${gives}`);
+  const [type, { parameters, outputs }] = found;
+  const [next, node] = addNode(scene, type, at, name);
+  return [setParam(next, { node }, [parameters.find((p) => p.kind === "path")!.name], path), node, outputs.find((o) => o.type === gives)!.name];
+}
 
 const kBeside = 260;
 
@@ -29,22 +52,23 @@ const fluidWith = (scene: Scene, types: Types, port: string): string | undefined
   Object.entries(scene.nodes).find(([, n]) => types.nodes[n.type]?.inputs.some((i) => i.name === port) && types.nodes[n.type]?.outputs.some((o) => o.type === "Particles"))?.[0];
 
 /** The scene with a mesh of a file and its use, and the name of the node of that. */
-export function withMesh(scene: Scene, types: Types, path: string, name: string, use: Use, at: { x: number; y: number }): [Scene, string] {
-  const [read, mesh] = addNode(scene, "MeshFile", at, name);
-  const withFile = setParam(read, { node: mesh }, ["file"], path);
-  if (!use.by) return [withFile, mesh];
-  const { type, takes, gives, to, params = {} } = use.by;
-  const [both, made] = addNode(withFile, type, { x: at.x + kBeside, y: at.y }, `${mesh}_${use.name.toLowerCase().split(" ")[0]}`);
-  const set = Object.entries(params).reduce((s, [k, v]) => setParam(s, { node: made }, [k], v), both);
-  const linked = linkIfFits(set, types, { from: mesh, output: "surface", to: made, input: takes });
+export function withMesh(scene: Scene, types: Types, path: string, name: string, use: Use, at: Place): [Scene, string] {
+  const [read, mesh, surface] = withReader(scene, types, kMesh, path, at, name);
+  if (!use.by) return [read, mesh];
+  const { gives, word, to, params } = use.by;
+  const found = typeWith(types, kMesh, gives, word);
+  if (!found) throw new Error(`no node here makes a ${gives} of a mesh`);
+  const [typeName, type] = found;
+  const [both, made] = addNode(read, typeName, { x: at.x + kBeside, y: at.y }, `${mesh}_${use.name.toLowerCase().split(" ")[0]}`);
+  const set = Object.entries(params?.(type) ?? {}).reduce((s, [k, v]) => setParam(s, { node: made }, [k], v), both);
+  const linked = linkIfFits(set, types, { from: mesh, output: surface, to: made, input: type.inputs.find((i) => i.type === kMesh)!.name });
   const fluid = fluidWith(linked, types, to);
-  return [fluid ? linkIfFits(linked, types, { from: made, output: gives, to: fluid, input: to }) : linked, made];
+  return [fluid ? linkIfFits(linked, types, { from: made, output: type.outputs.find((o) => o.type === gives)!.name, to: fluid, input: to }) : linked, made];
 }
 
 /** The scene with the particles of a file, which the fluid begins with. */
-export function withParticles(scene: Scene, types: Types, path: string, name: string, at: { x: number; y: number }): [Scene, string] {
-  const [read, node] = addNode(scene, "ParticleFile", at, name);
-  const set = setParam(read, { node }, ["file"], path);
-  const fluid = fluidWith(set, types, "initial");
-  return [fluid ? linkIfFits(set, types, { from: node, output: "particles", to: fluid, input: "initial" }) : set, node];
+export function withParticles(scene: Scene, types: Types, path: string, name: string, at: Place): [Scene, string] {
+  const [read, node, output] = withReader(scene, types, "ParticleBatch", path, at, name);
+  const fluid = fluidWith(read, types, "initial");
+  return [fluid ? linkIfFits(read, types, { from: node, output, to: fluid, input: "initial" }) : read, node];
 }

@@ -25,7 +25,7 @@ export const worst = (lights: { level: Level }[]): Level => lights.reduce<Level>
 
 const level = (v: number, watch: number, bad: number): Level => (v > bad ? "bad" : v > watch ? "watch" : "good");
 
-/** Mean compression above which a liquid is soft, and above which it is no liquid any more. */
+/** Mean compression above which a liquid is soft, and above which it is not a liquid any more. */
 const kCompression = { watch: 0.01, bad: 0.05 };
 /** Share of the particles. */
 const kLost = { watch: 0, bad: 0.001 };
@@ -52,7 +52,7 @@ function compression(reports: Reports): Light {
   const means_ = `The particles of ${node} are ${percent(mean)} denser than at rest, on average. `;
   const why = found === "good"
     ? `${means_}A liquid keeps its volume: up to 1 % is good.`
-    : `${means_}Above 1 % the liquid loses volume, above 5 % it is no liquid any more. A smaller time step (world.cfl or dt), more iterations of the solver, or slower flow help.`;
+    : `${means_}Above 1 % the liquid loses volume, above 5 % it is not a liquid any more. A smaller time step (world.cfl or dt), more iterations of the solver, or slower flow help.`;
   return { name: "Compression", level: found, value: percent(mean), why, node };
 }
 

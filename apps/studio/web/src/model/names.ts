@@ -14,3 +14,13 @@ export function withNumber(path: string, isTaken: (path: string) => boolean): st
     if (!isTaken(next)) return next;
   }
 }
+
+/** Why a scene cannot be saved under a name, or null. */
+export function pathProblem(path: string): string | null {
+  if (path === "") return "A file needs a name.";
+  if (path.endsWith("/")) return "That is a folder: a name behind the last / makes it a file.";
+  if (path.includes("\\")) return "Folders are parted by /, not by \\.";
+  if (path.startsWith("/") || path.split("/").includes("..")) return "Only files below the served folder can be written: a path that begins with neither / nor ..";
+  if (path.split("/").some((part) => part.startsWith("."))) return "Names that begin with a dot are hidden, and cannot be written.";
+  return null;
+}

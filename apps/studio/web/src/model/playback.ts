@@ -36,3 +36,6 @@ export function ticks(low: number, high: number, most: number): number[] {
 
 /** "1 frame", "2 frames" */
 export const counted = (n: number, what: string): string => `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
+
+/** The frames up to `last` that can be looked at again, where 0, `every` and its multiples are kept. */
+export const recordedFrames = (last: number, every: number): number[] => Array.from({ length: Math.floor(last / every) + 1 }, (_, i) => i * every);

@@ -191,6 +191,17 @@ export function linkProblem(scene: Scene, types: Types, l: LinkEnds): string | n
   return null;
 }
 
+/** All links that a node could have, and has not. */
+export function linksFor(scene: Scene, types: Types, name: string): LinkEnds[] {
+  const ends = (from: string, to: string): LinkEnds[] => {
+    const outputs = types.nodes[scene.nodes[from]?.type ?? ""]?.outputs ?? [], inputs = types.nodes[scene.nodes[to]?.type ?? ""]?.inputs ?? [];
+    return outputs.flatMap((o) => inputs.map((i) => ({ from, output: o.name, to, input: i.name })));
+  };
+  const others = Object.keys(scene.nodes).filter((n) => n !== name);
+  const all = [...others.flatMap((n) => ends(name, n)), ...others.flatMap((n) => ends(n, name))];
+  return all.filter((l) => linkProblem(scene, types, l) === null);
+}
+
 function reaches(links: LinkEnds[], from: string, to: string): boolean {
   const seen = new Set<string>();
   const open = [from];
@@ -229,11 +240,14 @@ function setIn(object: JsonObject | undefined, path: string[], value: Json | und
 /** Where parameters stand: a node's, a module's, the world's or a section's. */
 export type Owner = { node: string } | { node: string; module: string } | { section: string };
 
+/** The same object each time: who looks at it sees no change. */
+const kNoParams: JsonObject = {};
+
 export function paramsOf(scene: Scene, owner: Owner): JsonObject {
-  if ("section" in owner) return (scene[owner.section] as JsonObject | undefined) ?? {};
+  if ("section" in owner) return (scene[owner.section] as JsonObject | undefined) ?? kNoParams;
   const node = scene.nodes[owner.node];
-  if ("module" in owner) return node?.modules?.[owner.module]?.params ?? {};
-  return node?.params ?? {};
+  if ("module" in owner) return node?.modules?.[owner.module]?.params ?? kNoParams;
+  return node?.params ?? kNoParams;
 }
 
 /** `undefined` takes the parameter back to its default. */
@@ -246,6 +260,13 @@ export function setParam(scene: Scene, owner: Owner, path: string[], value: Json
     return setModule(scene, owner.node, owner.module, { ...module, params: setIn(module?.params, path, value) });
   }
   return { ...scene, nodes: { ...scene.nodes, [owner.node]: { ...node, params: setIn(node.params, path, value) } } };
+}
+
+/** All parameters of an owner at once. */
+export function setParams(scene: Scene, owner: Owner, params: JsonObject): Scene {
+  if ("section" in owner) return { ...scene, [owner.section]: params };
+  if ("module" in owner) return setModule(scene, owner.node, owner.module, { ...scene.nodes[owner.node]?.modules?.[owner.module], params });
+  return { ...scene, nodes: { ...scene.nodes, [owner.node]: { ...scene.nodes[owner.node]!, params } } };
 }
 
 function setModule(scene: Scene, node: string, module: string, spec: ModuleSpec | null): Scene {
@@ -287,11 +308,12 @@ export const enableModule = (scene: Scene, node: string, module: string, enabled
 export const replaceModule = (scene: Scene, node: string, module: string, type: string): Scene =>
   setModule(scene, node, module, { ...scene.nodes[node]?.modules?.[module], type, params: {} });
 
-export function insertModule(scene: Scene, node: string, type: NodeType, module: string): Scene {
+/** Behind a module, or else at the end. */
+export function insertModule(scene: Scene, node: string, type: NodeType, module: string, after?: string): Scene {
   const list = pipelineOf(scene, node, type);
   let name = nameOfType(module);
   for (let i = 2; list.some((m) => m.name === name); ++i) name = `${nameOfType(module)}_${i}`;
-  const last = list.at(-1);
+  const last = list.find((m) => m.name === after) ?? list.at(-1);
   return setModule(scene, node, name, last ? { type: module, after: last.name } : { type: module });
 }
 
@@ -305,6 +327,16 @@ export function moveModule(scene: Scene, node: string, type: NodeType, module: s
   if (!neighbour) return scene;
   const { after: _a, before: _b, ...rest } = scene.nodes[node]?.modules?.[module] ?? {};
   return setModule(scene, node, module, { ...rest, [by > 0 ? "after" : "before"]: neighbour.name });
+}
+
+/** Puts a module before another one, or at the end. It is placed last, so what the file says of the others does not move it again. */
+export function placeModule(scene: Scene, node: string, type: NodeType, module: string, before: string | null): Scene {
+  const list = pipelineOf(scene, node, type);
+  const at = list.findIndex((m) => m.name === module), next = list[at + 1]?.name ?? null;
+  if (at < 0 || before === module || before === next) return scene;
+  const { after: _a, before: _b, ...rest } = scene.nodes[node]?.modules?.[module] ?? {};
+  const place = before === null ? { after: list.at(-1)!.name } : { before };
+  return setModule(setModule(scene, node, module, null), node, module, { ...rest, ...place });
 }
 
 /** Nodes with the links between them, notes and groups, to be pasted elsewhere. */

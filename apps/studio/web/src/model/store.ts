@@ -20,6 +20,10 @@ export interface Status {
   stepping_seconds?: number;
   /** 0 to 1 */
   device_busy?: number;
+  /** Which node is set up while the scene is built, how many were before, and how many there are. */
+  building?: { node: string; done: number; all: number };
+  /** Of the frames of the run, 0, this and its multiples can be looked at again. */
+  recorded_every?: number;
   problem?: Problem;
 }
 
@@ -129,8 +133,8 @@ interface Offered {
   written?: number | undefined;
 }
 
-const kMostSamples = 4000;
-const kMostLines = 1000;
+const kMaxSamples = 4000;
+const kMaxLines = 1000;
 
 export const useStudio = create<Studio>()(
   temporal(
@@ -273,7 +277,7 @@ interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | 
 /** Another scene is there, and nothing of the one before. */
 const opened = () => ({ opened: get().opened + 1, numbers: null, samples: [], picked: null });
 
-/** Shows what the server has; that is no edit. */
+/** Shows what the server has; that is not an edit. */
 function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState, keepHistory = false): void {
   applying = true;
   set({ ...more, scene: placeAll(fromFile(scene), get().types), sceneState, taken: true });
@@ -365,7 +369,7 @@ function receive(name: string, data: unknown): void {
   if (name === "numbers") takeNumbers(data as JsonObject);
   if (name === "log") {
     const line = { ...(data as Omit<LogLine, "at">), at: Date.now() };
-    set({ log: [...get().log, line].slice(-kMostLines) });
+    set({ log: [...get().log, line].slice(-kMaxLines) });
   }
   if (name === "scene") {
     const { scene, draft: _, ...sceneState } = data as ServedScene;
@@ -407,7 +411,7 @@ function takeNumbers(numbers: JsonObject): void {
   if (typeof numbers["particles"] === "number") values["particles"] = numbers["particles"];
   const time = Number(numbers["simulated_seconds"] ?? 0);
   const samples = get().samples.filter((s) => s.time < time);
-  set({ numbers, samples: [...samples, { time, values }].slice(-kMostSamples) });
+  set({ numbers, samples: [...samples, { time, values }].slice(-kMaxSamples) });
 }
 
 // Editing. Each change goes to the server at once, which answers with what is wrong.

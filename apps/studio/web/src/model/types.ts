@@ -9,6 +9,8 @@ export interface Parameter {
   /** Of lists: the kind of their elements, where there is an editor for it. */
   elements?: string;
   doc: string;
+  /** Other words for it, by which people look for it. */
+  also?: string[];
   default: Json;
   unit?: string;
   min?: number;
@@ -16,6 +18,8 @@ export interface Parameter {
   max?: number;
   soft_min?: number;
   soft_max?: number;
+  /** The choices of another parameter of the same owner with which it means anything; always where there are none. */
+  only_for?: { parameter: string; choices: string[] };
   live: boolean;
   animated: boolean;
   choices?: { [name: string]: string };
@@ -44,6 +48,7 @@ export interface ModuleSlot {
 
 export interface NodeType {
   doc: string;
+  also?: string[];
   source: string;
   inputs: InputType[];
   outputs: OutputType[];
@@ -54,6 +59,7 @@ export interface NodeType {
 
 export interface ModuleType {
   doc: string;
+  also?: string[];
   source: string;
   family: string;
   parameters: Parameter[];

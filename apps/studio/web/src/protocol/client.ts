@@ -104,6 +104,8 @@ export interface ServedFile {
   path: string;
   folder: boolean;
   bytes: number;
+  /** Seconds since 1970; 0 where nobody knows. */
+  modified?: number;
 }
 
 /** A scene to start from. `thumbnail` is an address, or "". */

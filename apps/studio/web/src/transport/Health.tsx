@@ -3,7 +3,8 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { Icon } from "../Icon";
 import { lightsOf, worst, type Level } from "../model/health";
 import { counted } from "../model/playback";
-import { useStudio } from "../model/store";
+import { shorterSteps } from "../model/remedy";
+import { askRun, edit, useStudio } from "../model/store";
 import { useWarnings } from "../model/warnings";
 
 const kWords: { [level in Level]: string } = { unknown: "not known yet", good: "good", watch: "look at it", bad: "bad" };
@@ -21,6 +22,13 @@ export function Health() {
     for (const type of ["pointerdown", "keydown"]) addEventListener(type, leave, true);
     return () => ["pointerdown", "keydown"].forEach((type) => removeEventListener(type, leave, true));
   }, [open]);
+  const remedy = useStudio((s) => s.role === "writer" && s.types !== null) ? shorterSteps(useStudio.getState().scene, useStudio.getState().types!.world) : null;
+  const help = async () => {
+    if (!remedy) return;
+    setOpen(false);
+    edit(remedy.change);
+    if (await askRun("reset")) await askRun("play");
+  };
   const select = (node: string) => useStudio.setState({ selected: [node], selectedLinks: [] });
   const all = worst([...lights, { level: warnings.length > 0 ? "watch" : "unknown" }]);
   return (
@@ -33,7 +41,8 @@ export function Health() {
         <div className="why" role="dialog" aria-label="Health of the run">
           {lights.map((l) => (
             <p key={l.name} className={`light ${l.level}`}>
-              <i /><span><b>{l.name}: {l.value}</b>, {kWords[l.level]}. {l.why} {l.node && l.level !== "good" && <button onClick={() => select(l.node!)}>Show {l.node}</button>}</span>
+              <i /><span><b>{l.name}: {l.value}</b>, {kWords[l.level]}. {l.why} {l.node && l.level !== "good" && <button onClick={() => select(l.node!)}>Show {l.node}</button>}{" "}
+                {remedy && (l.level === "watch" || l.level === "bad") && <button className="wanted" onClick={() => void help()}>{remedy.text}</button>}</span>
             </p>
           ))}
           {warnings.map((w) => (

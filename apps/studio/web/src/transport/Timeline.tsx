@@ -1,7 +1,7 @@
 // All frames of the run on a ruler: which are recorded, which one is shown, and their playback.
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
-import { advance, ticks } from "../model/playback";
+import { advance, recordedFrames, ticks } from "../model/playback";
 import { lookAt, useStudio } from "../model/store";
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -63,7 +63,9 @@ export function Timeline() {
   const share = (f: number) => `${(100 * f) / frames}%`;
   const idle = frame === 0;
   const go = (f: number) => (stop(), void lookAt(f));
-  const dense = 1 / frames < kBand;
+  const every = status.recorded_every ?? 1;
+  const dense = every / frames < kBand;
+  const marks = dense ? [] : recordedFrames(frame, every);
   return (
     <div className="timeline" role="group" aria-label="Recorded frames">
       <button aria-label="First frame" title="First frame" disabled={idle} onClick={() => go(0)}><Icon name="first" /></button>
@@ -74,10 +76,10 @@ export function Timeline() {
       <select aria-label="Speed of playback" title="Of playback, against real time" value={speed} onChange={(e) => setSpeed(Number(e.target.value))}>
         {kSpeeds.map((s) => <option key={s} value={s}>{s}×</option>)}
       </select>
-      <div className="ruler">
+      <div className="ruler" title={every > 1 ? `Memory is short: every ${every}th frame is kept, the nearest is shown` : undefined}>
         <i className={dense ? "recorded band" : "recorded"} style={{ width: share(frame) }} />
-        {!dense && Array.from({ length: frame + 1 }, (_, i) => <i key={i} className="mark" style={{ left: share(i) }} />)}
-        {ticks(0, frames, kTicks).map((t) => <span key={t} className={t > 0.97 * frames ? "tick last" : "tick"} style={{ left: share(t) }}>{t.toLocaleString("en")}</span>)}
+        {marks.map((f) => <i key={f} className="mark" style={{ left: share(f) }} />)}
+        {ticks(0, frames, kTicks).filter(Number.isInteger).map((t) => <span key={t} className={t > 0.97 * frames ? "tick last" : "tick"} style={{ left: share(t) }}>{t.toLocaleString("en")}</span>)}
         <i className="present" style={{ left: share(frame) }} />
         <input
           type="range" aria-label="Frame" min={0} max={frames} value={at} disabled={idle}

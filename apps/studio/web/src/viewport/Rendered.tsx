@@ -4,7 +4,7 @@ import { client, say, useStudio, viewers } from "../model/store";
 import { PictureLoop } from "./pictures";
 import type { View } from "./view";
 
-const kMostWidth = 1920;
+const kMaxWidth = 1920;
 
 export function Rendered({ view, onFailed }: { view: View; onFailed(): void }) {
   const image = useRef<HTMLImageElement>(null);
@@ -21,7 +21,7 @@ export function Rendered({ view, onFailed }: { view: View; onFailed(): void }) {
     const made = new PictureLoop({
       camera: () => view.pose(),
       size: () => {
-        const scale = Math.min(devicePixelRatio, kMostWidth / box.clientWidth);
+        const scale = Math.min(devicePixelRatio, kMaxWidth / box.clientWidth);
         return { width: scale * box.clientWidth, height: scale * box.clientHeight };
       },
       ask: async (fields) => (await client.ask<{ drawn: boolean }>("picture", fields)).drawn,

@@ -1,5 +1,6 @@
 // The view with its tools: camera, colours, handles, and the particle that was clicked.
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { setParam } from "../model/scene";
 import { edit, last, lookAt, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
@@ -7,13 +8,17 @@ import { forRunner, offOf } from "../model/switchedOff";
 import type { JsonObject } from "../model/types";
 import { gradient, isColorMap, kColorMaps, type Ramp } from "./colorMaps";
 import { hexOf } from "../properties/fields";
+import { Building } from "./Building";
 import { handleOf, outlinesOf } from "./outlines";
 import { PickedParticle } from "./PickedParticle";
 import { Recorder } from "./Recorder";
 import { Rendered } from "./Rendered";
 import { kPresets, View, type Preset, type ViewEvents } from "./view";
 
-const kMostChoices = [50_000, 200_000, 1_000_000];
+const kMaxChoices = [50_000, 200_000, 1_000_000];
+
+/** Pixels that a hand may tremble in a click. */
+const kTremble = 3;
 
 interface Key {
   low: number;
@@ -32,7 +37,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [rendered, setRendered] = useState(false);
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => setRendered(false), []);
-  const [most, setMost] = useState(kMostChoices[1]!);
+  const [most, setMost] = useState(kMaxChoices[1]!);
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
   const selected = useStudio((s) => s.selected);
@@ -118,9 +123,23 @@ export function Viewport({ dark }: { dark: boolean }) {
     edit((s) => setParam(s, { section: "render" }, ["camera"], { ...((s["render"] as JsonObject)?.["camera"] as JsonObject), ...pose }));
   };
 
+  const tools = (): MenuItems => menuOf(
+    { name: "Show everything", take: () => view?.fit() },
+    ...Object.keys(kPresets).map((p) => ({ name: `From ${p === "iso" ? "a corner" : p}`, take: () => view?.fit(p as Preset) })), null,
+    { name: "Use this camera for videos", off: !view, take: keepCamera },
+    { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
+    { name: rendered ? "Particles" : "Rendered", off: noPictures !== undefined, take: () => setRendered(!rendered) },
+  );
+  // A right drag moves the camera, a right click opens the menu.
+  const pressed = useRef({ x: 0, y: 0 });
+  const menu = (e: React.PointerEvent) => {
+    const { x, y } = pressed.current;
+    if (e.button === 2 && Math.hypot(e.clientX - x, e.clientY - y) <= kTremble) showMenu(e, "View", tools());
+  };
+
   return (
     <div className={pictured ? "viewport pictured" : "viewport"} aria-label="Simulation view">
-      {building && <p className="building">Building the scene…</p>}
+      {building && <Building />}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
           aria-pressed={rendered} disabled={noPictures !== undefined} onClick={() => setRendered(!rendered)}
@@ -145,10 +164,13 @@ export function Viewport({ dark }: { dark: boolean }) {
           {Object.keys(kColorMaps).map((m) => <option key={m}>{m}</option>)}
         </select>
         <select aria-label="Most particles" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
-          {kMostChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
+          {kMaxChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
-      <div className="stage" ref={element}>{pictured && view && <Rendered view={view} onFailed={stopRendered} />}</div>
+      <div
+        className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
+        onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}</div>
       {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
       {key && !pictured && (

@@ -73,15 +73,15 @@ function shapeOf(v: Values): THREE.Object3D | null {
   return object;
 }
 
-function nozzleOf(type: string, v: Values): THREE.Object3D {
+function nozzleOf(isSquare: boolean, v: Values): THREE.Object3D {
   const group = new THREE.Group();
   const kColor = "#f0a030";
   const [width, height, radius] = [Number(v("width")), Number(v("height")), Number(v("radius"))];
-  const mouth = type === "SquareEmitter"
+  const mouth = isSquare
     ? new THREE.BoxGeometry(width, 1e-4, height)
     : new THREE.CylinderGeometry(radius, radius, 1e-4, 24);
   group.add(lines(mouth, kColor));
-  const size = type === "SquareEmitter" ? Math.max(width, height) : 2 * radius;
+  const size = isSquare ? Math.max(width, height) : 2 * radius;
   group.add(new THREE.ArrowHelper(new THREE.Vector3(0, -1, 0), new THREE.Vector3(), 1.5 * size, kColor, 0.4 * size, 0.25 * size));
   group.position.copy(vector(v("position")));
   group.quaternion.copy(quaternionOf(v("rotation")));
@@ -97,8 +97,8 @@ export function outlinesOf(scene: Scene, types: Types): Map<string, THREE.Object
     const v = valuesOf(spec.params, type.parameters);
     const has = (p: string) => type.parameters.some((q) => q.name === p);
     const object =
-      spec.type === "StaticBoundary" ? shapeOf(v)
-      : has("speed") && has("position") ? nozzleOf(spec.type, v)
+      has("shape") ? shapeOf(v)
+      : has("speed") && has("position") ? nozzleOf(has("width"), v)
       : has("min") && has("max") && !type.outputs.some((o) => o.type === "TriangleMesh") ? shapeOf((n) => (n === "shape" ? "box" : v(n)))
       : null;
     if (object) found.set(name, object);

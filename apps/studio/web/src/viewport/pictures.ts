@@ -16,7 +16,7 @@ export interface PictureSource {
 
 const kStillMs = 250;
 const kRetryMs = 500;
-const kLeastPixels = 16;
+const kMinPixels = 16;
 
 export class PictureLoop {
   private running = true;
@@ -65,7 +65,7 @@ export class PictureLoop {
     this.dirty = false;
     const scale = this.moving ? 0.5 : 1;
     const { width, height } = this.source.size();
-    const pixels = (n: number) => Math.max(kLeastPixels, 2 * Math.round((scale * n) / 2));
+    const pixels = (n: number) => Math.max(kMinPixels, 2 * Math.round((scale * n) / 2));
     try {
       const drawn = await this.source.ask({
         ...this.source.camera(), width: pixels(width), height: pixels(height), samples: this.moving ? 1 : 2, newer,

@@ -1,0 +1,199 @@
+// What the studio does about the run: what clients order and ask, and what the simulation tells them.
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "apps/studio/session/message.h"
+#include "apps/studio/session/particle_values.h"
+#include "apps/studio/session/studio.h"
+#include "framework/compute/device.h"
+
+namespace weir::studio {
+
+namespace {
+
+/// Frames that may be under way to a viewer; more would be shown late.
+constexpr int kMaxUnseen = 2;
+
+}  // namespace
+
+void Studio::reset(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  if (message.find("device") != nullptr) {
+    const std::string device = textMember(message, "device");
+    // Kept only if it can be used: who names none gets the last one.
+    if (device != device_) (void)openDevice(device, options_.threads);
+    device_ = device;
+  }
+  CheckedScene checked = check();
+  if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
+  running_ = check().scene;
+  const bool differed = reset_.has_value();
+  reset_.reset();
+  recording_.clear();
+  geometry_.reset();
+  host_.load(std::move(checked.scene), device_);
+  if (differed) tell("scene", sceneValue(), client);
+  result = sceneState();
+  result["device"] = device_;
+}
+
+bool Studio::isState(HostState state) const {
+  const Value* name = status_.find("state");
+  return name != nullptr && name->asString() == nameOf(state);
+}
+
+bool Studio::needsReset() const {
+  return !running_ || isState(HostState::kFailed) || isState(HostState::kFinished);
+}
+
+void Studio::play(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  if (needsReset()) reset(client, message, result);
+  host_.play();
+}
+
+void Studio::pause(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  host_.pause();
+}
+
+void Studio::cancel(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  if (!isState(HostState::kBuilding)) return;
+  running_.reset();
+  reset_.reset();
+  recording_.clear();
+  geometry_.reset();
+  host_.load(nullptr, device_);
+}
+
+void Studio::step(ClientId client, const Value& message, Value& result) {
+  constexpr std::int64_t kMaxFrames = 1'000'000;
+  const std::int64_t frames =
+      message.find("frames") != nullptr ? wholeMember(message, "frames", 1, kMaxFrames) : 1;
+  requireWriter(client);
+  if (needsReset()) reset(client, message, result);
+  host_.advance(frames);
+}
+
+void Studio::seek(ClientId client, const Value& message, Value& result) {
+  const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
+  const Packet packet = recording_.nearest(frame);
+  result["found"] = packet != nullptr;
+  if (packet) sendFrame(client, clients_[client], packet);
+}
+
+void Studio::setView(ClientId client, const Value& message, Value&) {
+  requireWriter(client);
+  constexpr std::int64_t kMaxParticles = 20'000'000;
+  FrameView view;
+  view.attribute = textMember(message, "attribute");
+  view.max = wholeMember(message, "most", 1, kMaxParticles);
+  host_.show(std::move(view));
+}
+
+void Studio::confirm(ClientId client, const Value&, Value& result) {
+  Client& c = clients_[client];
+  c.unseen = std::max(0, c.unseen - 1);
+  if (const Packet next = std::exchange(c.next, nullptr)) sendFrame(client, c, next);
+  result = {};
+}
+
+void Studio::answerLater(ClientId client, const Value& message, Value& result,
+                         std::function<Value(const Simulation&)> f) {
+  const Value* id = message.find("id");
+  const auto answer = [this, client, f = std::move(f),
+                       id = id != nullptr ? *id : Value()](Simulation* simulation) {
+    Value reply = Value::object();
+    reply["id"] = id;
+    try {
+      reply["result"] = simulation != nullptr ? f(*simulation) : Value();
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::kUsage) throw;  // the simulation failed
+      reply["error"] = problemOf(e);
+    }
+    server_.sendText(client, writeJsonLine(reply));
+  };
+  if (!host_.ask(client, answer))
+    throw usageError("this window asks faster than the simulation answers",
+                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
+  result = {};
+}
+
+void Studio::askParticle(ClientId client, const Value& message, Value& result) {
+  const std::string node = textMember(message, "node");
+  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
+  answerLater(client, message, result, [node, particle](const Simulation& simulation) {
+    return particleValue(simulation, node, particle);
+  });
+}
+
+void Studio::askParticles(ClientId client, const Value& message, Value& result) {
+  constexpr std::int64_t kMaxRows = 1000;
+  ParticlePage page;
+  page.node = textMember(message, "node");
+  if (message.find("sort") != nullptr) page.sort = textMember(message, "sort");
+  if (message.find("descending") != nullptr) page.descending = switchMember(message, "descending");
+  if (message.find("from") != nullptr)
+    page.from = wholeMember(message, "from", 0, std::numeric_limits<std::int32_t>::max());
+  if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMaxRows);
+  answerLater(client, message, result,
+              [page](const Simulation& simulation) { return particlePageValue(simulation, page); });
+}
+
+// What the simulation tells
+
+void Studio::status(const Value& status) {
+  const std::string& state = status.find("state")->asString();
+  if (state == nameOf(HostState::kFinished) || state == nameOf(HostState::kFailed)) desk_.stopVideo();
+  // Those who wait for a picture of a run that could not begin are told so.
+  if (state == nameOf(HostState::kFailed)) host_.serve();
+  server_.post([this, status] {
+    status_ = status;
+    status_["recorded_every"] = recording_.every();
+    tell("status", status_);
+  });
+}
+
+void Studio::numbers(const Value& numbers) {
+  server_.post([this, numbers] { tell("numbers", numbers); });
+}
+
+void Studio::geometry(const Packet& packet) {
+  server_.post([this, packet] {
+    geometry_ = packet;
+    for (const auto& [client, unused] : clients_) server_.sendBinary(client, packet);
+  });
+}
+
+void Studio::frame(std::int64_t frame, const Packet& packet) {
+  server_.post([this, frame, packet] {
+    recording_.add(frame, packet);
+    for (auto& [id, client] : clients_) sendFrame(id, client, packet);
+  });
+}
+
+void Studio::reached(Simulation& simulation) {
+  desk_.frame(simulation);
+}
+
+void Studio::serve(Simulation* simulation) {
+  desk_.serve(simulation);
+}
+
+void Studio::leaving() {
+  desk_.leave();
+}
+
+void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {
+  if (!client.wantsFrames) return;
+  if (client.unseen >= kMaxUnseen) {
+    client.next = packet;
+    return;
+  }
+  ++client.unseen;
+  server_.sendBinary(id, packet);
+}
+
+}  // namespace weir::studio

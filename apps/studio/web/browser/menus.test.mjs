@@ -1,0 +1,262 @@
+// What is found without knowing the keys, and what is done without a pointer: menus, links and values by the keyboard, modules
+// in their order, a graph that stays fitted, a build that is given up, and a window that only watches.
+import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before } from "node:test";
+import { step } from "./steps.mjs";
+import { Hands, openPage, openWindow, startServer } from "./studio.mjs";
+
+const kScene = {
+  weir: 1, title: "Blocks", world: { duration: 0.04, frame_rate: 100 },
+  nodes: {
+    block: { type: "BoxSampler", params: { min: [0, 0, 0], max: [0.2, 0.2, 0.2] } },
+    tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [1, 1, 1], inverted: true } },
+    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 } },
+  },
+  links: ["block.particles -> water.initial"],
+};
+
+let server, browser, context, page, mistakes, hands;
+
+before(async () => {
+  server = await startServer();
+  await writeFile(join(server.folder, "blocks.json"), JSON.stringify(kScene));
+  await writeFile(join(server.folder, "other.json"), JSON.stringify({ ...kScene, title: "Other" }));
+  ({ browser, context, page, mistakes } = await openPage(server.address, { width: 1280, height: 800 }));
+  hands = new Hands(page);
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+const state = (name) => page.locator(".state").filter({ hasText: name }).waitFor();
+const menu = (name) => page.getByRole("menu", { name });
+const take = (of, name) => menu(of).getByRole("menuitem", { name, exact: true }).click();
+const rows = () => hands.aside().locator(".parameters").first().locator("> .row").evaluateAll((all) => all.map((r) => r.dataset.param));
+
+/** Waits until the file, which is saved anew, is as it should be. */
+async function saved(isRight) {
+  await page.keyboard.press("Control+s");
+  for (let i = 0; i < 100; ++i) {
+    const scene = JSON.parse(await readFile(join(server.folder, "blocks.json"), "utf8"));
+    if (isRight(scene)) return;
+    await page.waitForTimeout(100);
+  }
+  assert.fail(await readFile(join(server.folder, "blocks.json"), "utf8"));
+}
+
+step("Open tells how old scenes are, and finds one by its name", async () => {
+  await page.getByRole("button", { name: "Open", exact: true }).click();
+  const box = page.getByRole("dialog", { name: "Open a scene" });
+  await box.getByRole("button", { name: /^other.*(second|minute|now)/ }).waitFor();
+  await page.keyboard.type("blo");
+  await box.getByRole("button", { name: "other" }).waitFor({ state: "detached" });
+  await page.keyboard.press("Enter");
+  await hands.node("water").waitFor();
+  await state("paused");
+  await hands.arrange();
+});
+
+step("what means nothing under a choice is not shown, and goes with the choice", async () => {
+  await hands.select("tank");
+  assert.deepEqual((await rows()).slice(0, 4), ["shape", "min", "max", "rotation"]);
+  const label = hands.aside().locator('[data-param="cell_size"] .name');
+  assert.match(await label.innerText(), /^Cell size/);
+  assert.match(await label.getAttribute("title"), /In the scene's file: cell_size/);
+  await hands.set(hands.aside(), "shape", "enum", "sphere");
+  await hands.aside().getByLabel("radius", { exact: true }).waitFor();
+  assert.deepEqual((await rows()).slice(0, 3), ["shape", "position", "radius"]);
+  await saved((s) => s.nodes.tank.params.shape === "sphere" && !("min" in s.nodes.tank.params));
+  assert.equal(await page.locator(".problem-line").count(), 0);
+  // They come back with it.
+  await hands.set(hands.aside(), "shape", "enum", "box");
+  await hands.aside().getByLabel("max x", { exact: true }).waitFor();
+  await saved((s) => s.nodes.tank.params.max[0] === 1 && s.nodes.tank.params.shape === "box");
+});
+
+step("a right click tells what can be done with nodes, links, the ground, values and the view", async () => {
+  await hands.node("block").locator("strong").click({ button: "right" });
+  await take("Node", "Mute");
+  await page.locator('[data-node="block"].muted').waitFor();
+  await hands.node("block").locator("strong").click({ button: "right" });
+  await page.keyboard.press("Escape");
+  await menu("Node").waitFor({ state: "detached" });
+  await hands.pressInGraph("Control+z");
+  await hands.node("block").locator("strong").click({ button: "right" });
+  await take("Node", "Disconnect");
+  await hands.edge("block.particles -> water.initial").waitFor({ state: "detached" });
+  await hands.pressInGraph("Control+z");
+  await hands.edge("block.particles -> water.initial").waitFor({ state: "attached" });
+  const spot = await hands.edge("block.particles -> water.initial").evaluate((edge) => {
+    const path = edge.querySelector("path");
+    const { x, y } = path.getPointAtLength(path.getTotalLength() / 2).matrixTransform(path.getScreenCTM());
+    return { x, y };
+  });
+  await page.mouse.click(spot.x, spot.y, { button: "right" });
+  await take("Link", "Go to water");
+  await page.locator('[data-node="water"].selected').waitFor();
+  await hands.pointAtGraph();
+  const ground = await page.locator(".graph").boundingBox();
+  await page.mouse.click(ground.x + ground.width - 30, ground.y + 12, { button: "right" });
+  // The first is chosen and taken by keys alone.
+  await menu("Graph").waitFor();
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  await page.getByRole("textbox", { name: "Search nodes" }).waitFor();
+  await page.keyboard.press("Escape");
+  await hands.select("water");
+  await hands.aside().locator('[data-param="rest_steps"] .name').click({ button: "right" });
+  await take("rest_steps", "Back to the default");
+  await hands.aside().getByRole("button", { name: "Reset rest_steps" }).waitFor({ state: "detached" });
+  await hands.pressInGraph("Control+z");
+  const stage = await page.locator(".stage").boundingBox();
+  const middle = [stage.x + stage.width / 2, stage.y + stage.height / 2];
+  await page.mouse.click(...middle, { button: "right" });
+  await take("View", "From top");
+  // A right drag moves the camera, and opens nothing.
+  await page.mouse.move(...middle);
+  await page.mouse.down({ button: "right" });
+  await page.mouse.move(middle[0] + 40, middle[1], { steps: 4 });
+  await page.mouse.up({ button: "right" });
+  await page.waitForTimeout(100);
+  assert.equal(await page.getByRole("menu").count(), 0);
+});
+
+step("links are made, and values reached, by the keyboard alone", async () => {
+  await hands.pressInGraph("Escape");
+  while ((await page.locator(".scene-node.selected").evaluateAll((all) => all.map((n) => n.dataset.node)))[0] !== "tank") await hands.pressInGraph("PageDown");
+  await hands.pressInGraph("k");
+  await page.getByRole("textbox", { name: "Search links" }).waitFor();
+  await page.keyboard.type("water");
+  await page.keyboard.press("Enter");
+  await hands.edge("tank.boundary -> water.boundaries").waitFor({ state: "attached" });
+  await hands.pressInGraph("Tab");
+  await page.waitForFunction(() => document.activeElement.getAttribute("aria-label") === "shape");
+  assert.equal(await page.locator(".add-menu").count(), 0);
+});
+
+step("a module is found by its text, comes behind the chosen one, is opened, and is dragged", async () => {
+  const modules = () => page.locator("aside .modules > ol > li").evaluateAll((all) => all.map((m) => m.dataset.module));
+  await hands.select("water");
+  await hands.aside().getByRole("button", { name: "viscosity", exact: true }).click();
+  await hands.aside().getByRole("button", { name: "Insert a module…" }).click();
+  await page.getByRole("textbox", { name: "Search modules" }).waitFor();
+  await page.keyboard.type("eddies");
+  await page.locator('.inserter [aria-selected="true"]').filter({ hasText: "VorticityConfinement" }).waitFor();
+  await page.keyboard.press("Enter");
+  await page.locator('aside [data-module="vorticity_confinement"] button.title[aria-expanded="true"]').waitFor();
+  const names = await modules();
+  assert.equal(names[names.indexOf("viscosity") + 1], "vorticity_confinement");
+  await hands.aside().locator('[data-module="vorticity_confinement"] .module').dragTo(hands.aside().locator('[data-module="viscosity"] .module'), { sourcePosition: { x: 4, y: 8 }, targetPosition: { x: 4, y: 8 } });
+  await page.waitForFunction(() => document.querySelector('aside [data-module="vorticity_confinement"]').nextElementSibling?.dataset.module === "viscosity");
+  await hands.pressInGraph("Control+z", "Control+z");
+  await page.locator('aside [data-module="vorticity_confinement"]').waitFor({ state: "detached" });
+  // The modules of a node lie beside the view, which stays as it is seen.
+  await hands.pressInGraph("Enter");
+  await page.getByRole("dialog", { name: "Inside water" }).waitFor();
+  assert.equal(await page.locator(".shade").count(), 0);
+  await page.keyboard.press("Escape");
+});
+
+step("the graph is fitted again when its pane changes, unless it was moved, and its map covers nothing", async () => {
+  const allSeen = () => page.evaluate(() => {
+    const pane = document.querySelector(".graph").getBoundingClientRect();
+    return [...document.querySelectorAll(".scene-node")].every((n) => {
+      const b = n.getBoundingClientRect();
+      return b.left >= pane.left && b.right <= pane.right && b.top >= pane.top && b.bottom <= pane.bottom;
+    });
+  });
+  await hands.pressInGraph("f");
+  await hands.stillness();
+  assert.ok(await page.locator(".overview").isHidden());
+  await page.setViewportSize({ width: 900, height: 560 });
+  await page.waitForTimeout(200);
+  await hands.stillness();
+  assert.ok(await allSeen());
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await page.waitForTimeout(200);
+  await hands.stillness();
+  const ground = await page.locator(".graph").boundingBox();
+  await page.mouse.move(ground.x + ground.width - 30, ground.y + 12);
+  await page.mouse.down();
+  await page.mouse.move(ground.x + 90, ground.y + 40, { steps: 4 });
+  await page.mouse.up();
+  await hands.stillness();
+  await page.locator(".overview").waitFor();
+  const place = () => page.locator(".react-flow__viewport").evaluate((e) => e.style.transform);
+  const before = await place();
+  await page.setViewportSize({ width: 1200, height: 760 });
+  await page.waitForTimeout(300);
+  assert.equal(await place(), before);
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await hands.pressInGraph("f");
+  await hands.stillness();
+});
+
+step("a run that goes wrong is helped by one click", async () => {
+  await hands.pressInGraph("Escape");
+  await hands.set(hands.aside(), "gravity", "vec3", [0, -1e8, 0]);
+  await hands.pressInGraph("r");
+  await page.locator(".reset-hint").waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.locator(".light", { hasText: "compression" }).and(page.locator(".watch, .bad")).waitFor();
+  await page.getByRole("button", { name: /^Health: (look at it|bad)/ }).click();
+  await page.getByRole("button", { name: "Halve dt to 0.0005 s and begin anew" }).first().click();
+  await saved((s) => s.world.dt === 0.0005);
+  await hands.pressInGraph("Control+z");
+  await hands.set(hands.aside(), "gravity", "vec3", [0, -9.8, 0]);
+});
+
+step("a build says what it is at, and can be given up", async () => {
+  await hands.select("block");
+  await hands.set(hands.aside(), "max", "vec3", [1, 1, 1]);
+  await hands.select("water");
+  await hands.set(hands.aside(), "spacing", "float", 0.02);
+  await hands.set(hands.aside(), "rest_steps", "int", 1000000);
+  await hands.pressInGraph("r");
+  await page.locator(".building").filter({ hasText: /Building the scene.*water, 3 of 3/s }).waitFor();
+  await page.locator(".building").getByRole("button", { name: "Cancel" }).click();
+  await state("empty");
+  await page.locator(".building").waitFor({ state: "detached" });
+  assert.equal(await page.locator(".problem-line").count(), 0);
+  await hands.pressInGraph(...Array(3).fill("Control+z"));
+  await hands.pressInGraph("r");
+  await state("paused");
+});
+
+step("the sheet of keys is searched, and names what the pointer does in the view", async () => {
+  await hands.pressInGraph("?");
+  const sheet = page.getByRole("dialog", { name: "Keys" });
+  await sheet.getByRole("region", { name: "View" }).getByText("orbit").waitFor();
+  await page.keyboard.type("bypas");
+  await sheet.getByText("bypass nodes").waitFor();
+  assert.equal(await sheet.locator("tr").count(), 1);
+  await page.keyboard.press("Escape");
+});
+
+step("a path that cannot be written has a sentence", async () => {
+  await page.getByRole("button", { name: "Save as" }).click();
+  const box = page.getByRole("dialog", { name: "Save the scene" });
+  await box.getByLabel("File name").fill("../outside.json");
+  await box.getByRole("alert").filter({ hasText: "below the served folder" }).waitFor();
+  await page.keyboard.press("Escape");
+});
+
+step("a window without the pen has values that can be looked at, and not be changed", async () => {
+  const other = await openWindow(context, new URL("/", server.address).href, mistakes);
+  const theirs = new Hands(other);
+  await theirs.select("water");
+  await theirs.aside().getByText("Another window has the pen").waitFor();
+  assert.ok(await theirs.aside().getByLabel("spacing", { exact: true }).isDisabled());
+  await theirs.aside().getByRole("button", { name: "viscosity", exact: true }).click();
+  await other.locator('[data-module="viscosity"] .parameters').waitFor();
+  await other.getByRole("button", { name: "Take the pen" }).click();
+  await other.waitForFunction(() => !document.querySelector('[aria-label="spacing"]').disabled);
+  await hands.select("water");
+  assert.ok(await hands.aside().getByLabel("spacing", { exact: true }).isDisabled());
+  await other.close();
+});
+
+step("the page had nothing to complain of", () => assert.deepEqual(mistakes, []));

@@ -1,0 +1,92 @@
+#include "nodes/gauge/gauge.h"
+
+#include <cmath>
+
+#include "nodes/gauge/box_sums.h"
+#include "nodes/gauge/near_particles.h"
+
+namespace weir {
+
+namespace {
+
+Value toValue(const Vec3d& v) {
+  return Value::Array{v.x, v.y, v.z};
+}
+
+/// What attributes of the particles say, if there are such.
+void addAttributes(const Particles& particles, double density, double pressure, Value& statistics) {
+  if (hasScalar(particles, "density")) statistics["density"] = density;
+  if (hasScalar(particles, "pressure")) statistics["pressure"] = pressure;
+}
+
+void reportPoint(const Particles& particles, const Vec3f& at, Value& statistics) {
+  const LocalMatter found = NearParticles(particles.set().device(), particles, at, at).at(0);
+  statistics["filled"] = found.filled;
+  if (found.filled == 0) return;
+  statistics["velocity"] = toValue(found.velocity);
+  addAttributes(particles, found.density, found.pressure, statistics);
+}
+
+void reportLine(const Particles& particles, const Vec3f& from, const Vec3f& to, Value& statistics) {
+  const NearParticles near(particles.set().device(), particles, from, to);
+  const FluidOnLine found = fluidOnLine(near, length(to - from), particles.material.spacing);
+  statistics["height"] = found.height;
+  statistics["length"] = found.length;
+}
+
+void reportBox(const Particles& particles, const Aabb& box, Value& statistics) {
+  Device& onDevice = particles.set().device();
+  BoxSums sums;
+  if (particles.set().bound() > 0) {
+    Array<BoxSums> found(onDevice, 1);
+    dispatch(onDevice, [&](auto& device) { sumBox(device, particles, box, found.data()); });
+    sums = found.toHost().front();
+  }
+  const Vec3f size = box.hi - box.lo;
+  statistics["particles"] = sums.particles;
+  statistics["volume"] = sums.volume;
+  statistics["filled"] = sums.volume / (double(size.x) * double(size.y) * double(size.z));
+  statistics["mass"] = sums.mass;
+  statistics["kinetic_energy"] = sums.kineticEnergy;
+  if (sums.mass > 0) statistics["velocity"] = toValue((1 / sums.mass) * sums.momentum);
+  if (sums.volume > 0)
+    addAttributes(particles, sums.density / sums.volume, sums.pressure / sums.volume, statistics);
+}
+
+}  // namespace
+
+void Gauge::validate() const {
+  if (shape == GaugeShape::kLine && !(length(end.get() - position.get()) > 0))
+    throw sceneError("the line has no length, as end is where position is", "an end elsewhere");
+  if (shape == GaugeShape::kPlane && !(length(normal.get()) > 0))
+    throw sceneError("the normal is 0", "a vector of any length but 0").inParameter(normal.name());
+  const Vec3f size = max.get() - min.get();
+  if (shape == GaugeShape::kBox && !(size.x > 0 && size.y > 0 && size.z > 0))
+    throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
+}
+
+void Gauge::reset(const SetupContext& context) {
+  flow_ = Array<double>(context.device, 2);
+  flow_->fillZero();
+}
+
+void Gauge::step(const StepContext& context) {
+  if (shape == GaugeShape::kPlane && particles->set().bound() > 0) measureFlow(context.dt);
+}
+
+void Gauge::measureFlow(double dt) {
+  dispatch(particles->set().device(), [&](auto& device) { flowOn(device, dt); });
+}
+
+void Gauge::report(NodeReport& report) {
+  if (flow_->empty() || !particles->exist()) return;
+  if (shape == GaugeShape::kPoint) reportPoint(*particles, position, report.statistics);
+  if (shape == GaugeShape::kLine) reportLine(*particles, position, end, report.statistics);
+  if (shape == GaugeShape::kBox) reportBox(*particles, {min, max}, report.statistics);
+  if (shape != GaugeShape::kPlane) return;
+  const std::vector<double> flow = flow_->toHost();
+  report.statistics["flow_rate"] = flow[0];
+  report.statistics["volume"] = flow[1];
+}
+
+}  // namespace weir
