@@ -3,8 +3,9 @@
 
 Each source is read with the options that BUILD_FOLDER has for it, and nothing is made of it: a third of the time of a
 build. What the build generates must be there. Variants of kernels for processors are left out, as their sources are read
-for the baseline.
+for the baseline; so is what Clang compiled for the TARGETs of another folder: --compiled FOLDER TARGET [TARGET...].
 """
+import argparse
 import json
 import os
 import pathlib
@@ -36,11 +37,30 @@ def check(entry, clang):
     return entry["file"], done.returncode, done.stdout + done.stderr
 
 
+def inputs_of(folder, targets):
+    """The files that Ninja needs for these targets."""
+    done = subprocess.run(["ninja", "-C", folder, "-t", "inputs", *targets], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"check_clang: ninja knows no inputs of {' '.join(targets)} in {folder}:\n{done.stdout}{done.stderr}")
+    return set(done.stdout.split("\n"))
+
+
+def arguments():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("clang")
+    parser.add_argument("parts", nargs="*")
+    parser.add_argument("--compiled", nargs="+", default=[])
+    return parser.parse_args()
+
+
 def main():
-    build, clang, parts = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    given = arguments()
+    build, clang, parts = given.build, given.clang, given.parts
+    compiled = inputs_of(given.compiled[0], given.compiled[1:]) if given.compiled else set()
     entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
                if entry["file"].endswith(".cpp") and not any(part in entry["command"] for part in LEFT_OUT)
-               and (not parts or any(part in entry["file"] for part in parts))]
+               and (not parts or any(part in entry["file"] for part in parts)) and entry["file"] not in compiled]
     failed = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for file, code, text in pool.map(lambda entry: check(entry, clang), entries):
