@@ -8,8 +8,8 @@ Without scenes: all of resources/scenes. Two programs, or one with different env
 """
 
 import argparse
-import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -30,10 +30,15 @@ def program_of(text):
     return words[split:], dict(word.split("=", 1) for word in words[:split])
 
 
+def step_of(scene):
+    """world.dt in s, which scenes write as a number or in ms."""
+    found = re.search(r'"dt": *"?([-+.\de]+)( ms)?', scene)
+    return float(found[1]) * (1e-3 if found[2] else 1) if found else 0.001
+
+
 def run(program, scene, options, out):
     command, environment = program
-    dt = json.loads(scene.read_text())["world"].get("dt", 0.001)
-    frame = options.steps * dt
+    frame = options.steps * step_of(scene.read_text())
     arguments = ["run", str(scene), "--device", options.device, "--export", str(out), "--quiet", "--frames", "1",
                  "--set", f"world.frame_rate={1 / frame:.9g}", "--set", f"world.duration={frame:.9g}"]
     if options.device == "cpu":

@@ -340,7 +340,7 @@ constexpr TextMutation kTextMutations[] = {editBytes,   editBytes,   truncate,  
 }  // namespace
 
 SceneMutator::SceneMutator(const std::vector<std::string>& scenes) : texts_(scenes) {
-  for (const std::string& text : scenes) scenes_.push_back(parseJson(text, "base scene"));
+  for (const std::string& text : scenes) scenes_.push_back(parseScene(text, "base scene"));
 }
 
 std::string SceneMutator::mutate(std::uint64_t seed) const {

@@ -72,7 +72,8 @@ TEST(Condition, RefusesWhatMeansNothingUnderTheChoice) {
 
 TEST(Condition, IsToldWithOtherWordsForTheParameter) {
   const Tap tap;
-  const Value& radius = parametersAsValue(tap).asArray().at(1);
+  const Value parameters = parametersAsValue(tap);
+  const Value& radius = parameters.asArray().at(1);
   EXPECT_EQ(radius.find("only_for")->find("parameter")->asString(), "shape");
   EXPECT_EQ(*radius.find("only_for")->find("choices"), list({"sphere"}));
   EXPECT_EQ(*radius.find("also"), list({"width", "size"}));
