@@ -306,6 +306,7 @@ def main():
     parser.add_argument("--bulk-modulus", type=float, default=1e7)
     parser.add_argument("--tiles", default="0,1")
     parser.add_argument("--tolerance", type=float, help="solve the whole step until the mean compression is not above this")
+    parser.add_argument("--uniform", action="store_true", help="a linear system with the same right side everywhere")
     parser.add_argument("--gap", type=float, default=0.1, help="how exactly a Newton step is solved")
     parser.add_argument("--plain", action="store_true", help="iterations without momentum, too, which takes long")
     args = parser.parse_args()
@@ -324,6 +325,8 @@ def main():
         energy, e = step.objective(u)
         print(f"{len(x)} particles, c·dt/d = {s**0.5:.3g}: mean compression {e.mean():.2e}", flush=True)
         linear = Linear(step, u)
+        if args.uniform:
+            linear.right = np.ones_like(linear.right)
         for name, precondition in preconditioners(linear):
             _, counts = conjugate_gradients(linear, precondition, [1e-1, 1e-2, 1e-5])
             print(f"  linear, {name}: {counts}", flush=True)
