@@ -7,6 +7,16 @@
 
 namespace weir::app {
 
+namespace {
+
+void write(const std::vector<UpgradedFile>& files) {
+  // A scene of which only a part is changed may be none: first see whether all can be written.
+  for (const UpgradedFile& file : files) checkReplaceable(file.file);
+  for (const UpgradedFile& file : files) replaceFileAtomically(file.file, file.text);
+}
+
+}  // namespace
+
 UpgradeCommand::UpgradeCommand(CLI::App& app, Program& program)
     : program_(program),
       command_(app.add_subcommand("upgrade", "Bring old names in scenes to those of today; all else stays")) {
@@ -19,10 +29,9 @@ UpgradeCommand::UpgradeCommand(CLI::App& app, Program& program)
 
 int UpgradeCommand::upgrade(const std::string& file) {
   const Upgrade upgrade = upgradeOf(file, program_.registry(), program_.pluginLoader(file));
+  if (!check_) write(upgrade.files);
   for (const std::string& change : upgrade.changes) print(change + "\n");
-  if (check_) return upgrade.files.empty() ? kDone : kWouldChange;
-  for (const UpgradedFile& changed : upgrade.files) replaceFileAtomically(changed.file, changed.text);
-  return kDone;
+  return check_ && !upgrade.files.empty() ? kWouldChange : kDone;
 }
 
 int UpgradeCommand::run() {

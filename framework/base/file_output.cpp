@@ -112,7 +112,14 @@ void writeFileAtomically(const fs::path& path, std::string_view text) {
   file.rename();
 }
 
-void replaceFileAtomically(const fs::path& path, std::string_view text) {
+namespace {
+
+struct Replaceable {
+  fs::path file;  // where links lead
+  fs::perms permissions;
+};
+
+Replaceable replaceableAt(const fs::path& path) {
   std::error_code error;
   const fs::path real = fs::canonical(path, error);
   if (error) throw cannotWrite(path, error.message());
@@ -120,9 +127,20 @@ void replaceFileAtomically(const fs::path& path, std::string_view text) {
   constexpr fs::perms kWrite = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
   if ((permissions & kWrite) == fs::perms::none || ::access(real.c_str(), W_OK) != 0)
     throw cannotWrite(path, "it is read-only");
-  Temporary file(real);
+  return {real, permissions};
+}
+
+}  // namespace
+
+void checkReplaceable(const fs::path& path) {
+  checkWritable(replaceableAt(path).file);
+}
+
+void replaceFileAtomically(const fs::path& path, std::string_view text) {
+  const Replaceable there = replaceableAt(path);
+  Temporary file(there.file);
   file.write(text);
-  file.setPermissions(permissions);
+  file.setPermissions(there.permissions);
   file.rename();
 }
 

@@ -22,5 +22,7 @@ void writeFileAtomically(const std::filesystem::path& path, std::string_view tex
 /// has. Throws an io Error for a read-only file, although one that stands in a writable folder could be
 /// replaced.
 void replaceFileAtomically(const std::filesystem::path& path, std::string_view text);
+/// Throws as replaceFileAtomically would, and changes nothing.
+void checkReplaceable(const std::filesystem::path& path);
 
 }  // namespace weir

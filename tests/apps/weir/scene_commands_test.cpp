@@ -274,7 +274,22 @@ TEST_F(SceneCommands, UpgradeTellsOfWhatItCannotRead) {
   const std::string locked =
       folder.write("locked.json", withSolver(R"({ "params": { "tolerance": 0.01 } })"));
   fs::permissions(locked, fs::perms::owner_read);
-  expectFailure(runWeir({"upgrade", locked}), 5, {"locked.json", "read-only"});
+  const ChildResult refused = runWeir({"upgrade", locked});
+  expectFailure(refused, 5, {"locked.json", "read-only"});
+  EXPECT_EQ(refused.out, "");
+}
+
+TEST_F(SceneCommands, UpgradeChangesAllFilesOfASceneOrNone) {
+  const std::string part = R"({ "params": { "tolerance": 0.01, "iterations": 9 } })";
+  folder.write("a_part.json", part);
+  const std::string scene = folder.write("scene.json", withSolver(R"({ "$include": "a_part.json" })"));
+  fs::permissions(scene, fs::perms::owner_read);
+  expectFailure(runWeir({"upgrade", scene}), 5, {"scene.json", "read-only"});
+  EXPECT_EQ(readFile(folder / "a_part.json"), part);
+  fs::permissions(scene, fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(runWeir({"upgrade", scene}).code, 0);
+  EXPECT_CONTAINS(readFile(folder / "a_part.json"), "max_iterations");
+  EXPECT_EQ(runWeir({"validate", scene}).err, "");
 }
 
 TEST_F(SceneCommands, ExplainTellsWhatASceneWillDo) {
