@@ -118,7 +118,7 @@ void ExplainCommand::tellAmounts(Simulation& simulation) {
   } else {
     tell(fmt::format("Particles: at most {}.", atMost));
     warnings_.push_back(
-        "there are that many particles that settings are checked by --measure or 'weir run' only");
+        "at this number of particles, settings are checked by --measure or 'weir run' only");
   }
   tell(time);
 }
