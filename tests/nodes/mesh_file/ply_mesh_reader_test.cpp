@@ -101,7 +101,7 @@ TEST_F(PlyMesh, SaysWhatIsWrongAndWhere) {
       refusal(kPoints + std::string("element face 1\nproperty int material\nend_header\n") + points + "3\n"),
       "has no list of integers 'vertex_indices'");
   EXPECT_CONTAINS(refusal("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
-                  "no number 'y'");
+                  "no property 'y'");
   EXPECT_CONTAINS(
       refusal("ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"),
       "no element 'vertex'");

@@ -90,7 +90,7 @@ class Reading(Folder):
 
     def test_other_files_are_refused(self):
         for content in ({"weir": 1}, [], {"weir_bench": 2}):
-            with self.assertRaisesRegex(results.Unusable, "no file that weir bench"):
+            with self.assertRaisesRegex(results.Unusable, "not a file that weir bench"):
                 self.read(content)
         with self.assertRaises(results.Unusable):
             results.read(self.folder / "missing.json")
