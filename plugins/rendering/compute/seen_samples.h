@@ -58,17 +58,18 @@ struct SeenSamples {
 
   /// The ray through the middle of a sample, of length 1 along the camera's axis.
   WEIR_HD Numbers3 ray(const Number& x, const Number& y) const {
-    return camera.ray(x, y);
+    return {((x + 0.5f) * (2.0f / static_cast<float>(camera.width)) - 1) * camera.tangent.x,
+            ((y + 0.5f) * (2.0f / static_cast<float>(camera.height)) - 1) * camera.tangent.y, Number(-1.0f)};
   }
   WEIR_HD Number distanceAt(const Number& depth) const {
-    return shading::distanceOf(depth, camera.projection);
+    return camera.projection.w / (2 * depth - 1 + camera.projection.z);
   }
 
   /// Of samples that see spheres or the ground.
   WEIR_HD Numbers3 normal(const SeenRow& seen, const Numbers3& ray) const {
     const Mask level = seen.ground();
     const Numbers3 up = allOf(ground.up);
-    if (!any(!level)) return up;
+    if (!any(notSo(level))) return up;
     Number radius;
     const Numbers3 place = balls(seen, radius);
     const auto turned = [&](int i) {
@@ -77,8 +78,8 @@ struct SeenSamples {
                                                            : camera.moved.z);
     };
     const Numbers3 center{turned(0), turned(1), turned(2)};
-    Number rest;
-    return select(level, up, unit(ray * shading::distanceOfSphere(ray, center, radius, rest) - center));
+    const gl::Hit<Number> hit(ray, center, radius);
+    return selectAll(level, up, unit(ray * hit.distance - center));
   }
 
   /// The colours of spheres, as in SplatSphere.

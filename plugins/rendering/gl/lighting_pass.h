@@ -25,13 +25,14 @@ class LightingPass {
   void resolve(const Frame& frame, const Targets& targets) const;
 
  private:
-  const FullScreenProgram& programFor(const Frame& frame);
+  const Program& programFor(const Frame& frame);
 
   const Functions& gl_;
-  FullScreenProgram resolve_;
+  Program resolve_;
   /// By what is in the picture: software drivers run both sides of a branch, so what is not there is left
   /// out.
-  std::map<std::string, FullScreenProgram> lighting_;
+  std::map<std::string, Program> lighting_;
+  VertexArray array_;
 };
 
 }  // namespace weir::rendering::gl

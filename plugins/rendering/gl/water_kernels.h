@@ -1,5 +1,6 @@
 // The surface and the thickness of a liquid, found on a compute device: its particles offer their depths to
-// the samples that they cover, and add their volume to the texels.
+// the samples that they cover, and add their volume to the texels. The arithmetic is that of the shaders of
+// WaterParticlePass.
 #pragma once
 
 #include <cstdint>

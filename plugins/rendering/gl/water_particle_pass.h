@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plugins/rendering/gl/sphere_batches.h"
 #include "plugins/rendering/gl/water_drawer.h"
 
 namespace weir::rendering::gl {
@@ -20,24 +19,29 @@ class WaterParticlePass final : public WaterDrawer {
   void drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) override;
 
  private:
-  /// Of the particles of one view.
-  struct Liquid {
+  struct Batch {
+    Buffer centers;
+    GLsizei particles;
     std::size_t water;
-    float chord, inset;
+    float radius, volumeOfSphere, inset;
   };
 
-  /// Calls setUniforms(batch, liquid) before each batch of a liquid.
+  Aabb loadOne(const ParticleView& particles);
+  /// Calls setUniforms(batch) before each batch of a liquid.
   template <class SetUniforms>
-  void draw(const Program& program, std::size_t water, const SetUniforms& setUniforms) const;
+  void draw(const Program& program, std::size_t water, SetUniforms setUniforms) const;
   /// Calls setUniforms(batch) too.
   template <class SetUniforms>
-  void addThickness(std::size_t water, const ThicknessMap& map, const SetUniforms& setUniforms) const;
+  void addThickness(std::size_t water, const ThicknessMap& map, SetUniforms setUniforms) const;
 
   const Functions& gl_;
   Program depth_, sunDepth_, thickness_;
-  SphereBatches batches_;
-  Texture nothing_;
-  std::vector<Liquid> liquids_;
+  VertexArray array_;
+  Buffer indices_;
+  Texture centers_, nothing_;
+  int largestBatch_ = 0;
+  std::vector<Batch> batches_;
+  std::vector<Vec4f> packed_;  // position, and part of foam
 };
 
 }  // namespace weir::rendering::gl

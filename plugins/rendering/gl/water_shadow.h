@@ -24,7 +24,8 @@ class WaterShadow {
                const WaterSurfacePass& surfaces) const;
 
   const Functions& gl_;
-  FullScreenProgram absorb_;
+  Program absorb_;
+  VertexArray array_;
   Texture depth_, ownDepth_, thickness_, through_;
   Framebuffer ownDepthTarget_, thicknessTarget_, target_, depthTarget_;
 };

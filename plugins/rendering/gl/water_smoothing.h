@@ -37,7 +37,8 @@ class WaterSmoothing {
 
  private:
   const Functions& gl_;
-  FullScreenProgram gather_, narrowRange_, polish_, blur_;
+  Program gather_, narrowRange_, polish_, blur_;
+  VertexArray array_;
 };
 
 }  // namespace weir::rendering::gl

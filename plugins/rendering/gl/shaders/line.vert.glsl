@@ -1,2 +1,0 @@
-layout(location = 0) in vec4 iCorner;
-void main() { gl_Position = iCorner; }
