@@ -117,8 +117,7 @@ void ExplainCommand::tellAmounts(Simulation& simulation) {
                      atMost));
   } else {
     tell(fmt::format("Particles: at most {}.", atMost));
-    warnings_.push_back(
-        "at this number of particles, settings are checked by --measure or 'weir run' only");
+    warnings_.push_back("at this number of particles, settings are checked by --measure or 'weir run' only");
   }
   tell(time);
 }
