@@ -13,14 +13,14 @@ struct SumsOfOne {
   WEIR_HD BoxSums operator()(std::int64_t i) const {
     const ParticleMatter p = matter[i];
     if (!box.contains(p.position)) return {};
-    const double volume = p.volume, mass = volume * double(p.density);
+    const double volume = p.volume, mass = volume * double(p.restDensity);
     const Vec3d v{p.velocity.x, p.velocity.y, p.velocity.z};
     return {.particles = 1,
             .volume = volume,
             .mass = mass,
             .momentum = mass * v,
             .kineticEnergy = 0.5 * mass * dot(v, v),
-            .density = volume * double(p.present),
+            .density = volume * double(p.density),
             .pressure = volume * double(p.pressure)};
   }
 };

@@ -68,7 +68,7 @@ LocalMatter NearParticles::at(double along) const {
     const double weight = double(p.volume) * kernel(dot(away, away), reach_);
     sum.filled += weight;
     sum.velocity = sum.velocity + weight * wide(p.velocity);
-    sum.density += weight * double(p.present);
+    sum.density += weight * double(p.density);
     sum.pressure += weight * double(p.pressure);
   }
   if (sum.filled == 0) return {};

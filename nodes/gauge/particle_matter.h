@@ -17,10 +17,10 @@ struct ScalarField {
 /// One particle.
 struct ParticleMatter {
   Vec3f position, velocity;
-  float volume = 0;   ///< m³
-  float density = 0;  ///< kg/m³, of the matter at rest
-  float present = 0;  ///< kg/m³, as it is compressed
-  float pressure = 0;
+  float volume = 0;       ///< m³
+  float restDensity = 0;  ///< kg/m³, of the matter at rest
+  float density = 0;      ///< kg/m³, as it is compressed
+  float pressure = 0;     ///< Pa
 };
 
 /// All of them. Which of the attributes `density` and `pressure` there are is for the host to ask.
