@@ -69,7 +69,7 @@ const std::map<std::string, const char*> kParameters{
     {"WavePaddle", R"({"stroke": 0.2, "period": 0.5, "ramp": 0, "acceleration": 30})"},
     {"MyPluginProbe", R"({"min": [0, 0, 0], "max": [0.15, 0.05, 0.3]})"},
     {"SemiImplicitSolver", R"({"step_length": "global", "record_objective": true})"},
-    {"AcceleratedSolver", R"({"tolerance": 0.01, "max_iterations": 3, "acceleration": "anderson",
+    {"AcceleratedSolver", R"({"tolerance": 0.01, "max_iterations": 3, "acceleration": "conjugate",
                               "record_objective": true})"},
     {"Pbf", R"({"record_objective": true})"},
     {"MyPluginPull", R"({"center": [0.1, 0.3, 0.1]})"},

@@ -47,6 +47,18 @@ struct Judge {
     if (far) control->met = 0;
   }
 
+  /// Whether the tolerance is met by the mean compression.
+  WEIR_HD bool meets() const {
+    const std::int64_t particles = count.get();
+    return (particles > 0 ? sums->compression / double(particles) : 0.0) <= tolerance;
+  }
+
+  WEIR_HD void countIteration() const {
+    ++control->iterations;
+    ++control->total;
+    if (control->iterations > control->max) control->max = control->iterations;
+  }
+
   WEIR_HD void judge() const {
     // The terms of the sum are floats; it may rise by rounding.
     constexpr double kRounding = 1e-6;
@@ -56,13 +68,11 @@ struct Judge {
     // inertia and stiffness ask for.
     constexpr double kStall = 1e-5;
     constexpr int kInFlight = 3;
-    const std::int64_t particles = count.get();
-    const double mean = particles > 0 ? sums->compression / double(particles) : 0.0;
     // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
     // does not mean that it is done.
     const bool rose = sums->objective > (1 + kRounding) * control->objective;
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
-    control->met = mean <= tolerance && !control->takesBack ? 1 : 0;
+    control->met = meets() && !control->takesBack ? 1 : 0;
     control->metInARow = control->met ? control->metInARow + 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
@@ -70,9 +80,7 @@ struct Judge {
       control->done = 1;
       return;
     }
-    ++control->iterations;
-    ++control->total;
-    if (control->iterations > control->max) control->max = control->iterations;
+    countIteration();
     if (control->takesBack) {
       control->sinceRestart = 0;
       control->momentum = 0;

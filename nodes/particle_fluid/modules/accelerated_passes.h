@@ -65,6 +65,7 @@ struct BeginPass {
     control->takesBack = 0;
     control->momentum = 0;
     control->exhausted = 0;
+    control->withoutGain = 0;
     control->objective = 0;
     control->metInARow = 0;
     ++control->passes;

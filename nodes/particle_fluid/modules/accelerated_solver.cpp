@@ -37,6 +37,20 @@ std::unique_ptr<MovedParameters> movedFromSemiImplicitSolver() {
   return std::make_unique<Moved>();
 }
 
+void AcceleratedSolver::validate() const {
+  PressureSolver::validate();
+  if (!conjugates()) return;
+  if (!conservative)
+    throw sceneError(
+        "conjugate gradients are of an objective, which forces that are not conservative have not",
+        "\"conservative\": true, or another acceleration")
+        .inParameter(conservative.name());
+  if (searches())
+    throw sceneError("conjugate gradients search the length of a step themselves",
+                     "\"step_length\": \"full\", or another acceleration")
+        .inParameter(stepLength.name());
+}
+
 void AcceleratedSolver::reset(FluidStep& fluid) {
   PressureSolver::reset(fluid);
   control_ = Array<Control>(fluid.device);
@@ -46,6 +60,7 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
   mixing_.release();
+  directions_.release();
   carried_ = carries() ? fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
                                                      "By pressure and walls, at the last search in a step."})
                        : Attribute<Vec3f>();
@@ -100,9 +115,10 @@ int AcceleratedSolver::maxPasses() const {
 void AcceleratedSolver::reserve(FluidStep& fluid) {
   const bool walls = !fluid.walls.empty();
   if (mixes()) mixing_.reserve(fluid.device, fluid.particles.capacity(), walls);
-  if (accelerated() && !mixes()) fitScratch(fluid, plain_);
-  if (accelerated() && !mixes() && walls) fitScratch(fluid, plainShare_);
-  PressureSolver::reserve(fluid, controlled());
+  if (conjugates()) directions_.reserve(fluid.device, fluid.particles.capacity(), walls);
+  if (hasMomentum()) fitScratch(fluid, plain_);
+  if (hasMomentum() && walls) fitScratch(fluid, plainShare_);
+  PressureSolver::reserve(fluid, controlled() && !conjugates());
 }
 
 double AcceleratedSolver::memory(const FluidRoom& room) const {
@@ -110,9 +126,10 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   const double n = room.particles;
   double bytes = PressureSolver::memory(room);
   if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
-  if (accelerated() && !mixes()) bytes += bytesOfArrays(n, plain_);
-  if (accelerated() && !mixes() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
-  if (controlled() && !searches()) bytes += bytesOfArrays(n, excess_);
+  if (conjugates()) bytes += directions_.memoryFor(n, room.solids > 0);
+  if (hasMomentum()) bytes += bytesOfArrays(n, plain_);
+  if (hasMomentum() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
+  if (controlled() && !conjugates() && !searches()) bytes += bytesOfArrays(n, excess_);
   if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   return bytes;
 }

@@ -2,6 +2,7 @@
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/modules/accelerated_passes.h"
+#include "nodes/particle_fluid/modules/conjugate_passes.h"
 #include "nodes/particle_fluid/scratch.h"
 #include "nodes/particle_fluid/step_length.h"
 
@@ -115,7 +116,10 @@ void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
   record(problem);
   for (int pass = 0; pass < maxPasses() && !over_; ++pass) {
     if (pass > 0) searchAgain(device, problem);
-    iterate(device, problem, pass);
+    if (conjugates())
+      iterateConjugate(device, problem, pass);
+    else
+      iterate(device, problem, pass);
   }
   problem.finish(device);
   if (controlled()) meetWalls(device, problem);
@@ -180,24 +184,97 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
 }
 
 template <class Backend>
+void AcceleratedSolver::iterateConjugate(Backend& device, const PressureProblem& problem, int pass) {
+  const ArrayView<const Vec3f> searched = pass > 0 ? carried_.read() : ArrayView<const Vec3f>{};
+  parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});
+  ++passes_;
+  // A pass that begins when all is over must change nothing.
+  contain(device, problem, &control_->data()->surplus);
+  settle(device, problem, /*first=*/true);
+  for (int k = 0; k < maxIterations && !isDone(); ++k) {
+    iterateOnce(device, problem, searched, /*last=*/k + 1 == maxIterations);
+    record(problem);
+  }
+  endPass(pass);
+}
+
+template <class Backend>
+void AcceleratedSolver::settle(Backend& device, const PressureProblem& problem, bool first) {
+  parallelForEights(device, "density", problem.fluid.particles.count(),
+                    detail::Settle{.density = detail::RelativeExcess::of(problem),
+                                   .control = control_->data(),
+                                   .of = directions_.view(),
+                                   .energy = bulkEnergy_,
+                                   .tension = tension,
+                                   .first = first,
+                                   .displacement = problem.displacement(),
+                                   .weighted = problem.weighted()});
+}
+
+template <class Backend>
+void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& problem,
+                                    ArrayView<const Vec3f> searched, bool last) {
+  const Count count = problem.fluid.particles.count();
+  const int* const done = &control_->data()->done;
+  directions_.turn();
+  const ConjugateView of = directions_.view();
+  const detail::ConjugateProblem conjugate{.control = control_->data(),
+                                           .of = of,
+                                           .energy = bulkEnergy_,
+                                           .stiffness = problem.stiffness(),
+                                           .tension = tension,
+                                           .predicted = problem.predicted(),
+                                           .displacement = problem.displacement(),
+                                           .share = problem.fluid.walls.view().share,
+                                           .state = problem.state()};
+  parallelForEights(device, "descend", count,
+                    detail::Descend{.pushOf = problem.push(),
+                                    .of = of,
+                                    .control = control_->data(),
+                                    .predicted = problem.predicted(),
+                                    .displacement = problem.displacement(),
+                                    .state = problem.state()});
+  contain(device, problem, of.tried, done);
+  DirectionSums* const sums = directions_.directionSums.data();
+  reduce(device, "measure direction", count, DirectionSums{}, detail::MeasureDirection{conjugate, searched},
+         AddDirectionSums{}, sums);
+  parallelFor(device, "judge", 1, detail::JudgeDirection{judgeOf(problem, &sums->of, last), sums});
+  controlSeen_->request(control_->data());
+  parallelFor(device, "try", count, detail::Try{conjugate});
+  contain(device, problem, of.tried, done);
+  parallelForEights(device, "try density", count,
+                    detail::SumTrial{detail::RelativeExcess::of(problem), control_->data(), of});
+  reduce(device, "measure line", count, LineSums{}, detail::MeasureLine{conjugate}, AddLineSums{},
+         directions_.lineSums.data());
+  parallelFor(device, "choose length", 1,
+              detail::ChooseLength{control_->data(), directions_.lineSums.data(), last});
+  parallelFor(device, "advance", count, detail::Advance{conjugate});
+  contain(device, problem, done);
+  settle(device, problem, /*first=*/false);
+}
+
+template <class Backend>
 void AcceleratedSolver::judge(Backend& device, const PressureProblem& problem, bool last) {
+  parallelFor(device, "judge", 1, judgeOf(problem, sums_.data(), last));
+  controlSeen_->request(control_->data());
+}
+
+detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
   constexpr double kReach = 0.25;  // spacings
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
   constexpr int kMixturesUntilConverged = 3;
   const double reach = kReach * problem.fluid.constants.spacing;
-  parallelFor(device, "judge", 1,
-              detail::Judge{.control = control_->data(),
-                            .sums = sums_.data(),
-                            .count = problem.fluid.particles.count(),
-                            .tolerance = double(tolerance.get().value_or(-1.0f)),
-                            .meetings = mixes() ? kMixturesUntilConverged : 1,
-                            .accelerated = accelerated(),
-                            .mixes = mixes(),
-                            .farthest = reach * reach,
-                            .maxRepeats = maxRepeats(),
-                            .passes = passes(),
-                            .last = last});
-  controlSeen_->request(control_->data());
+  return {.control = control_->data(),
+          .sums = sums,
+          .count = problem.fluid.particles.count(),
+          .tolerance = double(tolerance.get().value_or(-1.0f)),
+          .meetings = mixes() ? kMixturesUntilConverged : 1,
+          .accelerated = accelerated(),
+          .mixes = mixes(),
+          .farthest = reach * reach,
+          .maxRepeats = maxRepeats(),
+          .passes = passes(),
+          .last = last};
 }
 
 template <class Backend>
@@ -222,13 +299,19 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
+  contain(device, problem, problem.displacement(), done);
+}
+
+template <class Backend>
+void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem,
+                                ArrayView<Vec3f> displacement, const int* done) {
   if (!controlled()) return;
   for (const Boundary* boundary : problem.fluid.boundaries)
     parallelForEights(device, "contain", problem.fluid.particles.count(),
                       Contain{.boundary = boundary->view(),
                               .radius = problem.fluid.constants.contact,
                               .predicted = problem.predicted(),
-                              .displacement = problem.displacement(),
+                              .displacement = displacement,
                               .state = problem.state(),
                               .done = done});
 }

@@ -1,12 +1,13 @@
 // The problem of SemiImplicitSolver (pressure_problem.h), solved to a tolerance, with acceleration.
 //
-// Iterations end when the mean of max(λ − 1, 0) is not above the tolerance; with momentum, u being the
-// displacement x − x* and f(u) what an iteration of SemiImplicitSolver makes of it,
+// Iterations end when the mean of max(λ − 1, 0) is not above the tolerance. They go along conjugate
+// directions (conjugate.h); or, u being the displacement x − x* and f(u) what an iteration of
+// SemiImplicitSolver makes of it, with momentum,
 //
 //   û_k = f(u_k),   u_k+1 = û_k + k/(k + 3)·(û_k − û_k−1)        (Nesterov)
 //
-// or Anderson's acceleration (anderson.h); and u_k is put back to û_k−1, and k to 0, where Σ E has risen.
-// With either, particles are kept out of the solids in every iteration.
+// or Anderson's acceleration (anderson.h). Where Σ E has risen, the last step is taken back. With each,
+// particles are kept out of the solids in every iteration.
 //
 // With a tolerance, particles that fly further than a spacing are led to x* in stages: the same problem is
 // solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
@@ -21,18 +22,25 @@
 #include "framework/graph/moved_parameters.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
 #include "nodes/particle_fluid/modules/anderson.h"
+#include "nodes/particle_fluid/modules/conjugate.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
 namespace weir {
 
-enum class Acceleration { kNone, kNesterov, kAnderson };
+namespace detail {
+struct Judge;
+}  // namespace detail
+
+enum class Acceleration { kNone, kNesterov, kAnderson, kConjugate };
 template <>
 struct EnumNames<Acceleration> {
-  static constexpr std::array<EnumName, 3> kNames{
+  static constexpr std::array<EnumName, 4> kNames{
       EnumName{"none", "Iterations as in the paper."},
       EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."},
       EnumName{"anderson",
-               "The best mixture of the last four iterates, taken back where the objective would rise."}};
+               "The best mixture of the last four iterates, taken back where the objective would rise."},
+      EnumName{"conjugate",
+               "Conjugate gradients, with a search for the length of each step: the fewest iterations."}};
 };
 
 class AcceleratedSolver final : public PressureSolver {
@@ -58,7 +66,7 @@ class AcceleratedSolver final : public PressureSolver {
       1000,
       {.min = 1, .max = 10000, .live = true, .doc = "The most after each search for neighbours."}};
   Param<Acceleration> acceleration{
-      *this, "acceleration", Acceleration::kNesterov, {.doc = "How iterations build on earlier ones."}};
+      *this, "acceleration", Acceleration::kConjugate, {.doc = "How iterations build on earlier ones."}};
   Param<std::optional<int>> neighborSearches{
       *this,
       "neighbor_searches",
@@ -80,6 +88,7 @@ class AcceleratedSolver final : public PressureSolver {
            "At most this many stages, of a spacing each, on the way to predicted positions that are further "
            "away; only with a tolerance, and where the fluid meets no meshes. With 1 there are none."}};
 
+  void validate() const override;
   void reset(FluidStep& fluid) override;
   /// Of too few iterations for the step, and of a tolerance below the compression of the fluid at rest.
   void warn(const FluidOutlook& outlook) const override;
@@ -101,9 +110,19 @@ class AcceleratedSolver final : public PressureSolver {
   /// The iterations with the neighbours of one search.
   template <class Backend>
   void iterate(Backend& device, const PressureProblem& problem, int pass);
+  /// The same by conjugate gradients.
+  template <class Backend>
+  void iterateConjugate(Backend& device, const PressureProblem& problem, int pass);
+  template <class Backend>
+  void iterateOnce(Backend& device, const PressureProblem& problem, ArrayView<const Vec3f> searched,
+                   bool last);
+  /// λ and Ḃ at the displacements; `first` of a pass.
+  template <class Backend>
+  void settle(Backend& device, const PressureProblem& problem, bool first);
   /// Decides on the device how to go on; `last` is the last iteration of a pass.
   template <class Backend>
   void judge(Backend& device, const PressureProblem& problem, bool last);
+  detail::Judge judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last);
   /// Builds on earlier iterations, or goes back to the one before.
   template <class Backend>
   void accelerate(Backend& device, const PressureProblem& problem);
@@ -111,6 +130,10 @@ class AcceleratedSolver final : public PressureSolver {
   /// is not 0.
   template <class Backend>
   void contain(Backend& device, const PressureProblem& problem, const int* done = nullptr);
+  /// The same of other displacements, whose positions are the state.
+  template <class Backend>
+  void contain(Backend& device, const PressureProblem& problem, ArrayView<Vec3f> displacement,
+               const int* done);
   /// What walls do beside holding the fluid.
   template <class Backend>
   void meetWalls(Backend& device, const PressureProblem& problem);
@@ -126,7 +149,9 @@ class AcceleratedSolver final : public PressureSolver {
   void endPass(int pass);
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return acceleration != Acceleration::kNone; }
+  bool hasMomentum() const { return acceleration == Acceleration::kNesterov; }
   bool mixes() const { return acceleration == Acceleration::kAnderson; }
+  bool conjugates() const { return acceleration == Acceleration::kConjugate; }
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
   /// changing their velocities, which then do not lead back along it.
   bool staged(const FluidStep& fluid) const;
@@ -140,6 +165,7 @@ class AcceleratedSolver final : public PressureSolver {
   Array<Vec3f> plain_;
   Array<float> plainShare_;
   AndersonMixing mixing_;
+  ConjugateDirections directions_;
   Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};
   std::optional<Readback<Control>> controlSeen_;

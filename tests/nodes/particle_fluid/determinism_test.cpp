@@ -58,6 +58,7 @@ std::vector<Scene> scenes() {
   return {{"walls of signed distance", splash("", kTank, kTankLink)},
           {"a tolerance", splash(tolerant, kTank, kTankLink)},
           {"a tolerance and mixtures", splash(mixing, kTank, kTankLink)},
+          {"a tolerance and meshes", splash(tolerant, kMeshes, kMeshLinks)},
           {"position based fluids", splash(R"("solver": {"type": "Pbf"})", kTank, kTankLink)},
           {"meshes", splash("", kMeshes, kMeshLinks)},
           {"meshes and a tolerance", splash(tolerant, kMeshes, kMeshLinks)}};

@@ -52,8 +52,10 @@ const std::vector<Variant> kVariants{
     {"", R"(, "support_ratio": 2.4)", "", ""},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "anderson"}})",
      "", "", ""},
-    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "step_length": "global"}})",
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "nesterov", "step_length": "global"}})",
      "", "", ""},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3}})", "", "",
+     ""},
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
         "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
@@ -61,6 +63,8 @@ const std::vector<Variant> kVariants{
     {"", "", kSolids, kSolidLinks},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "anderson"}})",
      "", kSolids, kSolidLinks},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3}})", "",
+     kSolids, kSolidLinks},
 };
 
 TEST(FluidMemory, ComesToWhatIsEstimated) {

@@ -119,7 +119,8 @@ TEST(MovedParameters, OtherScenesAreLeftAlone) {
 
 TEST(MovedParameters, BothWordingsEndInTheSameBits) {
   EXPECT_EQ(endOf(R"({"params": {"tolerance": 0.01, "iterations": 50, "acceleration": "nesterov"}})"),
-            endOf(R"({"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 50}})"));
+            endOf(R"({"type": "AcceleratedSolver",
+                      "params": {"tolerance": 0.01, "max_iterations": 50, "acceleration": "nesterov"}})"));
 }
 
 }  // namespace

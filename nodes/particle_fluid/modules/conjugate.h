@@ -1,0 +1,83 @@
+// Conjugate gradients for the problem of AcceleratedSolver (pressure_problem.h), nonlinear and with a
+// preconditioner (E. Polak, G. Ribière 1969; J. Nocedal, S. Wright 2006, chapter 5).
+//
+// With u the displacement, g = u − push the gradient of Σ E, and z = −g/divisor what a plain iteration goes
+// by, kept out of solids, an iteration goes along
+//
+//   p_k = z_k + β·p_k−1,   β = max(z_k·(g_k−1 − g_k)/(z_k−1·(−g_k−1)), 0)
+//
+// by the length α where the slope of Σ E along p is 0, on the straight line through the slopes at u and at
+// u + α'·p, where α' is the last iteration's length. λ at that place is summed over neighbours anew; at u +
+// α·p it is taken from the straight line, too, unless α and α' differ much. So an iteration takes two sums
+// over neighbours, as a plain one does. Plain iterations are short, as each particle moves as if its
+// neighbours did not move along: α is 5 to 20.
+//
+// Where Σ E has risen, the step is taken back, and the next one is along z and shorter. The displacement by
+// walls of meshes is share·∇Φ (wall_field.h), and its share goes along lines of its own.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "framework/base/vec.h"
+#include "framework/compute/array.h"
+#include "nodes/particle_fluid/solver_sums.h"
+
+namespace weir {
+
+/// Sums over all particles before a step.
+struct DirectionSums {
+  SolverSums of;
+  double slope = 0;    ///< −z·g, m²
+  double turned = 0;   ///< −z·g', g' being the last gradient
+  double forward = 0;  ///< p'·g, p' being the last direction
+};
+
+struct AddDirectionSums {
+  WEIR_HD DirectionSums operator()(const DirectionSums& a, const DirectionSums& b) const {
+    return {AddSums{}(a.of, b.of), a.slope + b.slope, a.turned + b.turned, a.forward + b.forward};
+  }
+};
+
+/// Slopes of Σ E along a direction: where the step starts, and where it is tried.
+struct LineSums {
+  double atStart = 0, atTrial = 0;
+};
+
+struct AddLineSums {
+  WEIR_HD LineSums operator()(const LineSums& a, const LineSums& b) const {
+    return {a.atStart + b.atStart, a.atTrial + b.atTrial};
+  }
+};
+
+/// For kernels. One element each particle, but for those of walls, which are empty without meshes.
+struct ConjugateView {
+  ArrayView<Vec3f> direction;            ///< p
+  ArrayView<Vec3f> tried;                ///< displacement: u + z, then u + α'·p, then where the step began
+  ArrayView<Vec3f> gradient, previous;   ///< g, and that of the last iteration
+  ArrayView<float> excess, triedExcess;  ///< λ − 1 at u and at `tried`
+  ArrayView<float> share, shareChange;   ///< of walls, in p and in z
+};
+
+/// The memory of it.
+class ConjugateDirections {
+ public:
+  /// For that many particles: 56 bytes each, and 8 more with walls of meshes. Contents are undefined.
+  void reserve(Device& device, std::int64_t particles, bool walls);
+  /// Bytes of that.
+  double memoryFor(double particles, bool walls) const;
+  /// Gives it back.
+  void release();
+  ConjugateView view();
+  /// The gradient takes the place of that of the last iteration.
+  void turn() { std::swap(gradient_, previous_); }
+
+  Array<DirectionSums> directionSums;
+  Array<LineSums> lineSums;
+
+ private:
+  Array<Vec3f> direction_, tried_, gradient_, previous_;
+  Array<float> excess_, triedExcess_, share_, shareChange_;
+};
+
+}  // namespace weir
