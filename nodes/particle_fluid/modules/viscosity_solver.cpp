@@ -69,7 +69,7 @@ void ViscositySolver::report(NodeReport& report) {
 }
 
 double ViscositySolver::memory(const FluidRoom& room) const {
-  return bytesOfArrays(room.particles, residual_, direction_, image_) +
+  return bytesOfArrays(room.particles, residual_, direction_, image_, wallDiagonal_, wallRest_, wallPush_) +
          ParticleSet::memoryOfAttribute(room.particles, AttributeType::kVec3);
 }
 

@@ -7,8 +7,9 @@
 //
 // a drag on each pair along its line (Cleary and Monaghan 1999; Weiler et al. 2018). Over a field of
 // velocities without divergence the sum over evenly spread neighbours is μ·∇²v. The positions are those at
-// the beginning of the step, so linear and angular momentum are kept exactly; kinetic energy never grows. A
-// free surface has no neighbours beyond it and feels no stress.
+// the beginning of the step, so linear and angular momentum are kept; kinetic energy never grows. A free
+// surface has no neighbours beyond it and feels no stress. Walls drag each particle along themselves
+// (viscous_walls.h), and solids given by meshes feel the opposite.
 //
 // W is the spiky kernel with an integral of 1. F (viscosityFactor) is 1 for many neighbours; it makes up for
 // the sums over few, and for the disorder of settled fluid, in which velocities deviate from those of the
@@ -17,8 +18,9 @@
 //
 // The minimum is where (1 + K)·v = v*, with a symmetric K of pairs. Conjugate gradients find v − v*, from
 // that of the last step on, to a tolerance. They are not preconditioned: all residuals then are forces of
-// pairs, so momentum is kept whatever the tolerance. The identity bounds the spectrum from below, so scaling
-// by the diagonal, which is nearly the same for all, would gain little.
+// pairs, so momentum is kept whatever the tolerance, and angular momentum far better than to it. The identity
+// bounds the spectrum from below, so scaling by the diagonal, which is nearly the same for all, would gain
+// little.
 //
 // It stands before the pressure, as gravity, which it balances in slow flow, then acts within its step; and
 // the pressure has the last word on density. Positions, which the module "predict" has moved by v*, follow.
@@ -29,6 +31,7 @@
 
 #include "framework/compute/readback.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/modules/viscous_walls.h"
 
 namespace weir {
 
@@ -94,11 +97,16 @@ class ViscositySolver final : public FluidModule {
   void stepOn(Backend& device, FluidStep& fluid);
   /// Of one too small to resist shear.
   void warnOfSupport(FluidStep& fluid) const;
+  /// Finds the change.
+  template <class Backend, class Drag>
+  void solveOn(Backend& device, FluidStep& fluid, const Drag& drag, const WallDrag& walls,
+               ArrayView<Vec3f> change);
   /// As far as the host has heard of it, without waiting.
   bool isDone();
 
   Attribute<Vec3f> change_;  // v − v* of the last step
   Array<Vec3f> residual_, direction_, image_;
+  Array<Vec3f> wallDiagonal_, wallRest_, wallPush_;
   Array<ViscositySums> sums_;
   State<Array<ViscosityControl>> control_{*this, "control"};
   std::optional<Readback<ViscosityControl>> controlSeen_;

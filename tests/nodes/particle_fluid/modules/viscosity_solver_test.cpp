@@ -12,6 +12,7 @@
 #include "framework/particles/relaxed_tile.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
 
 namespace weir::test {
 namespace {
@@ -188,6 +189,92 @@ TEST(ViscositySolver, RigidMotionFeelsNothing) {
     scene.step();
     EXPECT_LT(largestDifference(scene.velocities(), toDoubles(velocities)), 3e-6) << name;
   }
+}
+
+/// A film on a floor, with a body force along it. Its ends are free, and too far from its middle to be felt
+/// there.
+constexpr const char* kFilm = R"({"weir": 1,
+  "world": {"gravity": [2, -2, 0], "dt": 0.001, "frame_rate": 10, "duration": 1},
+  "nodes": {
+    "film": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.6, 0.06, 0.03]}},
+    "left": {"type": "StaticBoundary", "params": {"shape": "plane", "normal": [0, 0, 1], "slip": 1}},
+    "right": {"type": "StaticBoundary",
+              "params": {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 0.03], "slip": 1}},
+    FLOOR,
+    "honey": {"type": "ParticleFluid", "params": {"spacing": 0.01, "rest_steps": 400},
+              "modules": {"viscosity": {"enabled": false},
+                          "viscous": {"type": "ViscositySolver", "after": "walls"}}}},
+  "links": ["film.particles -> honey.initial", "left.boundary -> honey.boundaries",
+            "right.boundary -> honey.boundaries", LINKS]})";
+
+struct Film {
+  bool mesh;
+  double viscosity;
+  int steps;  // of 1 ms
+  double slip = 0;
+};
+
+/// Mean velocity along the floor in the middle of the film, m/s.
+double flowOfFilm(Device& device, const Film& film) {
+  const char* const nodes =
+      film.mesh ? R"("ground": {"type": "BoxMesh", "params": {"min": [-1, -1, -1], "max": [2, 0, 1]}},
+                     "floor": {"type": "SemiAnalyticalSFI"})"
+                : R"("floor": {"type": "StaticBoundary", "params": {"shape": "plane"}})";
+  const char* const links = film.mesh ? R"("ground.surface -> floor.solids", "honey.fluid -> floor.fluid")"
+                                      : R"("floor.boundary -> honey.boundaries")";
+  std::string text = kFilm;
+  text.replace(text.find("FLOOR"), 5, nodes);
+  text.replace(text.find("LINKS"), 5, links);
+  SimulatedScene scene(device, text,
+                       {"honey.viscous.viscosity=" + std::to_string(film.viscosity),
+                        "floor.slip=" + std::to_string(film.slip)});
+  scene->reset();
+  for (int k = 0; k < film.steps; ++k) scene->step();
+  ParticleSet& particles = scene.node<ParticleFluid>("honey").fluid->set();
+  const std::int64_t n = particles.refreshCount();
+  const std::vector<Vec3f> x = particles.positions().toHost(n), v = particles.velocities().toHost(n);
+  double sum = 0;
+  int there = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::abs(x[i].x - 0.3f) < 0.05f) sum += double(v[i].x), ++there;
+  return sum / there;
+}
+
+TEST(ViscositySolver, AFilmThatSticksFlowsAsNusseltsAndOneThatGlidesFalls) {
+  constexpr double kDepth = 0.06, kPull = 2;
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    for (const bool mesh : {false, true}) {
+      constexpr double kViscosity = 1e3;
+      const double nusselt = kDensity * kPull * kDepth * kDepth / (3 * kViscosity),
+                   ratio = flowOfFilm(*device, {mesh, kViscosity, 50}) / nusselt;
+      std::printf("film on %s, %s, %g Pa·s: %.4f of the closed form\n", name.c_str(), mesh ? "mesh" : "plane",
+                  kViscosity, ratio);
+      // At a depth of six spacings.
+      EXPECT_NEAR(ratio, 1, 0.1);
+      EXPECT_NEAR(flowOfFilm(*device, {mesh, kViscosity, 50, 1.0}), kPull * 0.05, 0.03 * kPull * 0.05)
+          << name;
+    }
+  }
+}
+
+TEST(ViscousWalls, DragOfAPlaneIsTheIntegralOverWhatIsBehindIt) {
+  // By shells in double precision, c(r) = 10·|W'|/r with H = 1.
+  for (const double q : {0.1, 0.3, 0.6, 0.9}) {
+    constexpr int kParts = 2000;
+    double sum = 0;
+    for (int k = 0; k < kParts; ++k) {
+      const double r = q + (1 - q) * (k + 0.5) / kParts, c = 10 * 45 / kPi * (1 - r) * (1 - r) / r;
+      for (int m = 0; m < 50; ++m) {
+        const double z = q + (r - q) * (m + 0.5) / 50;
+        sum += c * (r * r - z * z) / (2 * r * r) * z / q * 2 * kPi * r * (r - q) / 50 * (1 - q) / kParts;
+      }
+    }
+    EXPECT_NEAR(planeDrag(q), sum, 1e-3 * sum);
+    EXPECT_NEAR(planeDrag(float(q)), sum, 2e-3 * sum + 1e-4);
+  }
+  // A plane at 0.3 H hides ½·(1 − q)⁵·(1 + 2q) of the kernel.
+  EXPECT_NEAR(planeOf(0.5f * 0.16807f * 1.6f), 0.3f, 1e-5f);
 }
 
 TEST(ViscositySolver, WarnsOfASmallSupport) {
