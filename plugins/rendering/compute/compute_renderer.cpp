@@ -6,16 +6,13 @@
 
 #include "framework/base/check.h"
 #include "plugins/rendering/gl/line_pass.h"
-#include "plugins/rendering/gl/shadow_pass.h"
 #include "plugins/rendering/gl/splat_views.h"
 
 namespace weir::rendering {
 
 namespace {
 
-constexpr int kMaxSamples = 4;
-
-const int kTilesPerRow = ShadowTiles::perRowOf(gl::ShadowPass::kResolution);
+const int kTilesPerRow = ShadowTiles::perRowOf(kShadowResolution);
 
 std::vector<float> linearOfBytes() {
   std::vector<float> table;
@@ -23,48 +20,22 @@ std::vector<float> linearOfBytes() {
   return table;
 }
 
-/// In linear light, after it was rounded to bytes, as OpenGL's passes have it.
-Vec3f inBytes(const Color& color) {
-  const auto byte = [](float x) { return std::round(255 * std::clamp(x, 0.0f, 1.0f)) / 255; };
-  return gl::linear({byte(color.r), byte(color.g), byte(color.b), 1});
-}
-
 /// In camera space.
 ShadedGround groundOf(const gl::Frame& frame) {
   const GroundView& ground = frame.view.ground;
-  const Vec3f up = normalized(frame.view.worldUp);
   return {.visible = ground.visible,
-          .middle = frame.camera.point(ground.center + up * (ground.height - dot(ground.center, up))),
-          .up = frame.camera.direction(up),
+          .middle = frame.camera.point(gl::groundMiddle(frame.view)),
+          .up = frame.camera.direction(normalized(frame.view.worldUp)),
           .radius = ground.radius,
-          .color = inBytes(ground.color)};
+          .color = gl::linear(gl::inBytes(ground.color))};
 }
 
-ShadedLight lightOf(const gl::Frame& frame) {
-  const View& view = frame.view;
-  constexpr Vec3f kWhite{1, 1, 1};
-  constexpr float kSoftTexels = 5;
-  constexpr auto kTexels = static_cast<float>(gl::ShadowPass::kResolution);
-  ShadedLight light{.sun = frame.camera.direction(normalized(view.lighting.towardsSun)),
-                    .up = frame.camera.direction(normalized(view.worldUp)),
-                    .sky = 0.5f * (kWhite + gl::linear(view.backgroundTop)),
-                    .ground = gl::linear(view.ground.visible ? view.ground.color : view.backgroundBottom),
-                    .background = {gl::linear(view.backgroundBottom), gl::linear(view.backgroundTop)},
-                    .unlit = view.lighting.unlit};
-  if (!frame.hasShadows) return light;
-  gl::setRows(frame.sun.toTexture() * frame.camera.view.inverse(), light.toShadow, light.shadowMoved);
-  light.shadowTexel = 2 * frame.sun.halfSize / kTexels;
-  light.softness = kSoftTexels / kTexels;
-  light.shadowResolution = gl::ShadowPass::kResolution;
-  return light;
-}
-
-ShadedOcclusion occlusionOf(const gl::Frame& frame, const Aabb& casters) {
-  constexpr float kLargestPart = 0.12f;
-  const auto height = static_cast<float>(frame.height);
-  return {.radius = gl::occlusionRadius(frame.view, casters),
-          .radiusInView = 0.5f * height / frame.camera.tangent.y,
-          .largest = kLargestPart * height};
+ShadowMap shadowMapOf(const gl::Frame& frame) {
+  ShadowMap map;
+  if (!frame.hasShadows) return map;
+  gl::setRows(gl::toShadowMap(frame), map.rows, map.moved);
+  map.resolution = kShadowResolution;
+  return map;
 }
 
 /// The rectangle of six corners in clip space that lineCorners() gives.
@@ -139,7 +110,8 @@ ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
       .samples = frame.samples,
       .width = frame.view.width,
       .height = frame.view.height,
-      .light = lightOf(frame),
+      .light = gl::lightOf(frame),
+      .shadowMap = shadowMapOf(frame),
       .linear = constView(linear_),
       .lines = constView(lines_),
       .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
@@ -152,22 +124,13 @@ Picture ComputeRenderer::draw(const View& view) {
   WEIR_CHECK(view.height > 0);
   WEIR_CHECK(view.samplesPerAxis > 0);
   const Aabb casters = spheres_.load(view.particles);
-  const int samples = std::min(view.samplesPerAxis, kMaxSamples);
-  gl::Frame frame{
-      .view = view,
-      .samples = samples,
-      .width = view.width * samples,
-      .height = view.height * samples,
-      .camera = gl::makeCamera(view.camera, static_cast<float>(view.width) / static_cast<float>(view.height),
-                               gl::seenBox(view, casters))};
-  frame.hasShadows = view.lighting.shadows && !view.lighting.unlit && !casters.empty();
-  if (frame.hasShadows)
-    frame.sun = gl::makeSunView(view.lighting.towardsSun, casters, gl::ShadowPass::kResolution);
+  const int samples = std::min(view.samplesPerAxis, gl::kMaxSamples);
+  const gl::Frame frame = gl::makeFrame(view, samples, casters);
 
   const std::int64_t pixels = std::int64_t{view.width} * view.height;
   const std::int64_t places = pixels * samples * samples;
   nearest_.resizeDiscarding(places);
-  constexpr std::int64_t kTexels = std::int64_t{gl::ShadowPass::kResolution} * gl::ShadowPass::kResolution;
+  constexpr std::int64_t kTexels = std::int64_t{kShadowResolution} * kShadowResolution;
   shadow_.resizeDiscarding(kTexels);
   for (Array<float>* const each : {&open_, &scratch_, &distances_}) each->resizeDiscarding(pixels);
   rgb_.resizeDiscarding(3 * pixels);
@@ -178,14 +141,13 @@ Picture ComputeRenderer::draw(const View& view) {
     showGround(device, shaded.seen, nearest_.view());
     gl::splatDepths(device, spheres_.view(), shaded.seen.camera, nearest_.view());
     if (frame.hasShadows) {
-      gl::splatShadow(device, spheres_.view(), gl::splatSunOf(frame.sun, gl::ShadowPass::kResolution),
-                      shadow_.view());
-      findShadowTiles(device, shaded.shadow, gl::ShadowPass::kResolution, tiles_[0].view(), tiles_[1].view(),
+      gl::splatShadow(device, spheres_.view(), gl::splatSunOf(frame.sun, kShadowResolution), shadow_.view());
+      findShadowTiles(device, shaded.shadow, kShadowResolution, tiles_[0].view(), tiles_[1].view(),
                       tiles_[2].view(), tiles_[3].view());
     }
     if (shaded.open.size > 0)
-      findOcclusion(device, shaded.seen, samples, occlusionOf(frame, casters), open_.view(), scratch_.view(),
-                    distances_.view());
+      findOcclusion(device, shaded.seen, samples, gl::occlusionOf(frame, casters), open_.view(),
+                    scratch_.view(), distances_.view());
     shade(device, shaded, rgb_.view());
   });
   const std::span<const std::uint8_t> rgb = picture_.of(rgb_);

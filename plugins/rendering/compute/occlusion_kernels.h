@@ -1,15 +1,10 @@
-// Ambient occlusion in the space of the picture, without OpenGL: the arithmetic of gl/occlusion_pass.cpp.
+// Ambient occlusion in the space of the picture, without OpenGL.
 #pragma once
 
 #include "plugins/rendering/compute/seen_samples.h"
+#include "plugins/rendering/shading/light.h"
 
 namespace weir::rendering {
-
-struct ShadedOcclusion {
-  float radius = 0;        ///< m
-  float radiusInView = 0;  ///< of 1 m at a distance of 1 m, in samples
-  float largest = 0;       ///< samples
-};
 
 /// Fills `open`, one number for each pixel of `samples`² samples, rows from the bottom: 1 where nothing
 /// occludes. `scratch` and `distances` have its size.

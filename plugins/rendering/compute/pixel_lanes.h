@@ -5,11 +5,32 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "framework/base/vec.h"
 #include "framework/compute/lanes.h"
 
 namespace weir::rendering {
+
+// One number at a time, as formulas take it everywhere.
+
+/// The larger one; `low` where x is NaN.
+WEIR_HD inline float atLeast(float x, float low) {
+  return x > low ? x : low;
+}
+/// The smaller one; `high` where x is NaN.
+WEIR_HD inline float atMost(float x, float high) {
+  return x < high ? x : high;
+}
+WEIR_HD inline float absolute(float x) {
+  return std::fabs(x);
+}
+WEIR_HD inline float exponential(float x) {
+  return std::exp(x);
+}
+WEIR_HD inline float power(float x, float exponent) {
+  return std::pow(x, exponent);
+}
 
 #ifdef WEIR_HAS_LANES
 
@@ -47,12 +68,6 @@ inline Mask equal(const Ints& a, int b) {
 inline Mask below(const Ints& a, int b) {
   return {a < b};
 }
-inline Mask either(const Mask& a, const Mask& b) {
-  return {a.v | b.v};
-}
-inline Mask notSo(const Mask& a) {
-  return {~a.v};
-}
 inline unsigned bitsOfMask(const Mask& mask) {
   return mask.bits();
 }
@@ -64,7 +79,6 @@ inline Ints clamped(const Ints& x, int low, int high) {
   const Ints above = x > lowest ? x : lowest;
   return above < highest ? above : highest;
 }
-/// The larger one; `low` where x is NaN.
 inline Number atLeast(const Number& x, const Number& low) {
 #ifdef __AVX2__
   return Lanes::Vector(_mm256_max_ps(x.v, low.v));
@@ -72,7 +86,6 @@ inline Number atLeast(const Number& x, const Number& low) {
   return select(x > low, x, low);
 #endif
 }
-/// The smaller one; `high` where x is NaN.
 inline Number atMost(const Number& x, const Number& high) {
 #ifdef __AVX2__
   return Lanes::Vector(_mm256_min_ps(x.v, high.v));
@@ -177,6 +190,9 @@ inline Number logarithmToTwo(const Number& x) {
 
 }  // namespace detail
 
+inline Number absolute(const Number& x) {
+  return abs(x);
+}
 /// e^x for x from -87 to 87.
 inline Number exponential(const Number& x) {
   return detail::powerOfTwo(x * 1.44269504f);
@@ -220,29 +236,15 @@ WEIR_HD inline Mask equal(Ints a, int b) {
 WEIR_HD inline Mask below(Ints a, int b) {
   return a < b;
 }
-WEIR_HD inline Mask either(Mask a, Mask b) {
-  return a || b;
-}
-WEIR_HD inline Mask notSo(Mask a) {
-  return !a;
-}
 WEIR_HD inline unsigned bitsOfMask(Mask mask) {
   return mask ? 1 : 0;
 }
-WEIR_HD inline float laneOf(Number numbers, int) {
-  return numbers;
-}
+using weir::laneOf;  // of a Number; the next one would hide it
 WEIR_HD inline std::uint32_t laneOf(Ints ints, int) {
   return static_cast<std::uint32_t>(ints);
 }
 WEIR_HD inline Ints clamped(Ints x, int low, int high) {
   return x > low ? (x < high ? x : high) : low;
-}
-WEIR_HD inline Number atLeast(Number x, Number low) {
-  return x > low ? x : low;
-}
-WEIR_HD inline Number atMost(Number x, Number high) {
-  return x < high ? x : high;
 }
 WEIR_HD inline Ints gather(const std::uint32_t* from, Ints at) {
   return static_cast<int>(from[at]);
@@ -265,12 +267,6 @@ WEIR_HD inline void gatherHalves(const std::uint64_t* from, Ints at, Ints& lower
 WEIR_HD inline Number rowFrom(const float* row, int first, int size) {
   return row[clamped(first, 0, size - 1)];
 }
-WEIR_HD inline Number exponential(Number x) {
-  return std::exp(x);
-}
-WEIR_HD inline Number power(Number x, float exponent) {
-  return std::pow(x, exponent);
-}
 
 #endif
 
@@ -280,17 +276,26 @@ using Numbers3 = Vec3<Number>;
 WEIR_HD inline Numbers3 allOf(const Vec3f& v) {
   return {Number(v.x), Number(v.y), Number(v.z)};
 }
-WEIR_HD inline Number clamped(const Number& x, float low, float high) {
+template <class N>
+WEIR_HD N clamped(const N& x, float low, float high) {
   return atMost(atLeast(x, low), high);
 }
-WEIR_HD inline Number mix(const Number& a, const Number& b, const Number& t) {
+template <class N>
+WEIR_HD N mix(const N& a, const N& b, const std::type_identity_t<N>& t) {
   return a + (b - a) * t;
 }
-WEIR_HD inline Numbers3 mix(const Numbers3& a, const Numbers3& b, const Number& t) {
+template <class N>
+WEIR_HD Vec3<N> mix(const Vec3<N>& a, const Vec3<N>& b, const std::type_identity_t<N>& t) {
   return a + (b - a) * t;
 }
-WEIR_HD inline Numbers3 times(const Numbers3& a, const Numbers3& b) {
+template <class N>
+WEIR_HD Vec3<N> times(const Vec3<N>& a, const Vec3<N>& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+template <class N>
+WEIR_HD N smoothstep(float low, float high, const N& x) {
+  const N t = clamped((x - low) / (high - low), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
 }
 WEIR_HD inline Numbers3 selectAll(const Mask& condition, const Numbers3& a, const Numbers3& b) {
   return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
@@ -299,10 +304,6 @@ WEIR_HD inline Numbers3 selectAll(const Mask& condition, const Numbers3& a, cons
 WEIR_HD inline Numbers3 unit(const Numbers3& v) {
   const Number size = sqrtf(dot(v, v));
   return v * select(size > Number(0.0f), 1 / size, Number(0.0f));
-}
-WEIR_HD inline Number smoothstep(float low, float high, const Number& x) {
-  const Number t = clamped((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
 }
 /// The whole number below x, and what x has beyond it; |x| < 2^31.
 WEIR_HD inline Ints split(const Number& x, Number& beyond) {

@@ -58,18 +58,17 @@ struct SeenSamples {
 
   /// The ray through the middle of a sample, of length 1 along the camera's axis.
   WEIR_HD Numbers3 ray(const Number& x, const Number& y) const {
-    return {((x + 0.5f) * (2.0f / static_cast<float>(camera.width)) - 1) * camera.tangent.x,
-            ((y + 0.5f) * (2.0f / static_cast<float>(camera.height)) - 1) * camera.tangent.y, Number(-1.0f)};
+    return camera.ray(x, y);
   }
   WEIR_HD Number distanceAt(const Number& depth) const {
-    return camera.projection.w / (2 * depth - 1 + camera.projection.z);
+    return shading::distanceOf(depth, camera.projection);
   }
 
   /// Of samples that see spheres or the ground.
   WEIR_HD Numbers3 normal(const SeenRow& seen, const Numbers3& ray) const {
     const Mask level = seen.ground();
     const Numbers3 up = allOf(ground.up);
-    if (!any(notSo(level))) return up;
+    if (!any(!level)) return up;
     Number radius;
     const Numbers3 place = balls(seen, radius);
     const auto turned = [&](int i) {
@@ -78,8 +77,8 @@ struct SeenSamples {
                                                            : camera.moved.z);
     };
     const Numbers3 center{turned(0), turned(1), turned(2)};
-    const gl::Hit<Number> hit(ray, center, radius);
-    return selectAll(level, up, unit(ray * hit.distance - center));
+    Number rest;
+    return select(level, up, unit(ray * shading::distanceOfSphere(ray, center, radius, rest) - center));
   }
 
   /// The colours of spheres, as in SplatSphere.

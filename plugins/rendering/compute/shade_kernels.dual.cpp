@@ -1,11 +1,11 @@
 #include "plugins/rendering/compute/shade_kernels.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "framework/compute/parallel.h"
 #include "plugins/rendering/compute/pixel_groups.h"
-#include "plugins/rendering/gl/splat_shapes.h"
+#include "plugins/rendering/shading/formulas.h"
+#include "plugins/rendering/shading/patterns.h"
 
 namespace weir::rendering {
 
@@ -24,10 +24,9 @@ struct ShowGround {
     const Number distance = height / falling;
     const Numbers3 aside = ray * distance - allOf(ground.middle);
     const Mask outside =
-        either(distance<Number(seen.camera.near), dot(aside, aside)> Number(ground.radius * ground.radius));
-    const Number depth = atMost(
-        positivePart(0.5f + 0.5f * (seen.camera.projection.w / distance - seen.camera.projection.z)), 1.0f);
-    return select(notSo(outside) & (falling < Number(0.0f)), depth, Number(1.0f));
+        (distance < Number(seen.camera.near)) | (dot(aside, aside) > Number(ground.radius * ground.radius));
+    const Number depth = atMost(positivePart(seen.camera.depthAt(distance)), 1.0f);
+    return select((falling < Number(0.0f)) & !outside, depth, Number(1.0f));
   }
 
   WEIR_HD void operator()(std::int64_t k) const {
@@ -40,38 +39,19 @@ struct ShowGround {
   }
 };
 
-/// What the lighting needs of tables that never change: four places evenly spread in the unit circle (H.
-/// Vogel 1979), and four turns between them.
-struct SoftShadow {
-  Vec2f taps[4], turns[4];
-};
-
-SoftShadow softShadow() {
-  constexpr float kGoldenAngle = 2.3999632f, kQuarter = 0.5f * std::numbers::pi_v<float>;
-  SoftShadow soft;
-  for (int i = 0; i < 4; ++i) {
-    const auto n = static_cast<float>(i);
-    const float radius = std::sqrt((n + 0.5f) / 4), angle = kQuarter * n / 4;
-    soft.taps[i] = {radius * std::cos(n * kGoldenAngle), radius * std::sin(n * kGoldenAngle)};
-    soft.turns[i] = {std::cos(angle), std::sin(angle)};
-  }
-  return soft;
-}
-
 struct Shade {
   ShadedPicture in;
   PixelGroups pixels;
-  SoftShadow soft;
+  ShadowPattern pattern;
   ArrayView<std::uint8_t> rgb;
 
   /// Two neighbouring texels of the shadow map against depths, mixed: 1 where they are lit. `left` is the
   /// column of the first, which may lie outside.
   WEIR_HD Number areLit(const Ints& left, const Ints& row, const Number& beyond, const Number& depth) const {
-    const int last = in.light.shadowResolution - 1;
+    const int last = in.shadowMap.resolution - 1;
     Number first, second;
-    gatherPairs(in.shadow.data,
-                clamped(row, 0, last) * in.light.shadowResolution + clamped(left, 0, last - 1), first,
-                second);
+    gatherPairs(in.shadow.data, clamped(row, 0, last) * in.shadowMap.resolution + clamped(left, 0, last - 1),
+                first, second);
     const Number one = select(below(left, last), first, second), two = select(below(left, 0), first, second);
     return mix(select(one < depth, Number(0.0f), Number(1.0f)),
                select(two < depth, Number(0.0f), Number(1.0f)), beyond);
@@ -79,7 +59,7 @@ struct Shade {
 
   /// The comparisons of the four texels around a place, mixed.
   WEIR_HD Number litAt(const Number& u, const Number& v, const Number& depth) const {
-    const auto size = static_cast<float>(in.light.shadowResolution);
+    const auto size = static_cast<float>(in.shadowMap.resolution);
     Number right, up;
     const Ints column = split(clamped(u * size - 0.5f, -1.0f, size), right);
     const Ints row = split(clamped(v * size - 0.5f, -1.0f, size), up);
@@ -90,43 +70,37 @@ struct Shade {
   WEIR_HD bool knowTiles(const Number& u, const Number& v, const Number& depth, const Mask& wanted,
                          Number& lit) const {
     constexpr float kSide = ShadowTiles::kSide;
-    const float tiles = static_cast<float>(in.light.shadowResolution) / kSide;
+    const float tiles = static_cast<float>(in.shadowMap.resolution) / kSide;
     const auto last = static_cast<float>(in.tiles.perRow - 1);
     const Ints at =
         toInts(clamped(v * tiles, 0.0f, last)) * in.tiles.perRow + toInts(clamped(u * tiles, 0.0f, last));
     const Mask dark = gather(in.tiles.farthest.data, at) < depth;
     const Mask unsure = gather(in.tiles.nearest.data, at) < depth;
     lit = select(dark, Number(0.0f), Number(1.0f));
-    return !any(wanted & unsure & notSo(dark));
+    return !any(wanted & unsure & !dark);
   }
 
   WEIR_HD Number sunlight(const Numbers3& position, const Numbers3& normal, const Ints& x, int y,
                           const Mask& wanted) const {
     const ShadedLight& light = in.light;
-    if (light.shadowResolution == 0) return Number(1.0f);
-    const Numbers3 p = position + normal * Number(light.shadowTexel * 2);
-    const Number u = dot(allOf(light.toShadow[0]), p) + light.shadowMoved.x;
-    const Number v = dot(allOf(light.toShadow[1]), p) + light.shadowMoved.y;
-    const Number depth = atMost(dot(allOf(light.toShadow[2]), p) + light.shadowMoved.z, 1.0f);
+    if (in.shadowMap.resolution == 0) return Number(1.0f);
+    const ShadowMap& map = in.shadowMap;
+    const Numbers3 p = position + normal * Number(light.shadowTexel * shading::kShadowOffset);
+    const Number u = dot(allOf(map.rows[0]), p) + map.moved.x;
+    const Number v = dot(allOf(map.rows[1]), p) + map.moved.y;
+    const Number depth = atMost(dot(allOf(map.rows[2]), p) + map.moved.z, 1.0f);
     Number open = 0.0f;
     if (knowTiles(u, v, depth, wanted, open)) return open;
     open = 0.0f;
     const Mask even = equal(x & 1, 0);
-    const Vec2f first = soft.turns[2 * (y & 1)], second = soft.turns[1 + 2 * (y & 1)];
+    const Vec2f first = pattern.turns[2 * (y & 1)], second = pattern.turns[1 + 2 * (y & 1)];
     const Number turnX = light.softness * select(even, Number(first.x), Number(second.x));
     const Number turnY = light.softness * select(even, Number(first.y), Number(second.y));
     for (int i = 0; i < 4; ++i) {
-      const Vec2f tap = soft.taps[i];
-      open += 0.25f * litAt(u + tap.x * turnX - tap.y * turnY, v + tap.x * turnY + tap.y * turnX, depth);
+      const Vec2<Number> tap = shading::turned(pattern.taps[i], turnX, turnY);
+      open += 0.25f * litAt(u + tap.x, v + tap.y, depth);
     }
     return open;
-  }
-
-  WEIR_HD Numbers3 skyLight(const Numbers3& normal) const {
-    constexpr float kStrength = 0.56f;
-    const Number above = 0.5f + 0.5f * dot(normal, allOf(in.light.up));
-    return mix(allOf(kStrength * 0.62f * in.light.ground), allOf(kStrength * in.light.sky),
-               above * (2 - above));
   }
 
   /// The occlusion at samples, mixed of the four pixels around each. `column` is of the first pixel.
@@ -144,40 +118,38 @@ struct Shade {
     return mix(along(row), along(other), std::fabs(asideY));
   }
 
-  WEIR_HD Vec3f backgroundAt(int y) const {
-    float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.seen.camera.height);
-    t = t * t * (3 - 2 * t);
-    return in.light.background[0] + (in.light.background[1] - in.light.background[0]) * t;
+  WEIR_HD Numbers3 backgroundAt(int y) const {
+    const float height = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.seen.camera.height);
+    return shading::backgroundOf(Number(height), allOf(in.light.background[0]),
+                                 allOf(in.light.background[1]));
   }
 
   /// The ground becomes the background towards its rim.
   WEIR_HD Numbers3 faded(const Numbers3& color, const Numbers3& position, int y) const {
     const Numbers3 aside = position - allOf(in.seen.ground.middle);
-    const Number away = sqrtf(dot(aside, aside)) / in.seen.ground.radius;
-    return mix(color, allOf(backgroundAt(y)), smoothstep(0.12f, 0.9f, away));
+    return mix(color, backgroundAt(y),
+               shading::fadeOfGround(sqrtf(dot(aside, aside)), in.seen.ground.radius));
   }
 
   WEIR_HD Numbers3 albedo(const SeenRow& seen, const Mask& ground) const {
     const Numbers3 groundColor = allOf(in.seen.ground.color);
-    if (!any(notSo(ground))) return groundColor;
+    if (!any(!ground)) return groundColor;
     const Ints packed = in.seen.sphereColors(seen);
     const Numbers3 color{gather(in.linear.data, packed & 255), gather(in.linear.data, (packed >> 8) & 255),
                          gather(in.linear.data, (packed >> 16) & 255)};
-    return selectAll(ground, groundColor, color);
+    return select(ground, groundColor, color);
   }
 
   /// The light from surfaces; anything where there is none. `column` and `row` are of the first pixel,
   /// `right` and `up` count the sample in them.
   WEIR_HD Numbers3 surfaceAt(const SeenRow& seen, const Ints& x, int column, int row, int right,
                              int up) const {
-    constexpr Vec3f kSunColor{0.74f, 0.71f, 0.66f};
     const int y = row * in.samples + up;
     const Mask ground = seen.ground();
     const Numbers3 surface = albedo(seen, ground);
     const Numbers3 ray = in.seen.ray(toNumbers(x), Number(static_cast<float>(y)));
     const Numbers3 position = ray * in.seen.distanceAt(seen.depth());
-    if (in.light.unlit)
-      return any(ground) ? selectAll(ground, faded(surface, position, y), surface) : surface;
+    if (in.light.unlit) return any(ground) ? select(ground, faded(surface, position, y), surface) : surface;
     const Numbers3 normal = in.seen.normal(seen, ray);
     const Number open = openAt(column, row, right, up);
     const Number facing = positivePart(dot(normal, allOf(in.light.sun)));
@@ -185,23 +157,16 @@ struct Shade {
     const Number sun =
         any(sunny) ? select(facing > Number(0.0f), sunlight(position, normal, x, y, sunny), Number(0.0f))
                    : Number(0.0f);
-    const Numbers3 sunColor = allOf(kSunColor);
-    const Number direct = sun * facing * (1 + (open - 1) * 0.35f);
-    const Numbers3 color = times(surface, skyLight(normal) * open + sunColor * direct);
-    if (!any(notSo(ground))) return faded(color, position, y);
+    const Numbers3 sunColor = allOf(in.light.sunColor);
+    const Numbers3 sky =
+        shading::skyLightOf(normal, allOf(in.light.up), allOf(in.light.skyBelow), allOf(in.light.skyAbove));
+    const Numbers3 color = times(surface, shading::diffuseLight(sky, open, sunColor, sun, facing));
+    if (!any(!ground)) return faded(color, position, y);
     const Numbers3 towardsEye = unit(-position);
     const Number cosine = positivePart(dot(normal, unit(towardsEye + allOf(in.light.sun))));
-    const Number slant = 1 - clamped(dot(normal, towardsEye), 0.0f, 1.0f), square = slant * slant;
-    const Number rim = 0.04f + 0.96f * square * square * slant;
-    const Numbers3 shiny = color + sunColor * (0.10f * 0.25f * sun * highlight(cosine)) +
-                           times(allOf(in.light.sky), surface) * (0.25f * rim * open);
-    return any(ground) ? selectAll(ground, faded(color, position, y), shiny) : shiny;
-  }
-
-  /// The normalised Blinn-Phong highlight of the exponent 40.
-  WEIR_HD static Number highlight(const Number& cosine) {
-    const Number c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
-    return 6 * c16 * c16 * c8;
+    const Numbers3 shiny = shading::withShine(color, surface, allOf(in.light.sky), open, sunColor, sun,
+                                              cosine, dot(normal, towardsEye));
+    return any(ground) ? select(ground, faded(color, position, y), shiny) : shiny;
   }
 
   /// Which of the lines come near the pixels, one bit each.
@@ -241,27 +206,16 @@ struct Shade {
       const float up = y + 0.5f - line.from.y;
       const Number across = right * line.along.y - up * line.along.x;
       const Number along = right * line.along.x + up * line.along.y;
-      const Mask outside = either(either(Number(line.halfWidth) < across, across < Number(-line.halfWidth)),
-                                  either(either(along<Number(0.0f), along> Number(line.length)),
-                                         depth < line.depth + along * line.depthStep));
-      light = selectAll(outside, light, mix(light, allOf(line.color), line.opacity));
+      const Mask outside = (Number(line.halfWidth) < across) | (across < Number(-line.halfWidth)) |
+                           (along < Number(0.0f)) | (Number(line.length) < along) |
+                           (depth < line.depth + along * line.depthStep);
+      light = select(outside, light, mix(light, allOf(line.color), line.opacity));
     }
     return light;
   }
 
-  /// Leaves light below the knee alone, and bends what is above it towards 1.
   WEIR_HD static Number shoulder(const Number& light) {
-    constexpr float kKnee = 0.8f, kMax = 80;
-    const Mask above = light > Number(kKnee);
-    if (!any(above)) return light;
-    const Number over = clamped((light - kKnee) * (1 / (1 - kKnee)), 0.0f, kMax);
-    return select(above, 1 - (1 - kKnee) * exponential(-over), light);
-  }
-
-  WEIR_HD static Number encoded(const Number& light) {
-    constexpr float kLinear = 0.0031308f;
-    const Number bent = 1.055f * power(atLeast(light, kLinear), 1 / 2.4f) - 0.055f;
-    return select(light < Number(kLinear), 12.92f * light, bent);
+    return any(light > Number(shading::kKnee)) ? shading::shoulder(light) : light;
   }
 
   WEIR_HD Numbers3 exposed(const Numbers3& light) const {
@@ -276,14 +230,14 @@ struct Shade {
     Numbers3 sum = allOf({0, 0, 0});
     for (int j = 0; j < in.samples; ++j) {
       const int y = row * in.samples + j;
-      const Numbers3 background = allOf(backgroundAt(y));
+      const Numbers3 background = backgroundAt(y);
       for (int i = 0; i < in.samples; ++i) {
         const Ints x = columns * in.samples + i;
         const SeenRow seen = in.seen.row(x, y);
         const Mask something = seen.something();
         Numbers3 light = background;
         if (any(something))
-          light = selectAll(something, surfaceAt(seen, x, pixels.column(k), row, i, j), background);
+          light = select(something, surfaceAt(seen, x, pixels.column(k), row, i, j), background);
         if (near.any) light = withLines(light, near, toNumbers(x), static_cast<float>(y), seen.depth());
         sum += exposed(light);
       }
@@ -292,8 +246,8 @@ struct Shade {
   }
 
   WEIR_HD void write(std::int64_t k, const Numbers3& light) const {
-    const Ints red = bytesOf(encoded(light.x)), green = bytesOf(encoded(light.y)),
-               blue = bytesOf(encoded(light.z));
+    const Ints red = bytesOf(shading::encoded(light.x)), green = bytesOf(shading::encoded(light.y)),
+               blue = bytesOf(shading::encoded(light.z));
     const int first = pixels.column(k);
     std::uint8_t* to = rgb.data + 3 * (std::int64_t{pixels.row(k)} * in.width + first);
     for (int l = 0; l < kPixels && first + l < in.width; ++l) {
@@ -315,7 +269,7 @@ void showGround(Backend& device, const SeenSamples& seen, ArrayView<std::uint64_
 template <class Backend>
 void shade(Backend& device, const ShadedPicture& picture, ArrayView<std::uint8_t> rgb) {
   const PixelGroups pixels{picture.width, picture.height};
-  parallelFor(device, "shade", pixels.count(), Shade{picture, pixels, softShadow(), rgb});
+  parallelFor(device, "shade", pixels.count(), Shade{picture, pixels, shadowPattern(), rgb});
 }
 
 template void showGround(ThisBackend&, const SeenSamples&, ArrayView<std::uint64_t>);

@@ -1,5 +1,5 @@
 // Lights what splat_kernels.h found, without OpenGL: ground, ambient occlusion, a sun with a soft shadow,
-// lines, tone curve. The arithmetic is that of the shaders of the passes in gl/.
+// lines, tone curve.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 #include "framework/compute/array.h"
 #include "plugins/rendering/compute/seen_samples.h"
 #include "plugins/rendering/compute/shadow_tiles.h"
+#include "plugins/rendering/shading/light.h"
 
 namespace weir::rendering {
 
@@ -25,15 +26,10 @@ struct ShadedLine {
   float opacity = 1;
 };
 
-struct ShadedLight {
-  Vec3f sun, up;                   ///< unit vectors in camera space
-  Vec3f sky, ground;               ///< light from above and below
-  Vec3f background[2];             ///< bottom and top
-  Vec3f toShadow[3], shadowMoved;  ///< from camera space to the shadow map
-  float shadowTexel = 0;           ///< m
-  float softness = 0;              ///< in the map's coordinates
-  int shadowResolution = 0;        ///< texels along a side; 0: there are no shadows
-  bool unlit = false;
+/// Where points are in the shadow map.
+struct ShadowMap {
+  Vec3f rows[3], moved;  ///< from camera space to its coordinates
+  int resolution = 0;    ///< texels along a side; 0: there are no shadows
 };
 
 struct ShadedPicture {
@@ -41,6 +37,7 @@ struct ShadedPicture {
   int samples = 1;  ///< per axis and pixel
   int width = 0, height = 0;
   ShadedLight light;
+  ShadowMap shadowMap;
   ArrayView<const float> linear;  ///< of each sRGB number of eight bits
   ArrayView<const ShadedLine> lines;
   ArrayView<const float> shadow;  ///< depths

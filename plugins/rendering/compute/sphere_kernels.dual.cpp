@@ -9,21 +9,11 @@ namespace weir::rendering {
 
 namespace {
 
-constexpr float kFixedEntry = 256, kUnknownEntry = 257;  // of ParticleColors
-
 struct PackSphere {
   ArrayView<const Vec3f> positions;
   ArrayView<const float> values;
   SphereColors colors;
   ArrayView<SplatSphere> spheres;
-
-  WEIR_HD float entryOf(float value) const {
-    if (!(value == value)) return kUnknownEntry;
-    const float range = colors.highest - colors.lowest;
-    float t = value > colors.lowest ? 1.0f : (value == colors.lowest ? 0.5f : 0.0f);
-    if (range > 0) t = (value - colors.lowest) / range;
-    return 255 * (t > 0 ? (t < 1 ? t : 1.0f) : 0.0f);
-  }
 
   /// The mixture of two neighbouring texels, byte by byte.
   WEIR_HD std::uint32_t colorAt(float entry) const {
@@ -41,7 +31,7 @@ struct PackSphere {
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
-    const float entry = values.size > 0 ? entryOf(values[i]) : kFixedEntry;
+    const float entry = values.size > 0 ? colors.entries.of(values[i]) : ColorEntries::kFixed;
     spheres[i] = {p, isFinite(p) ? colors.radius : 0.0f, colorAt(entry)};
   }
 };

@@ -14,11 +14,26 @@ struct SplatSphere {
   std::uint32_t color = 0;  ///< red in the lowest byte, then green, blue and the material
 };
 
-/// How numbers become colours, see gl::ParticleColors.
+/// How numbers become colours: places among texels, of which the first 256 are a colour map. Between two of
+/// them is a mixture.
+struct ColorEntries {
+  static constexpr int kCount = 258, kFixed = 256, kUnknown = 257;  ///< the last ones: no number, and NaN
+
+  float lowest = 0, highest = 1;  ///< values at the ends of the map
+
+  WEIR_HD float of(float value) const {
+    if (!(value == value)) return kUnknown;
+    const float range = highest - lowest;
+    float t = value > lowest ? 1.0f : (value == lowest ? 0.5f : 0.0f);
+    if (range > 0) t = (value - lowest) / range;
+    return 255 * (t > 0 ? (t < 1 ? t : 1.0f) : 0.0f);
+  }
+};
+
 struct SphereColors {
   ArrayView<const std::uint32_t> texels;  ///< packed colours
-  float lowest = 0, highest = 1;          ///< values at the ends of the map
-  float radius = 0;                       ///< m, of all spheres
+  ColorEntries entries;
+  float radius = 0;  ///< m, of all spheres
 };
 
 /// Makes spheres of particles. `values` may be empty: then all have the fixed colour.

@@ -2,15 +2,16 @@
 
 #include "framework/base/check.h"
 #include "plugins/rendering/gl/particle_colors.h"
+#include "plugins/rendering/shading/formulas.h"
 
 namespace weir::rendering {
 
 namespace {
 
-constexpr std::uint32_t kParticleMaterial = 128;  // kParticle of kMaterialSnippet, in eight bits
+constexpr auto kParticleMaterial = static_cast<std::uint32_t>(255 * shading::kParticle + 0.5f);
 
 std::vector<std::uint32_t> packedTexels(const ParticleView& particles) {
-  const std::vector<std::uint8_t> bytes = gl::ParticleColors(particles).texels();
+  const std::vector<std::uint8_t> bytes = gl::particleColors(particles);
   std::vector<std::uint32_t> texels;
   for (std::size_t i = 0; i < bytes.size(); i += 4)
     texels.push_back(bytes[i] | std::uint32_t{bytes[i + 1]} << 8 | std::uint32_t{bytes[i + 2]} << 16 |
@@ -37,8 +38,7 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
     const ArrayView<const float> values = input.values.of(view.values, view.onDevice);
     const ArrayView<SplatSphere> spheres{spheres_.data() + first, positions.size};
     const SphereColors colors{.texels = static_cast<const Array<std::uint32_t>&>(input.texels).view(),
-                              .lowest = view.lowest,
-                              .highest = view.highest,
+                              .entries = {view.lowest, view.highest},
                               .radius = view.radius};
     dispatch(device_, [&](auto& device) {
       packSpheres(device, positions, values, colors, spheres);

@@ -15,21 +15,44 @@ Vec3f linear(const Color& color) {
   return {component(color.r), component(color.g), component(color.b)};
 }
 
-Aabb seenBox(const View& view, const Aabb& casters) {
+Color inBytes(const Color& color) {
+  const auto byte = [](float x) { return std::round(255 * std::clamp(x, 0.0f, 1.0f)) / 255; };
+  return {byte(color.r), byte(color.g), byte(color.b), 1};
+}
+
+Vec3f groundMiddle(const View& view) {
+  const Vec3f up = normalized(view.worldUp);
+  return view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
+}
+
+/// The box around all that is seen: what casts shadows, lines and the ground.
+static Aabb seenBox(const View& view, const Aabb& casters) {
   Aabb seen = casters;
   for (const LineView& lines : view.lines)
     for (const Vec3f& point : lines.points)
       if (isFinite(point)) seen.extend(point);
   if (view.ground.visible) {
-    const Vec3f up = normalized(view.worldUp);
-    const Vec3f middle = view.ground.center + up * (view.ground.height - dot(view.ground.center, up));
+    const Vec3f middle = groundMiddle(view);
     const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
     seen.extend(Aabb{middle - around, middle + around});
   }
   return seen;
 }
 
-float occlusionRadius(const View& view, const Aabb& casters) {
+Frame makeFrame(const View& view, int samples, const Aabb& casters) {
+  const float aspect = float(view.width) / float(view.height);
+  Frame frame{.view = view,
+              .samples = samples,
+              .width = view.width * samples,
+              .height = view.height * samples,
+              .camera = makeCamera(view.camera, aspect, seenBox(view, casters))};
+  frame.hasShadows = view.lighting.shadows && !view.lighting.unlit && !casters.empty();
+  if (frame.hasShadows) frame.sun = makeSunView(view.lighting.towardsSun, casters, kShadowResolution);
+  return frame;
+}
+
+/// How far ambient occlusion reaches, m.
+static float occlusionRadius(const View& view, const Aabb& casters) {
   if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
   float largest = 0;
   for (const ParticleView& particles : view.particles)
@@ -37,6 +60,42 @@ float occlusionRadius(const View& view, const Aabb& casters) {
   if (largest > 0) return 6 * largest;
   constexpr float kPartOfScene = 0.04f;
   return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
+}
+
+ShadedOcclusion occlusionOf(const Frame& frame, const Aabb& casters) {
+  constexpr float kLargestPart = 0.12f;
+  const auto height = float(frame.height);
+  return {.radius = occlusionRadius(frame.view, casters),
+          .radiusInView = 0.5f * height / frame.camera.tangent.y,
+          .largest = kLargestPart * height};
+}
+
+ShadedLight lightOf(const Frame& frame) {
+  const View& view = frame.view;
+  const bool outside = hasSurroundings(view), image = view.environment == EnvironmentLook::kImage;
+  // The sky lights in a paler colour than it has, or everything would look blue.
+  constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
+  const Vec3f sky = outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop));
+  const Vec3f sun = outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f};
+  const float skyStrength = outside ? 0.36f : 0.56f;
+  ShadedLight light{.sun = frame.camera.direction(normalized(view.lighting.towardsSun)),
+                    .up = frame.camera.direction(normalized(view.worldUp)),
+                    .sunColor = view.lighting.sunStrength * sun,
+                    .sky = image ? view.environmentImage->mean : sky,
+                    .ground = linear(view.ground.visible ? view.ground.color : view.backgroundBottom),
+                    .background = {linear(view.backgroundBottom), linear(view.backgroundTop)},
+                    .unlit = view.lighting.unlit};
+  light.skyAbove = skyStrength * light.sky;
+  light.skyBelow = skyStrength * 0.62f * light.ground;
+  if (!frame.hasShadows) return light;
+  constexpr float kSoftTexels = 5, kTexels = kShadowResolution;
+  light.shadowTexel = 2 * frame.sun.halfSize / kTexels;
+  light.softness = kSoftTexels / kTexels;
+  return light;
+}
+
+Eigen::Matrix4f toShadowMap(const Frame& frame) {
+  return frame.sun.toTexture() * frame.camera.view.inverse();
 }
 
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height) {
@@ -78,20 +137,17 @@ static void setImageLight(const Program& program, const Frame& frame) {
 }
 
 void setLightUniforms(const Program& program, const Frame& frame) {
-  const View& view = frame.view;
-  program.set("uSun", frame.camera.direction(normalized(view.lighting.towardsSun)));
-  program.set("uUp", frame.camera.direction(normalized(view.worldUp)));
-  const bool outside = hasSurroundings(view), image = view.environment == EnvironmentLook::kImage;
+  const ShadedLight light = lightOf(frame);
+  program.set("uSun", light.sun);
+  program.set("uUp", light.up);
+  program.set("uSunColor", light.sunColor);
+  program.set("uSkyColor", light.sky);
+  program.set("uGroundColor", light.ground);
+  program.set("uSkyAbove", light.skyAbove);
+  program.set("uSkyBelow", light.skyBelow);
+  const bool image = frame.view.environment == EnvironmentLook::kImage;
   program.set("uImageLight", int(image));
   if (image) setImageLight(program, frame);
-  // The sky lights in a paler colour than it has, or everything would look blue.
-  constexpr Vec3f kWhite{1, 1, 1}, kSkyBlue{0.72f, 0.86f, 1};
-  const Vec3f sky = outside ? kSkyBlue : 0.5f * (kWhite + linear(view.backgroundTop));
-  program.set("uSkyColor", image ? view.environmentImage->mean : sky);
-  program.set("uSkyStrength", outside ? 0.36f : 0.56f);
-  const Vec3f sun = outside ? Vec3f{1.18f, 1.06f, 0.88f} : Vec3f{0.74f, 0.71f, 0.66f};
-  program.set("uSunColor", view.lighting.sunStrength * sun);
-  program.set("uGroundColor", linear(view.ground.visible ? view.ground.color : view.backgroundBottom));
 }
 
 Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)

@@ -3,12 +3,17 @@
 
 #include "plugins/rendering/gl/camera.h"
 #include "plugins/rendering/gl/resources.h"
+#include "plugins/rendering/shading/light.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering::gl {
 
 /// sRGB components, as colours are given, in linear light.
 Vec3f linear(const Color& color);
+/// sRGB components as bytes hold them: drivers round halves, such as 0.5 * 255, as they like.
+Color inBytes(const Color& color);
+/// The middle of the ground, in the world.
+Vec3f groundMiddle(const View& view);
 
 /// Whether mirrors show surroundings that are more than a studio.
 bool hasSurroundings(const View& view);
@@ -24,18 +29,22 @@ struct Frame {
   SunView sun;  ///< only with shadows
 };
 
-/// The box around all that is seen: what casts shadows, lines and the ground.
-Aabb seenBox(const View& view, const Aabb& casters);
-/// How far ambient occlusion reaches, m.
-float occlusionRadius(const View& view, const Aabb& casters);
+constexpr int kMaxSamples = 4;  ///< per axis and pixel
 
-/// The uniforms of kCameraSnippet, for a picture of this many pixels.
+/// `casters` is the box around all that casts shadows. Throws what makeCamera() does.
+Frame makeFrame(const View& view, int samples, const Aabb& casters);
+ShadedLight lightOf(const Frame& frame);
+ShadedOcclusion occlusionOf(const Frame& frame, const Aabb& casters);
+/// From camera space to the shadow map.
+Eigen::Matrix4f toShadowMap(const Frame& frame);
+
+/// The uniforms of camera.glsl, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);
-/// The uniform of kGridSnippet, for a window of this many samples.
+/// The uniform of grid.glsl, for a window of this many samples.
 void setGridUniform(const Program& program, int width, int height);
-/// The uniforms of kBehindSnippet.
+/// The uniforms of behind.glsl.
 void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
-/// The uniforms of kLightSnippet.
+/// The uniforms of light.glsl.
 void setLightUniforms(const Program& program, const Frame& frame);
 
 /// The textures that a picture of one size needs.

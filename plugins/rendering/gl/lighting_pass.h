@@ -25,14 +25,13 @@ class LightingPass {
   void resolve(const Frame& frame, const Targets& targets) const;
 
  private:
-  const Program& programFor(const Frame& frame);
+  const FullScreenProgram& programFor(const Frame& frame);
 
   const Functions& gl_;
-  Program resolve_;
+  FullScreenProgram resolve_;
   /// By what is in the picture: software drivers run both sides of a branch, so what is not there is left
   /// out.
-  std::map<std::string, Program> lighting_;
-  VertexArray array_;
+  std::map<std::string, FullScreenProgram> lighting_;
 };
 
 }  // namespace weir::rendering::gl

@@ -4,24 +4,9 @@
 #include <optional>
 
 #include "framework/base/check.h"
-#include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
 namespace {
-
-const std::string kVertexShader = kShaderVersion + R"(
-layout(location = 0) in vec4 iCorner;
-void main() { gl_Position = iCorner; }
-)";
-
-const std::string kFragmentShader = kShaderVersion + kBehindSnippet + R"(
-uniform vec4 uColor;
-out vec4 oLight;
-void main() {
-  leaveUnlessBehind();
-  oLight = vec4(uColor.rgb * uColor.a, uColor.a);
-}
-)";
 
 using Segment = std::pair<Vec3f, Vec3f>;
 
@@ -69,10 +54,7 @@ std::vector<Vec4f> lineCorners(const Camera& camera, std::span<const Vec3f> poin
 }
 
 LinePass::LinePass(const Functions& gl)
-    : gl_(gl),
-      program_(gl, "lines", kVertexShader, kFragmentShader),
-      array_(makeVertexArray(gl)),
-      buffer_(makeBuffer(gl)) {
+    : gl_(gl), program_(gl, "line.vert", "line.frag"), array_(makeVertexArray(gl)), buffer_(makeBuffer(gl)) {
   gl.bindVertexArray(array_.name());
   gl.bindBuffer(GL_ARRAY_BUFFER, buffer_.name());
   gl.enableVertexAttribArray(0);

@@ -12,14 +12,13 @@ class OcclusionPass {
   explicit OcclusionPass(const Functions& gl);
 
   /// Into targets.occlusion[0], for points that hem each other in within `radius` metres.
-  void draw(const Frame& frame, const Targets& targets, float radius) const;
+  void draw(const Frame& frame, const Targets& targets, const ShadedOcclusion& occlusion) const;
   /// All points see the whole sky.
   void clear(const Targets& targets) const;
 
  private:
   const Functions& gl_;
-  Program estimate_, blur_;
-  VertexArray array_;  // without attributes, for full-screen passes
+  FullScreenProgram estimate_, blur_;
 };
 
 }  // namespace weir::rendering::gl

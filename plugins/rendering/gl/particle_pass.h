@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plugins/rendering/gl/particle_drawer.h"
+#include "plugins/rendering/gl/sphere_batches.h"
 
 namespace weir::rendering::gl {
 
@@ -18,27 +19,13 @@ class ParticlePass final : public ParticleDrawer {
   void drawShadow(const SunView& sun, const Texture& map, int resolution) override;
 
  private:
-  struct Batch {
-    Buffer centers;
-    GLsizei particles;
-    float radius;
-    std::size_t colors;  // index into colors_
-  };
-
-  Aabb loadOne(const ParticleView& particles);
-  /// Calls setUniforms(batch) before each batch.
-  template <class SetUniforms>
-  void draw(const Program& program, SetUniforms setUniforms) const;
-
   const Functions& gl_;
   Program geometry_, shadow_;
-  VertexArray array_;
-  Buffer indices_;
-  Texture centers_;
+  SphereBatches batches_;
   std::vector<Texture> colors_;  // the colour map of each view
-  int largestBatch_ = 0;
-  std::vector<Batch> batches_;
-  std::vector<Vec4f> packed_;  // position, and place in the colour map
 };
+
+/// The uniforms of sun_sphere.vert and sun_sphere.frag.
+void setSunSphereUniforms(const Program& program, const SunView& sun, float radius);
 
 }  // namespace weir::rendering::gl

@@ -25,7 +25,6 @@
 namespace weir::rendering::gl {
 namespace {
 
-constexpr int kMaxSamples = 4;
 constexpr float kNearest = 0;
 
 std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
@@ -75,7 +74,7 @@ class Renderer::Passes {
 
  private:
   int samplesFor(const View& view) const;
-  Aabb load(const View& view, Aabb& casters);
+  Aabb load(const View& view);
   void drawGeometry(const Frame& frame);
   void drawClear(const Frame& frame);
   Picture read(bool transparent) const;
@@ -104,14 +103,14 @@ int Renderer::Passes::samplesFor(const View& view) const {
   return std::min({view.samplesPerAxis, kMaxSamples, largest_ / larger});
 }
 
-/// Sends what has changed to the GPU; returns the box around all that is seen.
-Aabb Renderer::Passes::load(const View& view, Aabb& casters) {
-  casters = particles_->load(view.particles);
+/// Sends what has changed to the GPU; returns the box around all that casts shadows.
+Aabb Renderer::Passes::load(const View& view) {
+  Aabb casters = particles_->load(view.particles);
   if (!view.waters.empty() && !liquids_) liquids_.emplace(gl, splatDevice_);
   if (liquids_) casters.extend(liquids_->particles->load(view.particles));
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
-  return seenBox(view, casters);
+  return casters;
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
@@ -165,28 +164,20 @@ Picture Renderer::Passes::draw(const View& view) {
   WEIR_CHECK(view.height > 0);
   WEIR_CHECK(view.samplesPerAxis > 0);
   const int samples = samplesFor(view);
-  Aabb casters;
-  const Aabb seen = load(view, casters);
-  const float aspect = float(view.width) / float(view.height);
-  Frame frame{.view = view,
-              .samples = samples,
-              .width = view.width * samples,
-              .height = view.height * samples,
-              .camera = makeCamera(view.camera, aspect, seen)};
-  frame.hasShadows = view.lighting.shadows && !view.lighting.unlit && !casters.empty();
+  const Aabb casters = load(view);
+  const Frame frame = makeFrame(view, samples, casters);
   if (!targets_ || targets_->pictureWidth != view.width || targets_->pictureHeight != view.height ||
       targets_->samples != samples) {
     targets_.reset();  // the old ones go before the new ones come: pictures can be large
     targets_.emplace(gl, view.width, view.height, samples);
   }
   if (frame.hasShadows) {
-    frame.sun = makeSunView(view.lighting.towardsSun, casters, ShadowPass::kResolution);
     shadows_.draw(frame, meshes, *particles_);
     if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *liquids_->particles, liquids_->surfaces);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {
-    occlusion_.draw(frame, *targets_, occlusionRadius(view, casters));
+    occlusion_.draw(frame, *targets_, occlusionOf(frame, casters));
   } else {
     occlusion_.clear(*targets_);
   }

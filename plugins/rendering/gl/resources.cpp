@@ -2,6 +2,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "plugins/rendering/gl/shaders.h"
 
 namespace weir::rendering::gl {
 namespace {
@@ -19,8 +20,7 @@ GLuint compile(const Functions& gl, GLenum stage, const std::string& name, const
   gl.getShaderInfoLog(shader, GLsizei(messages.size()), &size, messages.data());
   messages.resize(std::size_t(size));
   gl.deleteShader(shader);
-  throw InternalError("the " + std::string(stage == GL_VERTEX_SHADER ? "vertex" : "fragment") + " shader \"" +
-                      name + "\" does not compile: " + messages);
+  throw InternalError("the shader " + name + " does not compile: " + messages);
 }
 
 }  // namespace
@@ -79,13 +79,13 @@ Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture
   return framebuffer;
 }
 
-Program::Program(const Functions& gl, const std::string& name, const std::string& vertexSource,
-                 const std::string& fragmentSource)
+Program::Program(const Functions& gl, const std::string& vertex, const std::string& fragment,
+                 const std::string& defines)
     : program_(gl, gl.createProgram()) {
   const GLuint id = program_.name();
-  for (const auto& [stage, source] :
-       {std::pair{GL_VERTEX_SHADER, &vertexSource}, std::pair{GL_FRAGMENT_SHADER, &fragmentSource}}) {
-    const GLuint shader = compile(gl, GLenum(stage), name, *source);
+  for (const auto& [stage, name] :
+       {std::pair{GL_VERTEX_SHADER, &vertex}, std::pair{GL_FRAGMENT_SHADER, &fragment}}) {
+    const GLuint shader = compile(gl, GLenum(stage), *name, shaderSource(*name, defines));
     gl.attachShader(id, shader);
     gl.deleteShader(shader);  // goes when the program goes
   }
@@ -97,7 +97,16 @@ Program::Program(const Functions& gl, const std::string& name, const std::string
   GLsizei size = 0;
   gl.getProgramInfoLog(id, GLsizei(messages.size()), &size, messages.data());
   messages.resize(std::size_t(size));
-  throw InternalError("the shaders \"" + name + "\" do not link: " + messages);
+  throw InternalError("the shaders " + vertex + " and " + fragment + " do not link: " + messages);
+}
+
+FullScreenProgram::FullScreenProgram(const Functions& gl, const std::string& fragment,
+                                     const std::string& defines)
+    : Program(gl, "full_screen.vert", fragment, defines), array_(makeVertexArray(gl)) {}
+
+void FullScreenProgram::draw() const {
+  array_.gl().bindVertexArray(array_.name());
+  array_.gl().drawArrays(GL_TRIANGLES, 0, 3);
 }
 
 GLint Program::location(const char* uniform) const {

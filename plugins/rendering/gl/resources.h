@@ -70,7 +70,8 @@ struct TextureFormat {
 };
 inline constexpr TextureFormat kColor8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr TextureFormat kSrgb8{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
-inline constexpr TextureFormat kNormal{GL_RG16, GL_RG, GL_UNSIGNED_SHORT};  ///< see kNormalSnippet
+inline constexpr TextureFormat kNormal{GL_RG16, GL_RG,
+                                       GL_UNSIGNED_SHORT};  ///< see storedNormal() of the formulas
 inline constexpr TextureFormat kColor16{GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
 inline constexpr TextureFormat kColor16F{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
 inline constexpr TextureFormat kGrey16{GL_R16, GL_RED, GL_UNSIGNED_SHORT};
@@ -86,11 +87,12 @@ Texture makeTexture(const Functions& gl, int width, int height, const TextureFor
 Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture*>& colors,
                             const Texture* depth);
 
-/// A vertex and a fragment shader. Mistakes in their source throw an InternalError with the driver's text.
+/// A vertex and a fragment shader, by the names that shaderSource() knows. Mistakes in their source throw an
+/// InternalError with the driver's text.
 class Program {
  public:
-  Program(const Functions& gl, const std::string& name, const std::string& vertexSource,
-          const std::string& fragmentSource);
+  Program(const Functions& gl, const std::string& vertex, const std::string& fragment,
+          const std::string& defines = {});
 
   void use() const { program_.gl().useProgram(program_.name()); }
 
@@ -111,6 +113,18 @@ class Program {
 
   Object<DeleteProgram> program_;
   mutable std::map<std::string, GLint, std::less<>> locations_;
+};
+
+/// A fragment shader that is run for all that is within the viewport.
+class FullScreenProgram : public Program {
+ public:
+  FullScreenProgram(const Functions& gl, const std::string& fragment, const std::string& defines = {});
+
+  /// With the program in use.
+  void draw() const;
+
+ private:
+  VertexArray array_;  // without attributes
 };
 
 }  // namespace weir::rendering::gl

@@ -2,47 +2,15 @@
 
 #include <array>
 
-#include "plugins/rendering/gl/shaders.h"
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
-namespace {
-
-const std::string kVertexShader = kShaderVersion + kGridSnippet + R"(
-layout(location = 0) in vec3 iPosition;
-layout(location = 1) in vec3 iNormal;
-uniform mat4 uToClip;
-uniform mat3 uNormalToSun;
-out vec3 vNormal;
-
-void main() {
-  vNormal = uNormalToSun * iNormal;
-  gl_Position = onGrid(uToClip * vec4(iPosition, 1.0));
-}
-)";
-
-const std::string kOpaqueFragmentShader = kShaderVersion + "void main() {}\n";
-
-// Light that meets the glass at a flat angle is reflected and refracted away: rims cast darker shadows.
-const std::string kGlassFragmentShader = kShaderVersion + R"(
-uniform vec3 uTint;
-in vec3 vNormal;
-layout(location = 0) out vec4 oThrough;
-
-void main() {
-  float facing = abs(normalize(vNormal).z);
-  oThrough = vec4(pow(uTint, vec3(0.1)) * mix(0.72, 0.96, facing * facing), 1.0);
-}
-)";
-
-}  // namespace
-
 ShadowPass::ShadowPass(const Functions& gl)
     : gl_(gl),
-      opaque_(gl, "shadows of surfaces", kVertexShader, kOpaqueFragmentShader),
-      glass_(gl, "shadows of glass", kVertexShader, kGlassFragmentShader),
-      depth_(makeTexture(gl, kResolution, kResolution, kDepth32F, GL_LINEAR)),
-      throughGlass_(makeTexture(gl, kResolution, kResolution, kColor8, GL_LINEAR)),
+      opaque_(gl, "shadow.vert", "shadow.frag"),
+      glass_(gl, "shadow.vert", "shadow_glass.frag"),
+      depth_(makeTexture(gl, kShadowResolution, kShadowResolution, kDepth32F, GL_LINEAR)),
+      throughGlass_(makeTexture(gl, kShadowResolution, kShadowResolution, kColor8, GL_LINEAR)),
       depthTarget_(makeFramebuffer(gl, {}, &depth_)),
       glassTarget_(makeFramebuffer(gl, {&throughGlass_}, &depth_)) {
   gl.bindTexture(GL_TEXTURE_2D, depth_.name());
@@ -54,7 +22,7 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, ParticleDrawe
   const Eigen::Matrix4f toClip = frame.sun.toClip();
   const auto drawSurfaces = [&](const Program& program, bool glass) {
     program.use();
-    setGridUniform(program, kResolution, kResolution);
+    setGridUniform(program, kShadowResolution, kShadowResolution);
     for (const SurfaceView& surface : frame.view.surfaces) {
       if (surface.look == SurfaceLook::kWater) continue;
       if ((surface.look == SurfaceLook::kGlass) != glass) continue;
@@ -68,12 +36,12 @@ void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, ParticleDrawe
   };
   constexpr float kFarthest = 1;
   constexpr std::array<float, 4> kAllLight{1, 1, 1, 1};
-  gl_.viewport(0, 0, kResolution, kResolution);
+  gl_.viewport(0, 0, kShadowResolution, kShadowResolution);
   gl_.enable(GL_DEPTH_TEST);
   gl_.depthMask(GL_TRUE);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, depthTarget_.name());
   gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
-  particles.drawShadow(frame.sun, depth_, kResolution);
+  particles.drawShadow(frame.sun, depth_, kShadowResolution);
   drawSurfaces(opaque_, false);
 
   gl_.bindFramebuffer(GL_FRAMEBUFFER, glassTarget_.name());

@@ -9,8 +9,6 @@ namespace weir::rendering::gl {
 
 class ShadowPass {
  public:
-  static constexpr int kResolution = 1536;  ///< texels along a side
-
   explicit ShadowPass(const Functions& gl);
 
   void draw(const Frame& frame, const MeshStore& meshes, ParticleDrawer& particles);

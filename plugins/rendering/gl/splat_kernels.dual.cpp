@@ -1,7 +1,6 @@
 #include "plugins/rendering/gl/splat_kernels.h"
 
 #include <bit>
-#include <cmath>
 
 #include "framework/compute/parallel.h"
 #include "plugins/rendering/gl/splat_offers.h"
@@ -17,19 +16,14 @@ struct ClearNearest {
   WEIR_HD void operator()(std::int64_t k) const { nearest[k] = kNobody; }
 };
 
-/// -1 … 1 as a number of 16 bits.
-WEIR_HD std::uint32_t sixteenBits(float component) {
-  constexpr float kMax = 65535;
-  const float half = 0.5f + 0.5f * component;
-  return static_cast<std::uint32_t>((half > 0 ? (half < 1 ? half : 1.0f) : 0.0f) * kMax + 0.5f);
+/// 0 … 1 as a number of 16 bits.
+WEIR_HD std::uint32_t sixteenBits(float part) {
+  return static_cast<std::uint32_t>(clamped(part, 0.0f, 1.0f) * 65535 + 0.5f);
 }
 
-/// As kNormalSnippet stores it.
-WEIR_HD std::uint32_t storedNormal(const Vec3f& n) {
-  const float scale = 1 / (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
-  const float x = n.x * scale, y = n.y * scale;
-  const auto folded = [](float across, float sign) { return std::copysign(1 - std::fabs(across), sign); };
-  return sixteenBits(n.z < 0 ? folded(y, x) : x) | sixteenBits(n.z < 0 ? folded(x, y) : y) << 16;
+WEIR_HD std::uint32_t storedNormal(const Vec3f& normal) {
+  const Vec2f stored = shading::storedNormal(normal);
+  return sixteenBits(stored.x) | sixteenBits(stored.y) << 16;
 }
 
 struct WriteTexels {
@@ -49,9 +43,10 @@ struct WriteTexels {
     const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
     const Vec3f center = camera.point(sphere.center);
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
-    const Hit<float> hit(ray, center, sphere.radius);
+    float rest;
+    const float distance = shading::distanceOfSphere(ray, center, sphere.radius, rest);
     out.albedo[k] = sphere.color;
-    out.normal[k] = storedNormal((ray * hit.distance - center) / sphere.radius);
+    out.normal[k] = storedNormal((ray * distance - center) / sphere.radius);
     out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
   }
 };

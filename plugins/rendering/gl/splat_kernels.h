@@ -1,6 +1,5 @@
 // Which sphere is seen at each sample of a picture, found on a compute device: every sphere offers its depth
-// to the samples that it covers, and the nearest stays. The arithmetic is that of the shaders of
-// ParticlePass.
+// to the samples that it covers, and the nearest stays.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +7,7 @@
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 #include "plugins/rendering/compute/sphere_kernels.h"
+#include "plugins/rendering/shading/formulas.h"
 
 namespace weir::rendering::gl {
 
@@ -23,13 +23,14 @@ struct SplatCamera {
   WEIR_HD Vec3f point(const Vec3f& p) const {
     return {dot(rows[0], p) + moved.x, dot(rows[1], p) + moved.y, dot(rows[2], p) + moved.z};
   }
-  WEIR_HD float depthAt(float distance) const {
-    return 0.5f + 0.5f * (projection.w / distance - projection.z);
+  template <class N>
+  WEIR_HD N depthAt(const N& distance) const {
+    return shading::depthOf(distance, projection);
   }
-  /// The ray through the middle of a sample, of length 1 along the camera's axis.
-  WEIR_HD Vec3f ray(int x, int y) const {
-    return {((float(x) + 0.5f) * (2.0f / float(width)) - 1) * tangent.x,
-            ((float(y) + 0.5f) * (2.0f / float(height)) - 1) * tangent.y, -1};
+  /// The ray through the middle of a sample.
+  template <class N>
+  WEIR_HD auto ray(const N& x, const N& y) const {
+    return shading::rayThrough(x + 0.5f, y + 0.5f, Vec2f{2.0f / float(width), 2.0f / float(height)}, tangent);
   }
 };
 
@@ -50,7 +51,7 @@ struct SplatSun {
 /// covers have colour 0, depth 1 and the normal towards the eye.
 struct SplatTexels {
   ArrayView<std::uint32_t> albedo;  ///< GL_RGBA, GL_UNSIGNED_BYTE
-  ArrayView<std::uint32_t> normal;  ///< GL_RG, GL_UNSIGNED_SHORT; see kNormalSnippet
+  ArrayView<std::uint32_t> normal;  ///< GL_RG, GL_UNSIGNED_SHORT; see shading::storedNormal
   ArrayView<float> depth;
 };
 

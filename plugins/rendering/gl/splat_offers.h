@@ -1,5 +1,4 @@
-// Spheres offer their depths to the samples of a camera, or of the sun. The arithmetic is that of the shaders
-// of ParticlePass and WaterParticlePass.
+// Spheres offer their depths to the samples of a camera, or of the sun.
 #pragma once
 
 #include "plugins/rendering/gl/splat_kernels.h"
@@ -83,19 +82,17 @@ struct OfferToCamera {
   WEIR_HD void offerRow(int row, const Reach& found, std::int64_t i, const Vec3f& center, float radius,
                         float inset) const {
     Least* line = min.data + std::int64_t{row} * camera.width;
-    const float up = camera.ray(0, row).y;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, camera.width);
       const Ints columns = intsFrom(column);
-      const Mask open = notSo(now < Number(found.depth)) & below(columns, found.x.last + 1);
+      const Mask open = !(now < Number(found.depth)) & below(columns, found.x.last + 1);
       if (!any(open)) continue;  // all of it is hidden there
-      const Number right =
-          ((toNumbers(columns) + 0.5f) * (2.0f / float(camera.width)) - 1) * camera.tangent.x;
-      const Hit<Number> hit(Numbers3{right, Number(up), Number(-1.0f)}, allOf(center), radius);
-      const Number depth =
-          positivePart(0.5f + 0.5f * (camera.projection.w / (hit.distance + inset) - camera.projection.z));
-      const Mask missed = either(hit.rest < Number(0.0f), hit.distance < Number(camera.near));
-      offerDepths(line + column, open & notSo(either(missed, now < depth)), depth, i);
+      const Numbers3 ray = camera.ray(toNumbers(columns), Number(float(row)));
+      Number rest;
+      const Number distance = shading::distanceOfSphere(ray, allOf(center), Number(radius), rest);
+      const Number depth = positivePart(camera.depthAt(distance + inset));
+      const Mask missed = (rest < Number(0.0f)) | (distance < Number(camera.near)) | (now < depth);
+      offerDepths(line + column, open & !missed, depth, i);
     }
   }
 };
@@ -141,12 +138,13 @@ struct OfferToSun {
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, sun.resolution);
       const Ints columns = intsFrom(column);
-      const Mask open = notSo(now < Number(found.depth)) & below(columns, found.x.last + 1);
+      const Mask open = !(now < Number(found.depth)) & below(columns, found.x.last + 1);
       if (!any(open)) continue;
       const Number u = ((toNumbers(columns) + 0.5f) * texel - 1 - center.x) / radius;
       const Number rest = 1 - (u * u + v * v);
-      const Number depth = positivePart(0.5f + 0.5f * (center.z - thick * sqrtf(positivePart(rest))));
-      offerDepths(line + column, open & (depth < now) & notSo(rest < Number(0.0f)), depth, 0);
+      const Number depth =
+          positivePart(shading::depthFromSun(positivePart(rest), Number(center.z), Number(thick)));
+      offerDepths(line + column, open & (depth < now) & !(rest < Number(0.0f)), depth, 0);
     }
   }
 };

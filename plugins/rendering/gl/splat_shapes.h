@@ -1,5 +1,4 @@
-// What the kernels that splat spheres share: which samples a sphere covers, where a ray meets it, and in
-// which order spheres come.
+// What the kernels that splat spheres share: which samples a sphere covers, and in which order spheres come.
 #pragma once
 
 #include <bit>
@@ -7,7 +6,7 @@
 #include <cstdint>
 
 #include "framework/base/vec.h"
-#include "framework/compute/lanes.h"
+#include "plugins/rendering/shading/formulas.h"
 
 namespace weir::rendering::gl {
 
@@ -35,13 +34,10 @@ struct Samples {
   }
 };
 
-/// Where the lines through the eye touch a circle in the plane of an axis and the viewing axis (M. Mara, M.
-/// McGuire 2013): the exact bound of a sphere's picture along that axis.
+/// The samples along an axis that a sphere may cover.
 WEIR_HD inline Samples touched(float across, float along, float radius, float tangent, int count) {
-  const float touch = std::sqrt(across * across + along * along - radius * radius);
-  return Samples::between((across * touch - along * radius) / (along * touch + across * radius) / tangent,
-                          (across * touch + along * radius) / (along * touch - across * radius) / tangent,
-                          count);
+  const Vec2f lines = shading::touchingLines(across, along, radius);
+  return Samples::between(lines.x / tangent, lines.y / tangent, count);
 }
 
 /// The order in which spheres are offered: in small groups from all over the fluid, because many of those
@@ -67,21 +63,6 @@ struct Shares {
     return place / kGroup * stride % groups * kGroup + place % kGroup;
   }
   WEIR_HD int part(std::int64_t k) const { return static_cast<int>(k % parts); }
-};
-
-/// Where a ray meets a sphere: the distance along the camera's axis, and by how much the square of the radius
-/// exceeds that of the ray's distance from the centre, negative for a miss. Of one number or of several.
-template <class N>
-struct Hit {
-  N distance, rest;
-
-  WEIR_HD Hit(const Vec3<N>& ray, const Vec3<N>& center, const N& radius) {
-    const N scale = 1 / dot(ray, ray);
-    const N middle = dot(ray, center) * scale;
-    const Vec3<N> aside = ray * middle - center;
-    rest = radius * radius - dot(aside, aside);
-    distance = middle - sqrtf(positivePart(rest) * scale);
-  }
 };
 
 }  // namespace weir::rendering::gl

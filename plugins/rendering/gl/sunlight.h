@@ -9,13 +9,9 @@
 
 namespace weir::rendering::gl {
 
-/// The #defines that sunlightSnippet() needs, after the version of a shader: software drivers run both sides
-/// of a branch, so what is not in a picture is left out.
+/// The #defines of sunlight.glsl: software drivers run both sides of a branch, so what is not in a picture is
+/// left out.
 std::string sunlightDefines(const Frame& frame);
-
-/// "vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater)", in camera space: the
-/// part of the sun's light that arrives.
-const std::string& sunlightSnippet();
 
 /// Its uniforms; takes four texture units from `unit` on. `water` may be null if there is no liquid.
 void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,

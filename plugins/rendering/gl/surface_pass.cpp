@@ -4,34 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "plugins/rendering/gl/shaders.h"
+#include "plugins/rendering/shading/formulas.h"
 
 namespace weir::rendering::gl {
 namespace {
 
-const std::string kFragmentShader = kShaderVersion + kNormalSnippet + R"(
-uniform vec3 uColor;
-uniform float uMaterial;
-in vec3 vNormal;
-in vec3 vPosition;
-layout(location = 0) out vec4 oAlbedo;
-layout(location = 1) out vec2 oNormal;
-
-void main() {
-  vec3 normal = normalize(vNormal);
-  if (!gl_FrontFacing) normal = -normal;
-  oAlbedo = vec4(uColor, uMaterial);
-  oNormal = storedNormal(normal);
-}
-)";
-
-// The values of kMaterialSnippet.
-constexpr float kMatt = 0.25f, kMetal = 0.75f, kGround = 1.0f;
-
-/// As the texture holds it: drivers round halves, such as 0.5 * 255, as they like.
-Vec3f inBytes(const Color& color) {
-  const auto component = [](float s) { return std::round(255 * s) / 255; };
-  return {component(color.r), component(color.g), component(color.b)};
+Vec3f bytesOf(const Color& color) {
+  const Color bytes = inBytes(color);
+  return {bytes.r, bytes.g, bytes.b};
 }
 
 /// A disc of radius 1 in the plane y = 0, seen from above.
@@ -77,7 +57,7 @@ void setPlacement(const Program& program, const Camera& camera, const SurfaceVie
 
 SurfacePass::SurfacePass(const Functions& gl)
     : gl_(gl),
-      program_(gl, "surfaces", kSurfaceVertexShader, kFragmentShader),
+      program_(gl, "surface.vert", "surface.frag"),
       groundMesh_(gl),
       disc_(groundMesh_.add(unitDisc())) {}
 
@@ -102,8 +82,8 @@ void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particl
 void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface) {
   if (surface.look == SurfaceLook::kGlass || surface.look == SurfaceLook::kWater) return;
   setPlacement(program_, frame.camera, surface);
-  program_.set("uColor", inBytes(surface.color));
-  program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? kMetal : kMatt);
+  program_.set("uColor", bytesOf(surface.color));
+  program_.set("uMaterial", surface.look == SurfaceLook::kMetal ? shading::kMetal : shading::kMatt);
   meshes.draw(surface.mesh);
 }
 
@@ -111,17 +91,16 @@ void SurfacePass::drawGround(const Frame& frame) {
   const GroundView& ground = frame.view.ground;
   if (!ground.visible) return;
   const Vec3f up = normalized(frame.view.worldUp);
-  const Vec3f middle = ground.center + up * (ground.height - dot(ground.center, up));
   const Eigen::Matrix3f turn =
       Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitY(), toEigen(up)).toRotationMatrix();
   Eigen::Matrix4f toWorld = Eigen::Matrix4f::Identity();
   toWorld.topLeftCorner<3, 3>() = turn * ground.radius;
-  toWorld.topRightCorner<3, 1>() = toEigen(middle);
+  toWorld.topRightCorner<3, 1>() = toEigen(groundMiddle(frame.view));
   const Eigen::Matrix3f normalToView = frame.camera.rotation() * turn;
   program_.setMatrix4("uToView", (frame.camera.view * toWorld).eval().data());
   program_.setMatrix3("uNormalToView", normalToView.data());
-  program_.set("uColor", inBytes(ground.color));
-  program_.set("uMaterial", kGround);
+  program_.set("uColor", bytesOf(ground.color));
+  program_.set("uMaterial", shading::kGround);
   gl_.enable(GL_CULL_FACE);
   gl_.cullFace(GL_BACK);
   groundMesh_.draw(disc_);

@@ -54,7 +54,7 @@ inline constexpr float kFoamDepth = 6;
 /// stand out from the walls that hold them.
 float insetOf(const ParticleView& particles);
 
-/// By how much the volume of a particle exceeds that of its sphere.
-float volumeOfSphere(const ParticleView& particles);
+/// The way through the middle of a sphere that holds the volume of its particle, m.
+float chordOf(const ParticleView& particles);
 
 }  // namespace weir::rendering::gl

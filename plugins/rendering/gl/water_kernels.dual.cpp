@@ -31,13 +31,11 @@ struct AddThickness {
   /// The part of a particle's foam that is seen at a texel.
   WEIR_HD float seen(int column, int row, float along, float radius) const {
     if (between.front.size == 0) return 1;
-    // By integers, as the shaders find it (kTexelSnippet).
-    const int x = (2 * column + 1) * between.width / (2 * view.width);
-    const int y = (2 * row + 1) * between.height / (2 * view.height);
+    const int x = shading::texelUnder(column, view.width, between.width);
+    const int y = shading::texelUnder(row, view.height, between.height);
     const float depth = std::bit_cast<float>(between.front[std::int64_t{y} * between.width + x]);
-    const float distance = between.projection.w / (2 * depth - 1 + between.projection.z);
-    const float part = 1 - (along - distance) / (between.depthOfFoam * radius);
-    return part > 0 ? (part < 1 ? part : 1.0f) : 0.0f;
+    return shading::foamSeen(along, shading::distanceOf(depth, between.projection),
+                             between.depthOfFoam * radius);
   }
 
   WEIR_HD void operator()(std::int64_t k) const {
@@ -54,8 +52,7 @@ struct AddThickness {
     const int right = clampToInt(std::floor(middleX + drawn - 0.5f), -1, view.width - 1);
     const int low = clampToInt(std::ceil(middleY - drawn - 0.5f), 0, view.height);
     const int high = clampToInt(std::floor(middleY + drawn - 0.5f), -1, view.height - 1);
-    const float spread = radius / drawn;
-    const float middle = p.chord * spread * spread / view.unit;
+    const float spread = radius / drawn, chordOfAll = p.chord / view.unit;
     for (int row = low + shares.part(k); row <= high; row += shares.parts) {
       const float v = (float(row) + 0.5f - middleY) / drawn;
       for (int column = left; column <= right; ++column) {
@@ -64,7 +61,7 @@ struct AddThickness {
         if (rest < 0) continue;
         const std::int64_t texel = std::int64_t{row} * view.width + column;
         if (between.background.size > 0 && along > between.background[texel]) continue;
-        const float chord = middle * std::sqrt(rest);
+        const float chord = shading::wayThrough(rest, chordOfAll, spread);
         std::uint32_t* sum = sums.data + 2 * texel;
         atomicAdd(sum, static_cast<std::uint32_t>(chord + 0.5f));
         if (p.foam > 0)

@@ -1,6 +1,5 @@
 // The surface and the thickness of a liquid, found on a compute device: its particles offer their depths to
-// the samples that they cover, and add their volume to the texels. The arithmetic is that of the shaders of
-// WaterParticlePass.
+// the samples that they cover, and add their volume to the texels.
 #pragma once
 
 #include <cstdint>

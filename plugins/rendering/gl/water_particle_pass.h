@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plugins/rendering/gl/sphere_batches.h"
 #include "plugins/rendering/gl/water_drawer.h"
 
 namespace weir::rendering::gl {
@@ -19,29 +20,24 @@ class WaterParticlePass final : public WaterDrawer {
   void drawSunThickness(const SunView& sun, std::size_t water, const ThicknessMap& map) override;
 
  private:
-  struct Batch {
-    Buffer centers;
-    GLsizei particles;
+  /// Of the particles of one view.
+  struct Liquid {
     std::size_t water;
-    float radius, volumeOfSphere, inset;
+    float chord, inset;
   };
 
-  Aabb loadOne(const ParticleView& particles);
-  /// Calls setUniforms(batch) before each batch of a liquid.
+  /// Calls setUniforms(batch, liquid) before each batch of a liquid.
   template <class SetUniforms>
-  void draw(const Program& program, std::size_t water, SetUniforms setUniforms) const;
+  void draw(const Program& program, std::size_t water, const SetUniforms& setUniforms) const;
   /// Calls setUniforms(batch) too.
   template <class SetUniforms>
-  void addThickness(std::size_t water, const ThicknessMap& map, SetUniforms setUniforms) const;
+  void addThickness(std::size_t water, const ThicknessMap& map, const SetUniforms& setUniforms) const;
 
   const Functions& gl_;
   Program depth_, sunDepth_, thickness_;
-  VertexArray array_;
-  Buffer indices_;
-  Texture centers_, nothing_;
-  int largestBatch_ = 0;
-  std::vector<Batch> batches_;
-  std::vector<Vec4f> packed_;  // position, and part of foam
+  SphereBatches batches_;
+  Texture nothing_;
+  std::vector<Liquid> liquids_;
 };
 
 }  // namespace weir::rendering::gl

@@ -41,13 +41,12 @@ class WaterPass {
   void resolveScene(const Frame& frame, const Targets& targets) const;
   void shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view);
   void compose(const Frame& frame, const Targets& targets) const;
-  const Program& shadingFor(const Frame& frame);
+  const FullScreenProgram& shadingFor(const Frame& frame);
 
   const Functions& gl_;
   WaterSmoothing smoothing_;
-  Program background_, resolve_, compose_;
-  std::map<std::string, Program> shading_;  // by what the sun's light needs
-  VertexArray array_;
+  FullScreenProgram background_, resolve_, compose_;
+  std::map<std::string, FullScreenProgram> shading_;  // by what the sun's light needs
   std::optional<WaterTargets> water_;
   int width_ = 0, height_ = 0, samples_ = 0;  // of water_
 };

@@ -2,43 +2,10 @@
 
 #include <array>
 
-#include "plugins/rendering/gl/shaders.h"
-
 namespace weir::rendering::gl {
-namespace {
-
-// A rough surface bends some of the light to other places, the more the deeper the ground lies.
-const std::string kShader = kShaderVersion + R"(
-uniform sampler2D uThickness, uDepth;
-uniform vec3 uExtinction;    // 1/m
-uniform float uFoamOpacity;  // 1/m
-uniform float uUneven;       // m
-out vec4 oThrough;
-
-void main() {
-  ivec2 place = ivec2(gl_FragCoord.xy);
-  ivec2 last = textureSize(uThickness, 0) - 1;
-  vec2 sum = vec2(0.0);
-  float weights = 0.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
-      float weight = exp(-0.4 * float(x * x + y * y));
-      sum += weight * texelFetch(uThickness, clamp(place + ivec2(x, y), ivec2(0), last), 0).rg;
-      weights += weight;
-    }
-  vec2 thickness = max(sum / weights, 0.0);
-  float bent = 0.45 * (1.0 - exp(-thickness.x / uUneven));
-  oThrough = vec4(exp(-uExtinction * thickness.x - 0.35 * uFoamOpacity * thickness.y) * (1.0 - bent), 1.0);
-  gl_FragDepth = texelFetch(uDepth, place, 0).r;
-}
-)";
-
-}  // namespace
-
 WaterShadow::WaterShadow(const Functions& gl)
     : gl_(gl),
-      absorb_(gl, "light through a liquid", kFullScreenVertexShader, kShader),
-      array_(makeVertexArray(gl)),
+      absorb_(gl, "water_shadow.frag"),
       depth_(makeTexture(gl, kResolution, kResolution, kDepth32F, GL_LINEAR)),
       ownDepth_(makeTexture(gl, kResolution, kResolution, kDepth32F, GL_NEAREST)),
       thickness_(makeTexture(gl, kResolution, kResolution, kFloat2, GL_NEAREST)),
@@ -92,15 +59,14 @@ void WaterShadow::drawOne(const Frame& frame, std::size_t water, const MeshStore
   absorb_.set("uExtinction", view.absorption + Vec3f{1, 1, 1} * (0.5f * view.scattering));
   absorb_.set("uFoamOpacity", view.foamOpacity);
   absorb_.set("uUneven", 0.5f * view.smoothing + 1e-6f);
-  gl_.bindVertexArray(array_.name());
   gl_.enable(GL_BLEND);
   gl_.blendFunc(GL_DST_COLOR, GL_ZERO);
-  gl_.drawArrays(GL_TRIANGLES, 0, 3);
+  absorb_.draw();
   gl_.disable(GL_BLEND);
   gl_.blendFunc(GL_ONE, GL_ZERO);
   gl_.enable(GL_DEPTH_TEST);
   gl_.bindFramebuffer(GL_FRAMEBUFFER, depthTarget_.name());
-  gl_.drawArrays(GL_TRIANGLES, 0, 3);
+  absorb_.draw();
 }
 
 }  // namespace weir::rendering::gl

@@ -24,8 +24,7 @@ class WaterShadow {
                const WaterSurfacePass& surfaces) const;
 
   const Functions& gl_;
-  Program absorb_;
-  VertexArray array_;
+  FullScreenProgram absorb_;
   Texture depth_, ownDepth_, thickness_, through_;
   Framebuffer ownDepthTarget_, thicknessTarget_, target_, depthTarget_;
 };

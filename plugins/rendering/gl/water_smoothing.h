@@ -37,8 +37,7 @@ class WaterSmoothing {
 
  private:
   const Functions& gl_;
-  Program gather_, narrowRange_, polish_, blur_;
-  VertexArray array_;
+  FullScreenProgram gather_, narrowRange_, polish_, blur_;
 };
 
 }  // namespace weir::rendering::gl

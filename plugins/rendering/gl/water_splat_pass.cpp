@@ -3,15 +3,11 @@
 #include <algorithm>
 
 #include "framework/base/check.h"
+#include "plugins/rendering/gl/splat_views.h"
 
 namespace weir::rendering::gl {
 
 namespace {
-
-void setRows(const Eigen::Matrix4f& matrix, Vec3f (&rows)[3], Vec3f& moved) {
-  for (int i = 0; i < 3; ++i) rows[i] = {matrix(i, 0), matrix(i, 1), matrix(i, 2)};
-  moved = {matrix(0, 3), matrix(1, 3), matrix(2, 3)};
-}
 
 ThicknessView thicknessView(const Eigen::Matrix4f& toClip, const ThicknessMap& map) {
   ThicknessView view{.width = map.width, .height = map.height};
@@ -50,7 +46,7 @@ Aabb WaterSplatPass::loadOne(const ParticleView& particles) {
   while (liquids_.size() <= *particles.water) liquids_.emplace_back(device_);
   Liquid& liquid = liquids_[*particles.water];
   const float inset = insetOf(particles);
-  const float chord = 2 * particles.radius * volumeOfSphere(particles);
+  const float chord = chordOf(particles);
   Aabb box;
   for (std::size_t i = 0; i < particles.positions.size(); ++i) {
     const Vec3f& p = particles.positions[i];
@@ -72,12 +68,7 @@ void WaterSplatPass::upload(const Texture& texture, int width, int height, const
 
 void WaterSplatPass::drawDepth(const Frame& frame, std::size_t water, const Texture& depth) {
   if (!has(water)) return;
-  SplatCamera camera{.tangent = frame.camera.tangent,
-                     .projection = frame.camera.projectionTerms(),
-                     .near = frame.camera.near,
-                     .width = frame.width,
-                     .height = frame.height};
-  setRows(frame.camera.view, camera.rows, camera.moved);
+  const SplatCamera camera = splatCameraOf(frame);
   depth_.resizeDiscarding(std::int64_t{frame.width} * frame.height);
   dispatch(device_, [&](auto& device) {
     splatWaterDepth(device, liquids_[water].particles.view(), camera, depth_.view());
@@ -109,9 +100,7 @@ void WaterSplatPass::drawThickness(const Frame& frame, std::size_t water, const 
 void WaterSplatPass::drawSunDepth(const SunView& sun, std::size_t water, const Texture& depth,
                                   int resolution) {
   if (!has(water)) return;
-  SplatSun view{
-      .halfSize = sun.halfSize, .zToDepth = 2 / (sun.zNearest - sun.zFarthest), .resolution = resolution};
-  setRows(sun.toClip(), view.rows, view.moved);
+  const SplatSun view = splatSunOf(sun, resolution);
   sunDepth_.resizeDiscarding(std::int64_t{resolution} * resolution);
   dispatch(device_, [&](auto& device) {
     splatWaterSunDepth(device, liquids_[water].particles.view(), view, sunDepth_.view());

@@ -1,41 +1,12 @@
 #include "plugins/rendering/gl/water_surface_pass.h"
 
-#include "plugins/rendering/gl/shaders.h"
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
-namespace {
-
-const std::string kSurfaceFragmentShader = kShaderVersion + R"(
-in vec3 vNormal;
-in vec3 vPosition;
-layout(location = 0) out vec4 oNormal;
-
-void main() {
-  vec3 normal = normalize(vNormal);
-  if (!gl_FrontFacing) normal = -normal;
-  oNormal = vec4(0.5 + 0.5 * normal, 1.0);
-}
-)";
-
-const std::string kThicknessFragmentShader = kShaderVersion + R"(
-uniform float uDepthRange;  // m; 0 for a camera
-in vec3 vNormal;
-in vec3 vPosition;
-layout(location = 0) out vec2 oThickness;
-
-void main() {
-  float along = uDepthRange > 0.0 ? uDepthRange * gl_FragCoord.z : length(vPosition);
-  oThickness = vec2(gl_FrontFacing ? -along : along, 0.0);
-}
-)";
-
-}  // namespace
-
 WaterSurfacePass::WaterSurfacePass(const Functions& gl)
     : gl_(gl),
-      surface_(gl, "surfaces of a liquid", kSurfaceVertexShader, kSurfaceFragmentShader),
-      thickness_(gl, "insides of a liquid", kSurfaceVertexShader, kThicknessFragmentShader) {}
+      surface_(gl, "surface.vert", "water_surface.frag"),
+      thickness_(gl, "surface.vert", "water_inside.frag") {}
 
 void WaterSurfacePass::draw(const Frame& frame, const Program& program, std::size_t water,
                             const MeshStore& meshes, const Vec2i& size, bool fromSun) const {

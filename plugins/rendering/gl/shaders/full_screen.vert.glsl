@@ -1,0 +1,4 @@
+// Covers the whole picture with one triangle; to be drawn with drawArrays(GL_TRIANGLES, 0, 3).
+void main() {
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}

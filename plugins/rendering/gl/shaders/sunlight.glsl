@@ -1,0 +1,40 @@
+#include "words.glsl"
+#include "formulas.glsl"
+#include "patterns.glsl"
+
+// Each sample looks at four places of the shadow map, turned by another angle in each of four neighbouring
+// samples, so that a pixel of 2x2 samples sees sixteen.
+uniform sampler2DShadow uShadow;
+uniform sampler2D uThroughGlass;
+uniform sampler2DShadow uWaterDepth;
+uniform sampler2D uThroughWater;
+uniform mat4 uToSun;        // from camera space to the shadow map
+uniform float uSoftness;    // radius of the edges, in the shadow map's coordinates
+uniform float uShadowTexel; // m
+
+vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater) {
+#ifdef SHADOWS
+  vec4 place = uToSun * vec4(position + normal * uShadowTexel * kShadowOffset, 1.0);
+  place.z = min(place.z, 1.0);
+  ivec2 odd = ivec2(gl_FragCoord.xy) & 1;
+  vec2 turn = uSoftness * kShadowTurns[odd.x + 2 * odd.y];
+  float open = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    vec2 tap = turned(kShadowTaps[i], turn.x, turn.y);
+    open += 0.25 * textureLod(uShadow, place.xyz + vec3(tap, 0.0), 0.0);
+  }
+  vec3 light = vec3(open);
+#ifdef GLASS
+  light *= mix(vec3(1.0), textureLod(uThroughGlass, place.xy + 0.7 * turn, 0.0).rgb, throughGlass);
+#endif
+#ifdef WATER
+  if (underWater) {
+    float above = textureLod(uWaterDepth, place.xyz + vec3(0.7 * turn, 0.0), 0.0);
+    light *= mix(textureLod(uThroughWater, place.xy + 0.7 * turn, 0.0).rgb, vec3(1.0), above);
+  }
+#endif
+  return light;
+#else
+  return vec3(1.0);
+#endif
+}

@@ -1,0 +1,17 @@
+// Triangles with normals, opaque or of glass.
+#include "grid.glsl"
+
+layout(location = 0) in vec3 iPosition;
+layout(location = 1) in vec3 iNormal;
+uniform mat4 uToView;
+uniform mat3 uNormalToView;
+uniform mat4 uToClip;
+out vec3 vNormal;
+out vec3 vPosition;
+
+void main() {
+  vec4 position = uToView * vec4(iPosition, 1.0);
+  vPosition = position.xyz;
+  vNormal = uNormalToView * iNormal;
+  gl_Position = onGrid(uToClip * position);
+}

@@ -1,0 +1,80 @@
+#include "sunlight.glsl"
+#include "camera.glsl"
+#include "environment.glsl"
+
+uniform sampler2D uNearness, uNormal, uThickness, uScene, uDepth, uWaterSamples;
+uniform int uSamples;
+uniform bool uUnlit;
+uniform vec3 uAbsorption, uScattered;
+uniform float uScattering, uFoamOpacity, uRefractiveIndex;
+out vec4 oLight;
+
+vec3 pointAt(ivec2 place, float nearness) { return rayAt(vec2(place) + 0.5) / abs(nearness); }
+
+// The difference to the neighbours, above all to that which is less far away.
+vec3 slope(ivec2 place, ivec2 across, vec3 here) {
+  float before = texelFetch(uNearness, place - across, 0).r, behind = texelFetch(uNearness, place + across, 0).r;
+  vec3 a = here - pointAt(place - across, before), b = pointAt(place + across, behind) - here;
+  if (before == 0.0) return behind == 0.0 ? vec3(across, 0.0) : b;
+  if (behind == 0.0) return a;
+  float step = here.z * uPixel.y * uTangent.y;
+  vec2 weights = 1.0 / (vec2(a.z * a.z, b.z * b.z) + step * step);
+  return (a * weights.x + b * weights.y) / (weights.x + weights.y);
+}
+
+vec3 normalOf(ivec2 place, float nearness, vec3 here) {
+  if (nearness < 0.0) {
+    ivec2 first = place * uSamples;
+    vec3 sum = vec3(0.0);
+    for (int y = 0; y < uSamples; ++y)
+      for (int x = 0; x < uSamples; ++x) {
+        vec4 normal = texelFetch(uNormal, first + ivec2(x, y), 0);
+        sum += normal.a * (normal.xyz * 2.0 - 1.0);
+      }
+    return normalize(sum);
+  }
+  vec3 normal = normalize(cross(slope(place, ivec2(1, 0), here), slope(place, ivec2(0, 1), here)));
+  return dot(normal, here) > 0.0 ? -normal : normal;
+}
+
+float opaqueDistance(ivec2 place) { return distanceAt(texelFetch(uDepth, place, 0).r); }
+
+vec2 windowOf(vec3 position) { return 0.5 + 0.5 * position.xy / (-position.z * uTangent); }
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  float nearness = texelFetch(uNearness, place, 0).r;
+  if (nearness == 0.0) discard;
+  vec2 window = gl_FragCoord.xy * uPixel * 0.5;
+  vec3 position = pointAt(place, nearness);
+  vec3 towardsEye = -normalize(position);
+  vec3 normal = normalOf(place, nearness, position);
+
+  float gap = max(opaqueDistance(place * uSamples + uSamples / 2) + position.z, 0.0) * length(position) / -position.z;
+  vec2 thickness = max(texture(uThickness, window).rg, 0.0);
+  float way = min(thickness.x, gap);
+  vec3 bent = refract(-towardsEye, normal, 1.0 / uRefractiveIndex);
+  vec2 seen = windowOf(position + bent * way);
+  ivec2 samples = textureSize(uDepth, 0);
+  ivec2 seenSample = clamp(ivec2(seen * vec2(samples)), ivec2(0), samples - 1);
+  if (opaqueDistance(seenSample) < -position.z || seen != clamp(seen, 0.0, 1.0)) seen = window;
+  vec4 scene = texture(uScene, seen);
+  vec3 behind = scene.rgb;
+
+  vec3 extinction = uAbsorption + uScattering;
+  vec3 through = exp(-extinction * way);
+  vec3 sun = sunlight(position, normal, 1.0, false);
+  vec3 inside = skyLight(uUp) + 0.6 * uSunColor * sun;
+  vec3 scattered = uScattered * uScattering / max(extinction, 1e-6) * (1.0 - through) * inside;
+  vec3 refracted = behind * through + scattered;
+  float straight = (uRefractiveIndex - 1.0) / (uRefractiveIndex + 1.0);
+  float mirror = fresnel(dot(normal, towardsEye), straight * straight);
+  vec3 mirrored = environment(reflect(-towardsEye, normal));
+  vec3 color = mix(refracted, mirrored, mirror) + 0.03 * uSunColor * sun * highlight(normal, towardsEye, 400.0);
+  float foam = 1.0 - exp(-uFoamOpacity * thickness.y);
+  vec3 white = 0.93 * (skyLight(normal) + uSunColor * sun * max(dot(normal, uSun), 0.0));
+  if (uUnlit) color = behind * through, white = vec3(1.0);
+  float clear = dot(through, vec3(1.0 / 3.0)) * (1.0 - mirror);
+  float covered = 1.0 - (1.0 - scene.a) * clear;
+  oLight = vec4(mix(color, white, foam), mix(covered, 1.0, foam));
+}
