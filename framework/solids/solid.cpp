@@ -30,6 +30,7 @@ SolidView Solid::view(double time, double dt) {
           .friction = surface_.friction,
           .carved = carved_->data(),
           .noSlip = surface_.noSlip,
+          .slip = surface_.slip,
           .pivot = motion_->pivotAt(time + dt),
           .impulse = impulse_->data()};
 }

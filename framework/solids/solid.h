@@ -36,6 +36,7 @@ struct SolidView {
   float friction = 0;               ///< Coulomb's coefficient
   int* carved = nullptr;            ///< counts the particles that were born where there is no room
   float noSlip = 0;                 ///< 1/s: rate at which fluid in contact takes the solid's velocity
+  float slip = 0;                   ///< share of the drag on viscous fluid that is missing
   Vec3f pivot;                      ///< m, at the end of the step: about which torques are counted
   SolidImpulse* impulse = nullptr;  ///< one sum, of all steps
 
@@ -56,6 +57,7 @@ struct SolidSurface {
   bool approximate = false;
   float friction = 0;
   float noSlip = 0;  ///< 1/s
+  float slip = 0;    ///< share of the drag on viscous fluid that is missing
 };
 
 /// Its states are what it counts and sums.

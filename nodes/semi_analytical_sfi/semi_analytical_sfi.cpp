@@ -139,7 +139,8 @@ void SemiAnalyticalSFI::reset(const SetupContext& context) {
     const SolidSurface surface{.kind = kindOf(solids[k], from, context.log),
                                .approximate = integrals == WallIntegralForm::kApproximate,
                                .friction = friction,
-                               .noSlip = noSlip};
+                               .noSlip = noSlip,
+                               .slip = slip};
     const TriangleMesh mesh = simplifiedMesh(solids[k], from, detail, context.log);
     parts_->push_back(std::make_unique<Solid>(context.device, mesh, surface, *this, detail));
     forces->solids.push_back({from, {}, {}});

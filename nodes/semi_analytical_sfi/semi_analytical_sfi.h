@@ -71,6 +71,13 @@ class SemiAnalyticalSFI final : public Node, public RigidMotion {
                        .min = 0,
                        .softMax = 1000,
                        .doc = "Rate at which fluid that touches a solid takes its velocity."}};
+  Param<float> slip{
+      *this,
+      "slip",
+      0,
+      {.min = 0,
+       .max = 1,
+       .doc = "Of viscous fluid (ViscositySolver) along the surface: 0 sticks to it, 1 is not held at all."}};
   Param<Vec3f> position{
       *this, "position", {}, {.unit = "m", .animated = true, .doc = "Moves the solids from where they are."}};
   Param<Rotation> rotation{

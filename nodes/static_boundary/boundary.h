@@ -18,6 +18,7 @@ struct BoundaryPiece {
   MeshSdfView mesh;
   float restitution = 0;  ///< share of the normal speed that a particle keeps when it bounces
   float friction = 0;     ///< Coulomb's coefficient
+  float slip = 0;         ///< share of the drag on viscous fluid that is missing
 
   WEIR_HD SignedDistance query(const Vec3f& p) const {
     return isMesh ? mesh.query(p) : signedDistance(shape, p);

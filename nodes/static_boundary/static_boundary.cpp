@@ -73,6 +73,7 @@ BoundaryPiece StaticBoundary::piece() const {
   BoundaryPiece result;
   result.restitution = restitution;
   result.friction = friction;
+  result.slip = slip;
   return result;
 }
 

@@ -96,6 +96,13 @@ class StaticBoundary final : public Node {
       "friction",
       0,
       {.min = 0, .softMax = 1, .doc = "Coulomb's coefficient of friction.", .also = "slip, rough"}};
+  Param<float> slip{
+      *this,
+      "slip",
+      0,
+      {.min = 0,
+       .max = 1,
+       .doc = "Of viscous fluid (ViscositySolver) along the surface: 0 sticks to it, 1 is not held at all."}};
 
   Inputs<TriangleMesh> meshes{*this, "meshes", "Meshes that are solid, or containers if inverted."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Other boundaries that this one shall include."};

@@ -57,6 +57,7 @@ const std::vector<Variant> kVariants{
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3}})", "", "",
      ""},
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
+    {R"("viscous": {"type": "ViscositySolver", "after": "walls"})", "", kSolids, kSolidLinks},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
         "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
      R"(, "support_ratio": 2)", "", ""},

@@ -11,6 +11,7 @@ namespace {
 Value everyModule() {
   return object({{"solver", object({{"type", "Pbf"}})},
                  {"viscosity", object({{"params", object({{"form", "implicit"}})}})},
+                 {"viscous", inserted("ViscositySolver", "walls", object({{"viscosity", 5.0}}))},
                  {"tension", inserted("SurfaceTension", "viscosity", object({{"air_pressure", 5.0}}))},
                  {"eddies", inserted("VorticityConfinement", "tension", object({{"strength", 2.0}}))},
                  {"air", inserted("Drag", "eddies", object({{"damping", 0.1}}))}});

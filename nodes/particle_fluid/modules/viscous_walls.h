@@ -1,0 +1,86 @@
+// How walls hold viscous fluid: as if the fluid went on behind them, with velocities that go linearly through
+// that of the wall. Over the half-space behind a plane at a distance of h, with c(r) = 2(d + 2)·|W'|/r,
+//
+//   β(h) = ∫ c(r)·(x̂·t)²·z/h dV,   t along the wall, z how far from the particle the plane through dV is
+//
+// is a drag ν·β on the velocity along the wall, relative to it. A wall's slip, from 0 to 1, takes that share
+// away; at 1 there is no drag. The sum of β·h over the layers of settled fluid is made that of the integral,
+// so shear stress passes into the wall as it passes through the fluid.
+#pragma once
+
+#include <algorithm>
+
+#include "framework/compute/eight.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+/// β·H² at h = q·H, q above 0; for the spiky kernel.
+template <class T>
+WEIR_HD T planeDrag(T q) {
+  if (!(q < 1)) return 0;
+  const T q2 = q * q, q3 = q2 * q;
+  const T sum = T(1) / 30 - T(2) / 3 * q2 + T(8) / 3 * q3 - q2 * q2 * (T(3) / 2 - 2 * std::log(q)) -
+                T(8) / 15 * q2 * q3;
+  return T(112.5) * (sum > 0 ? sum : 0) / q;
+}
+
+/// What makes the sum over layers, one spacing apart from `first` on, that of the integral; all in spacings.
+inline double layerFactor(double supportRatio, double first) {
+  double sum = 0;
+  for (double h = first; h < supportRatio; ++h) sum += planeDrag(h / supportRatio) * h;
+  return supportRatio * supportRatio / std::max(sum, 1e-3);
+}
+
+/// h/H of a plane behind which there is the share `behind` of the kernel.
+WEIR_HD inline float planeOf(float behind) {
+  constexpr int kBisections = 20;
+  float low = 0, high = 1;
+  for (int k = 0; k < kBisections; ++k) {
+    const float q = 0.5f * (low + high), rest = 1 - q, square = rest * rest;
+    (0.5f * square * square * rest * (1 + 2 * q) > behind ? low : high) = q;
+  }
+  return high;
+}
+
+/// Calls f(distance, normal) for the walls of a piece near p: the nearest point of a solid, or the faces of a
+/// container.
+template <class F>
+WEIR_HD void forEachWall(const BoundaryPiece& piece, const Vec3f& p, const F& f) {
+  const Shape& shape = piece.shape;
+  if (piece.isMesh || shape.kind != ShapeKind::kBox || !shape.inverted) {
+    const SignedDistance at = piece.query(p);
+    return f(at.distance, at.normal);
+  }
+  const Vec3f local = rotate(conjugate(shape.rotation), p - shape.position), half = shape.halfSize;
+  const auto faces = [&](float x, float h, const Vec3f& axis) {
+    const Vec3f normal = rotate(shape.rotation, axis);
+    f(h - x, -normal);
+    f(h + x, normal);
+  };
+  faces(local.x, half.x, {1, 0, 0});
+  faces(local.y, half.y, {0, 1, 0});
+  faces(local.z, half.z, {0, 0, 1});
+}
+
+/// Σ B over the walls of each particle, B = dt·ν·β·(1 − slip)·(1 − n·nᵀ), by its diagonal and the rest (yz,
+/// zx, xy); and Σ B·v of the walls. Empty where no wall drags.
+struct WallDrag {
+  ArrayView<Vec3f> diagonal, rest, push;
+
+  WEIR_HD bool empty() const { return diagonal.size == 0; }
+  WEIR_HD void add(std::int64_t i, float strength, const Vec3f& n, const Vec3f& velocity) const {
+    diagonal[i] += strength * Vec3f{1 - n.x * n.x, 1 - n.y * n.y, 1 - n.z * n.z};
+    rest[i] -= strength * Vec3f{n.y * n.z, n.z * n.x, n.x * n.y};
+    push[i] += strength * (velocity - dot(velocity, n) * n);
+  }
+  /// Σ B·u.
+  template <class Index, class T>
+  WEIR_HD Vec3<T> operator()(Index i, const Vec3<T>& u) const {
+    const auto d = read(diagonal, i), r = read(rest, i);
+    return {d.x * u.x + r.z * u.y + r.y * u.z, r.z * u.x + d.y * u.y + r.x * u.z,
+            r.y * u.x + r.x * u.y + d.z * u.z};
+  }
+};
+
+}  // namespace weir
