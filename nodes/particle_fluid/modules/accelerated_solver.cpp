@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "framework/graph/setting_warning.h"
+#include "nodes/particle_fluid/modules/accelerated_judge.h"
+#include "nodes/particle_fluid/pressure_problem.h"
 #include "nodes/particle_fluid/scratch.h"
 #include "nodes/particle_fluid/wall_field.h"
 
@@ -132,6 +134,24 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   if (controlled() && !conjugates() && !searches()) bytes += bytesOfArrays(n, excess_);
   if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   return bytes;
+}
+
+detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
+  constexpr double kReach = 0.25;  // spacings
+  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
+  constexpr int kMixturesUntilConverged = 3;
+  const double reach = kReach * problem.fluid.constants.spacing;
+  return {.control = control_->data(),
+          .sums = sums,
+          .count = problem.fluid.particles.count(),
+          .tolerance = double(tolerance.get().value_or(-1.0f)),
+          .meetings = mixes() ? kMixturesUntilConverged : 1,
+          .accelerated = accelerated(),
+          .mixes = mixes(),
+          .farthest = reach * reach,
+          .maxRepeats = maxRepeats(),
+          .passes = passes(),
+          .last = last};
 }
 
 void AcceleratedSolver::report(NodeReport& report) {

@@ -259,24 +259,6 @@ void AcceleratedSolver::judge(Backend& device, const PressureProblem& problem, b
   controlSeen_->request(control_->data());
 }
 
-detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
-  constexpr double kReach = 0.25;  // spacings
-  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
-  constexpr int kMixturesUntilConverged = 3;
-  const double reach = kReach * problem.fluid.constants.spacing;
-  return {.control = control_->data(),
-          .sums = sums,
-          .count = problem.fluid.particles.count(),
-          .tolerance = double(tolerance.get().value_or(-1.0f)),
-          .meetings = mixes() ? kMixturesUntilConverged : 1,
-          .accelerated = accelerated(),
-          .mixes = mixes(),
-          .farthest = reach * reach,
-          .maxRepeats = maxRepeats(),
-          .passes = passes(),
-          .last = last};
-}
-
 template <class Backend>
 void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& problem) {
   const Count count = problem.fluid.particles.count();
