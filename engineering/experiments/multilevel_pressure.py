@@ -298,6 +298,44 @@ def descent(step, momentum, tolerance, most=3000):
     return done, e.mean(), energy
 
 
+def gradient(step, u, e):
+    """Of the objective, and the divisor of a plain iteration."""
+    a = step.s * step.slope()
+    force = ((e[step.i] + e[step.j]) * a)[:, None] * step.way
+    push = np.stack([step.both(-force[:, c], force[:, c]) for c in range(3)], axis=1)
+    return u - push, 1 + 2 * step.both(a, a)[:, None]
+
+
+def conjugate(step, tolerance, most=400):
+    """Conjugate gradients for displacements, the length of a step from the slopes at its start and where it is tried."""
+    u = step.contained(np.zeros_like(step.start))
+    lam, direction, length = step.place(u), 0, 1.0
+    for done in range(1, most + 1):
+        step.place(u)
+        g, divisor = gradient(step, u, np.maximum(lam - 1, 0))
+        z = step.contained(u - g / divisor) - u
+        slope = -np.sum(z * g)
+        beta = max(0, -np.sum(z * (g - last)) / last_slope) if done > 1 else 0
+        if slope - beta * np.sum(direction * g) <= 0.1 * slope:
+            beta = 0
+        direction, last, last_slope = z + beta * direction, g, slope
+        tried = step.contained(u + length * direction)
+        way = tried - u
+        there = step.place(tried)
+        at_start = np.sum(way * g)
+        at_trial = np.sum(tried * way) + step.s * np.sum(np.maximum(there - 1, 0) * (there - lam))
+        part = at_start / (at_start - at_trial) if at_trial > at_start else 4
+        part = min(max(part, 0.1), 4)
+        length *= part
+        moved = step.contained(u + length * direction)
+        direction, u = (moved - u) / length, moved
+        lam = lam + part * (there - lam) if abs(part - 1) <= 0.4 else step.place(u)
+        if np.maximum(lam - 1, 0).mean() <= tolerance and done > 1:
+            break
+    energy, e = step.objective(u)
+    return done, e.mean(), energy
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("particles")
@@ -336,6 +374,8 @@ def main():
         for name in ("diagonal", "and V-cycle"):
             total, outer, left, psi, lengths = newton(step, name, args.tolerance, args.gap)
             print(f"    Newton, {name}: {total} in {outer}, left {left:.3e}, objective {psi:.4e}, {lengths}", flush=True)
+        done, left, psi = conjugate(step, args.tolerance)
+        print(f"    conjugate: {done}, left {left:.3e}, objective {psi:.4e}", flush=True)
         for name in ("momentum", "plain"):
             if name == "momentum" or args.plain:
                 done, left, psi = descent(step, name == "momentum", args.tolerance)
