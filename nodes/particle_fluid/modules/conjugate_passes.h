@@ -67,10 +67,12 @@ struct Settle {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     if (!first && control->done) return;
-    auto excess = read(of.excess, i);
+    decltype(read(of.excess, i)) excess;
     if (first || control->far) {
       excess = density.at(i, displacement);
       write(of.excess, i, excess);
+    } else {
+      excess = read(of.excess, i);
     }
     const auto s = read(density.state, i);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(excessOf(excess + 1, tension))});
@@ -112,12 +114,13 @@ struct MeasureDirection {
     const Vec3f u = problem.displacement[i], z = of.tried[i] - u;
     const Vec3f way = searched.size > 0 ? u - searched[i] : u;
     const float e = of.excess[i];
+    const bool alone = problem.control->sinceRestart == 0;  // there is no direction before it
     return {.of = {.compression = e > 0 ? double(e) : 0.0,
                    .objective = problem.energyAt(u, e),
                    .farthest = double(dot(way, way))},
             .slope = -double(dot(z, of.gradient[i])),
-            .turned = -double(dot(z, of.previous[i])),
-            .forward = double(dot(of.direction[i], of.gradient[i]))};
+            .turned = alone ? 0.0 : -double(dot(z, of.previous[i])),
+            .forward = alone ? 0.0 : double(dot(of.direction[i], of.gradient[i]))};
   }
 };
 

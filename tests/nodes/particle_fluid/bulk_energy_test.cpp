@@ -191,8 +191,10 @@ TEST(SolverParameters, SayWhatIsWrong) {
   };
   EXPECT_CONTAINS(refusedBy(object({{"tolerance", 0.0}})), "tolerance");
   EXPECT_CONTAINS(refusedBy(object({{"iterations", 3}})), "max_iterations");
-  EXPECT_CONTAINS(refusedBy(object({{"conservative", false}})), "another acceleration");
-  EXPECT_CONTAINS(refusedBy(object({{"step_length", "global"}})), "another acceleration");
+  EXPECT_CONTAINS(refusedBy(object({{"acceleration", "conjugate"}, {"conservative", false}})),
+                  "another acceleration");
+  EXPECT_CONTAINS(refusedBy(object({{"acceleration", "conjugate"}, {"step_length", "global"}})),
+                  "another acceleration");
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ const std::vector<Variant> kVariants{
      "", "", ""},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "nesterov", "step_length": "global"}})",
      "", "", ""},
-    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3}})", "", "",
-     ""},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "conjugate"}})",
+     "", "", ""},
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
     {R"("viscous": {"type": "ViscositySolver", "after": "walls"})", "", kSolids, kSolidLinks},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
@@ -64,8 +64,8 @@ const std::vector<Variant> kVariants{
     {"", "", kSolids, kSolidLinks},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "anderson"}})",
      "", kSolids, kSolidLinks},
-    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3}})", "",
-     kSolids, kSolidLinks},
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "conjugate"}})",
+     "", kSolids, kSolidLinks},
 };
 
 TEST(FluidMemory, ComesToWhatIsEstimated) {
