@@ -18,12 +18,12 @@ struct SolverControl {
   int exhausted = 0;     // whether mixtures gain nothing any more in this pass, and momentum goes on
   double objective = 0;  // the least so far
   // Of conjugate gradients (conjugate.h).
-  double slope = 0;   // -z·g of the last iteration, m²
-  double trial = 0;   // the length at which the next step is tried; 0: nothing is known yet
-  double length = 0;  // of the last step
-  double part = 0;    // of the trial's length, that the last step has gone
+  double slope = 0;     // -z·g of the last iteration, m²
+  double trial = 0;     // the length at which the next step is tried; 0: nothing is known yet
+  double length = 0;    // of the last step
+  double part = 0;      // of the trial's length, that the last step has gone
   int withoutGain = 0;  // iterations on end that have not lowered the objective
-  int far = 0;        // whether λ at its end has to be summed anew
+  int far = 0;          // whether λ at its end has to be summed anew
   // Of all steps.
   std::int64_t steps = 0, passes = 0, total = 0;
   int max = 0;
