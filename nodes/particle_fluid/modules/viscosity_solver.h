@@ -70,6 +70,7 @@ class ViscositySolver final : public FluidModule {
                          1,
                          {.unit = "Pa*s",
                           .min = 0,
+                          .max = 1e12,  // beyond it squares of forces leave the range of floats
                           .softMin = 0.001,
                           .softMax = 10000,
                           .live = true,

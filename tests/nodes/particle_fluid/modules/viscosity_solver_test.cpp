@@ -299,6 +299,7 @@ TEST(ViscositySolver, RefusesWhatIsNoViscosityOrTolerance) {
                        }).what());
   };
   EXPECT_CONTAINS(refusal(object({{"viscosity", -1.0}})), "at least 0");
+  EXPECT_CONTAINS(refusal(object({{"viscosity", 1e30}})), "at most");
   EXPECT_CONTAINS(refusal(object({{"tolerance", 0.0}})), "above 0");
   EXPECT_CONTAINS(refusal(object({{"max_iterations", 0}})), "at least 1");
 }
