@@ -117,7 +117,7 @@ int AcceleratedSolver::maxPasses() const {
 void AcceleratedSolver::reserve(FluidStep& fluid) {
   const bool walls = !fluid.walls.empty();
   if (mixes()) mixing_.reserve(fluid.device, fluid.particles.capacity(), walls);
-  if (conjugates()) directions_.reserve(fluid.device, fluid.particles.capacity(), walls);
+  if (conjugates()) directions_.reserve(fluid);
   if (hasMomentum()) fitScratch(fluid, plain_);
   if (hasMomentum() && walls) fitScratch(fluid, plainShare_);
   PressureSolver::reserve(fluid, controlled() && !conjugates());

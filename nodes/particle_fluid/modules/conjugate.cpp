@@ -1,22 +1,18 @@
 #include "nodes/particle_fluid/modules/conjugate.h"
 
 #include "framework/graph/memory_estimate.h"
+#include "nodes/particle_fluid/scratch.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
-void ConjugateDirections::reserve(Device& device, std::int64_t particles, bool walls) {
+void ConjugateDirections::reserve(FluidStep& fluid) {
   if (directionSums.data() == nullptr) {
-    directionSums = Array<DirectionSums>(device, 1);
-    lineSums = Array<LineSums>(device, 1);
-    for (Array<Vec3f>* const each : {&direction_, &tried_, &gradient_, &previous_})
-      *each = Array<Vec3f>(device);
-    for (Array<float>* const each : {&excess_, &triedExcess_, &share_, &shareChange_})
-      *each = Array<float>(device);
+    directionSums = Array<DirectionSums>(fluid.device, 1);
+    lineSums = Array<LineSums>(fluid.device, 1);
   }
-  for (Array<Vec3f>* const each : {&direction_, &tried_, &gradient_, &previous_})
-    each->resizeDiscarding(particles);
-  for (Array<float>* const each : {&excess_, &triedExcess_}) each->resizeDiscarding(particles);
-  for (Array<float>* const each : {&share_, &shareChange_}) each->resizeDiscarding(walls ? particles : 0);
+  fitScratch(fluid, direction_, tried_, gradient_, previous_, excess_, triedExcess_);
+  if (!fluid.walls.empty()) fitScratch(fluid, share_, shareChange_);
 }
 
 double ConjugateDirections::memoryFor(double particles, bool walls) const {

@@ -25,6 +25,8 @@
 
 namespace weir {
 
+struct FluidStep;
+
 /// Sums over all particles before a step.
 struct DirectionSums {
   SolverSums of;
@@ -62,8 +64,8 @@ struct ConjugateView {
 /// The memory of it.
 class ConjugateDirections {
  public:
-  /// For that many particles: 56 bytes each, and 8 more with walls of meshes. Contents are undefined.
-  void reserve(Device& device, std::int64_t particles, bool walls);
+  /// 56 bytes a particle, and 8 more with walls of meshes. Contents are undefined.
+  void reserve(FluidStep& fluid);
   /// Bytes of that.
   double memoryFor(double particles, bool walls) const;
   /// Gives it back.
