@@ -17,6 +17,7 @@
 #include "framework/base/check.h"
 #include "framework/base/error.h"
 #include "framework/base/interruption.h"
+#include "framework/base/sanitizers.h"
 
 namespace weir {
 
@@ -48,7 +49,7 @@ std::uint64_t addressSpace() {
 constexpr int kOutOfMemory = 86;
 
 void limitMemory(std::uint64_t more) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(WEIR_ADDRESS_SANITIZER) || defined(WEIR_THREAD_SANITIZER)
   return;  // whose memory is none of the library's
 #endif
   rlimit limit{};

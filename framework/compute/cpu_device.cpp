@@ -13,6 +13,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/base/sanitizers.h"
 #include "framework/compute/cpu_profiler.h"
 #include "framework/compute/cpu_threads.h"
 #include "framework/compute/host_memory.h"
@@ -40,7 +41,7 @@ void adviseHugePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t
 constexpr std::align_val_t kAlignment{256};  // bytes
 // Behind each block, so that kernels may read the last vector of three numbers like one of four. Those that
 // are watched do not (framework/compute/lanes.h), and what is written there is a mistake.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEIR_ADDRESS_SANITIZER
 constexpr std::size_t kRoomBehind = 0;  // bytes
 #else
 constexpr std::size_t kRoomBehind = 16;  // bytes
@@ -56,7 +57,7 @@ void* allocateOnHost(std::size_t bytes) {
   }
   void* memory = ::operator new(bytes + kRoomBehind, kAlignment, std::nothrow);
   adviseHugePages(memory, bytes);
-#ifndef __SANITIZE_ADDRESS__
+#ifndef WEIR_ADDRESS_SANITIZER
   // The room is for our own kernels, which are not watched then; a plugin that writes there is.
   if (memory != nullptr && __asan_poison_memory_region != nullptr)
     __asan_poison_memory_region(static_cast<char*>(memory) + bytes, kRoomBehind);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "framework/base/sanitizers.h"
 #include "framework/base/vec.h"
 
 #if defined(__GNUC__) && !defined(__CUDACC__) && defined(__has_builtin)
@@ -340,7 +341,7 @@ inline HalfLanes rowOf(const Vec4f& element) {
   return row;
 }
 inline HalfLanes rowOf(const Vec3f& element) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEIR_ADDRESS_SANITIZER
   return HalfLanes{element.x, element.y, element.z, 0};
 #else
   // Four numbers, where there are only three at the end of an array: devices leave room behind it.

@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "framework/base/sanitizers.h"
 #include "framework/base/text.h"
 #include "framework/graph/plugin.h"
 #include "tests/apps/studio/web_client.h"
 #include "tests/support/byte_mutator.h"
-#include "tests/support/sanitizers.h"
 
 #ifdef WEIR_ADDRESS_SANITIZER
 // Of the sanitizer's runtime; g++ comes without the header.

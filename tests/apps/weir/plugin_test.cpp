@@ -5,13 +5,13 @@
 
 #include <filesystem>
 
+#include "framework/base/sanitizers.h"
 #include "framework/run/simulation.h"
 #include "framework/scene/scene_file.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/register_nodes.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/sanitizers.h"
 
 namespace weir::test {
 namespace {

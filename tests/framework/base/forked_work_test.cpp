@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "framework/base/sanitizers.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/sanitizers.h"
 
 namespace weir::test {
 namespace {
