@@ -58,13 +58,26 @@ std::string commandLine(int argc, char** argv) {
 }
 
 /// CLI11 would only say that some command is missing.
-void checkCommand(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
+void checkCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  const std::string& command = arguments.front();
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) == names.end())
-    throw usageError("there is no command " + inQuotes(argv[1]), joinNames(names),
-                     didYouMean(argv[1], names));
+  for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
+  if (std::find(names.begin(), names.end(), command) == names.end())
+    throw usageError("there is no command " + inQuotes(command), joinNames(names),
+                     didYouMean(command, names));
+}
+
+/// `weir help` and `weir help COMMAND` as `weir --help` and `weir COMMAND --help`.
+std::vector<std::string> argumentsOf(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.empty() || arguments.front() != "help") return arguments;
+  arguments.erase(arguments.begin());
+  if (arguments.size() > 1)
+    throw usageError("'weir help' takes one command, and " + std::to_string(arguments.size()) + " are given",
+                     "weir help [COMMAND]");
+  arguments.push_back("--help");
+  return arguments;
 }
 
 bool hasEnded = false;
@@ -135,9 +148,11 @@ int runProgram(Program& program, int argc, char** argv) {
         ->take_all()
         ->allow_extra_args(false);
 
-  checkCommand(app, argc, argv);
+  std::vector<std::string> arguments = argumentsOf(argc, argv);
+  checkCommand(app, arguments);
   try {
-    app.parse(argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(arguments);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help and --version
   } catch (const CLI::ParseError& e) {

@@ -59,6 +59,20 @@ class Cli : public testing::Test {
   TemporaryFolder folder;
 };
 
+TEST_F(Cli, HelpIsACommandToo) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{}, {"run"}, {"nodes"}}) {
+    std::vector<std::string> option = command, asCommand = {"help"};
+    option.push_back("--help");
+    asCommand.insert(asCommand.end(), command.begin(), command.end());
+    const ChildResult expected = runWeir(option), found = runWeir(asCommand);
+    EXPECT_EQ(found.code, 0) << found.err;
+    EXPECT_EQ(found.out, expected.out);
+    EXPECT_CONTAINS(found.out, "--help");
+  }
+  expectFailure(runWeir({"help", "rum"}), 2, {"there is no command 'rum'", "run"});
+  expectFailure(runWeir({"help", "run", "render"}), 2, {"'weir help' takes one command"});
+}
+
 TEST_F(Cli, RunsASceneAndWritesStatistics) {
   const std::string stats = folder / "stats.json";
   const ChildResult result = runWeir({"run", scene(), "--stats", stats, "--threads", "2", "--device", "cpu"});
