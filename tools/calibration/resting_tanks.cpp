@@ -67,6 +67,8 @@ RestingTank::RestingTank(Device& device, const Tank& tank, const TankWater& wate
     graph_.link(SceneGraph::parseLink("tank.boundary -> water.boundaries"));
   }
   graph_.reset({device_, log_, registry_, kGravity, kStep, water.seed});
+  // The water comes to rest when somebody looks at it.
+  graph_.frame({device_, log_, kGravity, 0, kStep, 0});
 }
 
 double RestingTank::height() const {
