@@ -32,6 +32,7 @@ class SurfaceTension final : public FluidModule {
       0.01f,
       {.unit = "N",
        .min = 0,
+       .max = 1e9,  // beyond it forces leave the range of floats
        .softMax = 1,
        .live = true,
        .doc = "Energy per volume of the surface layer over half the squared gradient of the colour. Works "
@@ -42,6 +43,7 @@ class SurfaceTension final : public FluidModule {
       0,
       {.unit = "Pa",
        .min = 0,
+       .max = 1e9,
        .softMax = 100,
        .live = true,
        .doc = "Pressure of the air on free surfaces; it closes cavities that tension alone may open."}};

@@ -50,6 +50,19 @@ TEST(SurfaceTension, AgreesWithDoublePrecision) {
   }
 }
 
+TEST(SurfaceTension, RefusesWhatIsNoTension) {
+  const auto refusal = [](const char* parameter, double value) {
+    return std::string(errorOf([&] {
+                         SurfaceTension module;
+                         module.assignAll(object({{parameter, value}}), {"test", "", ""});
+                       }).what());
+  };
+  EXPECT_CONTAINS(refusal("coefficient", -1), "at least 0");
+  EXPECT_CONTAINS(refusal("coefficient", 1e30), "at most");
+  EXPECT_CONTAINS(refusal("air_pressure", -1), "at least 0");
+  EXPECT_CONTAINS(refusal("air_pressure", 1e30), "at most");
+}
+
 TEST(SurfaceTension, WarnsOfASmallSupport) {
   CpuDevice device(1);
   std::vector<std::string> warnings;
