@@ -26,6 +26,15 @@ TEST_P(Response, IsThatOfSqueezedTiles) {
 
 INSTANTIATE_TEST_SUITE_P(SupportRatios, Response, testing::Values(1.2, 1.5, 2.0, 2.4));
 
+TEST(PackingCalibration, GivesRelaxedTilesRestDensity) {
+  for (const double ratio : {1.2, 1.5, 2.0, 2.4}) {
+    CpuThreads threads(2);
+    const double packing = packingCalibration(ratio);
+    EXPECT_NEAR(packing / calibrationOf(RelaxedTile(ratio, 8, 200, 1, threads), ratio), 1, 0.004) << ratio;
+    EXPECT_GT(latticeCalibration(ratio) * 1.04, packing) << ratio;
+  }
+}
+
 TEST(Stiffening, KeepsSmallSupportsAsStiffAsTheUsualOne) {
   const double usual = std::pow(settledResponse(1.5), 2);
   for (const double ratio : {1.2, 1.3, 1.4, 1.499})
