@@ -119,7 +119,8 @@ WEIR_HD inline SignedDistance MeshSdfView::query(const Vec3f& p) const {
     found = detail::trilinear(corner, kNodes, kNodes * kNodes, u);
   }
   const float slope = length(found.gradient);
-  SignedDistance result{found.value, slope > 0 ? found.gradient / slope : Vec3f{0, 1, 0}};
+  SignedDistance result{found.value, slope > 0 ? found.gradient / slope : Vec3f{0, 1, 0},
+                        slope / (brick < 0 ? kBrick * cellSize : cellSize)};
   const Vec3f beyond = (local - inside) * cellSize;
   const float away = length(beyond);
   if (away > 0) {
@@ -127,7 +128,7 @@ WEIR_HD inline SignedDistance MeshSdfView::query(const Vec3f& p) const {
     const Vec3f fromSurface = result.normal * result.distance + beyond;
     result = {length(fromSurface), normalized(fromSurface)};
   }
-  return inverted ? SignedDistance{-result.distance, -result.normal} : result;
+  return inverted ? SignedDistance{-result.distance, -result.normal, result.slope} : result;
 }
 
 }  // namespace weir

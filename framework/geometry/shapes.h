@@ -26,6 +26,7 @@ struct Shape {
 struct SignedDistance {
   float distance = 0;  ///< m
   Vec3f normal;
+  float slope = 1;  ///< length of the distance's gradient: not 1 where it is interpolated
 };
 
 namespace detail {
@@ -118,7 +119,7 @@ WEIR_HD inline SignedDistance localDistance(const Shape& s, const Vec3f& p) {
 WEIR_HD inline SignedDistance signedDistance(const Shape& shape, const Vec3f& p) {
   SignedDistance d = detail::localDistance(shape, rotate(conjugate(shape.rotation), p - shape.position));
   d.normal = rotate(shape.rotation, d.normal);
-  return shape.inverted ? SignedDistance{-d.distance, -d.normal} : d;
+  return shape.inverted ? SignedDistance{-d.distance, -d.normal, d.slope} : d;
 }
 
 }  // namespace weir

@@ -208,11 +208,8 @@ struct CallWithTeamIndex {
 
 }  // namespace detail
 
-/// Policies of launches of sums, see Launched. A sum that follows the search for neighbours begins when their
-/// numbers stand; one that follows another sum, when lists do. Both leave the lists as they are.
-struct SumAfterSearch {
-  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kCounts;
-};
+/// The policy of launches of sums, see Launched: one that follows another sum begins when lists stand, and
+/// leaves them as they are.
 struct SumAfterSum {
   static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kLists;
 };

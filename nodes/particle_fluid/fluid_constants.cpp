@@ -127,25 +127,6 @@ WallKernel wallKernel(double supportRatio, Calibration calibration) {
   return {high, wallFactor(supportRatio)};
 }
 
-double contactRatio(double supportRatio, Calibration calibration) {
-  constexpr double kHalf = 0.5;
-  if (calibration == Calibration::kLattice) return kHalf;
-  // What `weir_packing_curve contact` prints, less half a spacing: such that water in tanks from 8 to 16
-  // spacings wide stands as high as it should.
-  struct Excess {
-    double ratio, perArea;
-  };
-  constexpr Excess kExcess[] = {{1.5, 0.02}, {2.0, 0.175}, {2.4, 0.275}, {3.0, 0.45}};
-  const Excess* above =
-      std::upper_bound(std::begin(kExcess), std::end(kExcess), supportRatio,
-                       [](double ratio, const Excess& known) { return ratio < known.ratio; });
-  if (above == std::begin(kExcess)) return kHalf + above->perArea;
-  if (above == std::end(kExcess)) return kHalf + std::prev(above)->perArea;
-  const Excess &low = *std::prev(above), &high = *above;
-  const double t = (supportRatio - low.ratio) / (high.ratio - low.ratio);
-  return kHalf + (1 - t) * low.perArea + t * high.perArea;
-}
-
 int neighborCapacity(double supportRatio) {
   // Particles in the support ball at rest density, half as many again for compression, and a margin for the
   // small balls, where single particles count.
@@ -160,7 +141,7 @@ FluidConstants makeFluidConstants(float spacing, float supportRatio, float restD
   FluidConstants c;
   c.spacing = spacing;
   c.supportRadius = supportRatio * spacing;
-  c.contact = static_cast<float>(contactRatio(supportRatio, calibration)) * spacing;
+  c.contact = kContactRatio * spacing;
   const WallKernel wall = wallKernel(supportRatio, calibration);
   c.wallRadius = static_cast<float>(wall.radius) * spacing;
   c.restDensity = restDensity;

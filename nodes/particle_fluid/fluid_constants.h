@@ -73,13 +73,9 @@ struct WallKernel {
 /// has its volume: layers at walls lie a little denser in pressure, and nearer to the wall, than others.
 WallKernel wallKernel(double supportRatio, Calibration calibration);
 
-/// How near to a solid given by signed distance particles may come, in spacings. Such a solid takes no part
-/// in the density, so the layers next to it are denser than the fluid behind them: where particles came as
-/// near as half a spacing, they would hold Γ particles per d² more than their volume has room for, and the
-/// water would stand too low by as many spacings at each wall. With the packing calibration they are kept
-/// away by half a spacing and about Γ, as fitted to small tanks at rest, interpolated between support
-/// ratios 1.5 and 3; with the lattice calibration, which keeps no volume, by half a spacing.
-double contactRatio(double supportRatio, Calibration calibration);
+/// How near to a solid given by signed distance particles may come, in spacings. The pressure keeps settled
+/// fluid further away; this is for what is fast, and for single particles, which pressure does not hold.
+inline constexpr float kContactRatio = 0.3f;
 
 /// Room for the neighbours of one particle, a multiple of 8.
 int neighborCapacity(double supportRatio);

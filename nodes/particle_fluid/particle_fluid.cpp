@@ -52,7 +52,8 @@ void ParticleFluid::configure(const SetupContext&) {
   const ParticleBatch::Request request{spacing, supportRatio, calibration == Calibration::kPacking};
   initial.request(request);
   emitters.request(request);
-  boundaries.request({spacing});
+  const WallKernel wall = wallKernel(supportRatio, calibration.get());
+  boundaries.request({spacing, static_cast<float>(wall.radius) * spacing});
   sinks.request({spacing});
 }
 
@@ -132,6 +133,7 @@ void ParticleFluid::reset(const SetupContext& context) {
                                                  .doc = "Pressure, 0 where fluid is not compressed.",
                                                  .derived = true});
   for (std::size_t i = 0; i < boundaries.size(); ++i) state.boundaries.push_back(&boundaries[i]);
+  state.walls.meet(state.boundaries, constants_, state.particles);
   std::vector<SinkPiece> sinkPieces;
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());

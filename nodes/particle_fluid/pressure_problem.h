@@ -4,7 +4,7 @@
 //   Σ_i E_i,   E_i = |u_i|²/2 + (c·dt)²·B(λ_i)
 //
 // (the paper's Eq. 7, over m/dt²). The density pass gives λ and Ḃ(λ); the push gives the bracket and the
-// divisor of Eq. 14. Walls of meshes add Φ to λ and ∇Φ to the push, see wall_field.h.
+// divisor of Eq. 14. Walls add Φ to λ and ∇Φ to the push, see wall_field.h.
 #pragma once
 
 #include "nodes/particle_fluid/bulk_energy.h"
@@ -37,20 +37,11 @@ struct EnergyDerivative {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
-    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i));
+    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i), xyz(read(state, i)));
     const auto e = excessOf(lambda, tension);
     const auto s = read(state, i);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
     if (excess.size > 0) write(excess, i, e);
-  }
-};
-
-/// Ḃ as the density pass has left it beside a position.
-struct AsStored {
-  static constexpr bool kFirst = false;
-  template <class T>
-  WEIR_HD const T& operator()(const T& derivative) const {
-    return derivative;
   }
 };
 
@@ -74,11 +65,11 @@ struct PushOf {
   ArrayView<const Vec4f> weighted;
 
   // Inline, so that what is the same for all particles is prepared once for all.
-  template <class Index, class Weight = AsStored>
-  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
+  template <class Index>
+  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i) const {
     const auto list = neighborsOf(i, neighbors);
     const auto s = read(weighted, i);
-    const auto ownWeight = own * weight(s.w);
+    const auto ownWeight = own * s.w;
     const auto self = asInt(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
@@ -89,29 +80,29 @@ struct PushOf {
         r = select(r < T(shortest), T(shortest), r);
       }
       const T a = fastDivide(stiffness * kernel.slope(r), r);
-      const T b = (ownWeight + others * weight(t.w)) * a;
+      const T b = (ownWeight + others * t.w) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
     const auto sum = sumOverNeighbors<Vec4f>(list, pairPush, weighted);
     Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
-    if (!walls.empty()) addWalls(i, weight(s.w), total);
+    if (!walls.empty()) addWalls(i, xyz(s), s.w, total);
     return total;
   }
 
   /// The gradient of what walls add to the energy: with λ it depends on the particle's own place alone.
   template <class Index, class T>
-  WEIR_HD void addWalls(Index i, const T& derivative, Push<T>& total) const {
-    const T d = positivePart(read(walls.d, i));
-    if (!any(d > T(0))) return;
-    total.wall = zeroUnless(d > T(0), -derivative * wallStiffness);
-    total.push += total.wall * walls.gradient(i);
-    total.divisor += negativePart * wallStiffness * d;
+  WEIR_HD void addWalls(Index i, const Vec3<T>& x, const T& derivative, Push<T>& total) const {
+    const SolidIntegrals<T> wall = walls.push(i, x);
+    if (!any(wall.d > T(0))) return;
+    total.wall = zeroUnless(wall.d > T(0), -derivative * wallStiffness);
+    total.push += total.wall * wall.gradPhi;
+    total.divisor += negativePart * wallStiffness * wall.d;
   }
 
   /// Moves the share of the walls in the displacement like the displacement itself.
   template <class Index, class T>
   WEIR_HD void followWalls(Index i, const Push<T>& at, float stepLength = 1) const {
-    if (walls.empty()) return;
+    if (walls.share.size == 0) return;
     const T share = read(walls.share, i);
     write(walls.share, i, share + stepLength * (at.wall - share) / at.divisor);
   }
@@ -123,7 +114,7 @@ struct SearchSums {
   ArrayView<const Vec4f> places;
 
   static SearchSums of(const FluidStep& fluid) {
-    // The search knows neither walls nor what they hide from each other.
+    // The search does not know what meshes hide from each other.
     if (!fluid.walls.empty()) return {};
     const ByProducts& found = fluid.particles.byProducts();
     return {.crowding = found.find(kCrowding), .places = found.find(kPlaces)};

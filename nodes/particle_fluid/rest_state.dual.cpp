@@ -2,6 +2,7 @@
 
 #include "framework/compute/parallel.h"
 #include "framework/compute/reductions.h"
+#include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
@@ -30,19 +31,39 @@ struct Damp {
   }
 };
 
+/// A batch's container, where no wall does its part: what a wall holds lies where the wall's pressure puts
+/// it.
+struct Container {
+  BoundaryView region;
+  float contact;  // m, distance that particles keep from it
+  WallFieldView walls;
+
+  struct Hit {
+    float inside;  // m, how far the particle is to be moved
+    Vec3f normal;
+  };
+  WEIR_HD Hit of(std::int64_t i, const Vec3f& p) const {
+    const BoundaryHit hit = boundaryQuery(region, p);
+    if (!(hit.distance < contact)) return {0, hit.normal};
+    const Vec3f wall = walls.empty() ? Vec3f{} : walls.push(i, p).gradPhi;
+    constexpr float kAlong = 0.5f;  // cosine; in a corner of three walls that of their mean is 0.58
+    const bool walled = -dot(wall, hit.normal) > kAlong * length(wall);
+    return {walled ? 0 : contact - hit.distance, hit.normal};
+  }
+};
+
 struct Contain {
   Batch batch;
-  BoundaryView container;
-  float contact;
+  Container container;
   ArrayView<Vec3f> positions, velocities;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (!batch.has(i)) return;
     constexpr int kMaxContacts = 4;
     for (int k = 0; k < kMaxContacts; ++k) {
-      const BoundaryHit hit = boundaryQuery(container, positions[i]);
-      if (!(hit.distance < contact)) return;
-      positions[i] += (contact - hit.distance) * hit.normal;
+      const Container::Hit hit = container.of(i, positions[i]);
+      if (!(hit.inside > 0)) return;
+      positions[i] += hit.inside * hit.normal;
       const float speed = dot(velocities[i], hit.normal);
       if (speed < 0) velocities[i] -= speed * hit.normal;
     }
@@ -52,14 +73,11 @@ struct Contain {
 /// By how much a container is to move each particle, m.
 struct Push {
   Batch batch;
-  BoundaryView container;
-  float contact;
+  Container container;
   ArrayView<const Vec3f> positions;
 
   WEIR_HD double operator()(std::int64_t i) const {
-    if (!batch.has(i)) return 0;
-    const float push = contact - boundaryQuery(container, positions[i]).distance;
-    return push > 0 ? push : 0;
+    return batch.has(i) ? container.of(i, positions[i]).inside : 0;
   }
 };
 
@@ -101,6 +119,11 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
   }
 }
 
+template <class Resting>
+Container containerOf(const Resting& of, FluidStep& fluid) {
+  return {of.batch->container->view(), of.batch->contact, fluid.walls.view()};
+}
+
 }  // namespace
 
 template <class Backend>
@@ -120,8 +143,8 @@ void RestState::findCarriedOn(Backend& device) {
   const double fall = length(fluid_.time.gravity) * fluid_.time.dt * fluid_.time.dt;
   forEachBatch(batches_, p, [&](Resting& of, const Batch& batch) {
     if (!of.batch->container || !of.undecided() || !(fall > 0)) return;
-    reduce(device, "carried", p.count(), 0.0,
-           Push{batch, of.batch->container->view(), of.contact(), p.positions().read()}, Plus{}, sum_.data());
+    reduce(device, "carried", p.count(), 0.0, Push{batch, containerOf(of, fluid_), p.positions().read()},
+           Plus{}, sum_.data());
     of.carried += sum_.toHost().front() / (fall * static_cast<double>(batch.size));
   });
 }
@@ -132,8 +155,7 @@ void RestState::containOn(Backend& device) {
   forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
     if (of.batch->container)
       parallelFor(device, "contain", p.count(),
-                  Contain{batch, of.batch->container->view(), of.contact(), p.positions().write(),
-                          p.velocities().write()});
+                  Contain{batch, containerOf(of, fluid_), p.positions().write(), p.velocities().write()});
     else
       parallelFor(device, "hold", p.count(),
                   Hold{batch, of.batch->positions.view(), p.positions().write(), p.velocities().write()});

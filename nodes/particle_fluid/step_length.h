@@ -69,7 +69,7 @@ struct StepOf {
   WEIR_HD Vec3f searchedStep(std::int64_t i) const {
     const float alpha = lengthFrom(length == StepLength::kGlobal ? *sums : measure(i));
     const WallFieldView& walls = pushOf.walls;
-    if (!walls.empty() && walls.d[i] > 0) pushOf.followWalls(i, pushOf(i), alpha);
+    if (walls.share.size > 0) pushOf.followWalls(i, pushOf(i), alpha);
     return alpha * xyz(measure.proposal[i]);
   }
 

@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/wall_field.h"
 
+#include <algorithm>
+
 #include "framework/graph/memory_estimate.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
@@ -20,8 +22,27 @@ void WallField::fit(ParticleSet& particles) {
   met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
   impulses.resizeDiscarding(2 * views.size());
+  addShare(particles);
+}
+
+void WallField::addShare(ParticleSet& particles) {
   share = particles.add<float>({"wall_share", AttributeType::kFloat, "m^2",
-                                "Displacement by solids in the last step, over the gradient of Φ."});
+                                "Displacement by walls in the last step, over the gradient of Φ."});
+}
+
+void WallField::meet(const std::vector<const Boundary*>& boundaries, const FluidConstants& constants,
+                     ParticleSet& particles) {
+  std::vector<BoundaryPiece> all;
+  for (const Boundary* of : boundaries) all.insert(all.end(), of->pieces.begin(), of->pieces.end());
+  rubs = std::any_of(all.begin(), all.end(), [](const BoundaryPiece& of) { return of.friction > 0; });
+  bounces = std::any_of(all.begin(), all.end(), [](const BoundaryPiece& of) { return of.restitution > 0; });
+  if (rubs) addShare(particles);
+  pieces_.assign(all);
+  boundary = {.boundary = {.pieces = pieces_.data(),
+                           .count = static_cast<int>(all.size()),
+                           .first = all.empty() ? BoundaryPiece{} : all.front()},
+              .radius = constants.wallRadius,
+              .factor = constants.wallFactor};
 }
 
 void FluidStep::findWalls() {

@@ -1,6 +1,7 @@
-// What the particles of a fluid feel of rigid meshes: the integrals of solid_integrals.h, all solids together
-// and each alone. They are found once a step at the predicted positions; within the iterations of a solver Φ
-// follows the displacement u to first order, Φ + ∇Φ·u.
+// What the particles of a fluid feel of walls: the integrals of solid_integrals.h. Those of rigid meshes, all
+// together and each alone, are found once a step at the predicted positions; within the iterations of a
+// solver Φ follows the displacement u to first order, Φ + ∇Φ·u. Those of boundaries, by signed distance, are
+// functions of a particle's place (boundary_integrals.h), and found wherever they are asked for.
 //
 // All integrals here are a times those of the kernel with radius H_w (WallKernel), Φ being its Ψ. λ gains Φ,
 // and a wall pushes with Ḃ·∇Φ. Its displacement of a particle is share·∇Φ, where the solver sums the share
@@ -17,24 +18,43 @@
 #include "framework/particles/particle_set.h"
 #include "framework/solids/solid_pairs.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/fluid_constants.h"
+#include "nodes/static_boundary/boundary_integrals.h"
 
 namespace weir {
 
-/// For kernels of solvers; empty where a fluid meets no solids.
+/// For kernels of solvers; empty where a fluid meets no walls.
 struct WallFieldView {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
   ArrayView<const float> d;          ///< D, 1/m²
-  ArrayView<float> share;            ///< m², see above
+  ArrayView<float> share;            ///< m², see above; empty where nobody asks for it
   ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
+  BoundaryIntegrals boundary;
 
-  WEIR_HD bool empty() const { return integrals.size == 0; }
-  template <class Index>
-  WEIR_HD Vec3<NumberAt<Index>> gradient(Index i) const {
-    return xyz(read(integrals, i));
-  }
-  /// Φ of a particle, or of eight, at displacement u from where its integrals were found.
+  WEIR_HD bool empty() const { return integrals.size == 0 && boundary.empty(); }
+  /// Φ of a particle, or of eight, at displacement u from the predicted position, which is x.
   template <class Index, class T>
-  WEIR_HD T phi(Index i, const Vec3<T>& u) const {
+  WEIR_HD T phi(Index i, const Vec3<T>& u, const Vec3<T>& x) const {
+    T sum = boundary.empty() ? T(0) : boundary.at(x).phi;
+    if (integrals.size > 0) sum += phiOfMeshes(i, u);
+    return sum;
+  }
+  /// ∇Φ and D there; Φ is not among them.
+  template <class Index, class T>
+  WEIR_HD SolidIntegrals<T> push(Index i, const Vec3<T>& x) const {
+    SolidIntegrals<T> sum;
+    if (!boundary.empty()) sum = boundary.at(x);
+    if (integrals.size == 0) return sum;
+    const T ofMeshes = positivePart(read(d, i));
+    if (!any(ofMeshes > T(0))) return sum;
+    sum.d += ofMeshes;
+    sum.gradPhi += xyz(read(integrals, i));
+    return sum;
+  }
+
+ private:
+  template <class Index, class T>
+  WEIR_HD T phiOfMeshes(Index i, const Vec3<T>& u) const {
     const Vec4<T> at = read(integrals, i);
     if (!any(at.w > T(0))) return T(0);
     Vec3<T> way = u;
@@ -57,7 +77,8 @@ struct WallField {
         met(device),
         metCounter(device, 1),
         kick(device),
-        impulses(device) {}
+        impulses(device),
+        pieces_(device) {}
 
   std::vector<Solid*> solids;
   Array<SolidView> views;  ///< of the solids, in this step
@@ -77,13 +98,27 @@ struct WallField {
   Array<Vec4f> kick;
   Array<SolidImpulse> impulses;  ///< two of each solid, scratch
   std::int64_t stride = 0;
+  bool rubs = false, bounces = false;  ///< whether a boundary has friction, and restitution
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
 
+  BoundaryIntegrals boundary;  ///< of all boundaries together
+
+  /// Whether there are no meshes.
   bool empty() const { return solids.empty(); }
+  /// Whether solvers follow what walls do to each particle.
+  bool keepsShares() const { return !empty() || rubs; }
   WallFieldView view() {
-    if (empty()) return {};
-    return {std::as_const(total).view(), std::as_const(d).view(), share.write(), base};
+    WallFieldView result{.boundary = boundary};
+    if (keepsShares()) result.share = share.write();
+    if (empty()) return result;
+    result.integrals = std::as_const(total).view();
+    result.d = std::as_const(d).view();
+    result.base = base;
+    return result;
   }
+  /// The solids by signed distance that the fluid meets.
+  void meet(const std::vector<const Boundary*>& boundaries, const FluidConstants& constants,
+            ParticleSet& particles);
   /// Lists the particles i, of `count`, for which is(i) holds.
   template <class Backend, class Is>
   void list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
@@ -100,7 +135,7 @@ struct WallField {
   }
   /// No displacement by walls yet; at the beginning of a solver's step.
   void forgetShares() {
-    if (!empty()) share.fillZero();
+    if (keepsShares()) share.fillZero();
   }
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);
@@ -108,7 +143,10 @@ struct WallField {
   double memoryFor(double particles, int solidCount) const;
 
  private:
+  void addShare(ParticleSet& particles);
+
   std::vector<SolidView> placed_;  // what `views` holds
+  Array<BoundaryPiece> pieces_;
 };
 
 template <class Backend, class Is>

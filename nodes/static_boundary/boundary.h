@@ -65,6 +65,7 @@ struct Boundary {
   /// What a fluid asks of its boundaries.
   struct Request {
     float spacing = 0;  ///< m
+    float reach = 0;    ///< m, how far from a surface distances are to be exact
     friend bool operator==(const Request&, const Request&) = default;
   };
 

@@ -81,10 +81,16 @@ void StaticBoundary::configure(const SetupContext&) {
   for (const Boundary::Request& request : boundary.requests()) boundaries.request(request);
 }
 
+Boundary::Request StaticBoundary::finestRequest() const {
+  Boundary::Request finest{.spacing = std::numeric_limits<float>::infinity()};
+  for (const Boundary::Request& request : boundary.requests())
+    finest = {std::min(finest.spacing, request.spacing), std::max(finest.reach, request.reach)};
+  return finest;
+}
+
 void StaticBoundary::estimate(const SetupContext&, MemoryNeeds& needs) {
-  float finest = std::numeric_limits<float>::infinity();
-  for (const Boundary::Request& request : boundary.requests()) finest = std::min(finest, request.spacing);
-  if (!std::isfinite(finest)) return;
+  if (boundary.requests().empty()) return;
+  const Boundary::Request finest = finestRequest();
   for (std::size_t i = 0; i < meshes.size(); ++i)
     needs.add(MeshSdf::maxMemory(meshes[i], cellFor(finest), bandFor(finest)));
 }
@@ -101,10 +107,11 @@ void StaticBoundary::reset(const SetupContext& context) {
   // The finest fluid decides. Without one nobody asks for distances, and building them would be for nothing.
   const auto requests = boundary.requests();
   if (!requests.empty()) {
-    const auto [finest, coarsest] = std::minmax_element(
-        requests.begin(), requests.end(), [](const auto& a, const auto& b) { return a.spacing < b.spacing; });
-    for (std::size_t i = 0; i < meshes.size(); ++i) addMesh(context, i, finest->spacing);
-    warnOfThinness(context, coarsest->spacing);
+    const Boundary::Request finest = finestRequest();
+    for (std::size_t i = 0; i < meshes.size(); ++i) addMesh(context, i, finest);
+    float coarsest = 0;
+    for (const Boundary::Request& request : requests) coarsest = std::max(coarsest, request.spacing);
+    warnOfThinness(context, coarsest);
   }
   for (std::size_t i = 0; i < boundaries.size(); ++i) {
     const Boundary& other = boundaries[i];
@@ -143,9 +150,9 @@ void StaticBoundary::warnOfThinness(const SetupContext& context, float spacing) 
                             spacings * spacing, thickness() / spacings));
 }
 
-void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, float spacing) {
+void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, const Boundary::Request& finest) {
   std::vector<std::string> warnings;
-  auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cellFor(spacing), bandFor(spacing),
+  auto sdf = std::make_shared<const MeshSdf>(context.device, meshes[link], cellFor(finest), bandFor(finest),
                                              warnings);
   for (const std::string& warning : warnings)
     context.log.warn(

@@ -1,6 +1,7 @@
 // Solids that do not move: one analytic shape, any number of triangle meshes, and other boundaries, as one.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 
@@ -118,11 +119,14 @@ class StaticBoundary final : public Node {
   BoundaryPiece piece() const;
   double thickness() const;  ///< of the shape, in m
   void warnOfThinness(const SetupContext& context, float spacing) const;
-  // Of the distances from a mesh, in m. Particles are pushed out where they are closer than half a spacing;
-  // they come that close from the band.
-  float cellFor(float spacing) const { return cellSize.get().value_or(0.5f * spacing); }
-  static float bandFor(float spacing) { return 2 * spacing; }
-  void addMesh(const SetupContext& context, std::size_t link, float spacing);
+  /// The smallest spacing and the longest reach of all fluids.
+  Boundary::Request finestRequest() const;
+  // Of the distances from a mesh, in m. The fluid feels the surface in the band.
+  float cellFor(const Boundary::Request& of) const { return cellSize.get().value_or(0.5f * of.spacing); }
+  float bandFor(const Boundary::Request& of) const {
+    return std::max(2 * of.spacing, of.reach + cellFor(of));
+  }
+  void addMesh(const SetupContext& context, std::size_t link, const Boundary::Request& finest);
 };
 
 }  // namespace weir

@@ -4,7 +4,7 @@
 //   weir_packing_curve table [SWEEPS [TILES]]   the table of nodes/particle_fluid/fluid_constants.cpp
 //   weir_packing_curve columns [RATIO…]         whether simulated fluid settles to it, and what a lattice
 //   loses
-//   weir_packing_curve contact [THREADS [RATIO…]]   how near to signed-distance walls particles may come
+//   weir_packing_curve offset [THREADS [RATIO…]]    how much too far away signed-distance walls hold water
 //   weir_packing_curve factor [THREADS [RATIO…]]    the factor of semi-analytic walls
 //
 // The last two may end with tolerance=T, the mean compression that the solver leaves (0.001).
@@ -19,10 +19,9 @@
 // one per thousand takes one per cent of the volume.
 //
 // What walls need comes from the heights at which water rests in tanks of several sizes, see
-// tools/calibration/resting_tanks.h. `contact` prints the table of contactRatio: the fluid at a
-// signed-distance wall does not know where the wall is, only how near it may come, so what is missing at the
-// wall now is what this distance is too large by. `factor` finds what wallFactor has a table of: the a at
-// which nothing is missing at walls. Each ratio takes about a minute on four cores.
+// tools/calibration/resting_tanks.h. `offset` prints by how much walls of
+// StaticBoundary hold the water too far away, which should be next to nothing. `factor` finds what wallFactor
+// has a table of: the a at which nothing is missing at walls. Each ratio takes about a minute on four cores.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -268,19 +267,17 @@ class Tanks {
 /// by.
 constexpr double kSettling = 0.3;  // s
 
-void printContact(int threads, double tolerance, const std::vector<double>& ratios) {
+void printOffset(int threads, double tolerance, const std::vector<double>& ratios) {
   fmt::print(
-      "| support ratio | table | contact, at rest | error | settled | error "
-      "|\n|---:|---:|---:|---:|---:|---:|\n");
+      "| support ratio | too far, at rest (d) | error | settled | error |\n|---:|---:|---:|---:|---:|\n");
   for (const double ratio : ratios) {
     Tanks tanks({.supportRatio = ratio, .tolerance = tolerance}, 3, threads);
-    const double now = contactRatio(ratio, Calibration::kPacking);
     const auto print = [&](const char* end) {
       const Measured offset = meanOf(tanks.offsets());
-      fmt::print(" {:.3f} | {:.3f} |{}", now - offset.value, offset.error, end);
+      fmt::print(" {:+.3f} | {:.3f} |{}", offset.value, offset.error, end);
       std::fflush(stdout);
     };
-    fmt::print("| {} | {:.3f} |", ratio, now);
+    fmt::print("| {} |", ratio);
     print("");
     tanks.settle(kSettling);
     print("\n");
@@ -353,13 +350,13 @@ int main(int count, char** arguments) {
     weir::printTable(number(1, 400), number(2, 3));
   } else if (!words.empty() && words[0] == "columns") {
     weir::printColumns(ratios(1, {1.2, 1.5, 2.0, 2.4}));
-  } else if (!words.empty() && words[0] == "contact") {
-    weir::printContact(number(1, 4), tolerance, ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
+  } else if (!words.empty() && words[0] == "offset") {
+    weir::printOffset(number(1, 4), tolerance, ratios(2, {1.2, 1.5, 2.0, 2.4, 3.0}));
   } else if (!words.empty() && words[0] == "factor") {
     weir::printFactors(number(1, 4), tolerance, ratios(2, {1.5, 2.0, 2.4}));
   } else {
     fmt::print(stderr,
-               "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | contact [THREADS "
+               "usage: weir_packing_curve table [SWEEPS [TILES]] | columns [RATIO...] | offset [THREADS "
                "[RATIO...]] [tolerance=T] | factor [THREADS [RATIO...]] [tolerance=T]\n");
     return 2;
   }

@@ -59,8 +59,8 @@ struct FindDiagonal {
     const Vec3f fluid = xyz(sum);
     float d = sum.w + dot(fluid, fluid);
     if (!walls.empty()) {
-      const Vec3f wall = walls.gradient(i);
-      lambda += walls.phi(i, Vec3f{});
+      const Vec3f wall = walls.push(i, xyz(s)).gradPhi;
+      lambda += walls.phi(i, Vec3f{}, xyz(s));
       const float both = dot(fluid + wall, fluid + 2 * wall);
       d = sum.w + (both > 0 ? both : 0.0f);
     }
@@ -74,6 +74,7 @@ struct FindGrowth {
   NeighborView neighbors;
   PairGradient gradient;
   float dt;
+  BoundaryIntegrals boundary;
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
   ArrayView<const Vec4f> each;  // of pairs
@@ -93,6 +94,7 @@ struct FindGrowth {
       return g.x * (v.x - w.x) + g.y * (v.y - w.y) + g.z * (v.z - w.z);
     };
     float sum = sumOverNeighbors<float>(i, neighbors, rate, state, velocities);
+    if (!boundary.empty()) sum += dot(boundary.at(xyz(s)).gradPhi, v);
     if (solids.size > 0)
       for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair)
         sum += dot(xyz(each[pair]), v - solids[pairs.solid[pair]].velocityAt(xyz(s)));
@@ -117,7 +119,7 @@ struct Displace {
       return Vec4<T>{p * g.x, p * g.y, p * g.z, p};
     };
     Vec3f sum = xyz(sumOverNeighbors<Vec4f>(i, neighbors, push, state));
-    if (!walls.empty()) sum += 2 * s.w * walls.gradient(i);
+    if (!walls.empty()) sum += 2 * s.w * walls.push(i, xyz(s)).gradPhi;
     displacement[i] = -dtSquared * sum;
   }
 };
@@ -142,7 +144,7 @@ struct Improve {
       return g.x * (u.x - w.x) + g.y * (u.y - w.y) + g.z * (u.z - w.z);
     };
     float left = source[i] + sumOverNeighbors<float>(i, neighbors, growth, state, displacement);
-    if (!walls.empty()) left += dot(walls.gradient(i), u);
+    if (!walls.empty()) left += dot(walls.push(i, xyz(s)).gradPhi, u);
     const float p = s.w + kRelaxation * left / (dtSquared * diagonal[i]);
     next[i] = {s.x, s.y, s.z, p > 0 ? p : 0.0f};
     error[i] = left > 0 ? left : 0.0f;
@@ -170,7 +172,7 @@ struct Finish {
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f u = displacement[i];
     velocities[i] += u / dt;
-    if (!walls.empty()) walls.share[i] -= 2 * dt * dt * state[i].w;
+    if (walls.share.size > 0) walls.share[i] -= 2 * dt * dt * state[i].w;
     if (positions.size == 0) return;
     positions[i] += u;
     pressure[i] = restDensity * state[i].w;
@@ -245,7 +247,7 @@ void Dfsph::stepOn(Backend& device, FluidStep& fluid) {
   begin({});
   const bool meets = !fluid.walls.empty();
   parallelFor(device, "growth", count,
-              FindGrowth{neighbors, gradientOf(c), dt,
+              FindGrowth{neighbors, gradientOf(c), dt, fluid.walls.boundary,
                          meets ? std::as_const(fluid.walls.views).view() : ArrayView<const SolidView>{},
                          fluid.walls.pairs.view(), std::as_const(fluid.walls.each).view(), state_.view(),
                          velocities, source_.view()});

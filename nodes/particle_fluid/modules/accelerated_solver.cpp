@@ -115,7 +115,7 @@ int AcceleratedSolver::maxPasses() const {
 }
 
 void AcceleratedSolver::reserve(FluidStep& fluid) {
-  const bool walls = !fluid.walls.empty();
+  const bool walls = fluid.walls.keepsShares();
   if (mixes()) mixing_.reserve(fluid.device, fluid.particles.capacity(), walls);
   if (conjugates()) directions_.reserve(fluid);
   if (hasMomentum()) fitScratch(fluid, plain_);

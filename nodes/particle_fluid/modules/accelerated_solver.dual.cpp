@@ -272,7 +272,7 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
   parallelFor(device, "extrapolate", count,
               Extrapolate{.control = control_->data(),
                           .plain = plain_.view(),
-                          .plainShare = walls.empty() ? ArrayView<float>{} : plainShare_.view(),
+                          .plainShare = walls.share.size == 0 ? ArrayView<float>{} : plainShare_.view(),
                           .predicted = problem.predicted(),
                           .displacement = problem.displacement(),
                           .share = walls.share,
@@ -288,29 +288,29 @@ template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem,
                                 ArrayView<Vec3f> displacement, const int* done) {
   if (!controlled()) return;
-  for (const Boundary* boundary : problem.fluid.boundaries)
-    parallelForEights(device, "contain", problem.fluid.particles.count(),
-                      Contain{.boundary = boundary->view(),
-                              .radius = problem.fluid.constants.contact,
-                              .predicted = problem.predicted(),
-                              .displacement = displacement,
-                              .state = problem.state(),
-                              .done = done});
+  if (problem.fluid.walls.boundary.empty()) return;
+  parallelForEights(device, "contain", problem.fluid.particles.count(),
+                    Contain{.boundary = problem.fluid.walls.boundary.boundary,
+                            .radius = problem.fluid.constants.contact,
+                            .predicted = problem.predicted(),
+                            .displacement = displacement,
+                            .state = problem.state(),
+                            .done = done});
 }
 
 template <class Backend>
 void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& problem) {
   constexpr float kTouching = 1.001f;
   FluidStep& fluid = problem.fluid;
-  for (const Boundary* boundary : fluid.boundaries)
-    parallelForEights(device, "walls", fluid.particles.count(),
-                      MeetWalls{.pushOf = problem.push(),
-                                .boundary = boundary->view(),
-                                .reach = kTouching * fluid.constants.contact,
-                                .inverseDt = problem.inverseDt(),
-                                .positions = problem.predicted(),
-                                .displacement = problem.displacement(),
-                                .velocities = fluid.particles.velocities().write()});
+  if (fluid.walls.boundary.empty()) return;
+  parallelForEights(device, "walls", fluid.particles.count(),
+                    MeetWalls{.pushOf = problem.push(),
+                              .boundary = fluid.walls.boundary.boundary,
+                              .reach = kTouching * fluid.constants.contact,
+                              .inverseDt = problem.inverseDt(),
+                              .positions = problem.predicted(),
+                              .displacement = problem.displacement(),
+                              .velocities = fluid.particles.velocities().write()});
 }
 
 template <class Backend>

@@ -1,15 +1,10 @@
-// Keeps particles out of solids that are given by signed distance.
-//
-// A particle closer to a solid than r, the fluid's `contact` (φ < r), is put to φ = r along the normal. The
-// velocity it has into the wall is reflected with the wall's restitution e, and Coulomb friction takes at
-// most μ times that change of velocity from the tangential part:
-//
-//   Δv_n = −(1 + e)·v_n  (if v_n < 0)        v_t ← v_t·max(0, 1 − μ·|Δv_n|/|v_t|)
-//
-// Both are laws of impulses, so the effect over time does not depend on dt.
+// What solids given by signed distance do beside holding the fluid by its pressure (wall_field.h): they rub
+// on what pressure holds, and what comes nearer than the fluid's `contact` all the same is put back, with
+// restitution and friction (boundary_contact.h).
 #pragma once
 
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
@@ -22,7 +17,7 @@ class BoundaryCollision final : public FluidModule {
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {
-    if (!fluid.boundaries.empty()) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+    if (!fluid.walls.boundary.empty()) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
 
  private:

@@ -12,7 +12,7 @@ void ConjugateDirections::reserve(FluidStep& fluid) {
     lineSums = Array<LineSums>(fluid.device, 1);
   }
   fitScratch(fluid, direction_, tried_, gradient_, previous_, excess_, triedExcess_);
-  if (!fluid.walls.empty()) fitScratch(fluid, share_, shareChange_);
+  if (fluid.walls.keepsShares()) fitScratch(fluid, share_, shareChange_);
 }
 
 double ConjugateDirections::memoryFor(double particles, bool walls) const {

@@ -4,8 +4,6 @@
 // displacements; the last one ends in positions and velocities, with the motion codes of those.
 #pragma once
 
-#include <limits>
-
 #include "framework/compute/eight.h"
 #include "framework/compute/wide_access.h"
 #include "framework/neighbors/motion_code.h"
@@ -13,25 +11,12 @@
 
 namespace weir {
 
-/// Where the crowding stands there in place of Ḃ, which is then factor·e: in the first of several iterations.
-struct OfCrowding {
-  static constexpr bool kFirst = true;
-  float volumeAtZero;  // V0·W(0)
-  float min;           // that e may be
-  float factor;
-
-  template <class T>
-  WEIR_HD T operator()(const T& crowding) const {
-    const T e = volumeAtZero * crowding - 1;
-    return factor * select(e > T(min), e, T(min));
-  }
-};
-
 /// Makes positions weighted with Ḃ of what the search has summed.
 struct FirstDerivative {
   float volumeAtZero;  // V0·W(0)
   BulkEnergy energy;
   bool tension;
+  WallFieldView walls;
   ArrayView<const Vec3f> predicted;
   ArrayView<const float> crowding;
   ArrayView<Vec4f> weighted;
@@ -39,7 +24,9 @@ struct FirstDerivative {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     const auto p = read(predicted, i);
-    const auto e = excessOf(volumeAtZero * read(crowding, i), tension);
+    auto lambda = volumeAtZero * read(crowding, i);
+    if (!walls.empty()) lambda += walls.phi(i, {}, p);
+    const auto e = excessOf(lambda, tension);
     write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
   }
 };
@@ -49,20 +36,21 @@ struct DerivativeOfPlace {
   float volumeAtZero;
   BulkEnergy energy;
   bool tension;
+  WallFieldView walls;
   ArrayView<Vec4f> places;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec4f at = loadWhole(places[i]);
-    storeWhole(places[i], {at.x, at.y, at.z, energy.derivative(excessOf(volumeAtZero * at.w, tension))});
+    float lambda = volumeAtZero * at.w;
+    if (!walls.empty()) lambda += walls.phi(i, {}, xyz(at));
+    storeWhole(places[i], {at.x, at.y, at.z, energy.derivative(excessOf(lambda, tension))});
   }
 };
 
 /// An iteration of SemiImplicitSolver. The first one starts without displacements, the last one ends in
 /// positions and velocities, so that a step needs no other passes for these.
-template <class Weight>
 struct FusedSubstitute {
   PushOf pushOf;
-  Weight weight;
   float inverseDt;
   ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
@@ -73,16 +61,15 @@ struct FusedSubstitute {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     using Vector = Vec3<NumberAt<Index>>;
-    const bool first = Weight::kFirst || begins, last = !Weight::kFirst && ends;
-    const auto before = besideSum(displacement, i, !first);
+    const auto before = besideSum(displacement, i, !begins);
     const auto predicted = besideSum(positions, i);
-    const auto velocity = besideSum(velocities, i, last);
-    const auto at = pushOf(i, weight);
-    const Vector u = first ? Vector{} : Vector(before());
+    const auto velocity = besideSum(velocities, i, ends);
+    const auto at = pushOf(i);
+    const Vector u = begins ? Vector{} : Vector(before());
     const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
     const auto p = predicted() + moved;
-    if (last) {
+    if (ends) {
       write(positions, i, p);
       const auto v = velocity() + inverseDt * moved;
       write(velocities, i, v);
@@ -118,12 +105,11 @@ class FusedSubstitution {
     if (found_.empty()) problem_.start(device_);
     for (int k = 0; k < iterations; ++k) {
       const bool begins = k == 0, ends = k + 1 == iterations;
-      if (begins && !ends && iterateFromCrowding()) continue;
       if (begins)
         sumFirstDensities();
       else
         sumDensities();
-      auto update = substitute(AsStored{});
+      auto update = substitute();
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
       parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
     }
@@ -137,28 +123,16 @@ class FusedSubstitution {
   bool hasPlaces() const { return found_.places.size > 0; }
   Count count() const { return problem_.fluid.particles.count(); }
 
-  template <class Weight>
-  FusedSubstitute<Weight> substitute(const Weight& weight) const {
+  FusedSubstitute substitute() const {
     PushOf pushOf = problem_.push();
     pushOf.weighted = weighted_;
     return {.pushOf = pushOf,
-            .weight = weight,
             .inverseDt = problem_.inverseDt(),
             .positions = positions_,
             .velocities = velocities_,
             .displacement = problem_.displacement(),
             .state = state_,
             .code = MotionCode(problem_.fluid.constants.supportRadius)};
-  }
-
-  /// Where the search has left places, the first of several iterations may do without a pass for Ḃ.
-  bool iterateFromCrowding() const {
-    if (!hasPlaces() || !problem_.energy.isQuadratic()) return false;
-    const OfCrowding weight{.volumeAtZero = volumeAtZero_,
-                            .min = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
-                            .factor = problem_.energy.derivative(1.0f)};
-    parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSearch>>(substitute(weight)));
-    return true;
   }
 
   void sumFirstDensities() const {
@@ -168,12 +142,14 @@ class FusedSubstitution {
                   DerivativeOfPlace{.volumeAtZero = volumeAtZero_,
                                     .energy = energy,
                                     .tension = problem_.tension,
+                                    .walls = problem_.fluid.walls.view(),
                                     .places = weighted_});
     else if (found_.crowding.size > 0)
       parallelForEights(device_, "density", count(),
                         FirstDerivative{.volumeAtZero = volumeAtZero_,
                                         .energy = energy,
                                         .tension = problem_.tension,
+                                        .walls = problem_.fluid.walls.view(),
                                         .predicted = positions_,
                                         .crowding = found_.crowding,
                                         .weighted = weighted_});

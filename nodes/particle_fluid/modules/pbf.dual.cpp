@@ -54,8 +54,8 @@ struct Multiplier {
     });
     float over = gradient.particleVolume * density - 1;
     if (!walls.empty()) {
-      over += walls.phi(i, displacement[i]);
-      sum += walls.gradient(i);
+      over += walls.phi(i, displacement[i], p);
+      sum += walls.push(i, p).gradPhi;
     }
     const float constraint = tension || over > 0 ? over : 0.0f;
     weighted[i] = {p.x, p.y, p.z, -scale * constraint / (squares + dot(sum, sum) + relaxation)};
@@ -83,8 +83,8 @@ struct Correct {
       move += (s.w + t.w - repulsion * w * w * w * w) * gradient(d, pairSign(i, j));
     });
     if (!walls.empty()) {
-      move += s.w * walls.gradient(i);
-      walls.share[i] += s.w;
+      move += s.w * walls.push(i, xyz(s)).gradPhi;
+      if (walls.share.size > 0) walls.share[i] += s.w;
     }
     const Vec3f moved = displacement[i] + move;
     displacement[i] = moved;

@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/modules/solid_approach.h"
 
 #include "framework/compute/parallel_uneven.h"
+#include "nodes/particle_fluid/boundary_contact.h"
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
@@ -40,6 +41,16 @@ struct StopOnTheWay {
 }  // namespace
 
 template <class Backend>
+void SolidApproach::bounceOn(Backend& device, FluidStep& fluid) {
+  constexpr double kSteps = 2;  // of a fall
+  const double fall = length(fluid.time.gravity) * fluid.time.dt;
+  const Collide collide{fluid.walls.boundary.boundary, fluid.constants.contact,
+                        fluid.particles.positions().write(), fluid.particles.velocities().write()};
+  parallelForEights(device, "bounce", fluid.particles.count(),
+                    Bounce{collide, static_cast<float>(kSteps * fall)});
+}
+
+template <class Backend>
 void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles);
@@ -56,6 +67,7 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   giveImpulses(device, walls, 1);
 }
 
+template void SolidApproach::bounceOn(ThisBackend&, FluidStep&);
 template void SolidApproach::stepOn(ThisBackend&, FluidStep&);
 
 }  // namespace weir

@@ -1,5 +1,5 @@
 // Stops particles at rigid meshes on their way to their predicted positions, so that the solver starts from
-// places on the right side of every wall.
+// places on the right side of every wall; and lets them bounce off boundaries, before pressure slows them.
 //
 // In the frame of a solid, a particle goes from where it is at the beginning of the step to where it is
 // predicted at its end. Both ends are exact; the way between them is taken to be straight, which may cut a
@@ -20,12 +20,15 @@ class SolidApproach final : public FluidModule {
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {
+    if (fluid.walls.bounces) dispatch(fluid.device, [&](auto& device) { bounceOn(device, fluid); });
     if (fluid.walls.empty()) return;
     fluid.walls.place(fluid.time.time, fluid.time.dt);
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
 
  private:
+  template <class Backend>
+  void bounceOn(Backend& device, FluidStep& fluid);
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
 };

@@ -15,17 +15,17 @@ namespace weir {
 
 namespace {
 
-/// Where particles were at the beginning of the step, with their share in the drag of pairs; and velocities
-/// to start from.
+/// Where particles were at the beginning of the step, with the weight of their pairs; and velocities to start
+/// from.
 struct Begin {
-  float dt, rate;
+  float dt;
   ArrayView<const Vec3f> positions, velocities, change;
   ArrayView<Vec4f> places;
   ArrayView<Vec3f> start;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f v = velocities[i], x = positions[i] - dt * v;
-    places[i] = {x.x, x.y, x.z, rate};
+    places[i] = {x.x, x.y, x.z, 1};
     start[i] = v + change[i];
   }
 };
@@ -34,6 +34,7 @@ struct Begin {
 struct PairDrag {
   NeighborView neighbors;
   SpikyKernel kernel;
+  float rate;      // 2(d + 2)·F·V0·ν·dt, m^5
   float shortest;  // m; closer pairs are treated as this far apart
   ArrayView<const Vec4f> places;
 
@@ -46,14 +47,12 @@ struct PairDrag {
       const T r2 = dot(d, d);
       const T near = fastSqrt(r2);
       const T r = select(near < T(shortest), T(shortest), near);
-      // The harmonic mean, without a division by 0 where both are 0.
-      const T sum = place.w + q.w;
-      const T mean = zeroUnless(sum > T(0), fastDivide(2.0f * place.w * q.w, sum));
+      const T weight = place.w + q.w;  // twice that of the pair
       const T along = dot(d, Vec3<T>{own.x - other.x, own.y - other.y, own.z - other.z});
-      const T c = fastDivide(mean * kernel.slope(near), r * r * r) * along;
+      const T c = fastDivide(weight * kernel.slope(near), r * r * r) * along;
       return Vec4<T>{c * d.x, c * d.y, c * d.z, c};
     };
-    return xyz(sumOverNeighbors<Vec4f>(i, neighbors, drag, places, u));
+    return (0.5f * rate) * xyz(sumOverNeighbors<Vec4f>(i, neighbors, drag, places, u));
   }
 };
 
@@ -90,32 +89,39 @@ struct Image {
   }
 };
 
-/// What drags a particle h from a plane, over its rate.
+/// What a plane at a distance of h does to a particle.
 struct PlaneDrag {
   float radius;   // H, m
   float nearest;  // m; closer planes are treated as this far away
-  float factor;   // of its rate, 1
+  float rate;     // of the drag, 1
+  float gap;      // see gapFactor
 
-  WEIR_HD float operator()(float rate, float slip, float h) const {
-    return rate * (1 - slip) * factor * planeDrag((h > nearest ? h : nearest) / radius);
+  WEIR_HD float drag(float slip, float h) const { return rate * (1 - slip) * planeDrag(scaled(h)); }
+  /// What the weight of its pairs gains.
+  WEIR_HD float weight(float slip, float h) const {
+    const float q = scaled(h), missing = shearBehind(q);
+    return slip * missing / (1 - missing) + (1 - slip) * gap * kernelBehind(q);
   }
+
+ private:
+  WEIR_HD float scaled(float h) const { return (h > nearest ? h : nearest) / radius; }
 };
 
 /// Of solids given by signed distance.
 struct DragOfBoundary {
   BoundaryView boundary;
   PlaneDrag plane;
-  ArrayView<const Vec4f> places;
+  ArrayView<Vec4f> places;
   WallDrag walls;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec4f at = places[i];
-    const Vec3f p = xyz(at);
+    const Vec3f p = xyz(places[i]);
     if (!mayTouch(boundary, plane.radius, p)) return;
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-      if (piece.slip >= 1) return;
       forEachWall(piece, p, [&](float distance, const Vec3f& normal) {
-        if (distance < plane.radius) walls.add(i, plane(at.w, piece.slip, distance), normal, {});
+        if (!(distance < plane.radius)) return;
+        walls.add(i, plane.drag(piece.slip, distance), normal, {});
+        places[i].w += plane.weight(piece.slip, distance);
       });
     });
   }
@@ -128,9 +134,9 @@ struct DragOfSolid {
   PlaneDrag plane;
   float wallRadius, wallFactor;  // of Φ
   ArrayView<const Vec3f> positions;
-  ArrayView<const Vec4f> places, each;
+  ArrayView<const Vec4f> each;
 
-  /// Calls f(k, strength, normal, velocity) for each solid k near particle i.
+  /// Calls f(k, strength, normal, velocity) for each solid k that drags particle i.
   template <class F>
   WEIR_HD void operator()(int i, const F& f) const {
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
@@ -138,19 +144,28 @@ struct DragOfSolid {
       const Vec4f at = each[pair];
       const float steep = length(xyz(at));
       if (!(steep > 0) || solids[k].slip >= 1) continue;
-      const float h = planeOf(at.w / wallFactor) * wallRadius;
-      f(k, plane(places[i].w, solids[k].slip, h), xyz(at) / -steep, solids[k].velocityAt(positions[i]));
+      f(k, plane.drag(solids[k].slip, distanceOf(at.w)), xyz(at) / -steep,
+        solids[k].velocityAt(positions[i]));
     }
   }
+  WEIR_HD float weight(int i) const {
+    float sum = 0;
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair)
+      if (each[pair].w > 0) sum += plane.weight(solids[pairs.solid[pair]].slip, distanceOf(each[pair].w));
+    return sum;
+  }
+  WEIR_HD float distanceOf(float phi) const { return planeOf(phi / wallFactor) * wallRadius; }
 };
 
 struct DragOfSolids {
   DragOfSolid drag;
   ArrayView<const int> near;
+  ArrayView<Vec4f> places;
   WallDrag walls;
 
   WEIR_HD void operator()(std::int64_t n) const {
     const int i = near[n];
+    places[i].w += drag.weight(i);
     drag(i, [&](int, float strength, const Vec3f& normal, const Vec3f& velocity) {
       walls.add(i, strength, normal, velocity);
     });
@@ -298,58 +313,56 @@ double pairFactor(const FluidConstants& c) {
   return 2 * (kDimensions + 2) * viscosityFactor(c.supportRadius / c.spacing) * c.particleVolume;
 }
 
-/// For layers of which the first is `first` m from the plane.
-PlaneDrag planeDragOf(const FluidConstants& c, float first) {
-  constexpr float kNearest = 0.25f;  // spacings
-  const double h = c.supportRadius, layers = layerFactor(h / c.spacing, first / c.spacing);
-  return {c.supportRadius, kNearest * c.spacing, static_cast<float>(layers / (pairFactor(c) * h * h))};
+/// That of the pairs, m^5.
+float rateOf(const FluidStep& fluid, float viscosity) {
+  const FluidConstants& c = fluid.constants;
+  return static_cast<float>(pairFactor(c) * fluid.time.dt / c.restDensity) * viscosity;
 }
 
-DragOfSolid dragOfSolid(FluidStep& fluid, ArrayView<const Vec4f> places) {
+/// For layers of which the first is `first` m from the plane.
+PlaneDrag planeDragOf(const FluidStep& fluid, float viscosity) {
+  constexpr float kNearest = 0.25f, kFirst = 0.5f;  // spacings
+  const FluidConstants& c = fluid.constants;
+  const double h = c.supportRadius, layers = layerFactor(h / c.spacing, kFirst);
+  return {.radius = c.supportRadius,
+          .nearest = kNearest * c.spacing,
+          .rate = rateOf(fluid, viscosity) * static_cast<float>(layers / (pairFactor(c) * h * h)),
+          .gap = gapFactor(h / c.spacing)};
+}
+
+DragOfSolid dragOfSolid(FluidStep& fluid, const PlaneDrag& plane) {
   const FluidConstants& c = fluid.constants;
   const WallField& walls = fluid.walls;
   return {.solids = walls.views.view(),
           .pairs = walls.pairs.view(),
-          .plane = planeDragOf(c, 0.5f * c.spacing),
+          .plane = plane,
           .wallRadius = c.wallRadius,
           .wallFactor = c.wallFactor,
           .positions = fluid.particles.positions().read(),
-          .places = places,
           .each = walls.each.view()};
 }
 
 /// Sums what walls do.
 template <class Backend>
-void sumWalls(Backend& device, FluidStep& fluid, ArrayView<const Vec4f> places, const WallDrag& walls) {
-  for (const Boundary* boundary : fluid.boundaries)
+void sumWalls(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayView<Vec4f> places,
+              const WallDrag& walls) {
+  if (!fluid.walls.boundary.empty())
     parallelFor(device, "wall drag", fluid.particles.count(),
-                DragOfBoundary{boundary->view(), planeDragOf(fluid.constants, fluid.constants.contact),
-                               places, walls});
+                DragOfBoundary{fluid.walls.boundary.boundary, plane, places, walls});
   if (!fluid.walls.empty())
     parallelForUneven(device, "solid drag", fluid.walls.pairs.nearCount(),
-                      DragOfSolids{dragOfSolid(fluid, places), fluid.walls.pairs.near(), walls});
+                      DragOfSolids{dragOfSolid(fluid, plane), fluid.walls.pairs.near(), places, walls});
 }
 
 /// Gives solids the opposite of what they have done.
 template <class Backend>
-void pushSolids(Backend& device, FluidStep& fluid, ArrayView<const Vec4f> places,
-                ArrayView<const Vec3f> change) {
+void pushSolids(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayView<const Vec3f> change) {
   WallField& walls = fluid.walls;
   reduceByKey(device, "drag impulse", walls.pairs.nearCount(), walls.views.size(), SolidImpulse{},
-              DragImpulse{dragOfSolid(fluid, places), walls.pairs.near(), fluid.constants.particleMass,
+              DragImpulse{dragOfSolid(fluid, plane), walls.pairs.near(), fluid.constants.particleMass,
                           fluid.particles.velocities().read(), change},
               AddImpulses{}, walls.impulses.data());
   giveImpulses(device, walls, 1);
-}
-
-bool dragsAnyWall(const FluidStep& fluid) {
-  const auto drags = [](const auto& surface) { return surface.slip < 1; };
-  return std::any_of(fluid.boundaries.begin(), fluid.boundaries.end(),
-                     [&](const Boundary* boundary) {
-                       return std::any_of(boundary->pieces.begin(), boundary->pieces.end(), drags);
-                     }) ||
-         std::any_of(fluid.walls.solids.begin(), fluid.walls.solids.end(),
-                     [&](const Solid* solid) { return drags(solid->surface()); });
 }
 
 }  // namespace
@@ -366,22 +379,23 @@ void ViscositySolver::stepOn(Backend& device, FluidStep& fluid) {
   const ArrayView<Vec3f> change = change_.write();
   parallelFor(device, "begin", count,
               Begin{.dt = dt,
-                    .rate = static_cast<float>(pairFactor(c) * dt / c.restDensity) * viscosity,
                     .positions = fluid.particles.positions().read(),
                     .velocities = fluid.particles.velocities().read(),
                     .change = change,
                     .places = places,
                     .start = direction_.view()});
   WallDrag walls;
-  if (dragsAnyWall(fluid)) {
+  const PlaneDrag plane = planeDragOf(fluid, viscosity);
+  if (!fluid.walls.boundary.empty() || !fluid.walls.empty()) {
     fitScratch(fluid, wallDiagonal_, wallRest_, wallPush_);
     wallDiagonal_.fillZero(), wallRest_.fillZero(), wallPush_.fillZero();
     walls = {wallDiagonal_.view(), wallRest_.view(), wallPush_.view()};
-    sumWalls(device, fluid, places, walls);
+    sumWalls(device, fluid, plane, places, walls);
   }
-  const PairDrag drag{fluid.neighbors.view(), SpikyKernel(c.supportRadius, 1), kShortest * c.spacing, places};
+  const PairDrag drag{fluid.neighbors.view(), SpikyKernel(c.supportRadius, 1), rateOf(fluid, viscosity),
+                      kShortest * c.spacing, places};
   solveOn(device, fluid, drag, walls, change);
-  if (!walls.empty() && !fluid.walls.empty()) pushSolids(device, fluid, places, change);
+  if (!walls.empty() && !fluid.walls.empty()) pushSolids(device, fluid, plane, change);
   parallelFor(device, "apply", count,
               Apply{dt, change, fluid.particles.positions().write(), fluid.particles.velocities().write()});
 }

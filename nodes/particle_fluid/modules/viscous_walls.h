@@ -6,6 +6,10 @@
 // is a drag ν·β on the velocity along the wall, relative to it. A wall's slip, from 0 to 1, takes that share
 // away; at 1 there is no drag. The sum of β·h over the layers of settled fluid is made that of the integral,
 // so shear stress passes into the wall as it passes through the fluid.
+//
+// Pairs near walls weigh more. A wall with slip is a mirror: the pairs that end behind it would resist shear
+// along it too. At a wall without, fluid lies in layers that are further from each other than particles
+// within it, with few pairs across (gapFactor).
 #pragma once
 
 #include <algorithm>
@@ -25,6 +29,31 @@ WEIR_HD T planeDrag(T q) {
   return T(112.5) * (sum > 0 ? sum : 0) / q;
 }
 
+/// What is behind a plane at q·H of ∫ c(r)·r²·(x̂·t)²·(x̂·s)² dV, t and s at right angles along the plane; for
+/// the spiky kernel, and as a share of the whole.
+template <class T>
+WEIR_HD T shearBehind(T q) {
+  if (!(q < 1)) return 0;
+  if (!(q > 0)) return T(0.5);
+  const T q2 = q * q, q3 = q2 * q, q5 = q2 * q3, near = 1 - q;
+  const T sum = T(1) / 120 - q2 * q2 / 8 + q5 / 5 - q3 * q3 / 12 -
+                T(15) / 16 * q * (T(1) / 30 - q3 / 3 + q2 * q2 / 2 - q5 / 5) +
+                T(5) / 24 * q3 * near * near * near - T(3) / 16 * q5 * (1 / q + 2 * std::log(q) - q);
+  return sum > 0 ? 60 * sum : 0;
+}
+
+/// The share of the kernel behind it.
+WEIR_HD inline float kernelBehind(float q) {
+  const float near = positivePart(1 - q), square = near * near;
+  return 0.5f * square * square * near * (1 + 2 * q);
+}
+
+/// How much more a pair of settled fluid weighs, for each such share of its particles, such that films flow
+/// as Nusselt's at support ratios from 1.5 to 2.5 (ViscositySolver.AFilm… in the tests).
+inline float gapFactor(double supportRatio) {
+  return static_cast<float>(std::clamp(4 * supportRatio - 2, 0.0, 6.0));
+}
+
 /// What makes the sum over layers, one spacing apart from `first` on, that of the integral; all in spacings.
 inline double layerFactor(double supportRatio, double first) {
   double sum = 0;
@@ -37,8 +66,8 @@ WEIR_HD inline float planeOf(float behind) {
   constexpr int kBisections = 20;
   float low = 0, high = 1;
   for (int k = 0; k < kBisections; ++k) {
-    const float q = 0.5f * (low + high), rest = 1 - q, square = rest * rest;
-    (0.5f * square * square * rest * (1 + 2 * q) > behind ? low : high) = q;
+    const float q = 0.5f * (low + high);
+    (kernelBehind(q) > behind ? low : high) = q;
   }
   return high;
 }

@@ -186,8 +186,8 @@ double settledNumber(Device& device, float supportRatio, const char* calibration
 /// The mean over a few fillings, as a single one is off by half a per cent or so.
 double settledNumber(Device& device, float supportRatio, const char* calibration) {
   double mean = 0;
-  for (const double jitter : {0.38, 0.4, 0.42})
-    mean += settledNumber(device, supportRatio, calibration, jitter) / 3;
+  for (const double jitter : {0.36, 0.38, 0.4, 0.42, 0.44})
+    mean += settledNumber(device, supportRatio, calibration, jitter) / 5;
   return mean;
 }
 

@@ -201,7 +201,7 @@ constexpr const char* kFilm = R"({"weir": 1,
     "right": {"type": "StaticBoundary",
               "params": {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 0.03], "slip": 1}},
     FLOOR,
-    "honey": {"type": "ParticleFluid", "params": {"spacing": 0.01, "rest_steps": 400},
+    "honey": {"type": "ParticleFluid", "params": {"spacing": 0.01, "rest_steps": 1000},
               "modules": {"viscosity": {"enabled": false},
                           "viscous": {"type": "ViscositySolver", "after": "walls"}}}},
   "links": ["film.particles -> honey.initial", "left.boundary -> honey.boundaries",
@@ -212,6 +212,7 @@ struct Film {
   double viscosity;
   int steps;  // of 1 ms
   double slip = 0;
+  double supportRatio = 2;
 };
 
 /// Mean velocity along the floor in the middle of the film, m/s.
@@ -227,6 +228,7 @@ double flowOfFilm(Device& device, const Film& film) {
   text.replace(text.find("LINKS"), 5, links);
   SimulatedScene scene(device, text,
                        {"honey.viscous.viscosity=" + std::to_string(film.viscosity),
+                        "honey.support_ratio=" + std::to_string(film.supportRatio),
                         "floor.slip=" + std::to_string(film.slip)});
   scene->reset();
   for (int k = 0; k < film.steps; ++k) scene->step();
@@ -252,13 +254,16 @@ TEST(ViscositySolver, AFilmThatSticksFlowsAsNusseltsAndOneThatGlidesFalls) {
                   kViscosity, ratio);
       // At a depth of six spacings.
       EXPECT_NEAR(ratio, 1, 0.1);
+      const double narrow = flowOfFilm(*device, {mesh, kViscosity, 50, 0, 1.5}) / nusselt;
+      std::printf("with a support of 1.5 spacings: %.4f\n", narrow);
+      EXPECT_NEAR(narrow, 1, 0.1);
       EXPECT_NEAR(flowOfFilm(*device, {mesh, kViscosity, 50, 1.0}), kPull * 0.05, 0.03 * kPull * 0.05)
           << name;
     }
   }
 }
 
-TEST(ViscousWalls, DragOfAPlaneIsTheIntegralOverWhatIsBehindIt) {
+TEST(ViscousWalls, WhatAPlaneDoesIsTheIntegralOverWhatIsBehindIt) {
   // By shells in double precision, c(r) = 10·|W'|/r with H = 1.
   for (const double q : {0.1, 0.3, 0.6, 0.9}) {
     constexpr int kParts = 2000;
@@ -272,6 +277,23 @@ TEST(ViscousWalls, DragOfAPlaneIsTheIntegralOverWhatIsBehindIt) {
     }
     EXPECT_NEAR(planeDrag(q), sum, 1e-3 * sum);
     EXPECT_NEAR(planeDrag(float(q)), sum, 2e-3 * sum + 1e-4);
+  }
+  EXPECT_NEAR(shearBehind(0.0), 0.5, 1e-12);
+  // The same for what a mirror would add: all directions μ = cos θ beyond the plane, weight r³·(1 − r)²·(1 −
+  // μ²)².
+  for (const double q : {0.1, 0.3, 0.6, 0.9}) {
+    constexpr int kParts = 400;
+    double sum = 0;
+    for (int k = 0; k < kParts; ++k) {
+      const double r = q + (1 - q) * (k + 0.5) / kParts, weight = r * r * r * (1 - r) * (1 - r);
+      for (int m = 0; m < kParts; ++m) {
+        const double mu = q / r + (1 - q / r) * (m + 0.5) / kParts;
+        sum += weight * (1 - mu * mu) * (1 - mu * mu) * (1 - q / r) / kParts * (1 - q) / kParts;
+      }
+    }
+    constexpr double kWhole = 16.0 / 15 / 60;
+    EXPECT_NEAR(shearBehind(q), sum / kWhole, 1e-3 * sum / kWhole + 1e-7);
+    EXPECT_NEAR(shearBehind(float(q)), sum / kWhole, 1e-4);
   }
   // A plane at 0.3 H hides ½·(1 − q)⁵·(1 + 2q) of the kernel.
   EXPECT_NEAR(planeOf(0.5f * 0.16807f * 1.6f), 0.3f, 1e-5f);

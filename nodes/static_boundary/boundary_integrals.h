@@ -1,0 +1,157 @@
+// What a particle feels of solids that are given by signed distance: the integrals Φ, ∇Φ and D of
+// solid_integrals.h, as functions of its place, so that what pushes is exactly the gradient of what is felt.
+//
+// With q the distance from a plane in radii R of the kernel, a half-space has
+//
+//   Φ = P(q) = ½·(1 − q)⁵·(1 + 2q)     dP/dq = −3/2·(1 − q)⁴·(1 + 4q)     D = 15/2·(1 − q)⁴/R²     0 ≤ q ≤ 1
+//
+// and Φ = 1 − P(−q), D = 15/R² − D(−q) behind its surface. What has faces at right angles, boxes and
+// cylinders, is the product of slabs: 1 − P(q) − P(q') is the share of the kernel between two planes, exact
+// far from edges and on them, and within 0.02 between. Of other solids the kernel sees the half-space at its
+// signed distance. Of several solids, it sees what none of them leaves open, so that where they overlap they
+// count once. D, which only bounds the length of steps, is the sum of those of all faces.
+#pragma once
+
+#include "framework/compute/eight.h"
+#include "framework/solids/solid_integrals.h"
+#include "nodes/static_boundary/boundary_clearance.h"
+
+namespace weir {
+
+/// Of a half-space at distance q, in radii of the kernel.
+template <class T>
+struct FaceIntegrals {
+  T phi;
+  T slope;  ///< dΦ/dq
+  T d;      ///< D·R²
+};
+
+/// D·R² deep within a solid.
+inline constexpr float kDeepD = 15;
+
+template <class T>
+WEIR_HD FaceIntegrals<T> faceIntegrals(const T& q) {
+  const T away = detail::magnitude(q), near = positivePart(1 - away), square = near * near,
+          fourth = square * square;
+  const T phi = 0.5f * fourth * near * (1 + 2 * away), d = 0.5f * kDeepD * fourth;
+  const auto behind = q < T(0);
+  return {select(behind, 1 - phi, phi), -1.5f * fourth * (1 + 4 * away), select(behind, kDeepD - d, d)};
+}
+
+/// Of the matter between two parallel planes at ±half, or beyond them, at the coordinate x.
+template <class T>
+struct SlabIntegrals {
+  T between;  ///< share of the kernel
+  T slope;    ///< its derivative by x, 1/m
+  T beyondD;  ///< D·R² of what is beyond
+
+  WEIR_HD SlabIntegrals(const T& x, float half, float inverseRadius) {
+    const FaceIntegrals<T> up = faceIntegrals(T((half - x) * inverseRadius));
+    const FaceIntegrals<T> down = faceIntegrals(T((half + x) * inverseRadius));
+    between = 1 - up.phi - down.phi;
+    slope = inverseRadius * (up.slope - down.slope);
+    beyondD = up.d + down.d;
+  }
+};
+
+namespace detail {
+
+/// A solid that is what lies between all slabs, or what lies beyond any of them.
+template <class T>
+WEIR_HD SolidIntegrals<T> ofRoom(const T& share, const Vec3<T>& gradient, const T& leastBetween,
+                                 const T& beyond, bool inverted, float inverseRadius) {
+  const float scale = inverseRadius * inverseRadius;
+  if (inverted) return {1 - share, -gradient, scale * smaller(beyond, T(kDeepD))};
+  return {share, gradient, scale * positivePart(leastBetween)};
+}
+
+}  // namespace detail
+
+/// Of a box, at one point or several.
+template <class T>
+WEIR_HD SolidIntegrals<T> boxIntegrals(const Shape& box, float inverseRadius, const Vec3<T>& at) {
+  using namespace detail;
+  const Vec3<T> p = rotated(conjugate(box.rotation), at - spread<T>(box.position));
+  const SlabIntegrals<T> x(p.x, box.halfSize.x, inverseRadius), y(p.y, box.halfSize.y, inverseRadius),
+      z(p.z, box.halfSize.z, inverseRadius);
+  const T xy = x.between * y.between, yz = y.between * z.between, zx = z.between * x.between;
+  const Vec3<T> gradient{x.slope * yz, y.slope * zx, z.slope * xy};
+  const T most = larger(larger(x.beyondD, y.beyondD), z.beyondD);
+  return ofRoom(xy * z.between, rotated(box.rotation, gradient), kDeepD - most,
+                x.beyondD + y.beyondD + z.beyondD, box.inverted, inverseRadius);
+}
+
+WEIR_HD inline SolidIntegrals<float> cylinderIntegrals(const Shape& cylinder, float inverseRadius,
+                                                       const Vec3f& at) {
+  const Vec3f p = rotate(conjugate(cylinder.rotation), at - cylinder.position);
+  const float r = sqrtf(p.x * p.x + p.z * p.z);
+  const FaceIntegrals<float> side = faceIntegrals((cylinder.radius - r) * inverseRadius);
+  const SlabIntegrals<float> ends(p.y, 0.5f * cylinder.height, inverseRadius);
+  const float within = 1 - side.phi;
+  const float outwards = r > 0 ? inverseRadius * side.slope * ends.between / r : 0;
+  const Vec3f gradient{outwards * p.x, within * ends.slope, outwards * p.z};
+  const float most = detail::larger(side.d, ends.beyondD);
+  return detail::ofRoom(within * ends.between, rotate(cylinder.rotation, gradient), kDeepD - most,
+                        side.d + ends.beyondD, cylinder.inverted, inverseRadius);
+}
+
+/// Of the half-space at the signed distance.
+WEIR_HD inline SolidIntegrals<float> distanceIntegrals(const BoundaryPiece& piece, float inverseRadius,
+                                                       const Vec3f& at) {
+  const SignedDistance to = piece.query(at);
+  const FaceIntegrals<float> face = faceIntegrals(to.distance * inverseRadius);
+  return {face.phi, (inverseRadius * face.slope * to.slope) * to.normal,
+          inverseRadius * inverseRadius * face.d};
+}
+
+WEIR_HD inline SolidIntegrals<float> pieceIntegrals(const BoundaryPiece& piece, float inverseRadius,
+                                                    const Vec3f& at) {
+  if (isBox(piece)) return boxIntegrals(piece.shape, inverseRadius, at);
+  if (!piece.isMesh && piece.shape.kind == ShapeKind::kCylinder)
+    return cylinderIntegrals(piece.shape, inverseRadius, at);
+  return distanceIntegrals(piece, inverseRadius, at);
+}
+
+/// For kernels: all solids that a fluid meets, with its kernel for walls.
+struct BoundaryIntegrals {
+  BoundaryView boundary;
+  float radius = 0;  ///< R, m
+  float factor = 0;  ///< all integrals are times this
+
+  WEIR_HD bool empty() const { return boundary.count == 0; }
+
+  WEIR_HD SolidIntegrals<float> of(const Vec3f& p) const {
+    const float inverseRadius = 1 / radius;
+    SolidIntegrals<float> all;
+    forEachPiece(boundary, [&](const BoundaryPiece& piece) {
+      const SolidIntegrals<float> one = pieceIntegrals(piece, inverseRadius, p);
+      all.gradPhi = (1 - one.phi) * all.gradPhi + (1 - all.phi) * one.gradPhi;
+      all.phi += one.phi - all.phi * one.phi;
+      all.d += one.d;
+    });
+    return all;
+  }
+
+  /// At one point, or at several.
+  template <class T>
+  WEIR_HD SolidIntegrals<T> at(const Vec3<T>& p) const {
+    SolidIntegrals<T> all;
+    const auto near = mayTouch(boundary, radius, p);
+    if (!any(near)) return all;
+    if (boundary.count == 1 && isBox(boundary.first))
+      all = boxIntegrals(boundary.first.shape, 1 / radius, p);
+    else
+      forEachLane(near, [&](int lane) { setLane(all, lane, of(laneOf(p, lane))); });
+    return {factor * all.phi, factor * all.gradPhi, factor * all.d};
+  }
+
+ private:
+  template <class T>
+  WEIR_HD static void setLane(SolidIntegrals<T>& all, int lane, const SolidIntegrals<float>& one) {
+    weir::setLane(all.phi, lane, one.phi);
+    weir::setLane(all.gradPhi, lane, one.gradPhi);
+    weir::setLane(all.d, lane, one.d);
+  }
+};
+
+}  // namespace weir
