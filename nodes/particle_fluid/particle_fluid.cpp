@@ -60,10 +60,15 @@ void ParticleFluid::configure(const SetupContext&) {
 double ParticleFluid::memoryFor(Device& device, double particles) const {
   FluidRoom room{.particles = particles};
   for (const Particles::Request& request : fluid.requests()) room.solids += request.solids;
+  room.wallShares = room.solids > 0;
+  for (std::size_t i = 0; i < boundaries.size(); ++i) {
+    room.wallShares |= boundaries[i].rubs || boundaries[i].reportsForces;
+    room.boundaryForces |= boundaries[i].reportsForces;
+  }
   NeighborList lists(device);
   lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
-                 WallField(device).memoryFor(particles, room.solids) +
+                 WallField(device).memoryFor(room) +
                  (pressure ? 2 : 1) * ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);
   pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
   return bytes;
@@ -218,7 +223,7 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
   state_->walls.still = true;
   state_->restSteps = rest.reach(restSteps, [&] { runPipeline(step); });
   state_->walls.still = false;
-  for (Solid* solid : state_->walls.solids) solid->impulse().fillZero();
+  state_->walls.forgetImpulses();
   resetModules(step);
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "framework/base/vec_value.h"
 #include "framework/geometry/simplified_mesh.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/particles/flight.h"
@@ -17,10 +18,6 @@ namespace {
 
 Eigen::Quaternionf toEigen(const Quatf& q) {
   return {q.w, q.x, q.y, q.z};
-}
-
-Value toValue(const Vec3d& v) {
-  return Value::Array{v.x, v.y, v.z};
 }
 
 }  // namespace
