@@ -103,7 +103,4 @@ Rotation interpolate(const Rotation& a, const Rotation& b, double t) {
   return {{}, shortestTurn(a.toQuaternion(), b.toQuaternion(), t)};
 }
 
-// TEMPORARY
-void checkKey(const Rotation&, const Value&, const Place&) {}
-
 }  // namespace weir::detail
