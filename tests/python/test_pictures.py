@@ -64,7 +64,6 @@ def test_it_is_the_picture_of_a_file(tmp_path):
     scene.render.set(width=96, height=64)
     sim = weir.Simulation(scene, device="cpu")
     drawn(sim, 8, 8)
-    scene.render.set(title=False, time=False) if hasattr(scene.render, "title") else None
     sim.run(duration=0, images=tmp_path)
     (file,) = tmp_path.iterdir()
     assert np.array_equal(sim.render(), read_png(file))
