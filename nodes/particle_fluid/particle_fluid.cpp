@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "framework/particles/flight.h"
@@ -70,7 +71,19 @@ double ParticleFluid::memoryFor(Device& device, double particles) const {
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
                  WallField(device).memoryFor(room) +
                  (pressure ? 2 : 1) * ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);
+  bytes += memoryOfBrought(particles);
   pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
+  return bytes;
+}
+
+double ParticleFluid::memoryOfBrought(double particles) const {
+  std::map<std::string, AttributeType> brought;  // several sources may bring the same
+  for (const auto* sources : {&initial, &emitters})
+    for (std::size_t i = 0; i < sources->size(); ++i)
+      for (const BatchAttribute& attribute : (*sources)[i].attributes)
+        brought.emplace(attribute.info.name, attribute.info.type);
+  double bytes = 0;
+  for (const auto& [name, type] : brought) bytes += ParticleSet::memoryOfAttribute(particles, type);
   return bytes;
 }
 
