@@ -31,21 +31,20 @@ struct Damp {
   }
 };
 
-/// A batch's container, where no wall does its part: what a wall holds lies where the wall's pressure puts
-/// it.
+/// A batch's container, where no boundary does its part: what that holds lies where its pressure puts it.
 struct Container {
   BoundaryView region;
   float contact;  // m, distance that particles keep from it
-  WallFieldView walls;
+  BoundaryIntegrals walls;
 
   struct Hit {
     float inside;  // m, how far the particle is to be moved
     Vec3f normal;
   };
-  WEIR_HD Hit of(std::int64_t i, const Vec3f& p) const {
+  WEIR_HD Hit of(const Vec3f& p) const {
     const BoundaryHit hit = boundaryQuery(region, p);
     if (!(hit.distance < contact)) return {0, hit.normal};
-    const Vec3f wall = walls.empty() ? Vec3f{} : walls.push(i, p).gradPhi;
+    const Vec3f wall = walls.empty() ? Vec3f{} : walls.at(p).gradPhi;
     constexpr float kAlong = 0.5f;  // cosine; in a corner of three walls that of their mean is 0.58
     const bool walled = -dot(wall, hit.normal) > kAlong * length(wall);
     return {walled ? 0 : contact - hit.distance, hit.normal};
@@ -61,7 +60,7 @@ struct Contain {
     if (!batch.has(i)) return;
     constexpr int kMaxContacts = 4;
     for (int k = 0; k < kMaxContacts; ++k) {
-      const Container::Hit hit = container.of(i, positions[i]);
+      const Container::Hit hit = container.of(positions[i]);
       if (!(hit.inside > 0)) return;
       positions[i] += hit.inside * hit.normal;
       const float speed = dot(velocities[i], hit.normal);
@@ -77,7 +76,7 @@ struct Push {
   ArrayView<const Vec3f> positions;
 
   WEIR_HD double operator()(std::int64_t i) const {
-    return batch.has(i) ? container.of(i, positions[i]).inside : 0;
+    return batch.has(i) ? container.of(positions[i]).inside : 0;
   }
 };
 
@@ -121,7 +120,7 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
 
 template <class Resting>
 Container containerOf(const Resting& of, FluidStep& fluid) {
-  return {of.batch->container->view(), of.batch->contact, fluid.walls.view()};
+  return {of.batch->container->view(), of.contact(), fluid.walls.boundary};
 }
 
 }  // namespace
