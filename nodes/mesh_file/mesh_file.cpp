@@ -137,10 +137,13 @@ void MeshFile::estimate(const SetupContext& context, MemoryNeeds&) {
 void MeshFile::load(const SetupContext& context) {
   const TriangleMesh raw = read(context.registry);
   *surface = cleaned(raw);
-  if (surface->empty())
-    throw fileError(raw.empty() ? "there are no triangles"
-                                : fmt::format("none of the {} triangles has an area", raw.triangles.size()),
-                    "triangles or polygons");
+  if (surface->empty()) {
+    const std::string_view source = given() != nullptr ? "mesh" : "file";
+    throw fileError(
+        raw.empty() ? fmt::format("the {} holds no triangles", source)
+                    : fmt::format("none of the {}'s {} triangles has an area", source, raw.triangles.size()),
+        fmt::format("a {} with triangles or polygons", source));
+  }
   if (flip) surface->flip();
   place(*surface);
 }

@@ -196,7 +196,7 @@ def test_a_mesh_goes_wherever_meshes_go():
 
 def test_a_mesh_without_an_area_is_refused():
     scene = with_obstacle(lambda s: s.add_mesh("flat", CUBE * 0, CUBE_FACES))
-    with pytest.raises(weir.Error, match="none of the 12 triangles has an area") as raised:
+    with pytest.raises(weir.Error, match="none of the mesh's 12 triangles has an area") as raised:
         weir.Simulation(scene, device="cpu")
     assert raised.value.node == "flat"
 
