@@ -142,6 +142,11 @@ void StaticBoundary::reset(const SetupContext& context) {
   }
   for (std::size_t i = 0; i < boundaries.size(); ++i) {
     const Boundary& other = boundaries[i];
+    if (other.reportsForces)
+      context.log.warn(
+          fmt::format("node '{}': forces on it are not reported where '{}' includes it; link it to the "
+                      "fluid, or set \"report_forces\" of '{}'",
+                      boundaries.links()[i]->node().name(), name(), name()));
     boundary->pieces.insert(boundary->pieces.end(), other.pieces.begin(), other.pieces.end());
     boundary->meshes.insert(boundary->meshes.end(), other.meshes.begin(), other.meshes.end());
   }

@@ -113,6 +113,26 @@ TEST_P(BoundaryForces, AreWhatAFluidInMotionLosesOfItsMomentum) {
   }
 }
 
+TEST_P(BoundaryForces, OfABoundaryThatAnotherIncludesAreWarnedOf) {
+  SimulatedScene scene(*device, R"({"weir": 1,
+    "world": {"dt": 0.002, "frame_rate": 10, "duration": 0.1},
+    "nodes": {
+      "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.1, 0.1, 0.1]}},
+      "post": {"type": "StaticBoundary", "params": {"shape": "sphere", "position": [0.2, 0.1, 0.1], "radius": 0.06,
+                                                    "report_forces": true}},
+      "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.3, 0.6, 0.2],
+                                                    "inverted": true}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02}}},
+    "links": ["block.particles -> water.initial", "post.boundary -> tank.boundaries",
+              "tank.boundary -> water.boundaries"]})");
+  scene->reset();
+  const auto isTold = [](const std::string& warning) {
+    return warning.find("node 'post': forces on it are not reported where 'tank' includes it") !=
+           std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(scene.warnings().begin(), scene.warnings().end(), isTold), 1);
+}
+
 WEIR_ON_EVERY_DEVICE(BoundaryForces);
 
 }  // namespace
