@@ -16,12 +16,6 @@ bool RestState::wanted() const {
                      [](const Resting& b) { return b.batch->container != nullptr; });
 }
 
-float RestState::Resting::contact() const {
-  // Mesh walls hold fluid at about half a spacing. Where a container did so too, nobody could tell which of
-  // them does, and what the container did would be missing when it vanishes.
-  return undecided() ? 0.5f * batch->contact : batch->contact;
-}
-
 bool RestState::liftUnheld(int steps) {
   constexpr double kMaxCarried = 0.1;
   bool any = false;

@@ -50,8 +50,6 @@ class RestState {
     bool weightless;
     double carried = 0;  ///< share of its weight that its container carries, summed over steps since a stop
     bool undecided() const { return batch->pressure == StartPressure::kAuto && !weightless; }
-    /// m, distance that particles keep from the container.
-    float contact() const;
   };
 
   FluidStep& fluid_;
