@@ -29,7 +29,7 @@ class RenderCommand {
   Program& program_;
   CLI::App* command_;
   std::unique_ptr<OutputOptions> outputs_;
-  std::string file_, scene_;
+  std::string file_, scene_, engine_;
   std::string device_ = "cpu";
   std::vector<std::string> set_, plugin_;
   int threads_ = 0;
