@@ -38,8 +38,10 @@ bool isOnPath(const std::string& program) {
 }
 
 bool hasModule(const std::string& python) {
+  // A folder of that name beside the run is no module.
   constexpr const char* kAsk =
-      "import importlib.util, sys; sys.exit(importlib.util.find_spec('bpy') is None)";
+      "import importlib.util, sys; spec = importlib.util.find_spec('bpy'); "
+      "sys.exit(spec is None or spec.origin is None)";
   try {
     PipedProgram asked(python, {"-B", "-c", kAsk}, kLimits);
     return asked.finish();
@@ -122,9 +124,9 @@ bool BlenderProgram::ask(const fs::path& frame, const std::string& what, const f
   Value request = Value::object();
   request["frame"] = fs::absolute(frame).string();
   request[what] = fs::absolute(file).string();
-  const std::string line = writeJsonLine(request) + "\n";
+  const std::string line = writeJsonLine(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(line.data());
-  if (!program_->write({bytes, line.size()})) throw failure(file);
+  if (!program_->write({bytes, line.size()})) throw failure();
   // The file takes its name when it is whole.
   while (!fs::exists(file, error)) {
     if (Interruption::asked()) {
@@ -132,19 +134,18 @@ bool BlenderProgram::ask(const fs::path& frame, const std::string& what, const f
       program_->finish();
       return false;
     }
-    if (!program_->isRunning() && !fs::exists(file, error)) throw failure(file);
+    if (!program_->isRunning() && !fs::exists(file, error)) throw failure();
     std::this_thread::sleep_for(kPause);
   }
   return true;
 }
 
-Error BlenderProgram::failure(const fs::path& file) {
+Error BlenderProgram::failure() {
   program_->finish();
   const std::string words = wordsFor(program_->messages());
   const std::string name = fs::path(call_.program).filename().string();
   return ioError(fmt::format("Blender ({}) {}: {}", printable(name, 100), program_->ending(),
-                             printable(words.empty() ? program_->messages() : words, 2000)))
-      .at({.file = file.string()});
+                             printable(words.empty() ? program_->messages() : words, 2000)));
 }
 
 }  // namespace weir::rendering

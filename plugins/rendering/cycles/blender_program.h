@@ -38,7 +38,7 @@ class BlenderProgram {
 
  private:
   bool ask(const std::filesystem::path& frame, const std::string& what, const std::filesystem::path& file);
-  Error failure(const std::filesystem::path& file);
+  Error failure();
 
   BlenderCall call_;
   std::unique_ptr<PipedProgram> program_;

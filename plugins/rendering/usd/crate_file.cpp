@@ -131,7 +131,7 @@ void CrateFile::beginPrim(std::string_view name) {
 }
 
 void CrateFile::endPrim() {
-  WEIR_CHECK(open_.size() > 1);
+  WEIR_CHECK(open_.size() > 1u);
   open_.pop_back();
 }
 
@@ -198,7 +198,7 @@ void CrateFile::collect(std::size_t number, bool hasSibling, Tables& tables) {
 }
 
 std::string CrateFile::finish() && {
-  WEIR_CHECK(open_.size() == 1);
+  WEIR_CHECK(open_.size() == 1u);
   Tables tables;
   collect(0, false, tables);
   std::string directory;

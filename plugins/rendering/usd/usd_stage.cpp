@@ -8,8 +8,6 @@
 #include <iterator>
 #include <numbers>
 
-#include "framework/geometry/triangle_mesh.h"
-
 namespace weir::rendering {
 
 namespace {

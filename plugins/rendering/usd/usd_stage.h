@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/base/vec.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {

@@ -32,7 +32,7 @@ class HandoverError(Exception):
 
 def _load(path):
     try:
-        with numpy.load(path, allow_pickle=False) as archive:
+        with open(path, "rb") as file, numpy.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except (OSError, ValueError, KeyError) as error:
         raise HandoverError(f"{path}: cannot be read: {error}") from error

@@ -70,7 +70,10 @@ def main():
         worker = Worker()
         for line in sys.stdin:
             request = json.loads(line)
-            worker.picture(request) if "picture" in request else worker.blend(request)
+            if "picture" in request:
+                worker.picture(request)
+            else:
+                worker.blend(request)
     except HandoverError as error:
         print(f"weir: {error}", file=sys.stderr, flush=True)
         return 1

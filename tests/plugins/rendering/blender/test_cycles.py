@@ -251,7 +251,7 @@ class Runs(WithFolder):
         run = ["run", self.scene, "--device", "cpu", "--engine", "cycles", "--images", pictures]
         self.weir(*run, "--export", export)
         names = [f"frame_{i:05}.png" for i in range(4)]
-        self.assertEqual(sorted(entry.name for entry in pictures.glob("frame*")), names)
+        self.assertEqual(sorted(entry.name for entry in pictures.glob("*.png")), names)
         seen = pixels_of(pictures / names[3])
         self.assertEqual(seen.shape, (SIZE, SIZE, 3))
         self.assertGreater(seen.std(), 0.02)  # there is something

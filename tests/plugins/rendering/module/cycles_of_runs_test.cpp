@@ -1,5 +1,5 @@
-// --engine cycles and --blender, through the program, with a script in place of Blender. What a real one makes of it is
-// tested in tests/plugins/rendering/blender.
+// --engine cycles and --blender, through the program, with a script in place of Blender. What a real one
+// makes of it is tested in tests/plugins/rendering/blender.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr const char* kScene = R"({
 constexpr int kFrames = 3;
 
 /// Answers each request by a copy of a picture, and notes it. `$request` is the line.
-constexpr const char* kStandIn = R"(#!/bin/sh
+constexpr const char* kStandIn = R"sh(#!/bin/sh
 while read -r request; do
   target=$(printf '%s' "$request" | sed 's/.*"\(picture\|blend\)": *"\([^"]*\)".*/\2/')
   frame=$(printf '%s' "$request" | sed 's/.*"frame": *"\([^"]*\)".*/\1/')
@@ -35,13 +35,14 @@ while read -r request; do
   EXTRA
   cp "FOLDER/picture.png" "$target.copy" && mv "$target.copy" "$target"
 done
-)";
+)sh";
 
 class CyclesOfRuns : public testing::Test {
  protected:
   void SetUp() override {
     scene_ = folder.write("scene.json", kScene);
-    const ChildResult drawn = runWeir({"run", scene_, "--quiet", "--frames", "0", "--images", folder / "drawn"});
+    const ChildResult drawn =
+        runWeir({"run", scene_, "--quiet", "--frames", "0", "--images", folder / "drawn"});
     ASSERT_EQ(drawn.code, 0) << drawn.err;
     fs::copy_file(folder / "drawn/frame_00000.png", folder / "picture.png");
     standIn("");
@@ -50,7 +51,8 @@ class CyclesOfRuns : public testing::Test {
   /// `extra` is a command of the shell that is run before each picture.
   void standIn(const std::string& extra) {
     std::string text = kStandIn;
-    for (const auto& [name, value] : {std::pair<std::string, std::string>{"FOLDER", folder.path()}, {"EXTRA", extra}})
+    for (const auto& [name, value] :
+         {std::pair<std::string, std::string>{"FOLDER", folder.path()}, {"EXTRA", extra}})
       for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + value.size()))
         text.replace(at, name.size(), value);
     fs::permissions(folder.write("blender", text), fs::perms::owner_all);
@@ -61,14 +63,17 @@ class CyclesOfRuns : public testing::Test {
     arguments.insert(arguments.end(), outputs.begin(), outputs.end());
     return runWeir(arguments, {.environment = {{"WEIR_BLENDER", blender}}});
   }
-  ChildResult draw() const { return run({"--engine", "cycles", "--images", folder / "images"}, folder / "blender"); }
+  ChildResult draw() const {
+    return run({"--engine", "cycles", "--images", folder / "images"}, folder / "blender");
+  }
 
   /// The names of the frames that the stand-in was asked for, a line each.
   std::string asked() const { return readFile(folder / "asked"); }
 
   std::vector<std::string> filesIn(const std::string& name) const {
     std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(folder / name)) files.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder / name))
+      files.push_back(entry.path().filename().string());
     std::sort(files.begin(), files.end());
     return files;
   }
@@ -104,7 +109,9 @@ TEST_F(CyclesOfRuns, AnInterruptionDoesNotWaitForBlender) {
   standIn("kill -INT $PPID; exec sleep 100");
   const ChildResult result =
       runWeir({"run", scene_, "--device", "cpu", "--engine", "cycles", "--images", folder / "images"},
-              {.environment = {{"WEIR_BLENDER", folder / "blender"}}, .folder = {}, .limit = std::chrono::seconds(60)});
+              {.environment = {{"WEIR_BLENDER", folder / "blender"}},
+               .folder = {},
+               .limit = std::chrono::seconds(60)});
   EXPECT_EQ(result.code, 130) << result.err;
   EXPECT_EQ(filesIn("images"), std::vector<std::string>{"frames.txt"});
 }
