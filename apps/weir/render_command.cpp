@@ -106,6 +106,9 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
       ->required()
       ->type_name("SCENE");
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, true);
+  command_->add_option("--frame", frame_, "Show this frame alone")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
   addEngineOption(*command_, engine_);
   command_->add_option("--set", set_, "Change a parameter first, such as render.width=1920; may be repeated")
       ->type_name("NAME=VALUE")
@@ -170,6 +173,7 @@ int RenderCommand::run() {
   std::optional<Replay> replay;
   try {
     replay.emplace(simulation, *recording);
+    if (frame_) replay->showOnly(*frame_);
   } catch (Error& error) {
     throw error.at({.file = file_});
   }

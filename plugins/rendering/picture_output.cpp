@@ -39,7 +39,10 @@ class Pictures {
   explicit Pictures(OutputPaths paths, std::optional<std::size_t> camera = std::nullopt)
       : paths_(std::move(paths)), camera_(camera) {}
 
-  void begin(Simulation& simulation) { begin(simulation, 0, std::nullopt); }
+  /// A replay may begin anywhere.
+  void begin(Simulation& simulation) {
+    begin(simulation, simulation.isReplay() ? simulation.frame() : 0, std::nullopt);
+  }
 
   void save(const StateWriter& to) {
     if (images_) images_->wait();
