@@ -109,6 +109,10 @@ BlenderProgram::BlenderProgram() : call_(findBlender(blenderFolder() / "weir_ble
   }
 }
 
+BlenderProgram::~BlenderProgram() {
+  program_->finish();
+}
+
 bool BlenderProgram::render(const fs::path& frame, const fs::path& picture) {
   return ask(frame, "picture", picture);
 }

@@ -29,6 +29,8 @@ class BlenderProgram {
  public:
   /// Starts it. Throws an io Error if there is none.
   BlenderProgram();
+  /// Lets it end by itself, so that it leaves nothing behind.
+  ~BlenderProgram();
 
   /// Renders a frame of a Handover into a PNG file. False if the run was interrupted meanwhile: the program
   /// is ended then, and there is no file. Throws an io Error with the words of Blender if it failed.

@@ -154,13 +154,13 @@ def _inside(nodes, look):
 
 
 def ground(name, color, radius, tiles, fades):
-    """A floor with joints between its tiles; where it fades, it is gone at its rim."""
+    """A floor of tiles, of a disc of radius 1 that is scaled; where it fades, it is gone at its rim."""
     material = _new(name)
     nodes = _Nodes(material.node_tree)
     places = nodes.add("ShaderNodeTexCoord").outputs["Object"]
     base = _rgba(color)
     if tiles > 0:
-        checker = nodes.add("ShaderNodeTexChecker", Vector=places, Color1=base, Scale=1 / tiles,
+        checker = nodes.add("ShaderNodeTexChecker", Vector=places, Color1=base, Scale=radius / tiles,
                             Color2=(*(0.62 * c for c in base[:3]), 1.0))
         base = checker.outputs["Color"]
     shader = nodes.add("ShaderNodeBsdfPrincipled", Base_Color=base, Roughness=0.55, Specular_IOR_Level=0.3).outputs[0]
@@ -170,7 +170,7 @@ def ground(name, color, radius, tiles, fades):
         share = nodes.tree.nodes.new("ShaderNodeMapRange")
         share.interpolation_type = "SMOOTHSTEP"
         nodes.tree.links.new(away.outputs["Value"], share.inputs[0])
-        for socket, value in zip(share.inputs[1:5], (0.45 * radius, 0.98 * radius, 0.0, 1.0)):
+        for socket, value in zip(share.inputs[1:5], (0.45, 0.98, 0.0, 1.0)):
             socket.default_value = value
         clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
         shader = nodes.mix(share.outputs[0], shader, clear)

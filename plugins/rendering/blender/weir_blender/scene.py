@@ -183,7 +183,7 @@ class SceneBuilder:
         sun.rotation_quaternion = towards.to_track_quat("Z", "Y")
         sky = item["look"] == "sky"
         # White paper that faces the sun shows radiance strength / pi.
-        sun.data.energy = math.pi * (1.0 if sky else 0.75) * item["sun_strength"]
+        sun.data.energy = math.pi * (1.2 if sky else 0.75) * item["sun_strength"]
         sun.data.color = (1.0, 0.95, 0.87) if sky else (1.0, 0.98, 0.96)
         sun.data.angle = math.radians(0.53 if sky else 6.0)
         if self._changed("world", repr(item)) or self.scene.world is None:
@@ -248,7 +248,8 @@ def _tone(scene, picture):
         except TypeError:
             pass
     view.gamma = 1
-    view.exposure = math.log2(picture["exposure"])
+    # AgX makes white paper grey, to have room above it.
+    view.exposure = math.log2(picture["exposure"]) + (0.6 if view.view_transform == "AgX" else 0)
 
 
 def fill_mesh(mesh, vertices, triangles, velocities=None):
@@ -404,8 +405,8 @@ def _sky(tree, background, item, light):
     sky.sun_elevation = max(math.asin(max(-1.0, min(1.0, towards.z))), math.radians(-5))
     sky.sun_rotation = math.atan2(towards.x, towards.y)
     tree.links.new(sky.outputs[0], background.inputs["Color"])
-    # Such that it is about a third as bright as white paper in the sun.
-    background.inputs["Strength"].default_value = 0.16
+    # Such that it is about half as bright as white paper in the sun.
+    background.inputs["Strength"].default_value = 0.3
 
 
 def _image(tree, background, item, light):

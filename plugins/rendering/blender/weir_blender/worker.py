@@ -8,6 +8,7 @@ with its input; what is wrong is the last line on stderr that begins with 'weir:
 import json
 import os
 import pathlib
+import shutil
 import sys
 
 # Before this file's own folder: its name is no module that others should find.
@@ -89,4 +90,5 @@ if __name__ == "__main__":
     code = main()
     sys.stdout.flush()
     sys.stderr.flush()
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)  # which goes with Blender else
     os._exit(code)  # Blender's own way out takes the code for a script's that did not fail
