@@ -209,13 +209,22 @@ class SceneBuilder:
         cycles.samples = look["samples"]
         cycles.use_adaptive_sampling = True
         cycles.adaptive_threshold = look["noise"]
-        cycles.use_denoising = look["denoise"]
+        cycles.use_denoising = look["denoise"] and _can_denoise()
         cycles.seed = 0
         cycles.max_bounces, cycles.transmission_bounces, cycles.glossy_bounces = 24, 24, 8
         cycles.transparent_max_bounces = 32
         cycles.volume_bounces = 4
         cycles.caustics_reflective = cycles.caustics_refractive = look["caustics"]
         _tone(scene, picture)
+
+
+def _can_denoise():
+    """Debian's Blender is built without."""
+    try:
+        import _cycles
+    except ImportError:
+        return True
+    return getattr(_cycles, "with_openimagedenoise", True)
 
 
 def _further(before, now):
