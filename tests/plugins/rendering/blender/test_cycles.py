@@ -189,7 +189,7 @@ class Pictures(WithFolder):
                   ground={"height": -0.5, "center": [0, 0, 0], "radius": 3.0, "color": [0.9, 0.9, 0.9], "tiles": 0.3}),
             surface0_vertices=vertices, surface0_triangles=triangles,
             particles0_positions=numpy.array([[-0.3, 0.5, 0.2], [0.2, -0.3, 0.0]], dtype="f4"))
-        if "WEIR_WRITE_REFERENCE" in os.environ:
+        if "WEIR_NEW_REFERENCES" in os.environ:
             (self.folder / "picture.png").replace(REFERENCE)
             self.skipTest("the reference is written anew")
         # Releases of Cycles differ in their noise, and a little in their shading.
