@@ -218,6 +218,11 @@ template <class Policy>
 struct ManyBlocks : Policy {
   static constexpr int kBlocksTogether = 6;
 };
+/// The same for sums that need few registers: as many as a multiprocessor can hold.
+template <class Policy>
+struct MaxBlocks : Policy {
+  static constexpr int kBlocksTogether = 8;
+};
 
 /// Calls f(i) for every i in [0, count) as parallelForEights does; or, where few of them leave most of a GPU
 /// idle and a thread would wait for each of its neighbours in turn, f(TeamIndex) by teams.

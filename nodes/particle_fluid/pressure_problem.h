@@ -22,13 +22,14 @@ WEIR_HD T excessOf(const T& lambda, bool tension) {
 }
 
 /// The density pass: adds to each particle's state Ḃ(λ), the derivative of the bulk energy.
-struct EnergyDerivative {
+template <class Walls>
+struct EnergyDerivativeWith {
   NeighborView neighbors;
   SpikyKernel kernel;
   float particleVolume;
   BulkEnergy energy;
   bool tension;
-  WallFieldView walls;
+  Walls walls;
   ArrayView<const Vec3f> displacement;
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
@@ -44,6 +45,7 @@ struct EnergyDerivative {
     if (excess.size > 0) write(excess, i, e);
   }
 };
+using EnergyDerivative = EnergyDerivativeWith<WallFieldView>;
 
 /// What pushes a particle, and how far it may go: the bracket of Eq. 14 is `push` - displacement.
 template <class T>
@@ -53,7 +55,8 @@ struct Push {
   T wall;  // the part wall·∇Φ of the push comes from walls
 };
 
-struct PushOf {
+template <class Walls>
+struct PushWith {
   NeighborView neighbors;
   SpikyKernel kernel;
   float stiffness;      // (c·dt)²·V0
@@ -61,7 +64,7 @@ struct PushOf {
   float own, others;    // weights of Ḃ_i and Ḃ_j
   float negativePart;   // |Ḃ⁻|
   float wallStiffness;  // (c·dt)²
-  WallFieldView walls;
+  Walls walls;
   ArrayView<const Vec4f> weighted;
 
   // Inline, so that what is the same for all particles is prepared once for all.
@@ -107,6 +110,7 @@ struct PushOf {
     write(walls.share, i, share + stepLength * (at.wall - share) / at.divisor);
   }
 };
+using PushOf = PushWith<WallFieldView>;
 
 /// What the search for neighbours has left (neighbor_list.h), where it says what a solver asks.
 struct SearchSums {
@@ -160,18 +164,25 @@ struct PressureProblem {
 
   /// The density pass, which leaves e where it is asked for.
   EnergyDerivative derivative(ArrayView<float> excess = {}) const {
+    return derivativeWith(fluid.walls.view(), excess);
+  }
+  PushOf push() const { return pushWith(fluid.walls.view()); }
+  /// The same with one of the views of WallField::withView().
+  template <class Walls>
+  EnergyDerivativeWith<Walls> derivativeWith(const Walls& walls, ArrayView<float> excess = {}) const {
     return {.neighbors = fluid.neighbors.view(),
             .kernel = fluid.constants.kernel,
             .particleVolume = fluid.constants.particleVolume,
             .energy = energy,
             .tension = tension,
-            .walls = fluid.walls.view(),
+            .walls = walls,
             .displacement = displacement(),
             .state = state(),
             .weighted = weighted(),
             .excess = excess};
   }
-  PushOf push() const {
+  template <class Walls>
+  PushWith<Walls> pushWith(const Walls& walls) const {
     constexpr float kShortest = 1e-4f;  // spacings
     return {.neighbors = fluid.neighbors.view(),
             .kernel = fluid.constants.kernel,
@@ -181,7 +192,7 @@ struct PressureProblem {
             .others = conservative ? 1.0f : 0.0f,
             .negativePart = energy.negativePart(),
             .wallStiffness = stiffness(),
-            .walls = fluid.walls.view(),
+            .walls = walls,
             .weighted = weighted()};
   }
   /// Displacements of 0.

@@ -25,13 +25,15 @@ namespace weir {
 
 struct FluidRoom;
 
-/// For kernels of solvers; empty where a fluid meets no walls.
-struct WallFieldView {
+/// For kernels of solvers; empty where a fluid meets no walls. `Boundary` is BoundaryIntegrals or, where that
+/// is enough, BoxBoundary or NoBoundary.
+template <class Boundary>
+struct WallFieldViewWith {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
   ArrayView<const float> d;          ///< D, 1/m²
   ArrayView<float> share;            ///< m², see above; empty where nobody asks for it
   ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
-  BoundaryIntegrals boundary;
+  Boundary boundary;
 
   WEIR_HD bool empty() const { return integrals.size == 0 && boundary.empty(); }
   /// Φ of a particle, or of eight, at displacement u from the predicted position, which is x.
@@ -64,6 +66,7 @@ struct WallFieldView {
     return zeroUnless(at.w > T(0), positivePart(at.w + dot(xyz(at), way)));
   }
 };
+using WallFieldView = WallFieldViewWith<BoundaryIntegrals>;
 
 /// Kept by the fluid; the modules SolidApproach, WallIntegrals and SolidContact fill and use it.
 struct WallField {
@@ -122,14 +125,16 @@ struct WallField {
   bool keepsShares() const { return !empty() || rubs || reports(); }
   /// Whether a boundary reports forces.
   bool reports() const { return measured.size() > 0; }
-  WallFieldView view() {
-    WallFieldView result{.boundary = boundary};
-    if (keepsShares()) result.share = share.write();
-    if (empty()) return result;
-    result.integrals = std::as_const(total).view();
-    result.d = std::as_const(d).view();
-    result.base = base;
-    return result;
+  WallFieldView view() { return viewWith(boundary); }
+  /// Calls f with view() or, where that is all, with a view of one box or of no boundary.
+  template <class F>
+  void withView(const F& f) {
+    if (boundary.empty())
+      f(viewWith(NoBoundary{}));
+    else if (boundary.isOneBox())
+      f(viewWith(boundary.oneBox()));
+    else
+      f(view());
   }
   /// The solids by signed distance that the fluid meets.
   void meet(const std::vector<const Boundary*>& boundaries, const FluidConstants& constants,
@@ -160,6 +165,16 @@ struct WallField {
   double memoryFor(const FluidRoom& room) const;
 
  private:
+  template <class Boundary>
+  WallFieldViewWith<Boundary> viewWith(const Boundary& of) {
+    WallFieldViewWith<Boundary> result{.boundary = of};
+    if (keepsShares()) result.share = share.write();
+    if (empty()) return result;
+    result.integrals = std::as_const(total).view();
+    result.d = std::as_const(d).view();
+    result.base = base;
+    return result;
+  }
   void addShare(ParticleSet& particles);
 
   std::vector<SolidView> placed_;                // what `views` holds

@@ -112,6 +112,35 @@ WEIR_HD inline SolidIntegrals<float> pieceIntegrals(const BoundaryPiece& piece, 
   return distanceIntegrals(piece, inverseRadius, at);
 }
 
+// What solids of any kind take costs every sum over neighbours beside it registers, even where there are none.
+// So what most fluids have, no such solids or one box, are types of their own.
+
+/// For kernels of a fluid that meets no solids by signed distance.
+struct NoBoundary {
+  WEIR_HD bool empty() const { return true; }
+  template <class T>
+  WEIR_HD SolidIntegrals<T> at(const Vec3<T>& /*p*/) const {
+    return {};
+  }
+};
+
+/// For kernels of a fluid that meets one box.
+struct BoxBoundary {
+  BoundaryPiece box;
+  float radius = 0;  ///< R, m
+  float factor = 0;  ///< all integrals are times this
+
+  WEIR_HD bool empty() const { return false; }
+
+  /// At one point, or at several.
+  template <class T>
+  WEIR_HD SolidIntegrals<T> at(const Vec3<T>& p) const {
+    if (!any(!(clearance(box, p) > T(radius)))) return {};
+    const SolidIntegrals<T> all = boxIntegrals(box.shape, 1 / radius, p);
+    return {factor * all.phi, factor * all.gradPhi, factor * all.d};
+  }
+};
+
 /// For kernels: all solids that a fluid meets, with its kernel for walls.
 struct BoundaryIntegrals {
   BoundaryView boundary;
@@ -119,6 +148,9 @@ struct BoundaryIntegrals {
   float factor = 0;  ///< all integrals are times this
 
   WEIR_HD bool empty() const { return boundary.count == 0; }
+  WEIR_HD bool isOneBox() const { return boundary.count == 1 && isBox(boundary.first); }
+  /// Only if isOneBox().
+  WEIR_HD BoxBoundary oneBox() const { return {boundary.first, radius, factor}; }
 
   WEIR_HD SolidIntegrals<float> of(const Vec3f& p) const {
     const float inverseRadius = 1 / radius;
@@ -152,7 +184,7 @@ struct BoundaryIntegrals {
     SolidIntegrals<T> all;
     const auto near = mayTouch(boundary, radius, p);
     if (!any(near)) return all;
-    if (boundary.count == 1 && isBox(boundary.first))
+    if (isOneBox())
       all = boxIntegrals(boundary.first.shape, 1 / radius, p);
     else
       forEachLane(near, [&](int lane) { setLane(all, lane, of(laneOf(p, lane))); });

@@ -12,11 +12,12 @@
 namespace weir {
 
 /// Makes positions weighted with Ḃ of what the search has summed.
+template <class Walls>
 struct FirstDerivative {
   float volumeAtZero;  // V0·W(0)
   BulkEnergy energy;
   bool tension;
-  WallFieldView walls;
+  Walls walls;
   ArrayView<const Vec3f> predicted;
   ArrayView<const float> crowding;
   ArrayView<Vec4f> weighted;
@@ -32,11 +33,12 @@ struct FirstDerivative {
 };
 
 /// The same where the search has left position and crowding, for CUDA.
+template <class Walls>
 struct DerivativeOfPlace {
   float volumeAtZero;
   BulkEnergy energy;
   bool tension;
-  WallFieldView walls;
+  Walls walls;
   ArrayView<Vec4f> places;
 
   WEIR_HD void operator()(std::int64_t i) const {
@@ -49,8 +51,9 @@ struct DerivativeOfPlace {
 
 /// An iteration of SemiImplicitSolver. The first one starts without displacements, the last one ends in
 /// positions and velocities, so that a step needs no other passes for these.
+template <class Walls>
 struct FusedSubstitute {
-  PushOf pushOf;
+  PushWith<Walls> pushOf;
   float inverseDt;
   ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
@@ -81,12 +84,14 @@ struct FusedSubstitute {
   }
 };
 
-template <class Backend>
+/// `Walls` is one of the views of WallField::withView().
+template <class Backend, class Walls>
 class FusedSubstitution {
  public:
-  FusedSubstitution(Backend& device, const PressureProblem& problem)
+  FusedSubstitution(Backend& device, const PressureProblem& problem, const Walls& walls)
       : device_(device),
         problem_(problem),
+        walls_(walls),
         found_(problem.found),
         volumeAtZero_(problem.fluid.constants.particleVolume * problem.fluid.constants.kernel.value0),
         positions_(problem.fluid.particles.positions().write()),
@@ -123,8 +128,8 @@ class FusedSubstitution {
   bool hasPlaces() const { return found_.places.size > 0; }
   Count count() const { return problem_.fluid.particles.count(); }
 
-  FusedSubstitute substitute() const {
-    PushOf pushOf = problem_.push();
+  FusedSubstitute<Walls> substitute() const {
+    PushWith<Walls> pushOf = problem_.pushWith(walls_);
     pushOf.weighted = weighted_;
     return {.pushOf = pushOf,
             .inverseDt = problem_.inverseDt(),
@@ -139,17 +144,17 @@ class FusedSubstitution {
     const BulkEnergy& energy = problem_.energy;
     if (hasPlaces())
       parallelFor(device_, "density", count(),
-                  DerivativeOfPlace{.volumeAtZero = volumeAtZero_,
+                  DerivativeOfPlace<Walls>{.volumeAtZero = volumeAtZero_,
                                     .energy = energy,
                                     .tension = problem_.tension,
-                                    .walls = problem_.fluid.walls.view(),
+                                    .walls = walls_,
                                     .places = weighted_});
     else if (found_.crowding.size > 0)
       parallelForEights(device_, "density", count(),
-                        FirstDerivative{.volumeAtZero = volumeAtZero_,
+                        FirstDerivative<Walls>{.volumeAtZero = volumeAtZero_,
                                         .energy = energy,
                                         .tension = problem_.tension,
-                                        .walls = problem_.fluid.walls.view(),
+                                        .walls = walls_,
                                         .predicted = positions_,
                                         .crowding = found_.crowding,
                                         .weighted = weighted_});
@@ -158,13 +163,14 @@ class FusedSubstitution {
   }
 
   void sumDensities() const {
-    EnergyDerivative derivative = problem_.derivative();
+    EnergyDerivativeWith<Walls> derivative = problem_.derivativeWith(walls_);
     derivative.state = state_, derivative.weighted = weighted_;
-    parallelForSums(device_, "density", count(), launched<SumAfterSum>(derivative));
+    parallelForSums(device_, "density", count(), launched<MaxBlocks<SumAfterSum>>(derivative));
   }
 
   Backend& device_;
   const PressureProblem& problem_;
+  const Walls& walls_;
   const SearchSums& found_;
   float volumeAtZero_;
   ArrayView<Vec3f> positions_, velocities_;  // predicted until the last iteration

@@ -33,7 +33,9 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid, false);
   fluid.walls.forgetShares();
   // The same iterations in fewer passes, where nobody looks in between.
-  if (!searches() && !recordObjective) return FusedSubstitution(device, problem).step(iterations);
+  if (!searches() && !recordObjective)
+    return fluid.walls.withView(
+        [&](const auto& walls) { FusedSubstitution(device, problem, walls).step(iterations); });
 
   const Count count = fluid.particles.count();
   const EnergyDerivative density = problem.derivative(excess_.view());
