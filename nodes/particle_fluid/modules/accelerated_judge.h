@@ -14,6 +14,7 @@ struct Judge {
   const SolverSums* sums;
   Count count;
   double tolerance;  // below 0: never done
+  double settled;    // m², of each particle; see JudgeDirection
   int meetings;      // of the tolerance, one after another, that end a pass
   bool accelerated;
   bool mixes;       // by Anderson's acceleration

@@ -142,7 +142,7 @@ class AcceleratedSolver final : public PressureSolver {
   void searchAgain(Backend& device, PressureProblem& problem);
   /// Whether the displacement is an attribute of the particles.
   bool carries() const { return passes() > 1 || tolerance.get().has_value(); }
-  /// As far as the host has heard of it, without waiting.
+  /// Waits for what the device has decided in the last iteration.
   bool isDone();
   /// Hears whether there is another pass. Waits where this may have been the last: a pass too many would sort
   /// and round once more, and how many there were would depend on the time that the host takes.

@@ -140,10 +140,11 @@ struct JudgeDirection {
     constexpr double kRounding = 1e-5;  // of the terms of the sum, which are floats
     // So many iterations on end that lower the objective by no more lead nowhere: the compression is what
     // inertia and stiffness ask for. Without a tolerance, until all is lost in rounding.
-    const double gain = judge.tolerance > 0 ? 1e-5 : 1e-7;
+    const double least = judge.tolerance > 0 ? 1e-5 : 1e-7;
     const int patience = judge.tolerance > 0 ? 4 : 100;
     // Little compression alone does not mean that particles have come to rest, and energy that should be lost
-    // would be left: the last step must not have lowered the objective by more than this.
+    // would be left: the last step must not have lowered the objective by more than this share, or than the
+    // bulk energy that a calm fluid may keep.
     constexpr double kSettled = 0.01;
     constexpr int kMin = 3;  // see Judge::judge()
     const double objective = sums->of.objective;
@@ -152,9 +153,11 @@ struct JudgeDirection {
     control.met = judge.meets() && !rose ? 1 : 0;
     // Neighbours that were found anew where iterations had converged seldom change anything.
     const bool again = control.begun > 1 && !control.advance;
-    const bool settled = control.sinceRestart > 0 ? objective > (1 - kSettled) * control.objective : again;
+    const double gain = control.objective - objective;
+    const double small = kSettled * control.objective, ofBulk = judge.settled * double(judge.count.get());
+    const bool settled = control.sinceRestart > 0 ? gain < (small > ofBulk ? small : ofBulk) : again;
     control.metInARow = control.met && settled ? control.metInARow + 1 : 0;
-    const bool gains = control.objective == 0 || objective < (1 - gain) * control.objective;
+    const bool gains = control.objective == 0 || objective < (1 - least) * control.objective;
     control.withoutGain = gains ? 0 : control.withoutGain + 1;
     if ((control.iterations >= kMin && control.metInARow >= judge.meetings) ||
         control.withoutGain >= patience) {
