@@ -32,10 +32,10 @@ struct AppendBatch {
   ArrayView<const Vec3f> newPositions;
   ParticleBatch::VelocityView newVelocities;
   ArrayView<const int> order;  // empty for all
-  int firstId;
+  std::int64_t firstId;
   const int* count;
   ArrayView<Vec3f> positions, velocities;
-  ArrayView<int> ids;
+  ArrayView<std::int64_t> ids;
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = *count + k;
     const int from = order.size > 0 ? order[k] : static_cast<int>(k);
@@ -62,6 +62,9 @@ struct PermuteRange {
       auto* const vectors = reinterpret_cast<Vec3f*>(column.to);
       if (column.words == 1)
         fill(column.to, [&](int i) { return column.from[i]; });
+      else if (column.words == detail::Permute::kWordsOfLong)
+        fill(reinterpret_cast<std::uint64_t*>(column.to),
+             [&](int i) { return reinterpret_cast<const std::uint64_t*>(column.from)[i]; });
       else if (column.words != detail::Permute::kWordsOfVector)
         for (std::int64_t k = begin; k < end; ++k) detail::Permute::copyWords(column, k, p.order[k]);
       else if (moves && c == p.position)
@@ -95,8 +98,8 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   const Count count{batch.count, selected.kept};
   parallelFor(
       device, "append", count,
-      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
-                  counter_.data(), position_->values.view(), velocity_->values.view(), id_->values.view()});
+      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, nextId_, counter_.data(),
+                  position_->values.view(), velocity_->values.view(), id_->values.view()});
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
 }
 

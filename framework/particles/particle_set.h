@@ -89,10 +89,10 @@ class ParticleSet {
 
   Attribute<Vec3f> positions() { return handleOf<Vec3f>(position_); }
   Attribute<Vec3f> velocities() { return handleOf<Vec3f>(velocity_); }
-  Attribute<int> ids() { return handleOf<int>(id_); }
+  Attribute<std::int64_t> ids() { return handleOf<std::int64_t>(id_); }
   Attribute<const Vec3f> positions() const { return handleOf<Vec3f>(position_); }
   Attribute<const Vec3f> velocities() const { return handleOf<Vec3f>(velocity_); }
-  Attribute<const int> ids() const { return handleOf<int>(id_); }
+  Attribute<const std::int64_t> ids() const { return handleOf<std::int64_t>(id_); }
 
   /// The exact number stands on the device; the host knows an upper bound until the next refreshCount().
   Count count() const { return {bound_, counter_.data()}; }
@@ -175,7 +175,7 @@ class ParticleSet {
   detail::SpareMemory spares_;
   std::vector<Storage> storages_;
   std::shared_ptr<detail::TypedStorage<Vec3f>> position_, velocity_;
-  std::shared_ptr<detail::TypedStorage<int>> id_;
+  std::shared_ptr<detail::TypedStorage<std::int64_t>> id_;
   Array<Vec4f> wide_, places_;
   std::shared_ptr<detail::Room> vectorRoom_, wideRoom_, placesRoom_;
   ByProducts byProducts_;

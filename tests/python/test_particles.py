@@ -75,7 +75,7 @@ def test_attributes(sim, scene):
     assert not np.array_equal(scene.water.ids, np.arange(len(particles)))  # and they were sorted
     with pytest.raises(weir.Error, match="different types"):
         particles.add("tag", "float")
-    with pytest.raises(weir.Error, match="float, vec3, int or mat3"):
+    with pytest.raises(weir.Error, match="float, vec3, int, mat3 or int64"):
         particles.add("other", "double")
     with pytest.raises(weir.Error, match="is not a valid name"):
         particles.add("a b")

@@ -8,6 +8,7 @@
 #include "framework/scene/scene_file.h"
 #include "nodes/particle_file/ply_reader.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
+#include "plugins/vtkhdf/vtkhdf_writer.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
 
@@ -88,6 +89,32 @@ TEST_F(ParticlesWithoutAFluid, AreDrawnAndReplayed) {
       withPlugin({"render", file, "--scene", folder / "scene.json"}, {"--images", folder / "replay"});
   ASSERT_EQ(replay.code, 0) << replay.err;
   for (int frame = 0; frame < 4; ++frame) EXPECT_EQ(picture("replay", frame), picture("run", frame)) << frame;
+}
+
+TEST_F(ParticlesWithoutAFluid, AreReplayedByIdsOf32BitsAsOf64) {
+  const std::vector<Vec3f> positions{{-0.4f, 0, 0}, {0, 0, 0}, {0.4f, 0, 0}}, velocities(3);
+  const std::vector<std::int32_t> ids{0, 1, 2};
+  const std::vector<std::int64_t> longIds{0, 1, 2}, births{std::int64_t{1} << 40, 2, 3};
+  const auto replayed = [&](const std::string& name, VtkHdfType type, const VtkHdfValues& values) {
+    VtkHdfWriter writer(folder / name + ".vtkhdf", {.attributes = {{"velocity", 3, VtkHdfType::kFloat32, ""},
+                                                                   {"id", 1, type, ""},
+                                                                   {"birth", 1, VtkHdfType::kInt64, ""}},
+                                                    .fields = {}});
+    writer.append({.time = 0,
+                   .positions = positions,
+                   .attributes = {flat(velocities), values, std::span(births)},
+                   .fields = {}});
+    writer.setText("fluids", "vortex\n");
+    writer.close();
+    const ChildResult replay =
+        withPlugin({"render", folder / name + ".vtkhdf", "--scene", folder.write("scene.json", kScene)},
+                   {"--images", folder / name, "--set", "render.color.by=id"});
+    EXPECT_EQ(replay.code, 0) << replay.err;
+    return picture(name, 0);
+  };
+  const std::string from32 = replayed("short", VtkHdfType::kInt32, std::span(ids));
+  EXPECT_FALSE(from32.empty());
+  EXPECT_EQ(from32, replayed("long", VtkHdfType::kInt64, std::span(longIds)));
 }
 
 TEST_F(ParticlesWithoutAFluid, HaveASurface) {

@@ -377,6 +377,16 @@ test("a packet is read where its header says", () => {
   expect(packet.kind === "geometry" && [...packet.meshes[0]!.vertices]).toEqual([1, 2, 3]);
 });
 
+test("ids of particles have 64 bits", () => {
+  const header = '{"kind":"frame","frame":0,"time":0,"poses":{},"fluids":[{"node":"w","count":2,"positions":0,"ids":16}]}'.padEnd(108);
+  const buffer = new ArrayBuffer(4 + 108 + 32);
+  new DataView(buffer).setUint32(0, 108, true);
+  new Uint8Array(buffer, 4, 108).set(new TextEncoder().encode(header));
+  new BigInt64Array(buffer, 128, 2).set([7n, 2n ** 40n + 5n]);
+  const packet = readPacket(buffer);
+  expect(packet.kind === "frame" && [...packet.fluids[0]!.ids]).toEqual([7, 2 ** 40 + 5]);
+});
+
 describe("playback of recorded frames", () => {
   const pace = { rate: 30, speed: 1, way: 1 as const, loop: false, last: 60 };
   test("goes by the clock, forwards and backwards", () => {
