@@ -1,7 +1,6 @@
 #include "framework/particles/particle_set.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "framework/base/error.h"
 #include "framework/graph/memory_estimate.h"
@@ -131,6 +130,11 @@ void ParticleSet::settle() {
 }
 
 void ParticleSet::rearrange() {
+  halo_ = 0;
+  moveElements();
+}
+
+void ParticleSet::moveElements() {
   for (const auto& room : {vectorRoom_, wideRoom_, placesRoom_}) {
     const bool scratchMemoryIsLent = room->isLent && room->isByParticle;
     WEIR_CHECK(!scratchMemoryIsLent);
@@ -158,9 +162,7 @@ void ParticleSet::makeRoom(std::int64_t particles) {
 
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
-  // Kernels number those that are there at a time by ints.
-  if (bound_ + batch.count > std::numeric_limits<int>::max())
-    throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
+  checkFits(bound_ + batch.count);
   settle();
   rearrange();
   const std::int64_t need = bound_ + batch.count;
@@ -168,7 +170,7 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   dispatch(*device_, [&](auto& device) {
     for (const Storage& storage : storages_) {
       const auto [words, wordsInOne] = storage->words();
-      zeroBehindOn(device, words, wordsInOne, batch.count);
+      zeroFromOn(device, words, wordsInOne, count(), batch.count);
     }
     appendOn(device, batch, selected);
   });

@@ -18,12 +18,12 @@ struct Move {
   }
 };
 
-struct ZeroBehind {
+struct ZeroFrom {
   ArrayView<std::uint32_t> words;
   int wordsInOne;
-  const int* count;
+  Count first;
   WEIR_HD void operator()(std::int64_t k) const {
-    std::uint32_t* const element = words.data + (*count + k) * wordsInOne;
+    std::uint32_t* const element = words.data + (first.get() + k) * wordsInOne;
     for (int word = 0; word < wordsInOne; ++word) element[word] = 0;
   }
 };
@@ -88,9 +88,9 @@ struct Advance {
 }  // namespace
 
 template <class Backend>
-void ParticleSet::zeroBehindOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne,
-                               std::int64_t amount) {
-  parallelFor(device, "zero", amount, ZeroBehind{words, wordsInOne, counter_.data()});
+void ParticleSet::zeroFromOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne,
+                             const Count& first, std::int64_t amount) {
+  parallelFor(device, "zero", amount, ZeroFrom{words, wordsInOne, first});
 }
 
 template <class Backend>
@@ -100,7 +100,12 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
       device, "append", count,
       AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, nextId_, counter_.data(),
                   position_->values.view(), velocity_->values.view(), id_->values.view()});
-  parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
+  countMoreOn(device, count);
+}
+
+template <class Backend>
+void ParticleSet::countMoreOn(Backend& device, const Count& amount) {
+  parallelFor(device, "advance count", 1, Advance{counter_.data(), amount});
 }
 
 template <class Backend>
@@ -118,7 +123,9 @@ void ParticleSet::moveOn(Backend& device, const FreeMotion& motion) {
   parallelFor(device, "move", count(), Move{motion, position_->values.view(), velocity_->values.view()});
 }
 
-template void ParticleSet::zeroBehindOn(ThisBackend&, ArrayView<std::uint32_t>, int, std::int64_t);
+template void ParticleSet::zeroFromOn(ThisBackend&, ArrayView<std::uint32_t>, int, const Count&,
+                                      std::int64_t);
+template void ParticleSet::countMoreOn(ThisBackend&, const Count&);
 template void ParticleSet::moveOn(ThisBackend&, const FreeMotion&);
 
 template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);

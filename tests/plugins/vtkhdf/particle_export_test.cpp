@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "framework/graph/registry.h"
+#include "framework/particles/pack_layout.h"
 #include "framework/run/run.h"
 #include "framework/scene/scene_file.h"
 #include "nodes/register_nodes.h"
@@ -212,6 +213,25 @@ TEST_P(ParticleExportTest, WritesAttributesThatOthersAddAndIdsOf64Bits) {
   EXPECT_EQ(valuesOf<float>(step, "spin")[3 * 215 + 1], 2);
   EXPECT_EQ(step.find("late"), nullptr);
   EXPECT_CONTAINS(messages_, "leaves out the attribute 'late' of the fluid 'water'");
+}
+
+TEST_P(ParticleExportTest, LeavesOutTheHalo) {
+  const auto sim = simulation(oneFluid());
+  ParticleExport exporter(file_);
+  FluidState last;
+  AtFrames showSome([&](Simulation& s) {
+    last = stateOf(s, "water");
+    ParticleSet& set = particlesOf(s, "water");
+    const PackLayout layout(set);
+    const Array<int> some(*device_, std::vector<int>{5, 2, 7});
+    Array<std::byte> bytes(*device_);
+    set.pack(layout, some.view(), bytes);
+    set.appendHalo(layout, std::as_const(bytes).view());
+    EXPECT_EQ(set.countWithHalo().get(), set.bound() + some.size());
+  });
+  Observer* observers[] = {&showSome, &exporter};
+  runSimulation(*sim, observers);
+  expectEqual(VtkHdfReader(file_).readLast(), last);
 }
 
 TEST_P(ParticleExportTest, LeavesOutWhatNotAllFluidsHave) {
