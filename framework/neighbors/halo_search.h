@@ -25,8 +25,6 @@ struct FindWithHalo {
   Find find;
   HaloCells halo;
 
-  const auto& output() const { return find.writer; }
-
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
     FoundNeighbors to{scratch};
     const int found = search(i, to);

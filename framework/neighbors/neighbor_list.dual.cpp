@@ -171,8 +171,6 @@ struct FindNeighbors {
 
   Count count;
 
-  const ListWriter& output() const { return writer; }
-
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
     FoundNeighbors to{scratch};
@@ -235,19 +233,18 @@ struct FillBehind {
 /// `Search` is FindNeighbors, or that with a halo.
 template <class Backend, class Search>
 void searchPortably(Backend& device, std::string_view name, Count count, [[maybe_unused]] int capacity,
-                    const Search& search) {
+                    [[maybe_unused]] const ListWriter& writer, const Search& search) {
 #ifdef __CUDACC__
   parallelForWithScratch(device, name, count, capacity, search);
 #else
   // Straight into the list.
-  parallelFor(device, name, count, [search](std::int64_t i) {
-    const ListWriter& writer = search.output();
+  parallelFor(device, name, count, [search, writer](std::int64_t i) {
     FoundNeighbors to{Scratch{writer.entries + listPlace(i, writer.room), kInterleaved}};
     const int found = search.search(i, to);
     writer.finish(i, found, to.kept);
   });
 #ifdef WEIR_HAS_EIGHT
-  forEachRange(device, name, count, FillBehind{search.output()});
+  forEachRange(device, name, count, FillBehind{writer});
 #endif
 #endif
 }
@@ -374,9 +371,9 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* 
   if (halo > 0) {
     const HaloCells cells{haloCells_.start(), haloCells_.order(), static_cast<int>(count.bound),
                           particles.ids().read()};
-    return searchPortably(device, kName, count, capacity_, FindWithHalo<FindNeighbors>{find, cells});
+    return searchPortably(device, kName, count, capacity_, writer, FindWithHalo<FindNeighbors>{find, cells});
   }
-  if (usesPortableSearch_) return searchPortably(device, kName, count, capacity_, find);
+  if (usesPortableSearch_) return searchPortably(device, kName, count, capacity_, writer, find);
 #if defined(__CUDACC__)
   static_assert(kFewForTeams <= kAllInWindows);
   searchOnGpu<kFewForTeams>(device, kName, count, capacity_, find, fine_);
@@ -397,7 +394,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* 
                                   {crowding, positions.size},
                                   events_.data()});
 #else
-  searchPortably(device, kName, count, capacity_, find);
+  searchPortably(device, kName, count, capacity_, writer, find);
 #endif
 }
 

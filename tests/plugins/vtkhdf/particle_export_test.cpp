@@ -191,7 +191,7 @@ ParticleSet& particlesOf(Simulation& simulation, const char* fluid) {
 }
 
 TEST_P(ParticleExportTest, WritesAttributesThatOthersAddAndIdsOf64Bits) {
-  constexpr std::int64_t kLarge = (std::int64_t{1} << 40) + 1;
+  static constexpr std::int64_t kLarge = (std::int64_t{1} << 40) + 1;
   const auto sim = simulation(oneFluid());
   ParticleExport exporter(file_);
   AtFrames add([](Simulation& s) {
