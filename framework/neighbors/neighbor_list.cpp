@@ -32,7 +32,10 @@ NeighborList::NeighborList(Device& device)
       columns_(device),
       events_(device),
       haloCells_(device),
-      haloListed_(device) {
+      haloListed_(device),
+      mergedStart_(device),
+      merged_(device),
+      mergedPlaces_(device) {
   events_.resize(kEvents);
   events_.fillZero();
 }
@@ -76,7 +79,7 @@ void NeighborList::list(ParticleSet& particles) {
   const std::int64_t halo = particles.haloCount();
   if (halo > 0) {
     makeRoom(particles.capacity(), halo);
-    dispatch(particles.device(), [&](auto& device) { sortHaloOn(device, particles); });
+    dispatch(particles.device(), [&](auto& device) { mergeHaloOn(device, particles); });
   }
   const Version positions = particles.positions().version();
   const Lease<Vec3f> room = particles.leaseVectors();

@@ -7,7 +7,7 @@
 #include "framework/neighbors/code_search.h"
 #include "framework/neighbors/crowding.h"
 #include "framework/neighbors/group_threads.h"
-#include "framework/neighbors/halo_search.h"
+#include "framework/neighbors/halo_order.h"
 #include "framework/neighbors/lane_search.h"
 #include "framework/neighbors/list_packer.h"
 #include "framework/particles/permutation.h"
@@ -161,15 +161,18 @@ struct ListWriter {
   }
 };
 
-/// The search of every back end, with which the others are compared.
+/// The search of every back end, with which the others are compared. `Order` is InPlace or MergedOrder, in
+/// which cells start at `cellStart`.
+template <class Order>
 struct FindNeighbors {
+  Order order;
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
   float radiusSquared;
   ListWriter writer;
-
-  Count count;
+  Count count;    // of particles that get a list
+  Count inOrder;  // of all, with the halo
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
@@ -190,7 +193,8 @@ struct FindNeighbors {
 #ifdef __CUDA_ARCH__
 #pragma unroll 2  // so that several positions are under way at once
 #endif
-      for (int j = begin; j < end; ++j) {
+      for (int place = begin; place < end; ++place) {
+        const int j = order.particleAt(place);
         const Vec3f d = positions[j] - p;
         const float squared = dot(d, d);
         // Beyond the radius it adds 0, which costs less than to ask.
@@ -230,24 +234,56 @@ struct FillBehind {
 
 #endif
 
-/// `Search` is FindNeighbors, or that with a halo.
-template <class Backend, class Search>
-void searchPortably(Backend& device, std::string_view name, Count count, [[maybe_unused]] int capacity,
-                    [[maybe_unused]] const ListWriter& writer, const Search& search) {
+template <class Backend, class Order>
+void searchPortably(Backend& device, std::string_view name, const FindNeighbors<Order>& find) {
 #ifdef __CUDACC__
-  parallelForWithScratch(device, name, count, capacity, search);
+  parallelForWithScratch(device, name, find.count, find.writer.capacity, find);
 #else
   // Straight into the list.
-  parallelFor(device, name, count, [search, writer](std::int64_t i) {
-    FoundNeighbors to{Scratch{writer.entries + listPlace(i, writer.room), kInterleaved}};
-    const int found = search.search(i, to);
-    writer.finish(i, found, to.kept);
+  parallelFor(device, name, find.count, [find](std::int64_t i) {
+    FoundNeighbors to{Scratch{find.writer.entries + listPlace(i, find.writer.room), kInterleaved}};
+    const int found = find.search(i, to);
+    find.writer.finish(i, found, to.kept);
   });
 #ifdef WEIR_HAS_EIGHT
-  forEachRange(device, name, count, FillBehind{writer});
+  forEachRange(device, name, find.count, FillBehind{find.writer});
 #endif
 #endif
 }
+
+#if !defined(__CUDACC__) && defined(WEIR_HAS_LANES)
+
+void fillPlaces(ThisBackend& device, const FindNeighbors<InPlace>& find, const detail::ShortPlaces& to) {
+  parallelForEights(device, "columns", find.count,
+                    detail::FillShortPlaces{find.positions, find.grid.inverseCellSize, to});
+}
+void fillPlaces(ThisBackend& device, const FindNeighbors<MergedOrder>& find, const detail::ShortPlaces& to) {
+  parallelForEights(device, "columns", find.inOrder,
+                    detail::FillMergedPlaces{find.positions, find.grid.inverseCellSize, to, find.order});
+}
+
+template <class Order>
+void searchByLanes(ThisBackend& device, std::string_view name, const FindNeighbors<Order>& find,
+                   Array<float>& columns) {
+  const ListWriter& to = find.writer;
+  const detail::ShortPlaces places(columns, find.positions.size);
+  fillPlaces(device, find, places);
+  forEachRange(device, name, find.count,
+               detail::LaneSearch<Order>{find.order,
+                                         places,
+                                         find.positions,
+                                         find.cellStart,
+                                         find.grid,
+                                         find.radiusSquared,
+                                         to.capacity,
+                                         to.room,
+                                         to.entries,
+                                         to.counts,
+                                         {to.crowding, find.positions.size},
+                                         to.truncated});
+}
+
+#endif
 
 // Sorting and listing borrow memory that nobody needs meanwhile.
 
@@ -341,65 +377,60 @@ void NeighborList::sortOn(Backend& device, ParticleSet& particles, const Aabb& d
 }
 
 template <class Backend>
-void NeighborList::sortHaloOn(Backend& device, const ParticleSet& particles) {
+void NeighborList::mergeHaloOn(Backend& device, const ParticleSet& particles) {
   const ProfileScope scope(device.profiler(), "halo");
-  const std::int64_t first = particles.bound();
+  const std::int64_t owned = particles.bound(), halo = particles.haloCount();
+  const AttributeView<const std::int64_t> ids = particles.ids().read();
   haloListed_.resizeDiscarding(1);
-  haloCells_.sort(device, particles.haloCount(), grid_.cellCount(),
-                  HaloKey{particles.positions().read(), grid_, first}, haloListed_.data());
-  putIntoOrderOfIds(device, haloCells_.start(), haloCells_.orderToChange(), particles.ids().read(), first);
+  haloCells_.sort(device, halo, grid_.cellCount(), HaloKey{particles.positions().read(), grid_, owned},
+                  haloListed_.data());
+  putIntoOrderOfIds(device, haloCells_.start(), haloCells_.orderToChange(), ids, owned);
+  mergedStart_.resizeDiscarding(cellStart_.size);
+  merged_.resizeDiscarding(owned + halo + MergedOrder::kBehind);
+  merged_.fillZero();  // what is in no cell is at no place
+  mergedPlaces_.resizeDiscarding(owned);
+  parallelFor(device, "merge", cellStart_.size,
+              MergeCell{cellStart_, haloCells_.start(), haloCells_.order().data, static_cast<int>(owned),
+                        ids.view(), mergedStart_.view(), merged_.data(), mergedPlaces_.data()});
 }
 
 template <class Backend>
 void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* crowding, Vec4f* places) {
-  const Count count = particles.count();
-  const ArrayView<const int> cellStart = cellStart_;
-  const std::int64_t halo = particles.haloCount();
-  const ArrayView<const Vec3f> positions = particles.positions().read();
-  const float radiusSquared = radius_ * radius_;
+  const Count owned = particles.count(), all = particles.countWithHalo();
   constexpr std::string_view kName = "find neighbours";
   const ListWriter writer{
-      capacity_,
-      room_,
-      entries_.data(),
-      counts_.data(),
-      crowding,
-      places,
-      events_.data(),
-      {packed(), events_.data() + 3, events_.data() + 4, count.bound + halo <= kAllInWindows}};
-  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
-  if (halo > 0) {
-    const HaloCells cells{haloCells_.start(), haloCells_.order(), static_cast<int>(count.bound),
-                          particles.ids().read()};
-    return searchPortably(device, kName, count, capacity_, writer, FindWithHalo<FindNeighbors>{find, cells});
+      capacity_,       room_,
+      entries_.data(), counts_.data(),
+      crowding,        places,
+      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, all.bound <= kAllInWindows}};
+  const auto finding = [&]<class Order>(const Order& order, ArrayView<const int> cellStart) {
+    return FindNeighbors<Order>{
+        order, particles.positions().read(), cellStart, grid_, radius_ * radius_, writer, owned, all};
+  };
+  const auto find = finding(InPlace{}, cellStart_);
+  if (particles.haloCount() > 0) {
+    const auto both = finding(MergedOrder{merged_.data(), mergedPlaces_.data()}, mergedStart_.view());
+#if defined(__CUDACC__)
+    if (!usesPortableSearch_ && fine_ != nullptr)
+      return searchBesideHalo(device, kName, owned, capacity_, find, both, fine_, haloCells_.start().data);
+#elif defined(WEIR_HAS_LANES)
+    if (!usesPortableSearch_) return searchByLanes(device, kName, both, columns_);
+#endif
+    return searchPortably(device, kName, both);
   }
-  if (usesPortableSearch_) return searchPortably(device, kName, count, capacity_, writer, find);
+  if (usesPortableSearch_) return searchPortably(device, kName, find);
 #if defined(__CUDACC__)
   static_assert(kFewForTeams <= kAllInWindows);
-  searchOnGpu<kFewForTeams>(device, kName, count, capacity_, find, fine_);
+  searchOnGpu<kFewForTeams>(device, kName, owned, capacity_, find, fine_);
 #elif defined(WEIR_HAS_LANES)
-  const detail::ShortPlaces shortPlaces(columns_, positions.size);
-  parallelForEights(device, "columns", count,
-                    detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
-  forEachRange(device, kName, count,
-               detail::LaneSearch{shortPlaces,
-                                  positions,
-                                  cellStart,
-                                  grid_,
-                                  radiusSquared,
-                                  capacity_,
-                                  room_,
-                                  entries_.data(),
-                                  counts_.data(),
-                                  {crowding, positions.size},
-                                  events_.data()});
+  searchByLanes(device, kName, find, columns_);
 #else
-  searchPortably(device, kName, count, capacity_, writer, find);
+  searchPortably(device, kName, find);
 #endif
 }
 
 template void NeighborList::sortOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);
-template void NeighborList::sortHaloOn(ThisBackend&, const ParticleSet&);
+template void NeighborList::mergeHaloOn(ThisBackend&, const ParticleSet&);
 template void NeighborList::listOn(ThisBackend&, const ParticleSet&, float*, Vec4f*);
 
 }  // namespace weir

@@ -171,7 +171,7 @@ class NeighborList {
 
   /// Has the particles of a cell stand in the order of their ids. Then every list has the order (cell, id),
   /// and sums over neighbours have the same bits however particles are divided among sets that have halos. On
-  /// CUDA that is so with the portable search alone.
+  /// CUDA that is so with the portable search, and where each set owns more than 32,768 particles.
   void orderByIds() { ordersByIds_ = true; }
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
@@ -214,7 +214,7 @@ class NeighborList {
   template <class Backend>
   void sortOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void sortHaloOn(Backend& device, const ParticleSet& particles);
+  void mergeHaloOn(Backend& device, const ParticleSet& particles);
   template <class Backend>
   void listOn(Backend& device, const ParticleSet& particles, float* crowding, Vec4f* places);
   /// Of that many particles; a team of threads searches for each of fewer.
@@ -242,8 +242,10 @@ class NeighborList {
   Lease<Vec4f> sortedRoom_;
   ArrayView<int> cellStart_;
   FineCell* fine_ = nullptr;
+  // With a halo: its particles by cells, how many of them are in cells, and all in the order of the search.
   CellSort haloCells_;
-  Array<int> haloListed_;  // how many of it are in cells
+  Array<int> haloListed_;
+  Array<int> mergedStart_, merged_, mergedPlaces_;  // see MergedOrder
 };
 
 }  // namespace weir

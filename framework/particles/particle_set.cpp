@@ -195,6 +195,11 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   nextId_ += batch.count;
 }
 
+void ParticleSet::continueIdsFrom(std::int64_t id) {
+  WEIR_CHECK(id >= nextId_);
+  nextId_ = id;
+}
+
 void ParticleSet::permute(ArrayView<const int> order) {
   dispatch(*device_, [&](auto& device) { permuteOn(device, order); });
 }

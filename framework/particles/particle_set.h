@@ -156,6 +156,11 @@ class ParticleSet {
   void append(const ParticleBatch& batch) { append(batch, {}); }
   /// Only those that are selected. Ids are given to all. The host counts all until the next refreshCount().
   void append(const ParticleBatch& batch, const BatchSelection& selected);
+  /// The id of the next one that is appended. Sets that share a fluid append the same batches, each a
+  /// selection of its own, or tell each other where ids go on, so that no two particles have the same. Ids
+  /// never go back (a WEIR_CHECK).
+  std::int64_t nextId() const { return nextId_; }
+  void continueIdsFrom(std::int64_t id);
   /// Particle order[k] becomes particle k, for k < count(). The order may leave particles out if the counter
   /// was lowered to fit.
   void permute(ArrayView<const int> order);

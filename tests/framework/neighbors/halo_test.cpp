@@ -31,9 +31,12 @@ Mat3f matrixOf(std::int64_t id) {
   return {{vectorOf(id, 4), vectorOf(id, 5), vectorOf(id, 6)}};
 }
 
+/// Whether lists are made as fast as may be or as every back end can.
+enum class Way { kFastest, kPortable };
+
 /// A set with attributes of every type, and its lists.
 struct Part {
-  explicit Part(Device& device) : particles(device), list(device), sums(device) {
+  Part(Device& device, Way way) : particles(device), list(device), sums(device) {
     heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
     spin = particles.add<Vec3f>({.name = "spin", .unit = "", .doc = ""});
     field = particles.add<Vec3f>({.name = "field", .unit = "", .doc = ""});
@@ -43,8 +46,7 @@ struct Part {
     particles.add<float>({.name = "derived", .unit = "", .doc = "", .derived = true});
     list.configure(kRadius, kCapacity);
     list.orderByIds();
-    // Elsewhere the lists of the fastest search have another order.
-    if (device.kind() == DeviceKind::kCuda) list.usePortableSearch();
+    if (way == Way::kPortable) list.usePortableSearch();
   }
 
   std::vector<std::int64_t> ids() { return particles.ids().toHost(particles.refreshCount()); }
@@ -88,8 +90,13 @@ class HaloTest : public OnDevice {
  protected:
   static constexpr int kCount = 12000;
 
-  std::unique_ptr<Part> wholeCloud() const {
-    auto part = std::make_unique<Part>(*device);
+  /// So few are searched for by teams on CUDA, whose lists have another order.
+  Way wayOfFew() const { return device->kind() == DeviceKind::kCuda ? Way::kPortable : Way::kFastest; }
+
+  /// Of kCount for each m along x.
+  std::unique_ptr<Part> wholeCloud(Way way, int count = kCount) const {
+    auto part = std::make_unique<Part>(*device, way);
+    const float length = float(count) / kCount;
     std::mt19937 random(7);
     std::uniform_real_distribution<float> unit(0, 1), speed(-1, 1);
     std::vector<Vec3f> positions, velocities, spins;
@@ -97,8 +104,8 @@ class HaloTest : public OnDevice {
     std::vector<Mat3f> stresses;
     std::vector<int> phases;
     std::vector<std::int64_t> stamps;
-    for (std::int64_t i = 0; i < kCount; ++i) {
-      positions.push_back({unit(random), 0.6f * unit(random), 0.5f * unit(random)});
+    for (std::int64_t i = 0; i < count; ++i) {
+      positions.push_back({length * unit(random), 0.6f * unit(random), 0.5f * unit(random)});
       velocities.push_back({2 + speed(random), speed(random), speed(random)});
       heats.push_back(0.5f + float(i));
       spins.push_back(vectorOf(i, 3));
@@ -129,7 +136,7 @@ class HaloTest : public OnDevice {
     std::size_t size() const { return all.size(); }
   };
 
-  Parts divide(Part& whole, const std::vector<float>& inner) const {
+  Parts divide(Part& whole, Way way, const std::vector<float>& inner) const {
     Parts parts;
     parts.cuts = {-kInfinity};
     parts.cuts.insert(parts.cuts.end(), inner.begin(), inner.end());
@@ -137,7 +144,7 @@ class HaloTest : public OnDevice {
     const PackLayout layout(whole.particles);
     Array<std::byte> buffer(*device);
     for (std::size_t k = 0; k + 1 < parts.cuts.size(); ++k) {
-      auto& part = parts.all.emplace_back(std::make_unique<Part>(*device));
+      auto& part = parts.all.emplace_back(std::make_unique<Part>(*device, way));
       const Array<int> indices = whole.within(parts.cuts[k], parts.cuts[k + 1]);
       whole.particles.pack(layout, indices.view(), buffer);
       PackLayout(part->particles).checkSame(layout.describe(), "the whole");
@@ -241,8 +248,8 @@ TEST_P(HaloTest, SumsAndFlightAreThoseOfASingleSetToTheLastBit) {
   // The cuts go through cells; the third division has parts thinner than the radius.
   for (const std::vector<float>& cuts : {std::vector<float>{0.97f}, std::vector<float>{0.4f, 0.9f},
                                          std::vector<float>{0.8f, 0.83f, 0.86f, 1.1f}}) {
-    const auto whole = wholeCloud();
-    Parts parts = divide(*whole, cuts);
+    const auto whole = wholeCloud(wayOfFew());
+    Parts parts = divide(*whole, wayOfFew(), cuts);
     int moved = 0;
     for (int step = 0; step < 10; ++step) {
       SCOPED_TRACE(std::to_string(parts.size()) + " parts, step " + std::to_string(step));
@@ -281,8 +288,8 @@ TEST_P(HaloTest, SumsAndFlightAreThoseOfASingleSetToTheLastBit) {
 }
 
 TEST_P(HaloTest, ListsAreInTheOrderOfCellsAndIds) {
-  const auto whole = wholeCloud();
-  Parts parts = divide(*whole, {0.5f});
+  const auto whole = wholeCloud(wayOfFew());
+  Parts parts = divide(*whole, wayOfFew(), {0.5f});
   for (const auto& part : parts.all) find(*part);
   exchangeHalos(parts);
   whole->list.build(whole->particles, kEverywhere);
@@ -304,6 +311,60 @@ TEST_P(HaloTest, ListsAreInTheOrderOfCellsAndIds) {
       ASSERT_EQ(named, expected[ids[i]]);
     }
     EXPECT_TRUE(reachesHalo);
+  }
+}
+
+/// Of more particles than teams search for. Some lists are of a set's own particles alone.
+TEST_P(HaloTest, EachSearchFindsThemAsInASingleSet) {
+  constexpr int kMany = 90000;
+  std::map<std::int64_t, Known> ofWay[2];
+  for (const Way way : {Way::kFastest, Way::kPortable}) {
+    const auto whole = wholeCloud(way, kMany);
+    Parts parts = divide(*whole, way, {3.71f});
+    for (const auto& part : parts.all) find(*part);
+    exchangeHalos(parts);
+    find(*whole);
+    whole->list.list(whole->particles);
+    whole->sum();
+    std::map<std::int64_t, Known> known, &expected = ofWay[int(way)];
+    learn(*whole, expected);
+    for (const auto& part : parts.all) {
+      part->list.list(part->particles);
+      part->sum();
+      EXPECT_EQ(part->list.eventsOnHost().cutOffByOrder, 0);
+      learn(*part, known);
+    }
+    ASSERT_TRUE(known == expected) << int(way);
+  }
+  for (const auto& [id, known] : ofWay[0]) {
+    ASSERT_EQ(known.sums, ofWay[1].at(id).sums) << "another order";
+    ASSERT_NEAR(known.crowding, ofWay[1].at(id).crowding, 1e-4);
+  }
+}
+
+/// More of the halo than a list has room for, and more in a row than the fastest search takes at once.
+TEST_P(HaloTest, AreCutOffWhereTheyAreTooMany) {
+  for (const Way way : {Way::kFastest, Way::kPortable}) {
+    Part part(*device, way), other(*device, way);
+    ParticleBatch one, many;
+    one.assign(*device, std::vector<Vec3f>{{0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.51f}}, Vec3f{});
+    many.assign(*device, std::vector<Vec3f>(3000, Vec3f{0.51f, 0.5f, 0.5f}), Vec3f{});
+    part.particles.append(one);
+    other.particles.continueIdsFrom(2);
+    other.particles.append(many);
+    const PackLayout layout(part.particles);
+    const Array<int> all = other.within(-1, 1);
+    Array<std::byte> message(*device);
+    other.particles.pack(layout, all.view(), message);
+    find(part);
+    part.particles.appendHalo(layout, std::as_const(message).view());
+    part.list.list(part.particles);
+    EXPECT_EQ(part.list.eventsOnHost().truncated, 2);
+    EXPECT_EQ(part.list.countsOnHost(2), (std::vector<int>{kCapacity, kCapacity}));
+    const std::vector<std::vector<int>> lists = part.list.listsOnHost(2);
+    for (int i = 0; i < 2; ++i)
+      for (int k = 0; k < kCapacity; ++k)
+        ASSERT_EQ(lists[std::size_t(i)][std::size_t(k)], k == 0 ? 1 - i : 1 + k) << i << ", " << k;
   }
 }
 

@@ -85,18 +85,15 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
 TEST_P(ParticleSetTest, IdsGoOnWhereThirtyTwoBitsEnd) {
   constexpr std::int64_t kGiven = std::int64_t{1} << 31;
   ParticleSet particles(*device);
-  StateArrays arrays;
-  particles.save(StateWriter(arrays));
-  arrays.erase("next_id");
-  StateWriter(arrays).put("next_id", kGiven - 1);
-  particles.restore(StateReader(arrays));
+  particles.continueIdsFrom(kGiven - 1);
   ParticleBatch batch;
   batch.assign(*device, std::vector<Vec3f>(2), Vec3f{});
   particles.append(batch);
   particles.append(batch);
   EXPECT_EQ(particles.ids().toHost(4),
             (std::vector<std::int64_t>{kGiven - 1, kGiven, kGiven + 1, kGiven + 2}));
-  arrays.clear();
+  EXPECT_EQ(particles.nextId(), kGiven + 3);
+  StateArrays arrays;
   particles.refreshCount();
   particles.save(StateWriter(arrays));
   EXPECT_EQ(arrays.at("id").kind, StateKind::kInt64);
