@@ -24,6 +24,7 @@ import { roleOf } from "../src/model/roles";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
 import { fileNameOf, pathProblem, withNumber } from "../src/model/names";
+import { shortText } from "../src/model/numbers";
 import { readPacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
@@ -385,6 +386,11 @@ test("ids of particles have 64 bits", () => {
   new BigInt64Array(buffer, 128, 2).set([7n, 2n ** 40n + 5n]);
   const packet = readPacket(buffer);
   expect(packet.kind === "frame" && [...packet.fluids[0]!.ids]).toEqual([7, 2 ** 40 + 5]);
+});
+
+test("tables show whole numbers whole, and four digits of others", () => {
+  expect(shortText(2 ** 40 + 5)).toBe("1099511627781");
+  expect([12345, 1234.56, [0.123456, -98765.4], null].map(shortText)).toEqual(["12345", "1235", "0.1235, -98770", "–"]);
 });
 
 describe("playback of recorded frames", () => {
