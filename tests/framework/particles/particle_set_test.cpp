@@ -103,6 +103,20 @@ TEST_P(ParticleSetTest, IdsGoOnWhereThirtyTwoBitsEnd) {
   EXPECT_EQ(other.ids().toHost(6).back(), kGiven + 4);
 }
 
+TEST_P(ParticleSetTest, RefusesCheckpointsWithIdsOf32Bits) {
+  ParticleSet particles(*device);
+  ParticleBatch batch;
+  batch.assign(*device, std::vector<Vec3f>(2), Vec3f{});
+  particles.append(batch);
+  StateArrays arrays;
+  particles.save(StateWriter(arrays));
+  arrays.erase("id");
+  StateWriter(arrays).put("id", std::span<const int>(std::vector<int>{0, 1}));
+  const Error error = errorOf([&] { particles.restore(StateReader(arrays)); });
+  EXPECT_EQ(error.kind(), ErrorKind::kIo);
+  EXPECT_CONTAINS(error.message(), "'id' is not what this program would write");
+}
+
 /// Particles with an attribute: the heat of particle i is `heat` + i.
 ParticleBatch hotBatch(Device& device, int count, float heat, AttributeInfo info = {.name = "heat"}) {
   std::vector<Vec3f> at;
