@@ -127,7 +127,7 @@ TEST_F(ParticlesWithoutAFluid, KeepLongIdsFromExportsToUsd) {
   const std::vector<std::int64_t> ids{std::int64_t{1} << 40, (std::int64_t{1} << 53) - 1, 2};
   const std::string file = exportOf(folder / "long.vtkhdf", VtkHdfType::kInt64, std::span(ids));
   const ChildResult replay = withPlugin({"render", file, "--scene", folder.write("scene.json", kScene)},
-                                        {"--usd", folder / "long.usda"});
+                                        {"--usd", folder / "long.usda", "--set", "render.color.by=none"});
   ASSERT_EQ(replay.code, 0) << replay.err;
   // Layers of frames hold arrays as they are in memory.
   const std::string layer = readFile(folder / "long_frames/frame.00000.usdc");
