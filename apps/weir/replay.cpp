@@ -13,14 +13,29 @@ namespace weir::app {
 
 namespace {
 
-/// Adds an attribute of the type that has such numbers, and that many of them, if there is one.
+/// Whether all numbers of the array are among those of the type.
+template <class From>
+bool holds(AttributeType type, const std::vector<From>& numbers) {
+  return withAttributeType(type, [&]<class T>(std::type_identity<T>) {
+    using Number = typename AttributeTraits<T>::Number;
+    if constexpr (!std::is_integral_v<Number> || !std::is_integral_v<From>)
+      return std::is_integral_v<Number> == std::is_integral_v<From>;
+    else
+      return std::all_of(numbers.begin(), numbers.end(), [](From n) { return std::in_range<Number>(n); });
+  });
+}
+
+/// Adds an attribute of the first type that holds such numbers, and that many of them, if there is one; of
+/// what the particles have already, it is theirs. So ids of 32 bits, of earlier exports, become longer.
 template <class From>
 void addNumbers(const RecordedArray& array, AttributeInfo info, const std::vector<From>& numbers,
                 ParticleSet& particles, const StateWriter& to) {
+  const AttributeInfo* present = particles.find(info.name);
   for (int type = 0; type < kAttributeTypes; ++type) {
     info.type = AttributeType(type);
-    if (isWhole(info.type) != std::is_integral_v<From> || numbersIn(info.type) != array.components) continue;
-    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+    if (numbersIn(info.type) != array.components || !holds(info.type, numbers)) continue;
+    if (present != nullptr && present->type != info.type) continue;
+    return withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
       using Number = typename AttributeTraits<T>::Number;
       const std::vector<Number> narrow(numbers.begin(), numbers.end());
       particles.add<T>(info);
@@ -103,7 +118,7 @@ void Replay::fill(Target& target, const RecordedFluid& from) const {
   to.put("next_id", static_cast<std::int64_t>(count));
   to.put("position", std::span<const Vec3f>(from.positions));
   if (!has(from, "velocity")) to.put("velocity", std::span<const Vec3f>(std::vector<Vec3f>(count)));
-  if (!has(from, "id")) to.put("id", std::span<const int>(std::vector<int>(count)));
+  if (!has(from, "id")) to.put("id", std::span<const std::int64_t>(std::vector<std::int64_t>(count)));
   for (const RecordedArray& array : from.arrays)
     if (array.name != "position") addAttribute(array, own, *particles, to);
   particles->restore(StateReader(arrays));

@@ -45,6 +45,7 @@ class CellSort {
 
   ArrayView<const int> start() const { return start_.view(); }
   ArrayView<const int> order() const { return order_.view(); }
+  ArrayView<int> orderToChange() { return order_.view(); }
 
  private:
   Array<int> start_, cell_, provisional_, order_;

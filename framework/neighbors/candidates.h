@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "framework/compute/eight.h"
+#include "framework/neighbors/halo_order.h"
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -87,6 +88,15 @@ inline void writeShort(std::int16_t* to, Eight i, const Lanes& steps) {
 }
 #endif
 
+/// `Index` is one or eight.
+template <class Index, class Position>
+void writeShort(const ShortPlaces& places, Index i, const Position& p, float inverseCellSize) {
+  const float scale = ShortPlace::kSteps * inverseCellSize;
+  writeShort(places.x, i, scale * p.x);
+  writeShort(places.y, i, scale * p.y);
+  writeShort(places.z, i, scale * p.z);
+}
+
 struct FillShortPlaces {
   ArrayView<const Vec3f> positions;
   float inverseCellSize;
@@ -94,12 +104,25 @@ struct FillShortPlaces {
 
   template <class Index>
   void operator()(Index i) const {
-    const auto p = read(positions, i);
-    const float scale = ShortPlace::kSteps * inverseCellSize;
-    writeShort(places.x, i, scale * p.x);
-    writeShort(places.y, i, scale * p.y);
-    writeShort(places.z, i, scale * p.z);
+    writeShort(places, i, read(positions, i), inverseCellSize);
   }
+};
+
+/// The same in the order of owned particles and a halo.
+struct FillMergedPlaces {
+  ArrayView<const Vec3f> positions;
+  float inverseCellSize;
+  ShortPlaces places;
+  MergedOrder order;
+
+  void operator()(std::int64_t i) const {
+    writeShort(places, i, positions[order.particles[i]], inverseCellSize);
+  }
+#ifdef WEIR_HAS_EIGHT
+  void operator()(Eight i) const {
+    writeShort(places, i, gatherLanes(positions.data, order.particles + i.first), inverseCellSize);
+  }
+#endif
 };
 
 /// Bit k tells whether the squared difference of p from place k of 64, in units of 2¹⁶ and rounded down for
@@ -177,9 +200,10 @@ class Candidates {
   int size() const { return size_; }
   void clear() { size_ = 0; }
 
-  /// There must be room for all. Returns what is between the index of a particle of the range and its place
+  /// There must be room for all. Returns what is between the place of a particle of the range and its place
   /// here.
-  int add(const ShortPlaces& from, const PlaceRange& range) {
+  template <class Order = InPlace>
+  int add(const ShortPlaces& from, const PlaceRange& range, const Order& order = {}) {
     const int shift = size_ - range.begin;
     // Nearly always one turn; of an empty range, too, because a wrong guess costs more.
     int j = range.begin;
@@ -188,8 +212,8 @@ class Candidates {
       copy(from.x + j, x_ + at);
       copy(from.y + j, y_ + at);
       copy(from.z + j, z_ + at);
-      LaneInts::from(j).store(index_ + at);
-      LaneInts::from(j + kEight).store(index_ + at + kEight);
+      order.particlesAt(j).store(index_ + at);
+      order.particlesAt(j + kEight).store(index_ + at + kEight);
       j += kInTurn;
     } while (j < range.end);
     size_ = range.end + shift;

@@ -65,22 +65,39 @@ struct CodeSearch {
                          threadIdx.x * static_cast<unsigned>(words) * 4;
     const GroupThreads threads(i, find.count.get());
     const Vec3f p = find.positions[i];
-    const Rows rows(find, p);
+    const Rows rows(find.cellStart.data, find.grid, p);
     const ListGroup group = windowsAround(rows, threads);
     Answers answers{own + static_cast<unsigned>(wordsOfCodes(lists().capacity)) * 4,
                     own + static_cast<unsigned>(words) * 4};
     const bool fits = FineReach::covers(p, find.grid.inverseCellSize) && ask(p, rows, group, answers);
-    if (!threads.all(fits)) {
-      // The general search interleaves what is the threads' own.
-      threads.meet();
-      const int lane = static_cast<int>(threadIdx.x) % kListGroup;
-      return find(i, Scratch{block + (threadIdx.x - lane) * words + lane, kListGroup});
-    }
+    if (!threads.all(fits)) return searchGenerally(find, i, scratch, threads);
     if (i % kListGroup == 0) lists().groups[i / kListGroup] = group;
     const int count = measure(static_cast<int>(i), p, group, answers, own);
     const int kept = count < find.writer.capacity ? count : find.writer.capacity;
     writeList(i, own, kept);
     find.writer.finish(i, count, kept);
+  }
+
+  /// By all threads of a group.
+  template <class General>
+  __device__ void searchGenerally(const General& general, std::int64_t i, const Scratch& scratch,
+                                  const GroupThreads& threads) const {
+    // It interleaves what is the threads' own.
+    threads.meet();
+    const int lane = static_cast<int>(threadIdx.x) % kListGroup;
+    int* const block = scratch.data - threadIdx.x;
+    general(i, Scratch{block + (threadIdx.x - lane) * words + lane, kListGroup});
+  }
+
+  /// Whether there is anything in the cells around a particle; `start` says where they start.
+  __device__ bool hasAround(std::int64_t i, const int* start) const {
+    const Rows rows(start, find.grid, find.positions[i]);
+    int any = 0;
+    for (int k = 0; k < kSide * kSide; ++k) {
+      const Range row = rows(k / kSide, k % kSide);
+      any |= row.end - row.begin;
+    }
+    return any != 0 || otherEndsHave(rows);
   }
 
  private:
@@ -103,8 +120,8 @@ struct CodeSearch {
     const int* start;  // of each cell
     Vec3i cell, cells;
 
-    __device__ Rows(const Find& find, const Vec3f& p)
-        : start(find.cellStart.data), cell(find.grid.cellOf(p)), cells(find.grid.cells) {}
+    __device__ Rows(const int* startOfCells, const CellGrid& grid, const Vec3f& p)
+        : start(startOfCells), cell(grid.cellOf(p)), cells(grid.cells) {}
 
     __device__ Range operator()(int layer, int k) const {
       const unsigned row = rowAt(layer, k);
@@ -265,6 +282,24 @@ struct CodeSearch {
   }
 };
 
+/// The same where particles have a halo, which stands far from its neighbours in memory: groups with some of
+/// it in the cells around them are left to `Both`, the general search over both.
+template <class Find, class Both>
+struct CodeSearchBesideHalo {
+  CodeSearch<Find> search;
+  Both both;
+  const int* haloStart;  // where the halo's cells start
+
+  static constexpr int kBlocksTogether = CodeSearch<Find>::kBlocksTogether;
+  static constexpr Standing kLeaves = CodeSearch<Find>::kLeaves;
+
+  __device__ void operator()(std::int64_t i, const Scratch& scratch) const {
+    const GroupThreads threads(i, search.find.count.get());
+    if (threads.all(!search.hasAround(i, haloStart))) return search(i, scratch);
+    search.searchGenerally(both, i, scratch, threads);
+  }
+};
+
 /// A team searches for a particle, each of its threads in cells of its own, in fluids that do not fill the
 /// device otherwise; all indices are codes there.
 template <class Find>
@@ -335,6 +370,16 @@ void searchOnGpu(CudaDevice& device, std::string_view name, Count count, int cap
   if (fine == nullptr) return parallelForTeams<kPlan>(device, name, count, detail::TeamSearch<Find>{find});
   const int words = detail::CodeSearch<Find>::wordsFor(capacity, find.writer.packer.lists.capacity);
   parallelForWithScratch(device, name, count, words, detail::CodeSearch<Find>{find, fine, words});
+}
+
+/// The same beside a halo, of particles that have fine cells.
+template <class Find, class Both>
+void searchBesideHalo(CudaDevice& device, std::string_view name, Count count, int capacity, const Find& find,
+                      const Both& both, const FineCell* fine, const int* haloStart) {
+  const int words = detail::CodeSearch<Find>::wordsFor(capacity, find.writer.packer.lists.capacity);
+  parallelForWithScratch(
+      device, name, count, words,
+      detail::CodeSearchBesideHalo<Find, Both>{detail::CodeSearch<Find>{find, fine, words}, both, haloStart});
 }
 
 }  // namespace weir

@@ -17,8 +17,11 @@
 
 namespace weir::detail {
 
-/// Finds the lists of ranges of particles.
+/// Finds the lists of ranges of owned particles. Candidates stand in an order, InPlace or MergedOrder, and
+/// have places in it.
+template <class Order>
 struct LaneSearch {
+  Order order;
   ShortPlaces places;
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
@@ -62,7 +65,7 @@ struct LaneSearch {
   struct Collector {
     const LaneSearch& search;
     int rowsEnd = 0;  // the place where the cells end that the rows are around
-    int shift = 0;    // from the index of one of their particles to its place in the table
+    int shift = 0;    // from the place of one of their particles to that in the table
     bool fits = true;
     // The places of the cells around them, those that stand side by side together.
     PlaceRange rows[27];
@@ -96,25 +99,27 @@ struct LaneSearch {
 
     /// The list of those that may be near, or that are where these are too many.
     int append(int i, int within, int* list) {
-      if (i >= rowsEnd) collect(i);
-      const int size = fits ? candidates.near(search.places[i], within, static_cast<unsigned>(i + shift),
-                                              list, 0, search.capacity)
-                            : appendByParts(i, within, list);
+      const int place = search.order.placeOf(i);
+      if (place >= rowsEnd) collect(i);
+      const int size = fits ? candidates.near(search.places[place], within,
+                                              static_cast<unsigned>(place + shift), list, 0, search.capacity)
+                            : appendByParts(place, within, list);
       return size <= search.capacity ? size : appendNear(i, list);
     }
 
     /// Where they are too many for one table.
-    [[gnu::noinline]] int appendByParts(int i, int within, int* list) {
+    [[gnu::noinline]] int appendByParts(int place, int within, int* list) {
       int size = 0;
       for (int r = 0; r < rowCount; ++r)
         for (PlaceRange part = rows[r]; part.begin < rows[r].end && size <= search.capacity;
              part.begin = part.end) {
           part.end = std::min(part.begin + Candidates::kMax, rows[r].end);
           candidates.clear();
-          candidates.add(search.places, part);
+          candidates.add(search.places, part, search.order);
           candidates.close();
-          const unsigned own = part.begin <= i && i < part.end ? i - part.begin : Candidates::kNone;
-          size = candidates.near(search.places[i], within, own, list, size, search.capacity);
+          const bool isHere = part.begin <= place && place < part.end;
+          const unsigned own = isHere ? place - part.begin : Candidates::kNone;
+          size = candidates.near(search.places[place], within, own, list, size, search.capacity);
         }
       return size;
     }
@@ -123,7 +128,8 @@ struct LaneSearch {
     [[gnu::noinline]] int appendNear(int i, int* list) {
       int size = 0;
       for (int r = 0; r < rowCount; ++r)
-        for (int j = rows[r].begin; j < rows[r].end; ++j) {
+        for (int place = rows[r].begin; place < rows[r].end; ++place) {
+          const int j = search.order.particleAt(place);
           if (j == i || !search.isNear(i, j)) continue;
           if (size < search.capacity) list[size * kEight] = j;
           ++size;
@@ -174,9 +180,9 @@ struct LaneSearch {
       if (!fits) return;
       candidates.clear();
       int r = 0;
-      for (; r < rowCount / 2; ++r) candidates.add(search.places, rows[r]);
-      shift = candidates.add(search.places, rows[r++]);
-      for (; r < rowCount; ++r) candidates.add(search.places, rows[r]);
+      for (; r < rowCount / 2; ++r) candidates.add(search.places, rows[r], search.order);
+      shift = candidates.add(search.places, rows[r++], search.order);
+      for (; r < rowCount; ++r) candidates.add(search.places, rows[r], search.order);
       candidates.close();
     }
   };

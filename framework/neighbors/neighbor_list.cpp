@@ -30,7 +30,12 @@ NeighborList::NeighborList(Device& device)
       groups_(device),
       blocks_(device),
       columns_(device),
-      events_(device) {
+      events_(device),
+      haloCells_(device),
+      haloListed_(device),
+      mergedStart_(device),
+      merged_(device),
+      mergedPlaces_(device) {
   events_.resize(kEvents);
   events_.fillZero();
 }
@@ -57,12 +62,48 @@ void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::o
 }
 
 void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
-  if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
-  makeRoom(particles.capacity());
-  dispatch(particles.device(), [&](auto& device) { buildOn(device, particles, domain, sinks); });
+  sort(particles, domain, sinks);
+  list(particles);
 }
 
-void NeighborList::makeRoom(std::int64_t particles) {
+void NeighborList::sort(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
+  sortedRoom_ = {};
+  if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
+  makeRoom(particles.capacity());
+  dispatch(particles.device(), [&](auto& device) { sortOn(device, particles, domain, sinks); });
+}
+
+void NeighborList::list(ParticleSet& particles) {
+  const bool isSorted = sortedRoom_.isLent();
+  WEIR_CHECK(isSorted);
+  const std::int64_t halo = particles.haloCount();
+  if (halo > 0) {
+    makeRoom(particles.capacity(), halo);
+    dispatch(particles.device(), [&](auto& device) { mergeHaloOn(device, particles); });
+  }
+  const Version positions = particles.positions().version();
+  const Lease<Vec3f> room = particles.leaseVectors();
+  const ArrayView<float> crowding{reinterpret_cast<float*>(room.data()), room.size()};
+  ByProducts& byProducts = particles.byProducts();
+  byProducts.forget(kCrowding);
+  byProducts.forget(kPlaces);
+  Lease<Vec4f> places;
+  // Those of the halo are not found here.
+  const bool leavesPlaces = packs_ && particles.hasPlaces() && halo == 0;
+  if (leavesPlaces) {
+    places = particles.leasePlaces();
+    byProducts.keep<Vec4f>(kPlaces, places.view(), {positions, places.version()});
+  } else {
+    byProducts.keep<float>(kCrowding, crowding, {positions, room.version()});
+  }
+  dispatch(particles.device(), [&](auto& device) {
+    const ProfileScope scope(device.profiler(), "list");
+    listOn(device, particles, crowding.data, leavesPlaces ? places.data() : nullptr);
+  });
+  sortedRoom_ = {};
+}
+
+void NeighborList::makeRoom(std::int64_t particles, std::int64_t halo) {
   counts_.resizeDiscarding(particles);
   if (!packs_) {
     entries_.resizeDiscarding((particles + kInterleaved - 1) / kInterleaved * kInterleaved * room_);
@@ -76,19 +117,21 @@ void NeighborList::makeRoom(std::int64_t particles) {
   // Codes are read four at a time, those behind a list's end with them.
   if (fresh) entries_.fillZero();
   groups_.resizeDiscarding(groups);
-  const std::int64_t indices = blocksFor(particles) * room_ * kListGroup;
+  const std::int64_t indices = blocksFor(particles, halo) * room_ * kListGroup;
   const bool freshBlocks = blocks_.capacity() < indices;
   blocks_.resizeDiscarding(indices);
   if (freshBlocks) blocks_.fillZero();
 }
 
-std::int64_t NeighborList::blocksFor(std::int64_t particles) const {
+std::int64_t NeighborList::blocksFor(std::int64_t particles, std::int64_t halo) const {
   if (particles <= kAllInWindows) return 0;
   const std::int64_t groups = groupsOf(particles);
   // A window holds two rows of cells and what is between them.
   constexpr int kRows = 4;
   if (std::int64_t{kRows} * grid_.cells.x > kWindow) return groups;
-  return std::min(groups, std::max(groups / kGroupsPerBlock + kMinBlocks, grownSize(blocksWanted_, 0)));
+  // The halo stands far from its neighbours in memory, so their groups are wide.
+  return std::min(groups,
+                  std::max(groups / kGroupsPerBlock + kMinBlocks, grownSize(blocksWanted_, 0)) + halo);
 }
 
 double NeighborList::memoryFor(double particles) const {

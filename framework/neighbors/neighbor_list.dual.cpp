@@ -7,6 +7,7 @@
 #include "framework/neighbors/code_search.h"
 #include "framework/neighbors/crowding.h"
 #include "framework/neighbors/group_threads.h"
+#include "framework/neighbors/halo_order.h"
 #include "framework/neighbors/lane_search.h"
 #include "framework/neighbors/list_packer.h"
 #include "framework/particles/permutation.h"
@@ -38,6 +39,18 @@ struct CellKey {
     }
     if (removedBySinks(sinks, p)) return -1;
     return grid.index(grid.cellOf(p));
+  }
+};
+
+/// The cell of a particle of the halo, or -1 for one that is no neighbour of any.
+struct HaloKey {
+  ArrayView<const Vec3f> positions;
+  CellGrid grid;
+  std::int64_t first;
+
+  WEIR_HD int operator()(std::int64_t k) const {
+    const Vec3f p = positions[first + k];
+    return isFinite(p) ? grid.index(grid.cellOf(p)) : -1;
   }
 };
 
@@ -148,25 +161,28 @@ struct ListWriter {
   }
 };
 
-/// The search of every back end, with which the others are compared.
+/// The search of every back end, with which the others are compared. `Order` is InPlace or MergedOrder, in
+/// which cells start at `cellStart`.
+template <class Order>
 struct FindNeighbors {
+  Order order;
   ArrayView<const Vec3f> positions;
   ArrayView<const int> cellStart;
   CellGrid grid;
   float radiusSquared;
   ListWriter writer;
-
-  Count count;
+  Count count;    // of particles that get a list
+  Count inOrder;  // of all, with the halo
 
   /// By way of scratch memory, from which neighbouring threads write whole lines.
   WEIR_HD void operator()(std::int64_t i, const Scratch& scratch) const {
     FoundNeighbors to{scratch};
-    const int found = find(i, to);
+    const int found = search(i, to);
     writer.finish(i, found, writer.packer.pack(i, to, GroupThreads(i, count.get())));
   }
 
   /// Returns how many there are.
-  WEIR_HD int find(std::int64_t i, FoundNeighbors& to) const {
+  WEIR_HD int search(std::int64_t i, FoundNeighbors& to) const {
     const Scratch& list = to.index;
     float crowd = 0;
     const Vec3f p = positions[i];
@@ -177,7 +193,8 @@ struct FindNeighbors {
 #ifdef __CUDA_ARCH__
 #pragma unroll 2  // so that several positions are under way at once
 #endif
-      for (int j = begin; j < end; ++j) {
+      for (int place = begin; place < end; ++place) {
+        const int j = order.particleAt(place);
         const Vec3f d = positions[j] - p;
         const float squared = dot(d, d);
         // Beyond the radius it adds 0, which costs less than to ask.
@@ -197,21 +214,76 @@ struct FindNeighbors {
   }
 };
 
-template <class Backend>
-void searchPortably(Backend& device, std::string_view name, Count count, [[maybe_unused]] int capacity,
-                    const FindNeighbors& find) {
+#ifdef WEIR_HAS_EIGHT
+
+/// Puts particles behind the ends of lists, up to that of the longest of eight, as sums over eight follow
+/// them.
+struct FillBehind {
+  ListWriter writer;
+
+  void operator()(std::int64_t begin, std::int64_t end) const {
+    for (std::int64_t i = begin; i < end; i += kEight) {
+      const std::int64_t size = std::min<std::int64_t>(end - i, kEight);
+      const int longest = *std::max_element(writer.counts + i, writer.counts + i + size);
+      for (std::int64_t lane = i; lane < i + size; ++lane)
+        for (int k = writer.counts[lane]; k < longest; ++k)
+          writer.entries[listPlace(lane, writer.room) + k * kInterleaved] = static_cast<int>(lane);
+    }
+  }
+};
+
+#endif
+
+template <class Backend, class Order>
+void searchPortably(Backend& device, std::string_view name, const FindNeighbors<Order>& find) {
 #ifdef __CUDACC__
-  parallelForWithScratch(device, name, count, capacity, find);
+  parallelForWithScratch(device, name, find.count, find.writer.capacity, find);
 #else
   // Straight into the list.
-  parallelFor(device, name, count, [find](std::int64_t i) {
-    const ListWriter& writer = find.writer;
-    FoundNeighbors to{Scratch{writer.entries + listPlace(i, writer.room), kInterleaved}};
-    const int found = find.find(i, to);
-    writer.finish(i, found, to.kept);
+  parallelFor(device, name, find.count, [find](std::int64_t i) {
+    FoundNeighbors to{Scratch{find.writer.entries + listPlace(i, find.writer.room), kInterleaved}};
+    const int found = find.search(i, to);
+    find.writer.finish(i, found, to.kept);
   });
+#ifdef WEIR_HAS_EIGHT
+  forEachRange(device, name, find.count, FillBehind{find.writer});
+#endif
 #endif
 }
+
+#if !defined(__CUDACC__) && defined(WEIR_HAS_LANES)
+
+void fillPlaces(ThisBackend& device, const FindNeighbors<InPlace>& find, const detail::ShortPlaces& to) {
+  parallelForEights(device, "columns", find.count,
+                    detail::FillShortPlaces{find.positions, find.grid.inverseCellSize, to});
+}
+void fillPlaces(ThisBackend& device, const FindNeighbors<MergedOrder>& find, const detail::ShortPlaces& to) {
+  parallelForEights(device, "columns", find.inOrder,
+                    detail::FillMergedPlaces{find.positions, find.grid.inverseCellSize, to, find.order});
+}
+
+template <class Order>
+void searchByLanes(ThisBackend& device, std::string_view name, const FindNeighbors<Order>& find,
+                   Array<float>& columns) {
+  const ListWriter& to = find.writer;
+  const detail::ShortPlaces places(columns, find.positions.size);
+  fillPlaces(device, find, places);
+  forEachRange(device, name, find.count,
+               detail::LaneSearch<Order>{find.order,
+                                         places,
+                                         find.positions,
+                                         find.cellStart,
+                                         find.grid,
+                                         find.radiusSquared,
+                                         to.capacity,
+                                         to.room,
+                                         to.entries,
+                                         to.counts,
+                                         {to.crowding, find.positions.size},
+                                         to.truncated});
+}
+
+#endif
 
 // Sorting and listing borrow memory that nobody needs meanwhile.
 
@@ -247,103 +319,118 @@ CellSortMemory sortMemory(std::int64_t count, ArrayView<int> start, Array<int>& 
 }
 #endif
 
+/// The particles of each cell in the order of their ids, where they are not in it yet.
+template <class Backend>
+void putIntoOrderOfIds(Backend& device, const ArrayView<const int>& start, ArrayView<int> order,
+                       const AttributeView<const std::int64_t>& ids, std::int64_t first) {
+  parallelFor(device, "order by ids", start.size - 1, OrderCellByIds{start, order, ids.view(), first});
+}
+
 }  // namespace
 
 template <class Backend>
-void NeighborList::buildOn(Backend& device, ParticleSet& particles, const Aabb& domain,
-                           ArrayView<const SinkPiece> sinks) {
+void NeighborList::sortOn(Backend& device, ParticleSet& particles, const Aabb& domain,
+                          ArrayView<const SinkPiece> sinks) {
   int* events = events_.data();
-  const Sorted sorted = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
-  const ArrayView<int> cellStart = sorted.cellStart;
-  {
-    const ProfileScope scope(device.profiler(), "sort");
-    const Count count = particles.count();
+  Sorted sorted = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
+  sortedRoom_ = std::move(sorted.room), cellStart_ = sorted.cellStart, fine_ = sorted.fine;
+  const ProfileScope scope(device.profiler(), "sort");
+  const Count count = particles.count();
 #ifdef __CUDACC__
-    const CellSortMemory memory = sortMemory(count.bound, cellStart, entries_);
-    // A particle moves when its place is known, which takes a kernel less.
-    detail::Permutation permutation(particles);
-    detail::Permute moved = permutation.next(memory.order);
-    moved.fine = sorted.fine;
-    moved.inverseCellSize = grid_.inverseCellSize;
+  const CellSortMemory memory = sortMemory(count.bound, cellStart_, entries_);
+  // A particle moves when its place is known, which takes a kernel less.
+  detail::Permutation permutation(particles);
+  const auto next = [&] {
+    detail::Permute permute = permutation.next(memory.order);
+    permute.fine = fine_;
+    permute.inverseCellSize = grid_.inverseCellSize;
+    return permute;
+  };
 #else
-    Lease<Vec3f> room = particles.leaseVectors();
-    const CellSortMemory memory = sortMemory(count.bound, cellStart, entries_, room);
-    const detail::KeepOrder moved;
+  Lease<Vec3f> room = particles.leaseVectors();
+  const CellSortMemory memory = sortMemory(count.bound, cellStart_, entries_, room);
 #endif
-    const CellKey key{particles.pendingMotion(), grid_, domain, sinks, events + 1, events + 2, events + 3};
-#ifdef WEIR_HAS_EIGHT
-    // Where they are written once more.
-    parallelForEights(device, "keys", count, WriteKeys{key, memory.cell});
-    sortByCell(device, count, grid_.cellCount(), WrittenKey{memory.cell}, particles.counter(), memory, moved);
-#else
-    sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory, moved);
-#endif
+  const CellKey key{particles.pendingMotion(), grid_, domain, sinks, events + 1, events + 2, events + 3};
 #ifdef __CUDACC__
+  if (!ordersByIds_) {
+    sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory, next());
     permutation.finish();
-    for (; permutation.isLeft(); permutation.finish())
-      parallelFor(device, "permute", particles.count(), permutation.next(memory.order));
-#else
-    room = {};
-    particles.permute(memory.order);
-#endif
-  }
-  const Version positions = particles.positions().version();
-  const Lease<Vec3f> room = particles.leaseVectors();
-  const ArrayView<float> crowding{reinterpret_cast<float*>(room.data()), room.size()};
-  ByProducts& byProducts = particles.byProducts();
-  byProducts.forget(kCrowding);
-  byProducts.forget(kPlaces);
-  Lease<Vec4f> places;
-  if (packs_ && particles.hasPlaces()) {
-    places = particles.leasePlaces();
-    byProducts.keep<Vec4f>(kPlaces, places.view(), {positions, places.version()});
   } else {
-    byProducts.keep<float>(kCrowding, crowding, {positions, room.version()});
+    sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory);
+    putIntoOrderOfIds(device, cellStart_, memory.order, std::as_const(particles).ids().read(), 0);
   }
-  const ProfileScope scope(device.profiler(), "list");
-  listOn(device, particles, cellStart, sorted.fine, crowding.data,
-         byProducts.find(kPlaces).size > 0 ? places.data() : nullptr);
+  for (; permutation.isLeft(); permutation.finish())
+    parallelFor(device, "permute", particles.count(), next());
+#else
+#ifdef WEIR_HAS_EIGHT
+  // Where they are written once more.
+  parallelForEights(device, "keys", count, WriteKeys{key, memory.cell});
+  sortByCell(device, count, grid_.cellCount(), WrittenKey{memory.cell}, particles.counter(), memory);
+#else
+  sortByCell(device, count, grid_.cellCount(), key, particles.counter(), memory);
+#endif
+  if (ordersByIds_)
+    putIntoOrderOfIds(device, cellStart_, memory.order, std::as_const(particles).ids().read(), 0);
+  room = {};
+  particles.permute(memory.order);
+#endif
 }
 
 template <class Backend>
-void NeighborList::listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
-                          [[maybe_unused]] const FineCell* fine, float* crowding,
-                          [[maybe_unused]] Vec4f* places) {
-  const Count count = particles.count();
-  const ArrayView<const Vec3f> positions = particles.positions().read();
-  const float radiusSquared = radius_ * radius_;
+void NeighborList::mergeHaloOn(Backend& device, const ParticleSet& particles) {
+  const ProfileScope scope(device.profiler(), "halo");
+  const std::int64_t owned = particles.bound(), halo = particles.haloCount();
+  const AttributeView<const std::int64_t> ids = particles.ids().read();
+  haloListed_.resizeDiscarding(1);
+  haloCells_.sort(device, halo, grid_.cellCount(), HaloKey{particles.positions().read(), grid_, owned},
+                  haloListed_.data());
+  putIntoOrderOfIds(device, haloCells_.start(), haloCells_.orderToChange(), ids, owned);
+  mergedStart_.resizeDiscarding(cellStart_.size);
+  merged_.resizeDiscarding(owned + halo + MergedOrder::kBehind);
+  merged_.fillZero();  // what is in no cell is at no place
+  mergedPlaces_.resizeDiscarding(owned);
+  parallelFor(device, "merge", cellStart_.size,
+              MergeCell{cellStart_, haloCells_.start(), haloCells_.order().data, static_cast<int>(owned),
+                        ids.view(), mergedStart_.view(), merged_.data(), mergedPlaces_.data()});
+}
+
+template <class Backend>
+void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* crowding, Vec4f* places) {
+  const Count owned = particles.count(), all = particles.countWithHalo();
   constexpr std::string_view kName = "find neighbours";
   const ListWriter writer{
       capacity_,       room_,
       entries_.data(), counts_.data(),
       crowding,        places,
-      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, count.bound <= kAllInWindows}};
-  const FindNeighbors find{positions, cellStart, grid_, radiusSquared, writer, count};
-  if (usesPortableSearch_) return searchPortably(device, kName, count, capacity_, find);
+      events_.data(),  {packed(), events_.data() + 3, events_.data() + 4, all.bound <= kAllInWindows}};
+  const auto finding = [&]<class Order>(const Order& order, ArrayView<const int> cellStart) {
+    return FindNeighbors<Order>{
+        order, particles.positions().read(), cellStart, grid_, radius_ * radius_, writer, owned, all};
+  };
+  const auto find = finding(InPlace{}, cellStart_);
+  if (particles.haloCount() > 0) {
+    const auto both = finding(MergedOrder{merged_.data(), mergedPlaces_.data()}, mergedStart_.view());
+#if defined(__CUDACC__)
+    if (!usesPortableSearch_ && fine_ != nullptr)
+      return searchBesideHalo(device, kName, owned, capacity_, find, both, fine_, haloCells_.start().data);
+#elif defined(WEIR_HAS_LANES)
+    if (!usesPortableSearch_) return searchByLanes(device, kName, both, columns_);
+#endif
+    return searchPortably(device, kName, both);
+  }
+  if (usesPortableSearch_) return searchPortably(device, kName, find);
 #if defined(__CUDACC__)
   static_assert(kFewForTeams <= kAllInWindows);
-  searchOnGpu<kFewForTeams>(device, kName, count, capacity_, find, fine);
+  searchOnGpu<kFewForTeams>(device, kName, owned, capacity_, find, fine_);
 #elif defined(WEIR_HAS_LANES)
-  const detail::ShortPlaces shortPlaces(columns_, positions.size);
-  parallelForEights(device, "columns", count,
-                    detail::FillShortPlaces{positions, grid_.inverseCellSize, shortPlaces});
-  forEachRange(device, kName, count,
-               detail::LaneSearch{shortPlaces,
-                                  positions,
-                                  cellStart,
-                                  grid_,
-                                  radiusSquared,
-                                  capacity_,
-                                  room_,
-                                  entries_.data(),
-                                  counts_.data(),
-                                  {crowding, positions.size},
-                                  events_.data()});
+  searchByLanes(device, kName, find, columns_);
 #else
-  searchPortably(device, kName, count, capacity_, find);
+  searchPortably(device, kName, find);
 #endif
 }
 
-template void NeighborList::buildOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);
+template void NeighborList::sortOn(ThisBackend&, ParticleSet&, const Aabb&, ArrayView<const SinkPiece>);
+template void NeighborList::mergeHaloOn(ThisBackend&, const ParticleSet&);
+template void NeighborList::listOn(ThisBackend&, const ParticleSet&, float*, Vec4f*);
 
 }  // namespace weir

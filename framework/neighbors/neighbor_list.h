@@ -169,10 +169,23 @@ class NeighborList {
   /// lists of another order. Tests compare the two.
   void usePortableSearch() { usesPortableSearch_ = true; }
 
+  /// Has the particles of a cell stand in the order of their ids. Then every list has the order (cell, id),
+  /// and sums over neighbours have the same bits however particles are divided among sets that have halos. On
+  /// CUDA that is so with the portable search, and where each set owns more than 32,768 particles.
+  void orderByIds() { ordersByIds_ = true; }
+
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
   /// reciprocal unless truncated. Takes all scratch memory of the particles meanwhile.
   void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
+
+  // The two halves of that, for those who put a halo behind the particles in between.
+  /// Removes and sorts, owned particles alone.
+  void sort(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
+  /// Finds the neighbours of the owned particles among themselves and in the halo; those in the halo have
+  /// none. With a halo, only kCrowding is found on the way. Comes after sort(), with nothing in between but
+  /// packing and what is done to the halo.
+  void list(ParticleSet& particles);
 
   /// Bytes on the device that lists and sorting take, in the largest grid, the particles' wide room among
   /// them; after configure().
@@ -194,15 +207,16 @@ class NeighborList {
 
  private:
   /// All that lists of that many particles need, each array alone and without what it held before.
-  void makeRoom(std::int64_t particles);
+  void makeRoom(std::int64_t particles, std::int64_t halo = 0);
   static std::int64_t groupsOf(std::int64_t particles) { return (particles + kListGroup - 1) / kListGroup; }
-  std::int64_t blocksFor(std::int64_t particles) const;
+  std::int64_t blocksFor(std::int64_t particles, std::int64_t halo = 0) const;
   PackedLists packed();
   template <class Backend>
-  void buildOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
+  void sortOn(Backend& device, ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks);
   template <class Backend>
-  void listOn(Backend& device, const ParticleSet& particles, ArrayView<const int> cellStart,
-              const FineCell* fine, float* crowding, Vec4f* places);
+  void mergeHaloOn(Backend& device, const ParticleSet& particles);
+  template <class Backend>
+  void listOn(Backend& device, const ParticleSet& particles, float* crowding, Vec4f* places);
   /// Of that many particles; a team of threads searches for each of fewer.
   bool needsFineCells(std::int64_t particles) const { return packs_ && particles > kFewForTeams; }
 
@@ -213,7 +227,7 @@ class NeighborList {
   int capacity_ = 0;
   int room_ = 0;  // for a list; at least the capacity
   bool packs_;
-  bool usesPortableSearch_ = false;
+  bool usesPortableSearch_ = false, ordersByIds_ = false;
   CellGrid grid_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles
@@ -224,6 +238,14 @@ class NeighborList {
   int blocksWanted_ = 0;
   Array<float> columns_;  // all x, all y, all z; on the CPU only
   Array<int> events_;     // NeighborEvents
+  // From sort() to list(), in the particles' wide room: where cells start, and fine cells, or null.
+  Lease<Vec4f> sortedRoom_;
+  ArrayView<int> cellStart_;
+  FineCell* fine_ = nullptr;
+  // With a halo: its particles by cells, how many of them are in cells, and all in the order of the search.
+  CellSort haloCells_;
+  Array<int> haloListed_;
+  Array<int> mergedStart_, merged_, mergedPlaces_;  // see MergedOrder
 };
 
 }  // namespace weir

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,7 +17,7 @@
 
 namespace weir {
 
-enum class AttributeType { kFloat, kVec3, kInt, kMat3 };
+enum class AttributeType { kFloat, kVec3, kInt, kMat3, kInt64 };
 
 /// What is known of a type: its name, and the numbers that an element consists of.
 template <class T>
@@ -51,6 +52,13 @@ struct AttributeTraits<Mat3f> {
   static constexpr std::array<std::string_view, 9> kComponents{"xx", "xy", "xz", "yx", "yy",
                                                                "yz", "zx", "zy", "zz"};
 };
+template <>
+struct AttributeTraits<std::int64_t> {
+  static constexpr AttributeType kType = AttributeType::kInt64;
+  static constexpr std::string_view kName = "int64";
+  using Number = std::int64_t;
+  static constexpr std::array<std::string_view, 1> kComponents{""};
+};
 
 template <class... T>
 struct AttributeTypeList {
@@ -66,7 +74,7 @@ struct AttributeTypeList {
   }
 };
 /// In the order of the enumeration.
-using AttributeTypes = AttributeTypeList<float, Vec3f, int, Mat3f>;
+using AttributeTypes = AttributeTypeList<float, Vec3f, int, Mat3f, std::int64_t>;
 inline constexpr int kAttributeTypes = AttributeTypes::kSize;
 
 template <class T>

@@ -40,6 +40,7 @@ class Lease {
     if (room_ != nullptr) room_->isLent = false;
   }
 
+  bool isLent() const { return room_ != nullptr; }
   ArrayView<T> view() const { return array().view(); }
   T* data() const { return array().data(); }
   std::int64_t size() const { return array().size(); }

@@ -1,7 +1,6 @@
 #include "framework/particles/particle_set.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "framework/base/error.h"
 #include "framework/graph/memory_estimate.h"
@@ -34,25 +33,27 @@ ParticleSet::ParticleSet(Device& device)
   const auto vector = AttributeType::kVec3;
   position_ = typed<Vec3f>(addStorage({"position", vector, "m", "Position."}, vector));
   velocity_ = typed<Vec3f>(addStorage({"velocity", vector, "m/s", "Velocity."}, vector));
-  const AttributeInfo id{"id", AttributeType::kInt, "", "A number that stays with the particle, from 0."};
-  id_ = typed<int>(addStorage(id, id.type));
+  const AttributeInfo id{"id", AttributeType::kInt64, "", "A number that stays with the particle, from 0."};
+  id_ = typed<std::int64_t>(addStorage(id, id.type));
 }
 
 ParticleSet::~ParticleSet() = default;
 
 double ParticleSet::memoryOfAttribute(double particles, AttributeType type, bool derived) {
   const std::size_t size = withAttributeType(type, []<class T>(std::type_identity<T>) { return sizeof(T); });
-  // What is derived has no spare, and vectors have that of the positions (see permuteOn). So have ints.
-  const bool sharesSpare = type == AttributeType::kVec3 || type == AttributeType::kInt;
+  // What is derived has no spare, and vectors have that of the positions (see permuteOn). So has all of
+  // the type of ids.
+  const bool sharesSpare = type == AttributeType::kVec3 || type == AttributeType::kInt64;
   const bool twice = !derived && (particles <= kFew || !sharesSpare);
   return (twice ? 2 : 1) * bytesOfArray(particles, size);
 }
 
 double ParticleSet::memoryFor(double particles) {
-  const double spares =
-      particles <= kFew ? 0 : bytesOfArray(particles, sizeof(Vec3f)) + bytesOfArray(particles, sizeof(int));
+  const double spares = particles <= kFew ? 0
+                                          : bytesOfArray(particles, sizeof(Vec3f)) +
+                                                bytesOfArray(particles, sizeof(std::int64_t));
   return spares + 2 * memoryOfAttribute(particles, AttributeType::kVec3) +
-         memoryOfAttribute(particles, AttributeType::kInt);
+         memoryOfAttribute(particles, AttributeType::kInt64);
 }
 
 Lease<Vec3f> ParticleSet::leaseVectors() {
@@ -129,6 +130,11 @@ void ParticleSet::settle() {
 }
 
 void ParticleSet::rearrange() {
+  halo_ = 0;
+  moveElements();
+}
+
+void ParticleSet::moveElements() {
   for (const auto& room : {vectorRoom_, wideRoom_, placesRoom_}) {
     const bool scratchMemoryIsLent = room->isLent && room->isByParticle;
     WEIR_CHECK(!scratchMemoryIsLent);
@@ -172,9 +178,7 @@ void ParticleSet::addAttributesOf(const ParticleBatch& batch) {
 
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
-  if (bound_ + batch.count > std::numeric_limits<int>::max() ||
-      nextId_ + batch.count > std::numeric_limits<int>::max())
-    throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
+  checkFits(bound_ + batch.count);
   addAttributesOf(batch);
   settle();
   rearrange();
@@ -183,12 +187,17 @@ void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selec
   dispatch(*device_, [&](auto& device) {
     for (const Storage& storage : storages_) {
       const auto [words, wordsInOne] = storage->words();
-      zeroBehindOn(device, words, wordsInOne, batch.count);
+      zeroFromOn(device, words, wordsInOne, count(), batch.count);
     }
     appendOn(device, batch, selected);
   });
   bound_ = need;
   nextId_ += batch.count;
+}
+
+void ParticleSet::continueIdsFrom(std::int64_t id) {
+  WEIR_CHECK(id >= nextId_);
+  nextId_ = id;
 }
 
 void ParticleSet::permute(ArrayView<const int> order) {

@@ -18,12 +18,12 @@ struct Move {
   }
 };
 
-struct ZeroBehind {
+struct ZeroFrom {
   ArrayView<std::uint32_t> words;
   int wordsInOne;
-  const int* count;
+  Count first;
   WEIR_HD void operator()(std::int64_t k) const {
-    std::uint32_t* const element = words.data + (*count + k) * wordsInOne;
+    std::uint32_t* const element = words.data + (first.get() + k) * wordsInOne;
     for (int word = 0; word < wordsInOne; ++word) element[word] = 0;
   }
 };
@@ -32,10 +32,10 @@ struct AppendBatch {
   ArrayView<const Vec3f> newPositions;
   ParticleBatch::VelocityView newVelocities;
   ArrayView<const int> order;  // empty for all
-  int firstId;
+  std::int64_t firstId;
   const int* count;
   ArrayView<Vec3f> positions, velocities;
-  ArrayView<int> ids;
+  ArrayView<std::int64_t> ids;
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = *count + k;
     const int from = order.size > 0 ? order[k] : static_cast<int>(k);
@@ -71,6 +71,9 @@ struct PermuteRange {
       auto* const vectors = reinterpret_cast<Vec3f*>(column.to);
       if (column.words == 1)
         fill(column.to, [&](int i) { return column.from[i]; });
+      else if (column.words == detail::Permute::kWordsOfLong)
+        fill(reinterpret_cast<std::uint64_t*>(column.to),
+             [&](int i) { return reinterpret_cast<const std::uint64_t*>(column.from)[i]; });
       else if (column.words != detail::Permute::kWordsOfVector)
         for (std::int64_t k = begin; k < end; ++k) detail::Permute::copyWords(column, k, p.order[k]);
       else if (moves && c == p.position)
@@ -94,9 +97,9 @@ struct Advance {
 }  // namespace
 
 template <class Backend>
-void ParticleSet::zeroBehindOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne,
-                               std::int64_t amount) {
-  parallelFor(device, "zero", amount, ZeroBehind{words, wordsInOne, counter_.data()});
+void ParticleSet::zeroFromOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne,
+                             const Count& first, std::int64_t amount) {
+  parallelFor(device, "zero", amount, ZeroFrom{words, wordsInOne, first});
 }
 
 template <class Backend>
@@ -104,15 +107,20 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
   const Count count{batch.count, selected.kept};
   parallelFor(
       device, "append", count,
-      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
-                  counter_.data(), position_->values.view(), velocity_->values.view(), id_->values.view()});
+      AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, nextId_, counter_.data(),
+                  position_->values.view(), velocity_->values.view(), id_->values.view()});
   for (const BatchAttribute& brought : batch.attributes)
     std::visit(
         [&]<class T>(const Array<T>& values) {
           appendAttributeOn(device, brought.info, values, count, selected);
         },
         brought.values);
-  parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
+  countMoreOn(device, count);
+}
+
+template <class Backend>
+void ParticleSet::countMoreOn(Backend& device, const Count& amount) {
+  parallelFor(device, "advance count", 1, Advance{counter_.data(), amount});
 }
 
 template <class Backend, class T>
@@ -138,7 +146,9 @@ void ParticleSet::moveOn(Backend& device, const FreeMotion& motion) {
   parallelFor(device, "move", count(), Move{motion, position_->values.view(), velocity_->values.view()});
 }
 
-template void ParticleSet::zeroBehindOn(ThisBackend&, ArrayView<std::uint32_t>, int, std::int64_t);
+template void ParticleSet::zeroFromOn(ThisBackend&, ArrayView<std::uint32_t>, int, const Count&,
+                                      std::int64_t);
+template void ParticleSet::countMoreOn(ThisBackend&, const Count&);
 template void ParticleSet::moveOn(ThisBackend&, const FreeMotion&);
 
 template void ParticleSet::permuteOn(ThisBackend&, ArrayView<const int>);

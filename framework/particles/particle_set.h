@@ -4,8 +4,14 @@
 // permuted, carried and shown like the built-in ones: position [m], velocity [m/s] and id. Attributes are
 // read and written by handles (attribute.h), scratch memory is leased (lease.h), and what the algorithms of a
 // step leave for each other stands in one table (by_products.h).
+//
+// Where several sets share the particles of a fluid, each owns some, and has copies of others' behind these,
+// its halo, so that sums over neighbours find them: [0, owned) and [owned, owned + halo). Everything that is
+// said of the particles of a set is about those that it owns: count(), emission, removal, state, exports,
+// pictures and measurements. Particles migrate and halos are exchanged as packed bytes (pack_layout.h).
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,9 +30,28 @@
 
 namespace weir {
 
+class PackLayout;
+
 namespace detail {
 class Permutation;
-}
+
+/// Attributes on their way to or from a buffer, as words of 4 bytes.
+struct PackedColumns {
+  static constexpr int kMax = 8;  // in one launch
+  struct Column {
+    std::uint32_t* elements = nullptr;
+    std::uint32_t* packed = nullptr;
+    int words = 0;  // in an element
+  };
+  Column all[kMax];
+  int used = 0;
+};
+}  // namespace detail
+
+/// Particles of a halo, which begins at 0.
+struct HaloRange {
+  std::int64_t first = 0, count = 0;
+};
 
 /// Some particles of a batch: order[k] for k < *kept, both on the device.
 struct BatchSelection {
@@ -89,12 +114,13 @@ class ParticleSet {
 
   Attribute<Vec3f> positions() { return handleOf<Vec3f>(position_); }
   Attribute<Vec3f> velocities() { return handleOf<Vec3f>(velocity_); }
-  Attribute<int> ids() { return handleOf<int>(id_); }
+  Attribute<std::int64_t> ids() { return handleOf<std::int64_t>(id_); }
   Attribute<const Vec3f> positions() const { return handleOf<Vec3f>(position_); }
   Attribute<const Vec3f> velocities() const { return handleOf<Vec3f>(velocity_); }
-  Attribute<const int> ids() const { return handleOf<int>(id_); }
+  Attribute<const std::int64_t> ids() const { return handleOf<std::int64_t>(id_); }
 
-  /// The exact number stands on the device; the host knows an upper bound until the next refreshCount().
+  /// Of the owned particles. The exact number stands on the device; the host knows an upper bound until the
+  /// next refreshCount().
   Count count() const { return {bound_, counter_.data()}; }
   std::int64_t bound() const { return bound_; }
   /// Device memory that holds the number.
@@ -130,10 +156,36 @@ class ParticleSet {
   void append(const ParticleBatch& batch) { append(batch, {}); }
   /// Only those that are selected. Ids are given to all. The host counts all until the next refreshCount().
   void append(const ParticleBatch& batch, const BatchSelection& selected);
+  /// The id of the next one that is appended. Sets that share a fluid append the same batches, each a
+  /// selection of its own, or tell each other where ids go on, so that no two particles have the same. Ids
+  /// never go back (a WEIR_CHECK).
+  std::int64_t nextId() const { return nextId_; }
+  void continueIdsFrom(std::int64_t id);
   /// Particle order[k] becomes particle k, for k < count(). The order may leave particles out if the counter
   /// was lowered to fit.
   void permute(ArrayView<const int> order);
   void clear();
+
+  /// Copies of others' particles that stand behind the owned ones. They are gone as soon as the owned ones
+  /// are put into another order, become more or are removed.
+  std::int64_t haloCount() const { return halo_; }
+  /// The owned particles and the halo.
+  Count countWithHalo() const { return halo_ == 0 ? count() : Count(bound_ + halo_); }
+  /// Writes the particles at these indices (on the device), in this order, into `to`, which gets the size for
+  /// them. All packing throws a simulation Error if the set lacks an attribute of the layout.
+  void pack(const PackLayout& layout, ArrayView<const int> indices, Array<std::byte>& to);
+  /// Adds packed particles (on the device, as all buffers) behind the owned ones, as owned: they keep the ids
+  /// that they bring. What the layout lacks is 0.
+  void appendPacked(const PackLayout& layout, ArrayView<const std::byte> from);
+  /// Adds them behind the halo, and says which they are there. Waits for the device if they are the first.
+  HaloRange appendHalo(const PackLayout& layout, ArrayView<const std::byte> from);
+  /// Replaces attributes of particles of the halo, which stay where they are; these must have been packed in
+  /// the order in which they came (a simulation Error if they are not as many).
+  void refreshHalo(const PackLayout& layout, ArrayView<const std::byte> from, const HaloRange& range);
+  void dropHalo();
+  /// Takes out owned particles, as those that have migrated; `indices` are on the device, in any order, each
+  /// once. The others keep their order. The host counts all until the next refreshCount().
+  void remove(ArrayView<const int> indices);
 
   /// All particles in their order, with all attributes that the set has at the time.
   void save(const StateWriter& to) const;
@@ -152,12 +204,31 @@ class ParticleSet {
   template <class Backend>
   void moveOn(Backend& device, const FreeMotion& motion);
   template <class Backend>
-  void zeroBehindOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne, std::int64_t amount);
+  void zeroFromOn(Backend& device, ArrayView<std::uint32_t> words, int wordsInOne, const Count& first,
+                  std::int64_t amount);
+  template <class Backend>
+  void packOn(Backend& device, const detail::PackedColumns& columns, ArrayView<const int> indices);
+  template <class Backend>
+  void unpackOn(Backend& device, const detail::PackedColumns& columns, std::int64_t amount,
+                const Count& first);
+  template <class Backend>
+  void countMoreOn(Backend& device, const Count& amount);
+  template <class Backend>
+  void removeOn(Backend& device, ArrayView<const int> indices, ArrayView<int> marks, ArrayView<int> order);
+
+  template <class F>
+  void forEachPacked(const PackLayout& layout, std::uint32_t* buffer, std::int64_t particles, const F& f);
+  void unpack(const PackLayout& layout, ArrayView<const std::byte> from, std::int64_t particles,
+              const Count& first);
+  void zeroMissing(const PackLayout& layout, std::int64_t particles, const Count& first);
+  void checkFits(std::int64_t particles) const;
 
   /// Makes up for a motion that was put off.
   void settle();
   void addAttributesOf(const ParticleBatch& batch);
-  /// All attributes are about to be in another place or another order: nobody may hold scratch memory.
+  /// All attributes are about to be in another place: nobody may hold scratch memory.
+  void moveElements();
+  /// The same for owned particles that will be in another order, or more, or fewer. Drops the halo.
   void rearrange();
   Lease<Vec4f> lendWide(std::int64_t size, bool byParticle);
   void makeRoom(std::int64_t particles);
@@ -181,13 +252,14 @@ class ParticleSet {
   detail::SpareMemory spares_;
   std::vector<Storage> storages_;
   std::shared_ptr<detail::TypedStorage<Vec3f>> position_, velocity_;
-  std::shared_ptr<detail::TypedStorage<int>> id_;
+  std::shared_ptr<detail::TypedStorage<std::int64_t>> id_;
   Array<Vec4f> wide_, places_;
   std::shared_ptr<detail::Room> vectorRoom_, wideRoom_, placesRoom_;
   ByProducts byProducts_;
   Array<int> counter_;
   std::optional<FreeMotion> motion_;
   std::int64_t bound_ = 0;
+  std::int64_t halo_ = 0;  // only where bound_ is exact
   std::int64_t nextId_ = 0;
   static constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
   std::int64_t maxParticles_ = kUnknown;

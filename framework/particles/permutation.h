@@ -14,7 +14,7 @@ namespace weir::detail {
 /// Moves several attributes at once, so that the order is read but once.
 struct Permute {
   static constexpr int kMax = 8;  // columns in one launch
-  static constexpr int kWordsOfVector = 3;
+  static constexpr int kWordsOfVector = 3, kWordsOfLong = 2;
 
   ArrayView<const int> order;
   PermutedColumn columns[kMax];
@@ -35,6 +35,11 @@ struct Permute {
       const PermutedColumn& column = columns[c];
       if (column.words == 1) {
         column.to[k] = column.from[i];
+        continue;
+      }
+      if (column.words == kWordsOfLong) {
+        reinterpret_cast<std::uint64_t*>(column.to)[k] =
+            reinterpret_cast<const std::uint64_t*>(column.from)[i];
         continue;
       }
       if (column.words != kWordsOfVector) {

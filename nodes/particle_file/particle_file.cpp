@@ -154,7 +154,9 @@ void ParticleFile::estimate(const SetupContext& context, MemoryNeeds& needs) {
   needs.add(bytesOfArrays(particles->maxCount, particles->positions, particles->velocities));
   needs.host = 2 * sizeof(Vec3f) * particles->maxCount;
   for (const ParticleColumn& column : read_->columns) {
-    const double bytes = sizeof(float) * numbersIn(column.info.type) * particles->maxCount;
+    const std::size_t size =
+        withAttributeType(column.info.type, []<class T>(std::type_identity<T>) { return sizeof(T); });
+    const double bytes = static_cast<double>(size) * particles->maxCount;
     needs.add(bytes);
     needs.host += bytes;
   }

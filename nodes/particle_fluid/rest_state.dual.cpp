@@ -11,9 +11,9 @@ namespace {
 
 /// A batch's particles, by their ids.
 struct Batch {
-  int firstId;
+  std::int64_t firstId;
   std::int64_t size;
-  ArrayView<const int> ids;
+  ArrayView<const std::int64_t> ids;
 
   /// Below 0 or beyond the size for particles of other batches.
   WEIR_HD std::int64_t indexOf(std::int64_t i) const { return ids[i] - firstId; }
@@ -122,7 +122,7 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
   std::int64_t first = 0;
   for (Resting& of : batches) {
     const std::int64_t count = of.batch->count;
-    if (count > 0) f(of, Batch{static_cast<int>(first), count, particles.ids().read()});
+    if (count > 0) f(of, Batch{first, count, particles.ids().read()});
     first += count;
   }
 }

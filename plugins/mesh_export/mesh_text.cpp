@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iterator>
 #include <string_view>
+#include <type_traits>
 
 namespace weir {
 
@@ -20,6 +21,25 @@ template <class T>
 char* put(char* to, const T& value) {
   std::memcpy(to, &value, sizeof value);
   return to + sizeof value;
+}
+
+/// What a number is in a file.
+template <class T>
+auto plyNumber(T number) {
+  if constexpr (std::is_same_v<T, std::int64_t>)
+    return static_cast<double>(number);
+  else
+    return number;
+}
+
+struct PlyType {
+  const char* name;
+  std::size_t bytes;
+};
+PlyType typeOf(const PlyColumn& column) {
+  constexpr PlyType kTypes[] = {
+      {"float", sizeof(float)}, {"int", sizeof(std::int32_t)}, {"double", sizeof(double)}};
+  return kTypes[column.numbers.index()];
 }
 
 /// Some readers, assimp among them, take numbers that begin like a blank for more of the header's end. The
@@ -65,15 +85,18 @@ std::string plyOf(std::int64_t count, const std::vector<PlyColumn>& columns) {
   std::string text = kPlyStart;
   text += fmt::format("element vertex {}\n", count);
   for (const PlyColumn& column : columns)
-    text += fmt::format("property {} {}\n", column.numbers.index() == 0 ? "float" : "int", column.name);
+    text += fmt::format("property {} {}\n", typeOf(column).name, column.name);
   text += "end_header\n";
   const std::size_t start = text.size();
-  text.resize(start + static_cast<std::size_t>(count) * columns.size() * sizeof(float));
+  std::size_t rowBytes = 0;
+  for (const PlyColumn& column : columns) rowBytes += typeOf(column).bytes;
+  text.resize(start + static_cast<std::size_t>(count) * rowBytes);
   char* to = text.data() + start;
   for (std::int64_t i = 0; i < count; ++i)
     for (const PlyColumn& column : columns)
-      std::visit([&](const auto& numbers) { to = put(to, numbers[i * column.stride + column.first]); },
-                 column.numbers);
+      std::visit(
+          [&](const auto& numbers) { to = put(to, plyNumber(numbers[i * column.stride + column.first])); },
+          column.numbers);
   keepFromHeader(text, start);
   return text;
 }

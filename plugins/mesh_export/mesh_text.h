@@ -21,7 +21,8 @@ std::string objOf(const MeshSpan& mesh);
 /// One property of the vertices of a PLY file, and its numbers.
 struct PlyColumn {
   std::string name;
-  std::variant<std::span<const float>, std::span<const std::int32_t>> numbers;
+  /// Written as float, int, and double, as PLY has no longer ints: exact below 2⁵³.
+  std::variant<std::span<const float>, std::span<const std::int32_t>, std::span<const std::int64_t>> numbers;
   int stride = 1;  ///< numbers of one vertex
   int first = 0;   ///< which of them it is
 };

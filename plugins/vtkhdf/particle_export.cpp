@@ -34,19 +34,26 @@ bool has(const ParticleSet& particles, const AttributeInfo& wanted) {
   return found != nullptr && found->type == wanted.type;
 }
 
+VtkHdfType typeOf(AttributeType type) {
+  return withAttributeType(type, []<class T>(std::type_identity<T>) {
+    using Number = typename AttributeTraits<T>::Number;
+    if constexpr (std::is_same_v<Number, std::int64_t>) return VtkHdfType::kInt64;
+    return std::is_same_v<Number, int> ? VtkHdfType::kInt32 : VtkHdfType::kFloat32;
+  });
+}
+
 VtkHdfAttribute attributeOf(const AttributeInfo& info) {
-  return {.name = info.name,
-          .components = numbersIn(info.type),
-          .type = isWhole(info.type) ? VtkHdfType::kInt32 : VtkHdfType::kFloat32,
-          .unit = info.unit};
+  return {
+      .name = info.name, .components = numbersIn(info.type), .type = typeOf(info.type), .unit = info.unit};
 }
 
 /// The numbers of an attribute on their way to the host, that many of each particle.
-using ColumnCopy = std::variant<HostCopy<float>, HostCopy<int>>;
+using ColumnCopy = std::variant<HostCopy<float>, HostCopy<int>, HostCopy<std::int64_t>>;
 
 ColumnCopy columnOf(const AttributeInfo& info, Device& device) {
-  if (isWhole(info.type)) return HostCopy<int>(device);
-  return HostCopy<float>(device);
+  return withAttributeType(info.type, [&]<class T>(std::type_identity<T>) -> ColumnCopy {
+    return HostCopy<typename AttributeTraits<T>::Number>(device);
+  });
 }
 
 /// Asks for one attribute of the first `count` particles.

@@ -23,6 +23,22 @@ nb::object numpyArray(const LentMemory& lent, T* data, const std::vector<std::si
   return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.data(), ownerOf(lent)));
 }
 
+template <class Number>
+DeviceArray::Numbers numbersOf() {
+  if constexpr (std::is_same_v<Number, float>)
+    return {"float32", "<f4", sizeof(Number)};
+  else if constexpr (std::is_same_v<Number, std::int64_t>)
+    return {"int64", "<i8", sizeof(Number)};
+  else
+    return {"int32", "<i4", sizeof(Number)};
+}
+
+nb::dlpack::dtype typeOf(const DeviceArray::Numbers& numbers) {
+  const std::string_view name = numbers.name;
+  if (name == "int64") return nb::dtype<std::int64_t>();
+  return name == "int32" ? nb::dtype<std::int32_t>() : nb::dtype<float>();
+}
+
 /// A view of the first `count` elements.
 template <class T>
 nb::object viewOf(const LentMemory& lent, T* elements, std::size_t count) {
@@ -33,7 +49,7 @@ nb::object viewOf(const LentMemory& lent, T* elements, std::size_t count) {
   auto* data = reinterpret_cast<Number*>(elements);
   if (lent.device->kind() == DeviceKind::kCpu) return numpyArray<Number>(lent, data, shape);
   letStreamWait(*lent.device, kLegacyStream);
-  return nb::cast(DeviceArray(lent, data, std::move(shape), std::is_integral_v<Number>));
+  return nb::cast(DeviceArray(lent, data, std::move(shape), numbersOf<Number>()));
 }
 
 AttributeType typeNamed(const std::string& name) {
@@ -48,7 +64,7 @@ AttributeType typeNamed(const std::string& name) {
 std::size_t DeviceArray::bytes() const {
   std::size_t elements = 1;
   for (const std::size_t extent : shape_) elements *= extent;
-  return 4 * elements;
+  return numbers_.bytes * elements;
 }
 
 nb::dict DeviceArray::cudaArrayInterface() const {
@@ -56,7 +72,7 @@ nb::dict DeviceArray::cudaArrayInterface() const {
   for (const std::size_t extent : shape_) shape.append(extent);
   nb::dict interface;
   interface["shape"] = nb::tuple(shape);
-  interface["typestr"] = isInt_ ? "<i4" : "<f4";
+  interface["typestr"] = numbers_.typeCode;
   interface["data"] = nb::make_tuple(reinterpret_cast<std::uintptr_t>(data_), false);
   interface["strides"] = nb::none();
   interface["version"] = 3;
@@ -75,16 +91,14 @@ nb::object DeviceArray::dlpack(nb::object stream, nb::kwargs options) const {
   const auto& cuda = static_cast<const CudaDevice&>(*lent_.device);
   const auto number = stream.is_none() ? std::int64_t(kLegacyStream) : nb::cast<std::int64_t>(stream);
   if (number != -1) letStreamWait(cuda, static_cast<std::uintptr_t>(number));
-  const nb::ndarray<> array(data_, shape_.size(), shape_.data(), ownerOf(lent_), nullptr,
-                            isInt_ ? nb::dtype<std::int32_t>() : nb::dtype<float>(), nb::device::cuda::value,
-                            cuda.index());
+  const nb::ndarray<> array(data_, shape_.size(), shape_.data(), ownerOf(lent_), nullptr, typeOf(numbers_),
+                            nb::device::cuda::value, cuda.index());
   // Without a framework it becomes a capsule, of the version that every reader knows.
   return nb::cast(array);
 }
 
 nb::object DeviceArray::toHost() const {
-  nb::object array =
-      nb::module_::import_("numpy").attr("empty")(nb::cast(shape_), isInt_ ? "int32" : "float32");
+  nb::object array = nb::module_::import_("numpy").attr("empty")(nb::cast(shape_), numbers_.name);
   void* to = nb::cast<nb::ndarray<nb::c_contig>>(array).data();
   if (bytes() > 0) {
     waitForStream(*lent_.device, kLegacyStream);
@@ -96,7 +110,7 @@ nb::object DeviceArray::toHost() const {
 void DeviceArray::assign(nb::handle values) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   const nb::object wide = numpy.attr("broadcast_to")(values, nb::cast(shape_));
-  const nb::object array = numpy.attr("ascontiguousarray")(wide, isInt_ ? "int32" : "float32");
+  const nb::object array = numpy.attr("ascontiguousarray")(wide, numbers_.name);
   if (bytes() == 0) return;
   waitForStream(*lent_.device, kLegacyStream);
   lent_.device->upload(data_, nb::cast<nb::ndarray<nb::c_contig, nb::ro>>(array).data(), bytes());
@@ -214,9 +228,8 @@ void bindParticles(nb::module_& m) {
       .def_prop_ro(
           "shape", [](const DeviceArray& a) { return nb::tuple(nb::cast(a.shape())); },
           nb::sig("def shape(self) -> tuple[int, ...]"), "Extents: (particles,) or (particles, 3).")
-      .def_prop_ro(
-          "dtype", [](const DeviceArray& a) { return a.isInt() ? "int32" : "float32"; },
-          nb::sig("def dtype(self) -> str"), "\"float32\" or \"int32\".")
+      .def_prop_ro("dtype", &DeviceArray::dtype, nb::sig("def dtype(self) -> str"),
+                   "\"float32\", \"int32\" or \"int64\".")
       .def("__len__", [](const DeviceArray& a) { return a.shape()[0]; })
       .def_prop_ro("__cuda_array_interface__", &DeviceArray::cudaArrayInterface)
       .def("__dlpack__", &DeviceArray::dlpack, nb::kw_only(), nb::arg("stream") = nb::none(),
@@ -238,14 +251,13 @@ void bindParticles(nb::module_& m) {
       .def("keys", &Particles::names, "Names of the attributes.")
       .def("describe", &Particles::describe, nb::sig("def describe(self) -> dict[str, dict]"),
            "Type, unit and doc of each attribute; a derived one is up to date at frames.")
-      .def(
-          "add", &Particles::add, nb::arg("name"), nb::arg("type") = "float", nb::arg("unit") = "",
-          nb::arg("doc") = "",
-          nb::sig("def add(self, name: str, type: str = 'float', unit: str = '', doc: str = '') "
-                  "-> numpy.ndarray | DeviceArray"),
-          "Give every particle another attribute, 0 at first and at birth: a float, vec3, int or mat3. It is "
-          "sorted "
-          "and exported like the others. One that is there already is found. A reset forgets it.")
+      .def("add", &Particles::add, nb::arg("name"), nb::arg("type") = "float", nb::arg("unit") = "",
+           nb::arg("doc") = "",
+           nb::sig("def add(self, name: str, type: str = 'float', unit: str = '', doc: str = '') "
+                   "-> numpy.ndarray | DeviceArray"),
+           "Give every particle another attribute, 0 at first and at birth: a float, vec3, int, mat3 or "
+           "int64. It is sorted and exported like the others. One that is there already is found. A reset "
+           "forgets it.")
       .def("neighbors", &Particles::neighbors, kNeighborsDoc,
            nb::sig("def neighbors(self) -> tuple[numpy.ndarray | DeviceArray, numpy.ndarray | DeviceArray]"))
       .def_prop_ro("count", &Particles::count, "How many particles there are.")
@@ -262,7 +274,7 @@ void bindParticles(nb::module_& m) {
       .def_prop_ro(
           "ids", [](const Particles& p) { return p.array("id"); },
           nb::sig("def ids(self) -> numpy.ndarray | DeviceArray"),
-          "A number that stays with each particle: (n,).");
+          "A number of 64 bits that stays with each particle: (n,).");
 }
 
 }  // namespace weir::python

@@ -24,8 +24,15 @@ struct LentMemory {
 /// Memory on a CUDA device, for libraries that know __cuda_array_interface__ or DLPack.
 class DeviceArray {
  public:
-  DeviceArray(LentMemory lent, void* data, std::vector<std::size_t> shape, bool isInt)
-      : lent_(std::move(lent)), data_(data), shape_(std::move(shape)), isInt_(isInt) {}
+  /// What NumPy calls the numbers, and how long they are.
+  struct Numbers {
+    const char* name;      ///< "float32"
+    const char* typeCode;  ///< "<f4"
+    std::size_t bytes;     ///< of one
+  };
+
+  DeviceArray(LentMemory lent, void* data, std::vector<std::size_t> shape, const Numbers& numbers)
+      : lent_(std::move(lent)), data_(data), shape_(std::move(shape)), numbers_(numbers) {}
 
   const std::vector<std::size_t>& shape() const { return shape_; }
   nb::dict cudaArrayInterface() const;
@@ -34,7 +41,7 @@ class DeviceArray {
   nb::object dlpack(nb::object stream, nb::kwargs options) const;
   nb::object toHost() const;
   void assign(nb::handle values);
-  bool isInt() const { return isInt_; }
+  const char* dtype() const { return numbers_.name; }
 
  private:
   std::size_t bytes() const;
@@ -42,7 +49,7 @@ class DeviceArray {
   LentMemory lent_;
   void* data_;
   std::vector<std::size_t> shape_;
-  bool isInt_;  // else float; both have 4 bytes
+  Numbers numbers_;
 };
 
 /// Everything that Python knows of a fluid's particles.

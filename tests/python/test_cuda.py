@@ -29,7 +29,7 @@ def test_an_array_says_what_it_is(moving):
     sim, water = moving
     positions = water.positions
     assert isinstance(positions, weir.DeviceArray) and len(positions) == water.count
-    assert positions.shape == (water.count, 3) and positions.dtype == "float32" and water.ids.dtype == "int32"
+    assert positions.shape == (water.count, 3) and positions.dtype == "float32" and water.ids.dtype == "int64"
     interface = positions.__cuda_array_interface__
     assert interface["shape"] == positions.shape and interface["typestr"] == "<f4" and interface["version"] == 3
     assert interface["stream"] == sim.stream != 0

@@ -68,14 +68,17 @@ def test_attributes(sim, scene):
     assert color.shape == (len(particles), 3) and not color.any()
     particles.add("tag", "int")[:] = scene.water.ids
     particles.add("stress", "mat3", unit="Pa")[:, 1, 2] = scene.water.ids
+    particles.add("stamp", "int64")[:] = scene.water.ids + 2**40
+    assert particles["stamp"].dtype == scene.water.ids.dtype == np.int64
     assert particles["stress"].shape == (len(particles), 3, 3)
     sim.advance(2)
     assert np.array_equal(particles["stress"][:, 1, 2], scene.water.ids)
     assert np.array_equal(particles["tag"], scene.water.ids)  # it travels with its particle
+    assert np.array_equal(particles["stamp"], scene.water.ids + 2**40)
     assert not np.array_equal(scene.water.ids, np.arange(len(particles)))  # and they were sorted
     with pytest.raises(weir.Error, match="different types"):
         particles.add("tag", "float")
-    with pytest.raises(weir.Error, match="float, vec3, int or mat3"):
+    with pytest.raises(weir.Error, match="float, vec3, int, mat3 or int64"):
         particles.add("other", "double")
     with pytest.raises(weir.Error, match="is not a valid name"):
         particles.add("a b")

@@ -83,7 +83,7 @@ def test_sums_at_points_are_sums():
     with pytest.raises(weir.Error, match="no particle attribute 'velocty'.*") as raised:
         scene.water.sample([(0, 0, 0)], "velocty")
     assert "'velocity'" in raised.value.hint
-    with pytest.raises(weir.Error, match="type int, which has no mean"):
+    with pytest.raises(weir.Error, match="type int64, which has no mean"):
         scene.water.sample([(0, 0, 0)], "id")
 
 

@@ -44,7 +44,7 @@ void FluidScene::frame() {
 std::vector<Vec3f> FluidScene::byId(const Attribute<const Vec3f>& values) const {
   ParticleSet& particles = fluid_->fluid->set();
   const std::int64_t n = particles.refreshCount();
-  const std::vector<int> ids = particles.ids().toHost(n);
+  const std::vector<std::int64_t> ids = particles.ids().toHost(n);
   const std::vector<Vec3f> unordered = values.toHost(n);
   std::vector<Vec3f> ordered(unordered.size());
   for (std::size_t k = 0; k < ids.size(); ++k) ordered.at(static_cast<std::size_t>(ids[k])) = unordered[k];

@@ -23,7 +23,7 @@ class Tagger final : public FluidModule {
 
   void step(FluidStep& fluid) override {
     const std::int64_t n = fluid.particles.refreshCount();
-    const std::vector<int> ids = fluid.particles.ids().toHost(n);
+    const std::vector<std::int64_t> ids = fluid.particles.ids().toHost(n);
     std::vector<float> tags = tag_.toHost(n);
     std::vector<Vec3f> vectors = vector_.toHost(n);
     std::vector<Mat3f> matrices = matrix_.toHost(n);
@@ -33,7 +33,7 @@ class Tagger final : public FluidModule {
       const auto id = static_cast<float>(ids[i]);
       tags[i] = 3 * id + 1;
       vectors[i] = matrices[i][1] = {id, 2 * id, -id};
-      numbers[i] = ids[i] + 7;
+      numbers[i] = static_cast<int>(ids[i]) + 7;
     }
     tag_.assign(tags);
     vector_.assign(vectors);

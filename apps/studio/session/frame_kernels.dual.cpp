@@ -31,15 +31,15 @@ WEIR_HD std::uint16_t place(float value, float low, float high) {
 }
 
 struct IsEvery {
-  ArrayView<const int> ids;
-  int every;
+  ArrayView<const std::int64_t> ids;
+  std::int64_t every;
   WEIR_HD bool operator()(std::int64_t i) const { return ids[i] % every == 0; }
 };
 
 struct Take {
-  ArrayView<const int> from;
+  ArrayView<const std::int64_t> from;
   ChosenParticles particles;
-  ArrayView<int> to;
+  ArrayView<std::int64_t> to;
   WEIR_HD void operator()(std::int64_t i) const { to[i] = from[particles[i]]; }
 };
 
@@ -102,13 +102,14 @@ struct QuantizePoints {
 }  // namespace
 
 template <class Backend>
-void chooseEvery(Backend& device, ArrayView<const int> ids, int every, ArrayView<int> indices, int* kept) {
+void chooseEvery(Backend& device, ArrayView<const std::int64_t> ids, std::int64_t every,
+                 ArrayView<int> indices, int* kept) {
   compact(device, "choose for viewers", ids.size, IsEvery{ids, every}, indices, kept);
 }
 
 template <class Backend>
-void takeIds(Backend& device, ArrayView<const int> from, const ChosenParticles& particles,
-             ArrayView<int> to) {
+void takeIds(Backend& device, ArrayView<const std::int64_t> from, const ChosenParticles& particles,
+             ArrayView<std::int64_t> to) {
   parallelFor(device, "ids for viewers", particles.count, Take{from, particles, to});
 }
 
@@ -139,10 +140,12 @@ void quantizePoints(Backend& device, ArrayView<const Vec3f> points, const Chosen
   parallelFor(device, "points for viewers", particles.count, QuantizePoints{points, particles, bounds, to});
 }
 
-template void chooseEvery(ThisBackend&, ArrayView<const int>, int, ArrayView<int>, int*);
-template void takeIds(ThisBackend&, ArrayView<const int>, const ChosenParticles&, ArrayView<int>);
+template void chooseEvery(ThisBackend&, ArrayView<const std::int64_t>, std::int64_t, ArrayView<int>, int*);
+template void takeIds(ThisBackend&, ArrayView<const std::int64_t>, const ChosenParticles&,
+                      ArrayView<std::int64_t>);
 template void rangeOf(ThisBackend&, ArrayView<const float>, const ChosenParticles&, Range<float>*);
 template void rangeOf(ThisBackend&, ArrayView<const int>, const ChosenParticles&, Range<float>*);
+template void rangeOf(ThisBackend&, ArrayView<const std::int64_t>, const ChosenParticles&, Range<float>*);
 template void rangeOf(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, Range<float>*);
 template void rangeOf(ThisBackend&, ArrayView<const Mat3f>, const ChosenParticles&, Range<float>*);
 template void boundsOf(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, Range<Vec3f>*);
@@ -150,6 +153,8 @@ template void quantize(ThisBackend&, ArrayView<const float>, const ChosenParticl
                        ArrayView<std::uint16_t>);
 template void quantize(ThisBackend&, ArrayView<const int>, const ChosenParticles&, const Range<float>*,
                        ArrayView<std::uint16_t>);
+template void quantize(ThisBackend&, ArrayView<const std::int64_t>, const ChosenParticles&,
+                       const Range<float>*, ArrayView<std::uint16_t>);
 template void quantize(ThisBackend&, ArrayView<const Vec3f>, const ChosenParticles&, const Range<float>*,
                        ArrayView<std::uint16_t>);
 template void quantize(ThisBackend&, ArrayView<const Mat3f>, const ChosenParticles&, const Range<float>*,

@@ -25,13 +25,15 @@ struct Range {
 /// The numbers of the particles whose id is a multiple of `every`, in order, and in *kept (device memory) how
 /// many these are.
 template <class Backend>
-void chooseEvery(Backend& device, ArrayView<const int> ids, int every, ArrayView<int> indices, int* kept);
+void chooseEvery(Backend& device, ArrayView<const std::int64_t> ids, std::int64_t every,
+                 ArrayView<int> indices, int* kept);
 
 /// to[i] = from[particles[i]]
 template <class Backend>
-void takeIds(Backend& device, ArrayView<const int> from, const ChosenParticles& particles, ArrayView<int> to);
+void takeIds(Backend& device, ArrayView<const std::int64_t> from, const ChosenParticles& particles,
+             ArrayView<std::int64_t> to);
 
-/// Of numbers, float or int, or of the lengths of vectors and norms of matrices; in device memory.
+/// Of numbers, or of the lengths of vectors and norms of matrices; in device memory.
 template <class Backend, class T>
 void rangeOf(Backend& device, ArrayView<const T> values, const ChosenParticles& particles,
              Range<float>* range);

@@ -103,7 +103,7 @@ class FrameMaker::FluidFrame {
   };
   static constexpr std::int64_t kAxes = 3;
   static constexpr std::int64_t kValueBytes = sizeof(std::uint16_t), kPointBytes = kAxes * kValueBytes,
-                                kIdBytes = sizeof(int), kIdsAt = sizeof(Ranges);
+                                kIdBytes = sizeof(std::int64_t), kIdsAt = sizeof(Ranges);
 
   /// All, or those with every n-th id, so that the same ones are seen in every frame.
   ChosenParticles choose(const ParticleSet& particles, std::int64_t total, std::int64_t max) {
@@ -111,8 +111,7 @@ class FrameMaker::FluidFrame {
     if (every == 1) return {.indices = {}, .count = total};
     indices_.resizeDiscarding(total);
     dispatch(device_, [&](auto& device) {
-      chooseEvery(device, {particles.ids().read().data(), total}, static_cast<int>(every), indices_.view(),
-                  kept_.data());
+      chooseEvery(device, {particles.ids().read().data(), total}, every, indices_.view(), kept_.data());
     });
     keptCopy_.request(kept_.data());
     const std::int64_t count = keptCopy_.wait();
@@ -152,7 +151,8 @@ class FrameMaker::FluidFrame {
   Array<int> kept_;
   Readback<int> keptCopy_{device_};
   Array<Ranges> ranges_;
-  Array<int> indices_, ids_;
+  Array<int> indices_;
+  Array<std::int64_t> ids_;
   Array<std::uint16_t> points_, values_;
   HostCopy<char> onHost_;  // ranges, ids, points, values
 };

@@ -90,7 +90,7 @@ std::vector<double> numbersOf(const ParticleSet& particles, const Column& column
 }
 
 /// The particles from … from + count - 1 in the order that is asked for.
-std::vector<std::int64_t> windowOf(const std::vector<int>& ids, const std::vector<double>& keys,
+std::vector<std::int64_t> windowOf(const std::vector<std::int64_t>& ids, const std::vector<double>& keys,
                                    bool descending, std::int64_t from, std::int64_t count) {
   std::vector<std::int64_t> order(ids.size());
   std::iota(order.begin(), order.end(), 0);
@@ -115,7 +115,7 @@ std::vector<std::int64_t> windowOf(const std::vector<int>& ids, const std::vecto
 Value particleValue(const Simulation& simulation, const std::string& node, std::int64_t id) {
   ParticleSet* particles = particlesOf(simulation, node);
   if (particles == nullptr) return {};
-  const std::vector<int> ids = onHost<int>(particles->ids(), particles->refreshCount());
+  const std::vector<std::int64_t> ids = onHost<std::int64_t>(particles->ids(), particles->refreshCount());
   const auto found = std::find(ids.begin(), ids.end(), id);
   if (found == ids.end()) return {};
   const std::int64_t at = found - ids.begin();
@@ -145,8 +145,8 @@ Value particlePageValue(const Simulation& simulation, const ParticlePage& page) 
   const std::int64_t lastPage = std::max<std::int64_t>(0, (total - 1) / page.count * page.count);
   const std::int64_t from = std::min(page.from, lastPage);
   const std::vector<std::int64_t> window =
-      windowOf(onHost<int>(particles->ids(), total), numbersOf(*particles, *by, total), page.descending, from,
-               page.count);
+      windowOf(onHost<std::int64_t>(particles->ids(), total), numbersOf(*particles, *by, total),
+               page.descending, from, page.count);
   std::vector<Value> rows(window.size(), Value::array());
   Value named = Value::array();
   for (const Column& column : columns) {

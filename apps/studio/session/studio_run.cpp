@@ -123,7 +123,9 @@ void Studio::answerLater(ClientId client, const Value& message, Value& result,
 
 void Studio::askParticle(ClientId client, const Value& message, Value& result) {
   const std::string node = textMember(message, "node");
-  const std::int64_t particle = wholeMember(message, "particle", 0, std::numeric_limits<std::int32_t>::max());
+  // As far as JavaScript knows whole numbers.
+  constexpr std::int64_t kMaxId = (std::int64_t{1} << 53) - 1;
+  const std::int64_t particle = wholeMember(message, "particle", 0, kMaxId);
   answerLater(client, message, result, [node, particle](const Simulation& simulation) {
     return particleValue(simulation, node, particle);
   });

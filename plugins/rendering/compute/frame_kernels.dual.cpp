@@ -112,6 +112,7 @@ void take(Backend& device, ArrayView<const int> chosen, ArrayView<const T> from,
 }
 
 template void findNumbers(ThisBackend&, ArrayView<const int>, ArrayView<float>);
+template void findNumbers(ThisBackend&, ArrayView<const std::int64_t>, ArrayView<float>);
 template void findNumbers(ThisBackend&, ArrayView<const Vec3f>, ArrayView<float>);
 template void findNumbers(ThisBackend&, ArrayView<const Mat3f>, ArrayView<float>);
 template void findParts(ThisBackend&, ArrayView<const float>, const Vec2f&, ArrayView<float>);

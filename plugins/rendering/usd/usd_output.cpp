@@ -59,9 +59,12 @@ class AttributeCopy {
     put({"float[]", "primvars:" + name_, true}, values, file, attributes);
   }
   void add(std::span<const int> values, CrateFile& file, std::vector<UsdAttribute>& attributes) const {
-    if (name_ != "id") return put({"int[]", "primvars:" + name_, true}, values, file, attributes);
-    const std::vector<std::int64_t> ids(values.begin(), values.end());
-    put({"int64[]", "ids"}, std::span<const std::int64_t>(ids), file, attributes);
+    put({"int[]", "primvars:" + name_, true}, values, file, attributes);
+  }
+  void add(std::span<const std::int64_t> values, CrateFile& file,
+           std::vector<UsdAttribute>& attributes) const {
+    if (name_ == "id") return put({"int64[]", "ids"}, values, file, attributes);
+    put({"int64[]", "primvars:" + name_, true}, values, file, attributes);
   }
   /// USD has no arrays of such matrices of single precision.
   void add(std::span<const Mat3f>, CrateFile&, std::vector<UsdAttribute>&) const {}

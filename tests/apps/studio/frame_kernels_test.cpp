@@ -79,6 +79,9 @@ TEST_P(FrameKernels, WhatIsNoNumberOrHasNoRangeIsZero) {
 
 TEST_P(FrameKernels, WholeNumbersAndLengthsCountAsNumbers) {
   EXPECT_EQ(quantized(std::vector<int>{-5, 10, 0}).values, (std::vector<std::uint16_t>{0, 65535, 21845}));
+  constexpr std::int64_t kLarge = std::int64_t{1} << 40;
+  EXPECT_EQ(quantized(std::vector<std::int64_t>{-kLarge, 2 * kLarge, 0}).values,
+            (std::vector<std::uint16_t>{0, 65535, 21845}));
   const Quantized lengths = quantized(std::vector<Vec3f>{{3, 4, 0}, {0, 0, 0}, {0, -1, 0}});
   EXPECT_EQ(lengths.range.high, 5);
   EXPECT_EQ(lengths.values, (std::vector<std::uint16_t>{65535, 0, 13107}));
@@ -86,21 +89,21 @@ TEST_P(FrameKernels, WholeNumbersAndLengthsCountAsNumbers) {
 
 TEST_P(FrameKernels, OnlyTheChosenCount) {
   constexpr int kEvery = 7, kParticles = 50000;
-  std::vector<int> ids;
+  std::vector<std::int64_t> ids;
   std::vector<float> values;
-  for (int i = 0; i < kParticles; ++i) {
+  for (std::int64_t i = 0; i < kParticles; ++i) {
     ids.push_back((i * 3) % kParticles);
     values.push_back(ids.back() % kEvery == 0 ? static_cast<float>(ids.back()) : 1e9f);
   }
-  const Array<int> from(*device, std::span<const int>(ids));
+  const Array<std::int64_t> from(*device, std::span<const std::int64_t>(ids));
   Array<int> indices(*device, from.size()), kept(*device, 1);
   dispatch(*device, [&](auto& on) { chooseEvery(on, from.view(), kEvery, indices.view(), kept.data()); });
   const std::int64_t count = kept.toHost().front();
   ASSERT_EQ(count, (kParticles - 1) / kEvery + 1);
-  Array<int> taken(*device, count);
+  Array<std::int64_t> taken(*device, count);
   dispatch(*device, [&](auto& on) { takeIds(on, from.view(), {indices.view(), count}, taken.view()); });
-  const std::vector<int> chosen = taken.toHost();
-  for (const int id : chosen) ASSERT_EQ(id % kEvery, 0);
+  const std::vector<std::int64_t> chosen = taken.toHost();
+  for (const std::int64_t id : chosen) ASSERT_EQ(id % kEvery, 0);
   const Quantized q = quantized(values, indices.toHost(count));
   EXPECT_EQ(q.range.low, 0);
   EXPECT_EQ(q.range.high, static_cast<float>((kParticles - 1) / kEvery * kEvery));

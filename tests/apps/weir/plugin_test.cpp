@@ -351,7 +351,7 @@ TEST(Plugins, AttributesOfAModuleTravelWithTheirParticles) {
   }
   const ParticleSet& particles = water.fluid->set();
   const std::int64_t n = particles.bound();
-  const std::vector<int> ids = particles.ids().toHost(n);
+  const std::vector<std::int64_t> ids = particles.ids().toHost(n);
   const std::vector<float> tags = particles.get<float>("tag").toHost(n);
   const std::vector<Vec3f> vectors = particles.get<Vec3f>("tag_vector").toHost(n);
   const std::vector<Mat3f> matrices = particles.get<Mat3f>("tag_matrix").toHost(n);

@@ -128,7 +128,7 @@ TEST_P(NeighborListTest, AllAttributesTravelIntoTheOrderOfTheCells) {
     list.build(particles, {{-3, -3, -3}, {3, 3, 3}});
     const std::int64_t n = particles.refreshCount();
     ASSERT_EQ(n, count - 1);
-    const std::vector<int> ids = particles.ids().toHost(n);
+    const std::vector<std::int64_t> ids = particles.ids().toHost(n);
     const std::vector<Vec3f> p = particles.positions().toHost(n), v = particles.velocities().toHost(n);
     const std::vector<float> h = heat.toHost(n);
     std::vector<bool> there(points.size());
@@ -145,8 +145,8 @@ TEST_P(NeighborListTest, AllAttributesTravelIntoTheOrderOfTheCells) {
     // Those in one cell keep their order.
     const auto crowd = std::find(ids.begin(), ids.end(), 0);
     ASSERT_GE(ids.end() - crowd, 1);
-    int last = -1;
-    for (const int id : ids) {
+    std::int64_t last = -1;
+    for (const std::int64_t id : ids) {
       if (id >= 500) continue;
       EXPECT_GT(id, last);
       last = id;
@@ -319,9 +319,9 @@ TEST_P(NeighborListTest, RemovesWhatIsOutsideOrNoNumberAndCountsIt) {
   list.configure(0.1f, 8);
   list.build(particles, {{-1, -1, -1}, {1, 1, 1}});
   EXPECT_EQ(particles.refreshCount(), 3);
-  std::vector<int> ids = particles.ids().toHost(3);
+  std::vector<std::int64_t> ids = particles.ids().toHost(3);
   std::sort(ids.begin(), ids.end());
-  EXPECT_EQ(ids, (std::vector<int>{0, 3, 5}));
+  EXPECT_EQ(ids, (std::vector<std::int64_t>{0, 3, 5}));
   EXPECT_EQ(list.eventsOnHost().escaped, 1);
   EXPECT_EQ(list.eventsOnHost().nonFinite, 2);
   EXPECT_EQ(listedPairs(particles, list), (Pairs{{0, 3}, {3, 0}}));

@@ -250,12 +250,13 @@ TEST_P(AttributeTest, ATensorStartsAsZeroAndIsSavedAndRestored) {
 }
 
 TEST(AttributeTypes, AreFoundByTheirNames) {
-  EXPECT_EQ(attributeTypeNames(), (std::vector<std::string>{"float", "vec3", "int", "mat3"}));
+  EXPECT_EQ(attributeTypeNames(), (std::vector<std::string>{"float", "vec3", "int", "mat3", "int64"}));
   for (const std::string& name : attributeTypeNames()) EXPECT_EQ(nameOf(*attributeTypeNamed(name)), name);
   EXPECT_FALSE(attributeTypeNamed("double"));
   EXPECT_EQ(numbersIn(AttributeType::kMat3), 9);
   EXPECT_EQ(componentsOf(AttributeType::kMat3).at(5), "yz");
   EXPECT_TRUE(isWhole(AttributeType::kInt));
+  EXPECT_TRUE(isWhole(AttributeType::kInt64));
   EXPECT_FALSE(isWhole(AttributeType::kMat3));
 }
 

@@ -25,12 +25,14 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     const Attribute<float> heat = particles.add<float>({.name = "heat", .unit = "", .doc = ""});
     const Attribute<Mat3f> tensor = particles.add<Mat3f>({.name = "stress", .unit = "", .doc = ""});
     const Attribute<int> phase = particles.add<int>({.name = "phase", .unit = "", .doc = ""});
+    const auto stamp = particles.add<std::int64_t>({.name = "stamp", .unit = "", .doc = ""});
     particles.add<float>({.name = "derived", .unit = "", .doc = "", .derived = true});
     const auto n = static_cast<std::size_t>(count);
     std::vector<Vec3f> positions, velocities, third;
     std::vector<float> shares, heats;
     std::vector<Mat3f> tensors;
     std::vector<int> phases;
+    std::vector<std::int64_t> stamps;
     for (int i = 0; i < count; ++i) {
       positions.push_back(vectorOf(i, 1));
       velocities.push_back(vectorOf(i, 2));
@@ -39,6 +41,7 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
       heats.push_back(-float(i));
       tensors.push_back({vectorOf(i, 4), vectorOf(i, 5), vectorOf(i, 6)});
       phases.push_back(3 * i);
+      stamps.push_back((std::int64_t{1} << 40) * (i % 5) + i);
     }
     ParticleBatch batch;
     batch.assign(*device, positions, velocities);
@@ -49,6 +52,7 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     heat.assign(heats);
     tensor.assign(tensors);
     phase.assign(phases);
+    stamp.assign(stamps);
 
     std::vector<int> order(n);
     for (std::size_t k = 0; k < n; ++k) order[k] = static_cast<int>((k * 7 + 3) % n);
@@ -59,7 +63,7 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
       const Lease<Vec3f> room = particles.leaseVectors();
       device->fillBytes(room.data(), 0, n * sizeof(Vec3f));
     }
-    const std::vector<int> ids = particles.ids().toHost(count);
+    const std::vector<std::int64_t> ids = particles.ids().toHost(count);
     const auto found = [&](const auto& values, const auto& expected) {
       const auto ordered = values.toHost(count);
       for (std::size_t k = 0; k < n; ++k)
@@ -74,7 +78,43 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     EXPECT_TRUE(found(heat, heats));
     EXPECT_TRUE(found(tensor, tensors));
     EXPECT_TRUE(found(phase, phases));
+    EXPECT_TRUE(found(stamp, stamps));
   }
+}
+
+TEST_P(ParticleSetTest, IdsGoOnWhereThirtyTwoBitsEnd) {
+  constexpr std::int64_t kGiven = std::int64_t{1} << 31;
+  ParticleSet particles(*device);
+  particles.continueIdsFrom(kGiven - 1);
+  ParticleBatch batch;
+  batch.assign(*device, std::vector<Vec3f>(2), Vec3f{});
+  particles.append(batch);
+  particles.append(batch);
+  EXPECT_EQ(particles.ids().toHost(4),
+            (std::vector<std::int64_t>{kGiven - 1, kGiven, kGiven + 1, kGiven + 2}));
+  EXPECT_EQ(particles.nextId(), kGiven + 3);
+  StateArrays arrays;
+  particles.refreshCount();
+  particles.save(StateWriter(arrays));
+  EXPECT_EQ(arrays.at("id").kind, StateKind::kInt64);
+  ParticleSet other(*device);
+  other.restore(StateReader(arrays));
+  other.append(batch);
+  EXPECT_EQ(other.ids().toHost(6).back(), kGiven + 4);
+}
+
+TEST_P(ParticleSetTest, RefusesCheckpointsWithIdsOf32Bits) {
+  ParticleSet particles(*device);
+  ParticleBatch batch;
+  batch.assign(*device, std::vector<Vec3f>(2), Vec3f{});
+  particles.append(batch);
+  StateArrays arrays;
+  particles.save(StateWriter(arrays));
+  arrays.erase("id");
+  StateWriter(arrays).put("id", std::span<const int>(std::vector<int>{0, 1}));
+  const Error error = errorOf([&] { particles.restore(StateReader(arrays)); });
+  EXPECT_EQ(error.kind(), ErrorKind::kIo);
+  EXPECT_CONTAINS(error.message(), "'id' is not what this program would write");
 }
 
 /// Particles with an attribute: the heat of particle i is `heat` + i.

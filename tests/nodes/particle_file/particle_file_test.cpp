@@ -62,7 +62,7 @@ TEST_P(ParticleFileTest, AFluidGetsTheRowsAsTheyAre) {
   build(folder_.write("Block.CSV", table), Value::object());
   reset();
   ASSERT_EQ(positions().size(), std::size_t{kRows});
-  const std::vector<int> ids = particles().ids().toHost(kRows);
+  const std::vector<std::int64_t> ids = particles().ids().toHost(kRows);
   for (int k = 0; k < kRows; ++k) {  // the fluid sorts them; the id is the row
     const auto row = static_cast<float>(ids[std::size_t(k)]);
     EXPECT_EQ(positions()[std::size_t(k)], (Vec3f{row + 0.5f, 2, 3}));

@@ -77,11 +77,11 @@ TEST(ParticleFluid, AttributesOfModulesTravelWithTheirParticles) {
     const Attribute<float> tag =
         particles.add<float>({"tag", AttributeType::kFloat, "", "Ten times the id."});
     std::vector<float> tags;
-    for (const int id : particles.ids().toHost(particles.bound()))
+    for (const std::int64_t id : particles.ids().toHost(particles.bound()))
       tags.push_back(10.0f * static_cast<float>(id));
     tag.assign(tags);
     scene.step(50);
-    const std::vector<int> ids = particles.ids().toHost(particles.bound());
+    const std::vector<std::int64_t> ids = particles.ids().toHost(particles.bound());
     const std::vector<float> moved = particles.get<float>("tag").toHost(particles.bound());
     for (std::size_t k = 0; k < ids.size(); ++k) EXPECT_EQ(moved[k], 10.0f * static_cast<float>(ids[k]));
   }

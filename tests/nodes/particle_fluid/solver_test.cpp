@@ -73,7 +73,7 @@ TEST(SemiImplicitSolver, DensityAgreesWithDoublePrecision) {
     scene.reset(1e-3);
     const ParticleSet& particles = scene.fluid().fluid->set();
     const std::vector<float> densities = particles.get<float>("density").toHost(particles.bound());
-    const std::vector<int> ids = particles.ids().toHost(particles.bound());
+    const std::vector<std::int64_t> ids = particles.ids().toHost(particles.bound());
     for (std::size_t k = 0; k < ids.size(); ++k)
       EXPECT_NEAR(densities[k] / 1000, expected[static_cast<std::size_t>(ids[k])], 2e-5) << name;
   }

@@ -72,11 +72,11 @@ constexpr const char* kJet = R"({
   "links": [ "nozzle.particles -> water.emitters" ]
 })";
 
-std::map<int, Vec3f> positionsById(ParticleSet& particles) {
+std::map<std::int64_t, Vec3f> positionsById(ParticleSet& particles) {
   const std::int64_t n = particles.refreshCount();
-  const std::vector<int> ids = particles.ids().toHost(n);
+  const std::vector<std::int64_t> ids = particles.ids().toHost(n);
   const std::vector<Vec3f> positions = particles.positions().toHost(n);
-  std::map<int, Vec3f> byId;
+  std::map<std::int64_t, Vec3f> byId;
   for (std::size_t k = 0; k < ids.size(); ++k) byId[ids[k]] = positions[k];
   return byId;
 }
@@ -85,10 +85,10 @@ TEST_P(FluidTimeStep, AFastJetMovesNoFartherThanAllowed) {
   SimulatedScene scene(*device, kJet);
   scene->reset();
   ParticleSet& particles = scene.node<ParticleFluid>("water").fluid->set();
-  std::map<int, Vec3f> before;
+  std::map<std::int64_t, Vec3f> before;
   double farthest = 0, time = 0;
   while (scene->advanceFrame(kGoOn, [&] {
-    const std::map<int, Vec3f> after = positionsById(particles);
+    const std::map<std::int64_t, Vec3f> after = positionsById(particles);
     for (const auto& [id, position] : after)
       if (before.contains(id)) farthest = std::max(farthest, double(length(position - before[id])));
     // Those just born have moved by the jet's speed, which is at most that at the end of the step.
@@ -137,7 +137,7 @@ constexpr const char* kSplash = R"({
 struct Outcome {
   std::int64_t steps;
   Simulation::StepLengths lengths;
-  std::map<int, Vec3f> positions;
+  std::map<std::int64_t, Vec3f> positions;
 };
 
 Outcome splashOn(Device& device) {

@@ -61,5 +61,24 @@ TEST(PlyText, ParticlesAreReadBackByTheNodeForParticleFiles) {
   EXPECT_EQ(read.unused, (std::vector<std::string>{"id"}));
 }
 
+TEST(PlyText, LongIntsAreDoubles) {
+  constexpr std::int64_t kLarge = (std::int64_t{1} << 53) - 1;
+  const std::vector<std::int64_t> ids{kLarge, 3};
+  const std::vector<float> heights{0.5f, 2};
+  const std::string text =
+      plyOf(2, {{"id", std::span<const std::int64_t>(ids)}, {"height", std::span<const float>(heights)}});
+  const std::string end = "property double id\nproperty float height\nend_header\n";
+  const std::size_t at = text.find(end);
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(text.size(), at + end.size() + 2 * (sizeof(double) + sizeof(float)));
+  double first = 0;
+  float height = 0;
+  const char* second = text.data() + at + end.size() + sizeof(double) + sizeof(float);
+  std::memcpy(&first, text.data() + at + end.size(), sizeof first);
+  std::memcpy(&height, second + sizeof(double), sizeof height);
+  EXPECT_EQ(static_cast<std::int64_t>(first), kLarge);
+  EXPECT_EQ(height, 2);
+}
+
 }  // namespace
 }  // namespace weir

@@ -8,6 +8,7 @@
 #include "framework/scene/scene_file.h"
 #include "nodes/particle_file/ply_reader.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
+#include "plugins/vtkhdf/vtkhdf_writer.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
 
@@ -88,6 +89,53 @@ TEST_F(ParticlesWithoutAFluid, AreDrawnAndReplayed) {
       withPlugin({"render", file, "--scene", folder / "scene.json"}, {"--images", folder / "replay"});
   ASSERT_EQ(replay.code, 0) << replay.err;
   for (int frame = 0; frame < 4; ++frame) EXPECT_EQ(picture("replay", frame), picture("run", frame)) << frame;
+}
+
+/// An export of three tracers at one time, with these ids.
+std::string exportOf(const std::string& file, VtkHdfType type, const VtkHdfValues& ids) {
+  const std::vector<Vec3f> positions{{-0.4f, 0, 0}, {0, 0, 0}, {0.4f, 0, 0}}, velocities(3);
+  const std::vector<std::int64_t> births{std::int64_t{1} << 40, 2, 3};
+  VtkHdfWriter writer(file, {.attributes = {{"velocity", 3, VtkHdfType::kFloat32, ""},
+                                            {"id", 1, type, ""},
+                                            {"birth", 1, VtkHdfType::kInt64, ""}},
+                             .fields = {}});
+  writer.append({.time = 0,
+                 .positions = positions,
+                 .attributes = {flat(velocities), ids, std::span(births)},
+                 .fields = {}});
+  writer.setText("fluids", "vortex\n");
+  writer.close();
+  return file;
+}
+
+TEST_F(ParticlesWithoutAFluid, AreReplayedByIdsOf32BitsAsOf64) {
+  const std::vector<std::int32_t> ids{0, 1, 2};
+  const std::vector<std::int64_t> longIds{0, 1, 2};
+  const auto replayed = [&](const std::string& name, VtkHdfType type, const VtkHdfValues& values) {
+    const ChildResult replay = withPlugin({"render", exportOf(folder / name + ".vtkhdf", type, values),
+                                           "--scene", folder.write("scene.json", kScene)},
+                                          {"--images", folder / name, "--set", "render.color.by=id"});
+    EXPECT_EQ(replay.code, 0) << replay.err;
+    return picture(name, 0);
+  };
+  const std::string from32 = replayed("short", VtkHdfType::kInt32, std::span(ids));
+  EXPECT_FALSE(from32.empty());
+  EXPECT_EQ(from32, replayed("long", VtkHdfType::kInt64, std::span(longIds)));
+}
+
+TEST_F(ParticlesWithoutAFluid, KeepLongIdsFromExportsToUsd) {
+  const std::vector<std::int64_t> ids{std::int64_t{1} << 40, (std::int64_t{1} << 53) - 1, 2};
+  const std::string file = exportOf(folder / "long.vtkhdf", VtkHdfType::kInt64, std::span(ids));
+  const ChildResult replay = withPlugin({"render", file, "--scene", folder.write("scene.json", kScene)},
+                                        {"--usd", folder / "long.usda", "--set", "render.color.by=none"});
+  ASSERT_EQ(replay.code, 0) << replay.err;
+  // Layers of frames hold arrays as they are in memory.
+  const std::string layer = readFile(folder / "long_frames/frame.00000.usdc");
+  EXPECT_NE(layer.find(std::string_view(reinterpret_cast<const char*>(ids.data()),
+                                        sizeof(std::int64_t) * ids.size())),
+            std::string::npos);
+  EXPECT_CONTAINS(layer, "int64[]");
+  EXPECT_CONTAINS(layer, "primvars:birth");
 }
 
 TEST_F(ParticlesWithoutAFluid, HaveASurface) {

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "framework/graph/registry.h"
+#include "framework/particles/pack_layout.h"
 #include "framework/run/run.h"
 #include "framework/scene/scene_file.h"
 #include "nodes/register_nodes.h"
@@ -26,7 +27,7 @@ namespace {
 struct FluidState {
   std::vector<Vec3f> positions, velocities;
   std::vector<float> densities;
-  std::vector<int> ids;
+  std::vector<std::int64_t> ids;
 };
 
 FluidState stateOf(Simulation& simulation, const char* fluid) {
@@ -112,8 +113,7 @@ void expectEqual(const VtkHdfStep& step, const FluidState& wanted) {
   EXPECT_TRUE(step.positions == wanted.positions);
   EXPECT_TRUE(step.velocities() == wanted.velocities);
   EXPECT_TRUE(valuesOf<float>(step, "density") == wanted.densities);
-  EXPECT_EQ(valuesOf<std::int64_t>(step, "id"),
-            std::vector<std::int64_t>(wanted.ids.begin(), wanted.ids.end()));
+  EXPECT_EQ(valuesOf<std::int64_t>(step, "id"), wanted.ids);
 }
 
 TEST_P(ParticleExportTest, HoldsEveryFrameAndCanBeReadByParticleFile) {
@@ -173,7 +173,7 @@ TEST_P(ParticleExportTest, TellsSeveralFluidsApart) {
       picked.positions.push_back(step.positions[i]);
       picked.velocities.push_back(step.velocities()[i]);
       picked.densities.push_back(valuesOf<float>(step, "density")[i]);
-      picked.ids.push_back(static_cast<int>(valuesOf<std::int64_t>(step, "id")[i]));
+      picked.ids.push_back(valuesOf<std::int64_t>(step, "id")[i]);
     }
     return picked;
   };
@@ -190,7 +190,8 @@ ParticleSet& particlesOf(Simulation& simulation, const char* fluid) {
   return static_cast<ParticleFluid&>(*simulation.scene().graph.find(fluid)).fluid->set();
 }
 
-TEST_P(ParticleExportTest, WritesAttributesThatOthersAdd) {
+TEST_P(ParticleExportTest, WritesAttributesThatOthersAddAndIdsOf64Bits) {
+  static constexpr std::int64_t kLarge = (std::int64_t{1} << 40) + 1;
   const auto sim = simulation(oneFluid());
   ParticleExport exporter(file_);
   AtFrames add([](Simulation& s) {
@@ -198,6 +199,7 @@ TEST_P(ParticleExportTest, WritesAttributesThatOthersAdd) {
     if (s.frame() == 0) {
       const auto n = static_cast<std::size_t>(set.bound());
       set.add<int>({"phase", AttributeType::kInt, "", ""}).assign(std::vector<int>(n, -7));
+      set.ids().assign(std::vector<std::int64_t>(n, kLarge));
       set.add<Vec3f>({"spin", AttributeType::kVec3, "1/s", ""}).assign(std::vector<Vec3f>(n, {1, 2, 3}));
     }
     if (s.frame() == 1) set.add<float>({"late", AttributeType::kFloat, "", ""});
@@ -206,10 +208,30 @@ TEST_P(ParticleExportTest, WritesAttributesThatOthersAdd) {
   runSimulation(*sim, observers);
   const VtkHdfStep step = VtkHdfReader(file_).readLast();
   EXPECT_EQ(valuesOf<std::int64_t>(step, "phase"), std::vector<std::int64_t>(216, -7));
+  EXPECT_EQ(valuesOf<std::int64_t>(step, "id"), std::vector<std::int64_t>(216, kLarge));
   EXPECT_EQ(step.find("spin")->components, 3);
   EXPECT_EQ(valuesOf<float>(step, "spin")[3 * 215 + 1], 2);
   EXPECT_EQ(step.find("late"), nullptr);
   EXPECT_CONTAINS(messages_, "leaves out the attribute 'late' of the fluid 'water'");
+}
+
+TEST_P(ParticleExportTest, LeavesOutTheHalo) {
+  const auto sim = simulation(oneFluid());
+  ParticleExport exporter(file_);
+  FluidState last;
+  AtFrames showSome([&](Simulation& s) {
+    last = stateOf(s, "water");
+    ParticleSet& set = particlesOf(s, "water");
+    const PackLayout layout(set);
+    const Array<int> some(*device_, std::vector<int>{5, 2, 7});
+    Array<std::byte> bytes(*device_);
+    set.pack(layout, some.view(), bytes);
+    set.appendHalo(layout, std::as_const(bytes).view());
+    EXPECT_EQ(set.countWithHalo().get(), set.bound() + some.size());
+  });
+  Observer* observers[] = {&showSome, &exporter};
+  runSimulation(*sim, observers);
+  expectEqual(VtkHdfReader(file_).readLast(), last);
 }
 
 TEST_P(ParticleExportTest, LeavesOutWhatNotAllFluidsHave) {

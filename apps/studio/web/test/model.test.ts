@@ -24,6 +24,7 @@ import { roleOf } from "../src/model/roles";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
 import { fileNameOf, pathProblem, withNumber } from "../src/model/names";
+import { shortText } from "../src/model/numbers";
 import { readPacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
@@ -375,6 +376,21 @@ test("a packet is read where its header says", () => {
   new Int32Array(buffer, 128, 3).set([0, 0, 0]);
   const packet = readPacket(buffer);
   expect(packet.kind === "geometry" && [...packet.meshes[0]!.vertices]).toEqual([1, 2, 3]);
+});
+
+test("ids of particles have 64 bits", () => {
+  const header = '{"kind":"frame","frame":0,"time":0,"poses":{},"fluids":[{"node":"w","count":2,"positions":0,"ids":16}]}'.padEnd(108);
+  const buffer = new ArrayBuffer(4 + 108 + 32);
+  new DataView(buffer).setUint32(0, 108, true);
+  new Uint8Array(buffer, 4, 108).set(new TextEncoder().encode(header));
+  new BigInt64Array(buffer, 128, 2).set([7n, 2n ** 40n + 5n]);
+  const packet = readPacket(buffer);
+  expect(packet.kind === "frame" && [...packet.fluids[0]!.ids]).toEqual([7, 2 ** 40 + 5]);
+});
+
+test("tables show whole numbers whole, and four digits of others", () => {
+  expect(shortText(2 ** 40 + 5)).toBe("1099511627781");
+  expect([12345, 1234.56, [0.123456, -98765.4], null].map(shortText)).toEqual(["12345", "1235", "0.1235, -98770", "–"]);
 });
 
 describe("playback of recorded frames", () => {

@@ -30,11 +30,11 @@ constexpr const char* kScene = R"({
 
 constexpr double kCenter = 0.1, kCirculation = 0.6, kCore = 0.2;
 
-std::map<int, Vec3f> positionsById(const Particles& particles) {
+std::map<std::int64_t, Vec3f> positionsById(const Particles& particles) {
   const ParticleSet& set = particles.set();
-  const std::vector<int> ids = set.ids().toHost(set.bound());
+  const std::vector<std::int64_t> ids = set.ids().toHost(set.bound());
   const std::vector<Vec3f> positions = set.positions().toHost(set.bound());
-  std::map<int, Vec3f> byId;
+  std::map<std::int64_t, Vec3f> byId;
   for (std::size_t i = 0; i < ids.size(); ++i) byId[ids[i]] = positions[i];
   return byId;
 }
@@ -61,7 +61,7 @@ double largestError(const char* pluginFile) {
   simulation.reset();
   const auto outputs = outputsOf<Particles>(simulation.scene().graph);
   const Particles& tracers = **outputs.at(0).second;
-  const std::map<int, Vec3f> start = positionsById(tracers);
+  const std::map<std::int64_t, Vec3f> start = positionsById(tracers);
   const std::atomic<bool> never = false;
   double largest = start.size() == 160 ? 0 : 1;
   while (simulation.advanceFrame(never))

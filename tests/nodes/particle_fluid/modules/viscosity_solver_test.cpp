@@ -52,7 +52,7 @@ std::vector<Vec3d> toDoubles(const std::vector<Vec3f>& vectors) {
 std::vector<Vec3f> changes(FluidScene& scene) {
   const ParticleSet& particles = scene.fluid().fluid->set();
   const std::int64_t n = particles.bound();
-  const std::vector<int> ids = particles.ids().toHost(n);
+  const std::vector<std::int64_t> ids = particles.ids().toHost(n);
   const std::vector<Vec3f> all = particles.get<Vec3f>("viscous_change").toHost(n);
   std::vector<Vec3f> byId(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) byId[std::size_t(ids[i])] = all[i];

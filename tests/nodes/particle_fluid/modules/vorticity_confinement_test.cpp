@@ -34,7 +34,7 @@ TEST(VorticityConfinement, RigidRotationHasTwiceItsSpinAndIsLeftAlone) {
     scene.step();
     const ParticleSet& particles = scene.fluid().fluid->set();
     const std::vector<Vec3f> found = particles.get<Vec3f>("vorticity").toHost(particles.bound());
-    const std::vector<int> ids = particles.ids().toHost(particles.bound());
+    const std::vector<std::int64_t> ids = particles.ids().toHost(particles.bound());
     const std::vector<Vec3f> after = scene.velocities();
     int inside = 0;
     for (std::size_t k = 0; k < ids.size(); ++k) {

@@ -48,7 +48,7 @@ def read_ply(path):
     """Columns by name, of a binary PLY file."""
     head, data = path.read_bytes().split(b"end_header\n", 1)
     lines = [line.split() for line in head.decode().splitlines()]
-    kinds = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+    kinds = {"float": "<f4", "double": "<f8", "int": "<i4", "uchar": "u1"}
     elements = []
     for line in lines:
         if line[0] == "element":

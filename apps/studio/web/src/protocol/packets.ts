@@ -16,7 +16,8 @@ export interface FluidFrame {
   low: [number, number, number];
   high: [number, number, number];
   positions: Uint16Array;
-  ids: Int32Array;
+  /** Whole numbers, exact below 2⁵³. */
+  ids: Float64Array;
   attributes: string[];
   attribute?: AttributeData;
 }
@@ -51,6 +52,14 @@ export interface PicturePacket {
   data: Uint8Array<ArrayBuffer>;
 }
 
+/** Of 64 bits, not negative; faster than by way of BigInt. */
+function readLongs(buffer: ArrayBuffer, at: number, count: number): Float64Array {
+  const words = new Uint32Array(buffer, at, 2 * count);
+  const numbers = new Float64Array(count);
+  for (let i = 0; i < count; ++i) numbers[i] = words[2 * i]! + 2 ** 32 * words[2 * i + 1]!;
+  return numbers;
+}
+
 /* eslint-disable @typescript-eslint/no-explicit-any */
 export function readPacket(buffer: ArrayBuffer): FramePacket | GeometryPacket | PicturePacket {
   const length = new DataView(buffer).getUint32(0, true);
@@ -68,7 +77,7 @@ export function readPacket(buffer: ArrayBuffer): FramePacket | GeometryPacket | 
   const fluids = header.fluids.map((f: any) => ({
     ...f,
     positions: new Uint16Array(buffer, start + f.positions, 3 * f.count),
-    ids: new Int32Array(buffer, start + f.ids, f.count),
+    ids: readLongs(buffer, start + f.ids, f.count),
     attribute: f.attribute && {
       ...f.attribute,
       values: new Uint16Array(buffer, start + f.attribute.values, f.count),

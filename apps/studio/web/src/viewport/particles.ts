@@ -7,14 +7,14 @@ const kVertexShader = /* glsl */ `
   uniform vec3 low, extent;
   uniform float radius, pixels, valueLow, valueHigh, rangeLow, rangeHigh;
   attribute float value;
-  attribute float particleId;
+  attribute float marked;
   varying float t;
   varying vec3 center;
-  flat varying float id;
+  flat varying float mark;
   void main() {
     vec4 eye = modelViewMatrix * vec4(low + extent * position, 1.0);
     center = eye.xyz;
-    id = particleId;
+    mark = marked;
     float v = mix(valueLow, valueHigh, value);
     t = clamp((v - rangeLow) / max(rangeHigh - rangeLow, 1e-12), 0.0, 1.0);
     gl_Position = projectionMatrix * eye;
@@ -27,10 +27,9 @@ const kFragmentShader = /* glsl */ `
   uniform mat4 projection;
   uniform bool plain;
   uniform vec3 color;
-  uniform float chosen;
   varying float t;
   varying vec3 center;
-  flat varying float id;
+  flat varying float mark;
   void main() {
     vec2 at = 2.0 * gl_PointCoord - 1.0;
     float rr = dot(at, at);
@@ -39,7 +38,7 @@ const kFragmentShader = /* glsl */ `
     vec4 clip = projection * vec4(center + radius * normal, 1.0);
     gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
     vec3 base = plain ? color : texture2D(map, vec2(t, 0.5)).rgb;
-    if (id == chosen) base = vec3(1.0, 0.3, 0.1);
+    if (mark > 0.5) base = vec3(1.0, 0.3, 0.1);
     float light = 0.42 + 0.58 * max(0.0, dot(normal, normalize(vec3(0.35, 0.8, 0.5))));
     gl_FragColor = vec4(base * light, 1.0);
   }`;
@@ -50,6 +49,7 @@ export class Particles {
   private readonly geometry = new THREE.BufferGeometry();
   private readonly material: THREE.ShaderMaterial;
   private shown: FluidFrame | null = null;
+  private chosen = -1;
 
   constructor() {
     this.material = new THREE.ShaderMaterial({
@@ -59,7 +59,7 @@ export class Particles {
         low: { value: new THREE.Vector3() }, extent: { value: new THREE.Vector3() }, radius: { value: 0.01 },
         pixels: { value: 1 }, valueLow: { value: 0 }, valueHigh: { value: 1 }, rangeLow: { value: 0 },
         rangeHigh: { value: 1 }, map: { value: null }, projection: { value: new THREE.Matrix4() },
-        plain: { value: false }, color: { value: new THREE.Color("#4aa3e2") }, chosen: { value: -1 },
+        plain: { value: false }, color: { value: new THREE.Color("#4aa3e2") },
       },
     });
     this.points = new THREE.Points(this.geometry, this.material);
@@ -75,7 +75,7 @@ export class Particles {
     this.shown = fluid;
     const g = this.geometry;
     g.setAttribute("position", new THREE.BufferAttribute(fluid.positions, 3, true));
-    g.setAttribute("particleId", new THREE.BufferAttribute(Float32Array.from(fluid.ids), 1));
+    this.mark();
     const values = fluid.attribute?.values ?? new Uint16Array(fluid.count);
     g.setAttribute("value", new THREE.BufferAttribute(values, 1, true));
     g.setDrawRange(0, fluid.count);
@@ -103,7 +103,17 @@ export class Particles {
   }
 
   choose(id: number): void {
-    this.material.uniforms["chosen"]!.value = id;
+    this.chosen = id;
+    this.mark();
+  }
+
+  /** By a number for each particle, as ids have more digits than a shader's floats. */
+  private mark(): void {
+    const ids = this.shown?.ids ?? new Float64Array();
+    const marks = new Float32Array(ids.length);
+    const at = ids.indexOf(this.chosen);
+    if (at >= 0) marks[at] = 1;
+    this.geometry.setAttribute("marked", new THREE.BufferAttribute(marks, 1));
   }
 
   /** The id of the particle that a ray meets first, and how far away it is; or null. */
