@@ -40,7 +40,7 @@ struct EnumNames<Acceleration> {
       EnumName{"anderson",
                "The best mixture of the last four iterates, taken back where the objective would rise."},
       EnumName{"conjugate",
-               "Conjugate gradients, with a search for the length of each step: for long steps."}};
+               "Conjugate gradients, with a search for the length of each step: the fewest iterations."}};
 };
 
 class AcceleratedSolver final : public PressureSolver {
@@ -66,7 +66,7 @@ class AcceleratedSolver final : public PressureSolver {
       1000,
       {.min = 1, .max = 10000, .live = true, .doc = "The most after each search for neighbours."}};
   Param<Acceleration> acceleration{
-      *this, "acceleration", Acceleration::kNesterov, {.doc = "How iterations build on earlier ones."}};
+      *this, "acceleration", Acceleration::kConjugate, {.doc = "How iterations build on earlier ones."}};
   Param<std::optional<int>> neighborSearches{
       *this,
       "neighbor_searches",
