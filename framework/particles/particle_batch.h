@@ -6,11 +6,12 @@
 #include <memory>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 #include "framework/graph/param_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Boundary;
 

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
@@ -13,7 +14,7 @@
 #include "nodes/fluid_surface/marching_cubes.h"
 #include "nodes/fluid_surface/mesh_smoother.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class FluidSurface final : public Node {
  public:

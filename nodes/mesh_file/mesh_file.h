@@ -1,10 +1,11 @@
 // A triangle mesh from a file, scaled and placed.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class UpAxis { kX, kY, kZ };
 template <>

@@ -6,11 +6,12 @@
 // has no other source, a particle's id is its row in the file, from 0.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 #include "nodes/particle_file/particle_reader.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class ParticleFile final : public Node {
  public:

@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Particles on the host, in the order of the file's rows.
 struct ParticleData {

@@ -90,15 +90,48 @@ done
 [ -s "$folder/baseline.txt" ] || fail "there are no statistics"
 cmp "$folder/my_force.txt" "$folder/baseline.txt" || fail "the instruction set changes results"
 
-say "A plugin for another Weir is refused"
-digest=$weir/include/weir/detail/framework/graph/interface_digest.h
-cp "$digest" "$folder/digest.h"
-cp "$folder/my_force/build/plugins/weir_my_force.so" "$folder/right.so"
-sed -i -E 's/headers [0-9a-f]{16}/headers 0123456789abcdef/' "$digest"
-cmake --build "$folder/my_force/build" --target weir_my_force >/dev/null
-fails_with 5 "headers 0123456789abcdef" "$weir/bin/weir" nodes --plugin "$folder/my_force/build/plugins/weir_my_force.so"
-"$weir/bin/weir" nodes MyForcePull --plugin "$folder/right.so" >/dev/null
-cp "$folder/digest.h" "$digest"
+say "Plugins outlive comments and private headers, and are refused when a public header changes"
+# In a copy of the installation, whose headers and digest become those of sources that are edited.
+edited=$folder/edited
+cp -r "$weir" "$folder/other"
+inner=$folder/other/include/weir/detail
+digest=$inner/framework/graph/interface_digest.h
+identity() { sed -n 's/.*kInterfaceIdentity.*"\(.*\)".*/\1/p' "$digest"; }
+install_edited() {
+  cmake -DROOT="$edited" -DVERSION="${before%, headers *}" -DOUTPUT="$digest" -P "$source/cmake/WeirInterfaceDigest.cmake"
+  (cd "$inner" && find framework nodes -type f ! -name interface_digest.h) | while read -r header; do
+    cmp -s "$edited/$header" "$inner/$header" || cp "$edited/$header" "$inner/$header"
+  done
+}
+build_lift() { # NAME: what comes of it
+  cmake --build "$folder/lift/build" >"$folder/log" || { cat "$folder/log" >&2; fail "lift cannot be built"; }
+  cp "$folder/lift/build/plugins/weir_lift.so" "$folder/$1.so"
+}
+before=$(identity)
+mkdir "$folder/lift" "$edited"
+(cd "$source" && find include framework nodes -name '*.h' -o -name '*.inl' | tar -cf - -T -) | tar -C "$edited" -xf -
+cp "$source/tests/test_plugins/lift.cpp" "$folder/lift/"
+cat >"$folder/lift/CMakeLists.txt" <<'TEXT'
+cmake_minimum_required(VERSION 3.24...3.31)
+project(lift LANGUAGES C CXX)
+find_package(Weir CONFIG REQUIRED)
+weir_add_plugin(lift)
+TEXT
+cmake -S "$folder/lift" -B "$folder/lift/build" -DCMAKE_PREFIX_PATH="$folder/other" -DWEIR_CUDA=OFF >/dev/null
+build_lift original
+find "$edited" -type f -exec sed -i '1i // A comment that was not there.\n' {} +
+[ ! -e "$inner/framework/graph/plugin_probe.h" ] || fail "plugin_probe.h is no private header any more"
+printf 'namespace weir {\nint newInside(int);\n}\n' >>"$edited/framework/graph/plugin_probe.h"
+install_edited
+[ "$(identity)" = "$before" ] || fail "comments, or a private header, made '$(identity)' of '$before'"
+build_lift commented
+sed -i 's/^struct Place {/&\n  int newForPlugins = 0;/' "$edited/framework/graph/place.h"
+install_edited
+[ "$(identity)" != "$before" ] || fail "a new member in a public header left '$before'"
+build_lift changed
+for plugin in original commented; do "$weir/bin/weir" nodes Lift --plugin "$folder/$plugin.so" >/dev/null; done
+fails_with 5 "the plugin was built for Weir $(identity)" "$weir/bin/weir" nodes --plugin "$folder/changed.so"
+grep -qF "Weir $before" "$folder/err" || fail "the refusal does not name this Weir's headers"
 
 say "A plugin that writes behind its array is found by the address sanitizer"
 mkdir "$folder/bounds"

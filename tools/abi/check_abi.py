@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""Compares what the libraries offer to plugins with what they offered when the interface's version was last raised.
+
+usage: check_abi.py [--update] BUILD BASELINE
+
+BUILD holds libweir_framework.so and libweir_nodes.so with debug information. Of what these export, functions and variables
+that public headers declare count (include/weir and what it includes), with all types that they lead to. BASELINE is a
+folder: an abixml file of each library, and `version`, the version of the interface that it stands for. A change that is
+no mere addition fails, unless WEIR_INTERFACE_VERSION in CMakeLists.txt has a greater first number than the baseline;
+--update then writes the baseline anew. Needs abidw and abidiff (Debian: abigail-tools).
+"""
+
+import argparse
+import lzma
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+LIBRARIES = ("framework", "nodes")
+DIFFERS, BROKEN = 4, 1 | 2  # bits of abidiff's exit status
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+TYPE = re.compile(r"\b(?:class|struct)\s+(?:\[\[.*?\]\]\s*)?(\w+)(?:\s+final)?\s*(?::[^;{]*)?\{")
+FUNCTION = re.compile(r"[\w>&*\]]\s+[&*]?(\w+)\s*\(")
+VARIABLE = re.compile(r"\bextern\b[^;(]*?(\w+)(?:\[\w*\])?;")
+
+
+class Failure(Exception):
+    """Said to whoever called."""
+
+
+def run(*arguments):
+    try:
+        return subprocess.run([str(argument) for argument in arguments], capture_output=True, text=True)
+    except FileNotFoundError as error:
+        raise Failure(f"there is no {error.filename}: ./dev setup-gate installs it") from error
+
+
+def version_of(build):
+    """The two numbers of the interface's version, from the header that the build wrote."""
+    text = (build / "generated/framework/graph/interface_digest.h").read_text()
+    found = re.search(r"interface (\d+)\.(\d+)", text)
+    if not found:
+        raise Failure("generated/framework/graph/interface_digest.h names no version of the interface")
+    return int(found.group(1)), int(found.group(2))
+
+
+def declared_names(headers):
+    """What the headers define or declare: types, functions and variables, without their namespaces."""
+    text = COMMENT.sub(" ", "\n".join(header.read_text() for header in headers))
+    return set(TYPE.findall(text)), set(FUNCTION.findall(text)) | set(VARIABLE.findall(text))
+
+
+def without_arguments(name):
+    """weir::Array<int>::resize(long) becomes weir::Array::resize."""
+    kept, depth = "", 0
+    for letter in name.replace("[abi:cxx11]", ""):
+        depth += letter == "<"
+        if depth == 0 and letter == "(":
+            break
+        if depth == 0:
+            kept += letter
+        depth -= letter == ">"
+    return kept.split(" ")[-1]
+
+
+def is_public(name, types, functions):
+    """Whether a name that the linker knows, as c++filt has it, comes from a public header."""
+    for what in ("vtable for ", "typeinfo for "):
+        if name.startswith(what):
+            return is_public(name[len(what):] + "::", types, functions)
+    first, *rest = without_arguments(name).split("::")
+    rest = [part for part in rest if part != "detail"]
+    if first != "weir" or not rest:
+        return False
+    return rest[0] in types if len(rest) > 1 else rest[0] in functions
+
+
+def public_symbols(library, types, functions):
+    # Weak functions are copies of inline ones, which every library has itself.
+    symbols = [line.split()[2] for line in run("nm", "-D", "--defined-only", library).stdout.splitlines()
+               if line.split()[1] in "TBDRV"]
+    names = subprocess.run(["c++filt"], input="\n".join(symbols), capture_output=True, text=True, check=True).stdout.splitlines()
+    return [symbol for symbol, name in zip(symbols, names) if is_public(name, types, functions)]
+
+
+def describe(library, headers, symbols, target):
+    """abixml of these symbols and of what they lead to."""
+    if not symbols:
+        raise Failure(f"{library} exports nothing that a public header declares")
+    with tempfile.NamedTemporaryFile("w", suffix=".suppr") as rules:
+        pattern = "^(" + "|".join(symbols) + ")$"
+        for kind in ("function", "variable"):
+            rules.write(f"[suppress_{kind}]\n  symbol_name_not_regexp = {pattern}\n  drop = yes\n")
+        rules.flush()
+        done = run("abidw", "--suppr", rules.name, *(word for header in headers for word in ("--hf", header)),
+                   "--no-corpus-path", "--no-comp-dir-path", "--no-show-locs", "--no-elf-needed", "--no-parameter-names",
+                   "--exported-interfaces-only", "--drop-private-types", "--out-file", target, library)
+    if done.returncode != 0:
+        raise Failure(f"abidw cannot read {library}: {done.stderr.strip()}")
+
+
+def differences(before, after):
+    """What abidiff says of anything but additions; None if there is nothing."""
+    done = run("abidiff", "--no-added-syms", before, after)
+    if done.returncode & BROKEN:
+        raise Failure(f"abidiff cannot compare {before.name}: {(done.stderr or done.stdout).strip()}")
+    return done.stdout if done.returncode & DIFFERS else None
+
+
+def unpacked(baseline, library, folder):
+    packed = baseline / f"{library}.abi.xz"
+    if not packed.exists():
+        raise Failure(f"there is no {packed}: ./dev check-abi --update writes it")
+    file = folder / f"{library}.before.abi"
+    file.write_bytes(lzma.decompress(packed.read_bytes()))
+    return file
+
+
+def write_baseline(baseline, version, described):
+    baseline.mkdir(parents=True, exist_ok=True)
+    for library, file in described.items():
+        (baseline / f"{library}.abi.xz").write_bytes(lzma.compress(file.read_bytes(), preset=9 | lzma.PRESET_EXTREME))
+    (baseline / "version").write_text("{}.{}\n".format(*version))
+
+
+def check(build, baseline, update):
+    headers = [Path(line) for line in (build / "generated/public_headers.txt").read_text().split()]
+    types, functions = declared_names(headers)
+    version, stored = version_of(build), baseline / "version"
+    before = tuple(map(int, stored.read_text().split("."))) if stored.exists() else None
+    with tempfile.TemporaryDirectory() as name:
+        folder, described, changed = Path(name), {}, {}
+        for library in LIBRARIES:
+            binary = build / f"lib/libweir_{library}.so"
+            symbols = public_symbols(binary, types, functions)
+            described[library] = folder / f"{library}.abi"
+            describe(binary, headers, symbols, described[library])
+            print(f"libweir_{library}.so: {len(symbols)} symbols of public headers")
+            if before is not None:
+                changed[library] = differences(unpacked(baseline, library, folder), described[library])
+        broken = "".join(f"\nlibweir_{library}.so:\n{text}" for library, text in changed.items() if text)
+        if broken and version[0] <= before[0]:
+            raise Failure(f"{broken}\nPlugins of interface {before[0]}.{before[1]} would break by what stands above. Take it back, or "
+                          f"raise WEIR_INTERFACE_VERSION in CMakeLists.txt to {before[0] + 1}.0 and run ./dev check-abi --update")
+        if update:
+            write_baseline(baseline, version, described)
+        elif version != before:
+            raise Failure(f"the interface is {version[0]}.{version[1]}, and {baseline} is of "
+                          f"{'nothing' if before is None else '{}.{}'.format(*before)}: run ./dev check-abi --update")
+    print("Interface {}.{}: {}".format(*version, "written" if update else "nothing that plugins use was changed or taken away"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("baseline", type=Path)
+    parser.add_argument("--update", action="store_true")
+    options = parser.parse_args()
+    try:
+        check(options.build, options.baseline, options.update)
+    except Failure as failure:
+        sys.exit(f"check_abi: {failure}")
+
+
+if __name__ == "__main__":
+    main()
