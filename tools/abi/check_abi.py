@@ -3,11 +3,12 @@
 
 usage: check_abi.py [--update] BUILD BASELINE
 
-BUILD holds libweir_framework.so and libweir_nodes.so with debug information. Of what these export, functions and variables
-that public headers declare count (include/weir and what it includes), with all types that they lead to. BASELINE is a
-folder: an abixml file of each library, and `version`, the version of the interface that it stands for. A change that is
-no mere addition fails, unless WEIR_INTERFACE_VERSION in CMakeLists.txt has a greater first number than the baseline;
---update then writes the baseline anew. Needs abidw and abidiff (Debian: abigail-tools).
+Of what lib/libweir_framework.so and lib/libweir_nodes.so in BUILD export, functions and variables count that public headers
+declare (include/weir and what it includes), with all types that they lead to. These are read from the debug information of
+interface/libweir_framework_interface.so and the like (tools/abi/CMakeLists.txt). BASELINE is a folder: an abixml file of
+each library, and `version`, the version of the interface that it stands for. A change that is no mere addition fails,
+unless WEIR_INTERFACE_VERSION in CMakeLists.txt has a greater first number than the baseline; --update then writes the
+baseline anew. Needs abidw and abidiff (Debian: abigail-tools).
 """
 
 import argparse
@@ -67,9 +68,6 @@ def without_arguments(name):
 
 def is_public(name, types, functions):
     """Whether a name that the linker knows, as c++filt has it, comes from a public header."""
-    for what in ("vtable for ", "typeinfo for "):
-        if name.startswith(what):
-            return is_public(name[len(what):] + "::", types, functions)
     first, *rest = without_arguments(name).split("::")
     rest = [part for part in rest if part != "detail"]
     if first != "weir" or not rest:
@@ -78,17 +76,19 @@ def is_public(name, types, functions):
 
 
 def public_symbols(library, types, functions):
-    # Weak functions are copies of inline ones, which every library has itself.
+    # What is weak, of inline functions and types, every library has itself.
     symbols = [line.split()[2] for line in run("nm", "-D", "--defined-only", library).stdout.splitlines()
-               if line.split()[1] in "TBDRV"]
+               if line.split()[1] in "TBDR"]
     names = subprocess.run(["c++filt"], input="\n".join(symbols), capture_output=True, text=True, check=True).stdout.splitlines()
     return [symbol for symbol, name in zip(symbols, names) if is_public(name, types, functions)]
 
 
 def describe(library, headers, symbols, target):
     """abixml of these symbols and of what they lead to."""
-    if not symbols:
-        raise Failure(f"{library} exports nothing that a public header declares")
+    missing = sorted(set(symbols) - {line.split()[-1] for line in run("nm", "-D", "--defined-only", library).stdout.splitlines()})
+    if missing or not symbols:
+        raise Failure(f"{library} defines no {', '.join(missing) or 'symbol of a public header'}: tools/abi/CMakeLists.txt must "
+                      "name its source")
     with tempfile.NamedTemporaryFile("w", suffix=".suppr") as rules:
         pattern = "^(" + "|".join(symbols) + ")$"
         for kind in ("function", "variable"):
@@ -133,10 +133,9 @@ def check(build, baseline, update):
     with tempfile.TemporaryDirectory() as name:
         folder, described, changed = Path(name), {}, {}
         for library in LIBRARIES:
-            binary = build / f"lib/libweir_{library}.so"
-            symbols = public_symbols(binary, types, functions)
+            symbols = public_symbols(build / f"lib/libweir_{library}.so", types, functions)
             described[library] = folder / f"{library}.abi"
-            describe(binary, headers, symbols, described[library])
+            describe(build / f"interface/libweir_{library}_interface.so", headers, symbols, described[library])
             print(f"libweir_{library}.so: {len(symbols)} symbols of public headers")
             if before is not None:
                 changed[library] = differences(unpacked(baseline, library, folder), described[library])

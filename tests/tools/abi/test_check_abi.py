@@ -50,9 +50,12 @@ class CheckAbi(unittest.TestCase):
         (self.root / "source.cpp").write_text(source)
         (self.root / "generated/public_headers.txt").write_text(f"{self.root}/public.h\n")
         (self.root / "lib").mkdir(exist_ok=True)
-        library = self.root / "lib/libweir_framework.so"
+        (self.root / "interface").mkdir(exist_ok=True)
+        library = self.root / "library.so"
         subprocess.run([CXX, "-g", "-fPIC", "-shared", "-I", self.root, self.root / "source.cpp", "-o", library], check=True)
-        shutil.copy(library, self.root / "lib/libweir_nodes.so")
+        for room in ("framework", "nodes"):
+            shutil.copy(library, self.root / f"lib/libweir_{room}.so")
+            shutil.copy(library, self.root / f"interface/libweir_{room}_interface.so")
 
     def check(self, *options):
         """What it says when it fails; "" if it does not."""
@@ -108,6 +111,13 @@ class CheckAbi(unittest.TestCase):
         self.assertEqual(self.check("--update"), "")
         self.assertEqual(self.check(), "")
         self.assertEqual((self.root / "baseline/version").read_text(), "2.0\n")
+
+    def test_what_no_source_with_debug_information_defines_is_named(self):
+        self.build("1.0", source=SOURCE.replace("int depth(const Node&) { return 1; }", ""))
+        shutil.copy(self.root / "interface/libweir_nodes_interface.so", self.root / "kept.so")
+        self.build("1.0")
+        shutil.copy(self.root / "kept.so", self.root / "interface/libweir_nodes_interface.so")
+        self.assertIn("_ZN4weir5depth", self.check())
 
     def test_a_missing_baseline_is_named(self):
         shutil.rmtree(self.root / "baseline")
