@@ -125,7 +125,7 @@ printf 'namespace weir {\nint newInside(int);\n}\n' >>"$edited/framework/graph/p
 install_edited
 [ "$(identity)" = "$before" ] || fail "comments, or a private header, made '$(identity)' of '$before'"
 build_lift commented
-sed -i 's/^struct Place {/&\n  int newForPlugins = 0;/' "$edited/framework/graph/place.h"
+sed -i 's/^  std::string folder; .*/&\n  int newForPlugins = 0;/' "$edited/framework/graph/place.h"
 install_edited
 [ "$(identity)" != "$before" ] || fail "a new member in a public header left '$before'"
 build_lift changed

@@ -22,7 +22,7 @@ from pathlib import Path
 LIBRARIES = ("framework", "nodes")
 DIFFERS, BROKEN = 4, 1 | 2  # bits of abidiff's exit status
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
-TYPE = re.compile(r"\b(?:class|struct)\s+(?:\[\[.*?\]\]\s*)?(\w+)(?:\s+final)?\s*(?::[^;{]*)?\{")
+TYPE = re.compile(r"\b(?:class|struct)\s+(?:WEIR_API\s+|\[\[.*?\]\]\s*)?(\w+)(?:\s+final)?\s*(?::[^;{]*)?\{")
 FUNCTION = re.compile(r"[\w>&*\]]\s+[&*]?(\w+)\s*\(")
 VARIABLE = re.compile(r"\bextern\b[^;(]*?(\w+)(?:\[\w*\])?;")
 
@@ -48,8 +48,10 @@ def version_of(build):
 
 
 def declared_names(headers):
-    """What the headers define or declare: types, functions and variables, without their namespaces."""
-    text = COMMENT.sub(" ", "\n".join(header.read_text() for header in headers))
+    """What the headers define or declare: types, functions and variables, without their namespaces. Headers that only CUDA
+    sources read have no part in these libraries."""
+    texts = [header.read_text() for header in headers]
+    text = COMMENT.sub(" ", "\n".join(text for text in texts if "cuda_runtime.h" not in text))
     return set(TYPE.findall(text)), set(FUNCTION.findall(text)) | set(VARIABLE.findall(text))
 
 
@@ -83,7 +85,16 @@ def public_symbols(library, types, functions):
     return [symbol for symbol, name in zip(symbols, names) if is_public(name, types, functions)]
 
 
-def describe(library, headers, symbols, target):
+def check_whole(described, types):
+    """Fails where abidw took public types for private ones, whose members do not count."""
+    classes = re.findall(r"<class-decl name='(\w+)'([^>]*)>", described.read_text())
+    whole = {name for name, about in classes if "is-declaration-only" not in about}
+    opaque = sorted({name for name, _ in classes} & types - whole)
+    if opaque:
+        raise Failure(f"abidw sees no members of types of public headers: {', '.join(opaque)}")
+
+
+def describe(library, headers, symbols, types, target):
     """abixml of these symbols and of what they lead to."""
     missing = sorted(set(symbols) - {line.split()[-1] for line in run("nm", "-D", "--defined-only", library).stdout.splitlines()})
     if missing or not symbols:
@@ -99,6 +110,7 @@ def describe(library, headers, symbols, target):
                    "--exported-interfaces-only", "--drop-private-types", "--out-file", target, library)
     if done.returncode != 0:
         raise Failure(f"abidw cannot read {library}: {done.stderr.strip()}")
+    check_whole(target, types)
 
 
 def differences(before, after):
@@ -135,7 +147,8 @@ def check(build, baseline, update):
         for library in LIBRARIES:
             symbols = public_symbols(build / f"lib/libweir_{library}.so", types, functions)
             described[library] = folder / f"{library}.abi"
-            describe(build / f"interface/libweir_{library}_interface.so", headers, symbols, described[library])
+            describe(build / f"interface/libweir_{library}_interface.so", headers, symbols, types,
+                     described[library])
             print(f"libweir_{library}.so: {len(symbols)} symbols of public headers")
             if before is not None:
                 changed[library] = differences(unpacked(baseline, library, folder), described[library])
