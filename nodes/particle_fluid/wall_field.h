@@ -24,6 +24,8 @@
 
 namespace WEIR_API weir {
 
+struct FluidRoom;
+
 /// For kernels of solvers; empty where a fluid meets no walls.
 struct WallFieldView {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
@@ -79,6 +81,9 @@ struct WallField {
         metCounter(device, 1),
         kick(device),
         impulses(device),
+        measured(device),
+        boundaryImpulses(device),
+        velocitiesBefore(device),
         pieces_(device) {}
 
   std::vector<Solid*> solids;
@@ -100,6 +105,14 @@ struct WallField {
   Array<SolidImpulse> impulses;  ///< two of each solid, scratch
   std::int64_t stride = 0;
   bool rubs = false, bounces = false;  ///< whether a boundary has friction, and restitution
+  /// A boundary that reports forces.
+  struct Measured {
+    SolidImpulse* impulse;  ///< one sum, of all steps
+    Vec3f pivot;
+  };
+  Array<Measured> measured;
+  Array<SolidImpulse> boundaryImpulses;  ///< one of each of these, scratch
+  Array<Vec3f> velocitiesBefore;  ///< before contacts with boundaries, where these report forces; scratch
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
 
   BoundaryIntegrals boundary;  ///< of all boundaries together
@@ -107,7 +120,9 @@ struct WallField {
   /// Whether there are no meshes.
   bool empty() const { return solids.empty(); }
   /// Whether solvers follow what walls do to each particle.
-  bool keepsShares() const { return !empty() || rubs; }
+  bool keepsShares() const { return !empty() || rubs || reports(); }
+  /// Whether a boundary reports forces.
+  bool reports() const { return measured.size() > 0; }
   WallFieldView view() {
     WallFieldView result{.boundary = boundary};
     if (keepsShares()) result.share = share.write();
@@ -138,15 +153,18 @@ struct WallField {
   void forgetShares() {
     if (keepsShares()) share.fillZero();
   }
+  /// What walls have felt so far, in steps that are not part of the run.
+  void forgetImpulses();
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);
   /// Bytes that this takes on the device, with that many solids.
-  double memoryFor(double particles, int solidCount) const;
+  double memoryFor(const FluidRoom& room) const;
 
  private:
   void addShare(ParticleSet& particles);
 
-  std::vector<SolidView> placed_;  // what `views` holds
+  std::vector<SolidView> placed_;                // what `views` holds
+  std::vector<Array<SolidImpulse>*> reporting_;  // what `measured` points to
   Array<BoundaryPiece> pieces_;
 };
 
