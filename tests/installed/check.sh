@@ -103,33 +103,35 @@ install_edited() {
     cmp -s "$edited/$header" "$inner/$header" || cp "$edited/$header" "$inner/$header"
   done
 }
-build_lift() { # NAME: what comes of it
-  cmake --build "$folder/lift/build" >"$folder/log" || { cat "$folder/log" >&2; fail "lift cannot be built"; }
-  cp "$folder/lift/build/plugins/weir_lift.so" "$folder/$1.so"
+build_against_edited() { # NAME: what comes of it
+  cmake --build "$folder/edited_plugin/build" --parallel "$jobs" --target weir_my_force >"$folder/log" \
+    || { cat "$folder/log" >&2; fail "my_force cannot be built"; }
+  cp "$folder/edited_plugin/build/plugins/weir_my_force.so" "$folder/$1.so"
 }
 before=$(identity)
-mkdir "$folder/lift" "$edited"
+mkdir "$edited"
 (cd "$source" && find include framework nodes -name '*.h' -o -name '*.inl' | tar -cf - -T -) | tar -C "$edited" -xf -
-cp "$source/tests/test_plugins/lift.cpp" "$folder/lift/"
-cat >"$folder/lift/CMakeLists.txt" <<'TEXT'
-cmake_minimum_required(VERSION 3.24...3.31)
-project(lift LANGUAGES C CXX)
-find_package(Weir CONFIG REQUIRED)
-weir_add_plugin(lift)
-TEXT
-cmake -S "$folder/lift" -B "$folder/lift/build" -DCMAKE_PREFIX_PATH="$folder/other" -DWEIR_CUDA=OFF >/dev/null
-build_lift original
+cp -r "$folder/baseline" "$folder/edited_plugin"
+rm -r "$folder/edited_plugin/build"
+cp "$folder/baseline/build/plugins/weir_my_force.so" "$folder/original.so"
+cmake -S "$folder/edited_plugin" -B "$folder/edited_plugin/build" -DCMAKE_PREFIX_PATH="$folder/other" -DWEIR_CUDA=OFF >/dev/null
+
 find "$edited" -type f -exec sed -i '1i // A comment that was not there.\n' {} +
 [ ! -e "$inner/framework/graph/plugin_probe.h" ] || fail "plugin_probe.h is no private header any more"
 printf 'namespace weir {\nint newInside(int);\n}\n' >>"$edited/framework/graph/plugin_probe.h"
 install_edited
+# This is what a host compares, so one that is built from these sources takes the original plugin.
 [ "$(identity)" = "$before" ] || fail "comments, or a private header, made '$(identity)' of '$before'"
-build_lift commented
+build_against_edited commented
+
 sed -i 's/^  std::string folder; .*/&\n  int newForPlugins = 0;/' "$edited/framework/graph/place.h"
 install_edited
 [ "$(identity)" != "$before" ] || fail "a new member in a public header left '$before'"
-build_lift changed
-for plugin in original commented; do "$weir/bin/weir" nodes Lift --plugin "$folder/$plugin.so" >/dev/null; done
+build_against_edited changed
+
+for plugin in original commented; do
+  "$weir/bin/weir" run "$folder/my_force/scene.json" --device cpu --frames 1 --quiet --plugin "$folder/$plugin.so"
+done
 fails_with 5 "the plugin was built for Weir $(identity)" "$weir/bin/weir" nodes --plugin "$folder/changed.so"
 grep -qF "Weir $before" "$folder/err" || fail "the refusal does not name this Weir's headers"
 
