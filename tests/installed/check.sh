@@ -50,6 +50,14 @@ done
 say "No library comes from the current folder"
 python3 "$source/tests/tools/elf/check_elf.py" --build "$build" "$weir"
 
+if readelf -d "$weir/lib/libweir_framework.so" | grep -qF 'libcudart.so'; then
+  say "All libraries take the CUDA runtime that the installation brings"
+  find "$weir/bin" "$weir/lib" -type f ! -name 'libcudart*' | while read -r file; do
+    readelf -d "$file" 2>/dev/null | grep -qF '[libcudart.so' || continue
+    ldd "$file" | grep -F 'libcudart.so' | grep -qF "$weir/" || fail "$file takes another CUDA runtime: $(ldd "$file" | grep cudart)"
+  done
+fi
+
 say "Running an installed scene, with all of its plugins"
 "$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
   --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
