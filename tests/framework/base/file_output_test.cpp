@@ -14,7 +14,8 @@
 
 namespace {
 
-// What the framework asked of the system, in order. The exported functions below stand in front of the C library's.
+// What the framework asked of the system, in order. The exported functions below stand in front of the C
+// library's.
 std::vector<std::string> asked;
 
 template <class F>
