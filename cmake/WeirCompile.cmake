@@ -17,6 +17,12 @@ function(weir_configure_target target)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   set_target_properties(${target} PROPERTIES CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF
                                              CUDA_STANDARD 20 CUDA_STANDARD_REQUIRED ON)
+  # A library exports what headers for other libraries declare: these open their namespace with visibility "default".
+  # Clang asks the namespace around the definition instead, so what it builds exports everything.
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden CUDA_VISIBILITY_PRESET hidden
+                                               VISIBILITY_INLINES_HIDDEN ON)
+  endif()
   # Designated initializers leave members out on purpose.
   set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers)
   if(WEIR_WARNINGS_AS_ERRORS)
@@ -49,7 +55,9 @@ function(weir_configure_target target)
     if(WEIR_WARNINGS_AS_ERRORS)
       target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)
     endif()
-    target_link_libraries(${target} PRIVATE CUDA::cudart_static)
+    # One runtime for all libraries of a process: it knows the kernels of each, and their streams and memory.
+    set_target_properties(${target} PROPERTIES CUDA_RUNTIME_LIBRARY None)
+    target_link_libraries(${target} PRIVATE CUDA::cudart)
   endif()
   if(WEIR_SANITIZE)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${WEIR_SANITIZE};-fno-omit-frame-pointer;-fno-sanitize-recover=all>)

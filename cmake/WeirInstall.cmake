@@ -15,6 +15,26 @@ foreach(header ${weir_headers})
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/generated/framework/graph/interface_digest.h
         DESTINATION include/weir/detail/framework/graph)
+# The CUDA runtime goes along, as drivers do not bring it. In the build tree it is linked to.
+if(WEIR_HAS_CUDA)
+  file(REAL_PATH ${CUDA_CUDART} weir_cudart)
+  execute_process(COMMAND ${CMAKE_READELF} -d ${weir_cudart} OUTPUT_VARIABLE weir_cudart_name ERROR_QUIET)
+  if(NOT weir_cudart_name MATCHES "SONAME[^[]*\\[(libcudart[^]]+)\\]")
+    message(FATAL_ERROR "CUDA_CUDART must be the shared CUDA runtime, libcudart.so, and is ${CUDA_CUDART}")
+  endif()
+  set(weir_cudart_name ${CMAKE_MATCH_1})
+  install(FILES ${weir_cudart} DESTINATION lib/weir/bundled RENAME ${weir_cudart_name})
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/lib/weir/bundled)
+  file(CREATE_LINK ${weir_cudart} ${PROJECT_BINARY_DIR}/lib/weir/bundled/${weir_cudart_name} SYMBOLIC)
+  # Its licence, from a toolkit or from the package of PyPI.
+  get_filename_component(weir_cudart_folder ${weir_cudart} DIRECTORY)
+  file(GLOB weir_cudart_licence ${weir_cudart_folder}/../../../nvidia_cuda_runtime-*.dist-info/licenses/License.txt
+       ${CUDAToolkit_TARGET_DIR}/EULA.txt ${CUDAToolkit_ROOT_DIR}/EULA.txt ${CUDAToolkit_BIN_DIR}/../EULA.txt)
+  if(weir_cudart_licence)
+    list(GET weir_cudart_licence 0 weir_cudart_licence)
+    install(FILES ${weir_cudart_licence} DESTINATION share/doc/weir/bundled RENAME cuda-runtime.txt)
+  endif()
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/resources/scenes ${PROJECT_SOURCE_DIR}/resources/meshes
                   ${PROJECT_SOURCE_DIR}/resources/templates
         DESTINATION share/weir)

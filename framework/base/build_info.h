@@ -3,7 +3,9 @@
 
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 std::string_view version();       ///< "0.1.0"
 std::string_view buildType();     ///< "Release"

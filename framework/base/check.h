@@ -5,7 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// A broken expectation inside Weir or a plugin: a bug, not a user's mistake.
 class InternalError : public std::logic_error {

@@ -8,7 +8,9 @@
 #include <span>
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 class Digest {
  public:

@@ -7,7 +7,9 @@
 #include <exception>
 #include <string>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// What went wrong, which is also what a program's exit code says (see exitCode).
 enum class ErrorKind {

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// Throws an io Error if a file cannot be written at this path: it is a folder, the folder above is missing,
 /// or nothing can be made in it. Leaves nothing behind.

@@ -8,7 +8,9 @@
 
 #include <sys/types.h>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// How the copy ended.
 struct ForkedEnd {

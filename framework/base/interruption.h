@@ -4,7 +4,9 @@
 #include <atomic>
 #include <exception>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP ask the run to end at its next step. A second SIGINT or SIGTERM
 /// ends the program at once, as it would have without this. A SIGHUP that nohup has switched off stays so,

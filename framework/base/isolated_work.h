@@ -5,9 +5,10 @@
 #include <functional>
 #include <string>
 
+#include "framework/base/api.h"
 #include "framework/base/forked_work.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Runs `work` in a copy of this process, whose only thread is the one that runs it.
 class IsolatedWork {

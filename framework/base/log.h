@@ -7,7 +7,9 @@
 #include <string>
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 

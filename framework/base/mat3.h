@@ -1,9 +1,10 @@
 // A small plain 3x3 matrix that lives in kernels as well as on the host.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Rows of numbers. An aggregate without invariants, like the vectors.
 template <class T>

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// While this lives, no other process can have a lock of the same path. It is a file beside the output,
 /// ".NAME.lock", which is removed at the end; one that a killed process left behind holds nobody up. Where

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// FNV-1a. Combined with a scene's seed it lets two nodes of the scene draw different numbers.
 constexpr std::uint64_t hashOf(std::string_view text) {

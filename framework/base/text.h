@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// The length in bytes of the UTF-8 sequence that starts at text[at]; 0 if there is no valid one.
 std::size_t utf8Length(std::string_view text, std::size_t at);

@@ -1,9 +1,10 @@
 // How far two rotations are apart.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The scalar product of two quaternions.
 double dot(const Quatf& a, const Quatf& b);

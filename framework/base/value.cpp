@@ -90,9 +90,9 @@ std::string Value::brief() const {
   return printable(text + "]", kLongest);
 }
 
-bool operator==(const Value& a, const Value& b) {
-  if (a.isNumber() && b.isNumber() && !(a.isInt() && b.isInt())) return a.asDouble() == b.asDouble();
-  return a.data_ == b.data_;
+bool Value::operator==(const Value& other) const {
+  if (isNumber() && other.isNumber() && !(isInt() && other.isInt())) return asDouble() == other.asDouble();
+  return data_ == other.data_;
 }
 
 namespace {

@@ -12,7 +12,9 @@
 #include <variant>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// Where a value comes from that is not from the file being read, such as a --set option.
 struct ValueOrigin {
@@ -77,7 +79,7 @@ class Value {
   std::shared_ptr<const ValueOrigin> origin;  ///< null if it comes from the file being read
 
   /// Equality of content; place and origin do not count. 1 and 1.0 are equal.
-  friend bool operator==(const Value& a, const Value& b);
+  bool operator==(const Value& other) const;
 
  private:
   std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> data_;

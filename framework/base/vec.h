@@ -9,9 +9,10 @@
 #include <cstdint>
 #include <limits>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 template <class T>
 struct Vec2 {

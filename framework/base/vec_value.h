@@ -1,10 +1,11 @@
 // Vectors as values: lists of three numbers.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/value.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 inline Value toValue(const Vec3d& v) {
   return Value::Array{v.x, v.y, v.z};

@@ -9,11 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/base/host_device.h"
 #include "framework/compute/device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Pointer and size, for kernels; T may be const.
 template <class T>

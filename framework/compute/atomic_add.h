@@ -4,9 +4,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Adds to *sum; safe between the threads of one kernel. Integers, because their sums depend on no order, so
 /// that kernels which use nothing else between their threads are deterministic.

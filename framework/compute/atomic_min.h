@@ -4,9 +4,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Lowers *least to `offered` if that is less; safe between the threads of one kernel. As the result depends
 /// on no order, kernels that use nothing else between their threads are deterministic.

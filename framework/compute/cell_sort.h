@@ -1,9 +1,10 @@
 // Counting sort of particles by grid cell: the order in which neighbours are found and memory is read.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Memory that a sort works in. `order` is needed for ranks before it is made; `cell` and `provisional` mean
 /// nothing afterwards.

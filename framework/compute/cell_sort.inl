@@ -3,7 +3,9 @@
 
 #include <limits>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 namespace detail {
 
 /// Sorts n ints in place in O(n log n) without recursion or memory, on any back end.
@@ -121,7 +123,7 @@ bool sortFew(CpuBackend&, Count, const CountInCells<Key>&, const OrderInCells<Mo
 #include "framework/compute/cell_sort_cuda.inl"
 #endif
 
-namespace weir {
+namespace WEIR_API weir {
 
 template <class Backend, class Key, class Moved>
 void sortByCell(Backend& device, Count count, int cells, const Key& key, int* kept,

@@ -7,10 +7,11 @@
 // each sorts all of them in its own shared memory, and moves those whose cells it has found.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/kernel_facts.h"
 #include "framework/compute/kernel_overlap.h"
 
-namespace weir {
+namespace WEIR_API weir {
 namespace detail {
 
 // Devices that know no clusters have no code for the kernel below, and never launch it.

@@ -4,9 +4,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 enum class CpuIsa { kBaseline, kAvx2, kAvx512 };
 

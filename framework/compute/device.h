@@ -16,12 +16,13 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/cpu_isa.h"
 #include "framework/compute/profiler.h"
 
 struct CUstream_st;  // cudaStream_t is a pointer to it; named here so that no host file needs CUDA's headers
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 class LaunchQueue;

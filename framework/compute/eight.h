@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/compute/lanes.h"
 #include "framework/compute/parallel.h"
 #include "framework/compute/wide_access.h"
@@ -19,7 +20,7 @@
 #define WEIR_HAS_EIGHT
 #endif
 
-namespace weir {
+namespace WEIR_API weir {
 
 inline constexpr int kEight = 8;
 

@@ -9,11 +9,12 @@
 #include <span>
 #include <utility>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/compute/array.h"
 #include "framework/compute/host_copy.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 /// A moment in the work of a device.

@@ -7,10 +7,11 @@
 #include <span>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/compute/device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 /// Host memory that a device can copy to while the host goes on; the back end decides what it is.

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <string>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// Where the system tells about itself; tests put files of their own there.
 struct SystemFiles {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/sanitizers.h"
 #include "framework/base/vec.h"
 
@@ -22,7 +23,7 @@
 #include <immintrin.h>
 #endif
 
-namespace weir {
+namespace WEIR_API weir {
 
 template <class T>
 WEIR_HD T select(bool condition, const T& ifTrue, const T& ifFalse) {

@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/standing.h"
 
 namespace weir::detail {
@@ -30,8 +31,7 @@ struct Overlap {
   bool operator==(const Overlap&) const = default;
 };
 
-/// How one kind of call is made. The CUDA runtime is linked into each library and knows the kernels of that
-/// one alone, so these functions belong to the library that owns the kernel.
+/// How one kind of call is made.
 struct CallKind {
   cudaError_t (*issue)(const void* call, cudaStream_t stream);
   /// Adds a node to a graph; null if it has to be captured from the stream.
@@ -42,7 +42,7 @@ struct CallKind {
   bool isKernel = false;
 };
 
-class LaunchQueue {
+class WEIR_API LaunchQueue {
  public:
   /// Of the current device. With the environment variable WEIR_CUDA_SERIAL=1 nothing is gathered, and each
   /// call ends before the next begins: errors then name the kernel that made them, and a run must have the
@@ -77,7 +77,7 @@ class LaunchQueue {
   int failedAsker() const { return failedAsker_; }
 
   static constexpr unsigned kUnknown = ~0u;
-  /// What is known of a kernel; the library that owns it finds it out (kernel_facts.h).
+  /// What is known of a kernel (kernel_facts.h).
   struct KernelFacts {
     unsigned sharedBytes = kUnknown;  ///< the most that a launch may ask for
   };
@@ -125,8 +125,7 @@ class LaunchQueue {
   std::vector<std::pair<const void*, KernelFacts>> facts_;
 };
 
-// Each library has a CUDA runtime of its own, which knows the library's kernels alone. So what hands kernels
-// to the runtime is each library's own, hidden or static: else the linker would keep one for all of them.
+// What hands kernels to the CUDA runtime is hidden or static, so that no library calls another's copy of it.
 
 /// A kernel with its launch and its arguments.
 template <class... P>

@@ -9,9 +9,10 @@
 #include <mutex>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A block may be handed out again as soon as it is released: on CUDA that is sound because all work of a
 /// device stands on one stream. Safe to use from several threads.

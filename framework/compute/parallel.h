@@ -16,10 +16,11 @@
 #include <cstdint>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/compute/standing.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// How many elements a launch covers. A simulation that gains and loses particles on the device knows only an
 /// upper bound on the host; the exact number then stands in device memory and kernels stop there.

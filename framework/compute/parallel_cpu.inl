@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 namespace detail {
 
 /// Launches up to this many elements run on the calling thread: waking the others would take longer.

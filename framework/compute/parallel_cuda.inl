@@ -6,11 +6,12 @@
 #include <bit>
 #include <limits>
 
+#include "framework/base/api.h"
 #include "framework/compute/kernel_overlap.h"
 #include "framework/compute/launch_queue.h"
 #include "framework/compute/wide_access.h"
 
-namespace weir {
+namespace WEIR_API weir {
 namespace detail {
 
 inline constexpr int kCudaBlock = 256;  // threads
@@ -19,8 +20,7 @@ inline constexpr int kWarp = 32;        // threads
 /// Blocks of a full reduction: enough to fill any device, and fixed, because results depend on it.
 inline constexpr int kReduceBlocks = 1024;
 
-/// Makes the device current for the launches of this library: the CUDA runtime is linked into each shared
-/// library, and each copy has its own current device and its own last error.
+/// Makes the device current for this thread, which may have used another since.
 inline void beginLaunch(const CudaDevice& device, std::string_view name) {
   device.check(cudaSetDevice(device.index()), name);
 }

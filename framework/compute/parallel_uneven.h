@@ -4,9 +4,10 @@
 
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Calls f(begin, end) for ranges that together are [0, count), few elements at a time. How the ranges are
 /// cut depends on the number of threads, so results should not depend on it.

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// Totals of one scope, "water/solver/density".
 struct ProfileEntry {

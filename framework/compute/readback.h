@@ -6,9 +6,10 @@
 #include <optional>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/compute/device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 /// One pinned slot of `bytes` and an event; the back end decides what they are.

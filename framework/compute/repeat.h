@@ -1,9 +1,10 @@
 // Loops in kernels that mostly end after a turn or none.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Calls f(), at most that many times, as long as it returns true. CUDA compiles the turn once, as copies of
 /// it take registers from threads that mostly need none.

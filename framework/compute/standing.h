@@ -2,7 +2,9 @@
 // launched.
 #pragma once
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// What stands while several kernels of a step run; each holds those before it. On CUDA a kernel may begin
 /// while the one before it ends, and read ahead what that one leaves alone. A launch policy says so, a type

@@ -7,9 +7,10 @@
 
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// An element of an array.
 template <class T>

@@ -8,10 +8,11 @@
 #include <bit>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/compute/lanes.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Made once for a mesh; TriangleTree keeps it where the device is the CPU.
 class BoxBlocks {

@@ -4,9 +4,10 @@
 
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct BoxTree {
   static constexpr int kLeaf = 4;  ///< triangles in a leaf at most

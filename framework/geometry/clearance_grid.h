@@ -4,9 +4,10 @@
 
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_tree.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Plain data for kernels; valid as long as its ClearanceGrid. An empty one knows nothing.
 struct ClearanceView {

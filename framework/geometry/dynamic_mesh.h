@@ -3,10 +3,11 @@
 
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Made anew in Node::frame(), so it is right when observers look. All arrays are as long as the mesh.
 struct DynamicMesh {

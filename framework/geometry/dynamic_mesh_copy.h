@@ -3,10 +3,11 @@
 
 #include <span>
 
+#include "framework/base/api.h"
 #include "framework/compute/host_copy.h"
 #include "framework/geometry/dynamic_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A mesh in host memory that belongs to somebody else; as in DynamicMesh.
 struct MeshSpan {

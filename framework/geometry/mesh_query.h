@@ -5,10 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/box_tree.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Keeps its own copy of the triangles. Queries may run on many threads at once.
 class MeshQuery {

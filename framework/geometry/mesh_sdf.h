@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/geometry/shapes.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct MeshSdfView {
   static constexpr int kBrick = 8;           // cells along the edge of a brick

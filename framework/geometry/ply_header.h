@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 enum class PlyEncoding { kAscii, kLittleEndian, kBigEndian };
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };

@@ -4,9 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Appends triangles that fill the polygon and are turned like it: those of a fan where it is convex;
 /// otherwise corners are cut off one by one. The polygon should be flat and should not cross itself; of any

@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Angle-weighted pseudo-normals (Baerentzen and Aanaes 2005) of one triangle, unit vectors: if x is the
 /// nearest point of a closed mesh to p, then p is outside exactly if (p − x)·n > 0 for the normal n of the

@@ -3,9 +3,10 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/shapes.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// An axis-aligned box that holds the solid; where the solid is inverted, one that lies in its room. A point
 /// outside of the former or inside of the latter is at least as far from the solid as from the box's surface.

@@ -6,9 +6,10 @@
 
 #include <cmath>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class ShapeKind { kBox, kSphere, kCylinder, kCapsule, kCone, kPlane };
 

@@ -16,9 +16,10 @@
 // overlap by that much.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct SimplifiedMesh {
   TriangleMesh mesh;     ///< its vertices are among those of the original

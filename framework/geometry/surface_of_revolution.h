@@ -4,9 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A polyline in the half plane (radius, height) that is turned about the y axis.
 struct Outline {

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct SurfacePoints {
   std::vector<Vec3f> positions;  ///< m

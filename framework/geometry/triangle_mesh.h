@@ -6,9 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct TriangleMesh {
   static constexpr std::string_view kPortType = "TriangleMesh";

@@ -3,11 +3,12 @@
 
 #include <memory>
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 #include "framework/geometry/box_tree.h"
 #include "framework/geometry/pseudo_normals.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class BoxBlocks;
 

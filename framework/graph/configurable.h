@@ -16,11 +16,12 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/graph/keyframes.h"
 #include "framework/graph/param_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Configurable;
 

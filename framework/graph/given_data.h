@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <optional>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 class GivenData {
  public:

@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// The source of what Weir's own libraries register; see Registry::setSource.
 inline constexpr std::string_view kOwnSource = "weir";

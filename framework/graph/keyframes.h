@@ -12,9 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/param_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/error.h"
 #include "framework/compute/array.h"
 #include "framework/compute/memory_pool.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What an array of that many elements takes of a device, in bytes; in double, as it may be absurdly much.
 inline double bytesOfArray(double elements, std::size_t elementSize) {

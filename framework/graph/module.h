@@ -8,13 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/base/log.h"
 #include "framework/graph/configurable.h"
 #include "framework/graph/guard.h"
 #include "framework/graph/state.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Registry;
 

@@ -23,6 +23,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/log.h"
 #include "framework/compute/device.h"
 #include "framework/graph/configurable.h"
@@ -30,7 +31,7 @@
 #include "framework/graph/port.h"
 #include "framework/graph/state.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Registry;
 struct MemoryNeeds;

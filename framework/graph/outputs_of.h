@@ -5,9 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/scene_graph.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The outputs that carry T, with the names of their nodes, in the order of the nodes.
 template <class T>

@@ -16,10 +16,11 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/graph/place.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What a parameter says of itself. Written with designated initialisers:
 ///   Param<float> speed{*this, "speed", 1.0f, {.unit = "m/s", .min = 0, .doc = "Speed of the jet."}};

@@ -5,10 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/base/error.h"
 #include "framework/base/value.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Place {
   std::string file;     ///< the scene file

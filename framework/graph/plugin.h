@@ -12,10 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/interface_digest.h"
 #include "framework/graph/registry.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Grows whenever PluginHeader changes. All other headers are told apart by kInterfaceIdentity.
 inline constexpr int kPluginInterface = 2;
@@ -65,7 +66,7 @@ struct PluginHeader {
   char magic[8];  ///< "WEIRPLG"
   int interfaceVersion;
   int headerSize;
-  char interfaceIdentity[64];  ///< the version of Weir, and a digest of its headers
+  char interfaceIdentity[64];  ///< the versions of Weir and its interface, and a digest of its public headers
   char build[112];
   int hasCudaKernels;  ///< 1 if it was built with nvcc
   char name[64];

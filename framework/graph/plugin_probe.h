@@ -5,7 +5,9 @@
 
 #include <filesystem>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// Loads the library in a copy of this process (framework/base/forked_work.h). Throws an io Error that names
 /// file and reason if its static objects throw, crash, end the program or do not come to an end. A file that

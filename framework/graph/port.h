@@ -20,10 +20,11 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/check.h"
 #include "framework/base/error.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Node;
 class InputPort;

@@ -10,11 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/guard.h"
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// An implementation of an interface, under its name, and the library that it comes from.
 template <class I>

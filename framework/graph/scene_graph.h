@@ -8,10 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Registry;
 

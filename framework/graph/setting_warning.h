@@ -4,9 +4,10 @@
 
 #include <string>
 
+#include "framework/base/api.h"
 #include "framework/base/log.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Warns: "node 'nozzle': FOUND; better: BETTER". `where` is "node 'nozzle'", `found` says what is wrong,
 /// with its number, and `better` what to change, with the value from which it is well.

@@ -25,10 +25,11 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What the numbers of an array are. Structures without a kind of their own are kept as bytes.
 enum class StateKind { kFloat, kDouble, kInt, kInt64, kByte };

@@ -2,9 +2,10 @@
 // languages.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/graph/registry.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A list of objects: name, kind, unit, doc, also (other words for it), default, min or above, max, soft_min,
 /// soft_max, only_for {parameter, choices}, live, animated, choices {name: doc} of an enum, and parameters of

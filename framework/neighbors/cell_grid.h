@@ -10,9 +10,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct CellGrid {
   static constexpr int kMinCells = 3;  // in each direction

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/compute/cell_sort.h"
 #include "framework/compute/eight.h"
 #include "framework/neighbors/cell_grid.h"
@@ -12,7 +13,7 @@
 #include "framework/particles/particle_set.h"
 #include "framework/particles/sink_region.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// On the CPU, the lists of eight particles that stand side by side are interleaved: their k-th neighbours
 /// stand together, and the next eight of one list are that many entries behind.

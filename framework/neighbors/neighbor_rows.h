@@ -3,10 +3,11 @@
 //   for (int k = offsets[i]; k < offsets[i + 1]; ++k) f(indices[k]);
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/neighbors/neighbor_list.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// On the device of the lists.
 struct NeighborRows {

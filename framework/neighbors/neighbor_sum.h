@@ -1,11 +1,12 @@
 // Sums over the neighbours of a particle, or of eight particles at a time where the processor can.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/eight.h"
 #include "framework/neighbors/neighbor_list.h"
 #include "framework/neighbors/packed_sum.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -15,9 +15,10 @@
 #include <climits>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 inline constexpr int kListGroup = 32;     // lists
 inline constexpr int kCodesTogether = 4;  // of a list

@@ -4,10 +4,11 @@
 #include <tuple>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/compute/eight.h"
 #include "framework/neighbors/packed_lists.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 inline constexpr int kSumTeam = 8;  // threads
 

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/graph/param_types.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/relaxed_tile.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Device;
 

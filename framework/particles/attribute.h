@@ -15,10 +15,11 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/particles/attribute_storage.h"
 #include "framework/particles/lease.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The elements of an attribute as they stand now. Becomes an ArrayView where a kernel wants one, which fails
 /// a WEIR_CHECK if particles have been put into another order, moved or added, or memory has changed hands

@@ -6,12 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/graph/state.h"
 #include "framework/particles/attribute_types.h"
 #include "framework/particles/version.h"
 
-namespace weir {
+namespace WEIR_API weir {
 class ParticleSet;
 }
 
@@ -54,7 +55,7 @@ struct PermutedColumn {
   int words = 0;  // of 4 bytes, in an element
 };
 
-class AttributeStorage {
+class WEIR_API AttributeStorage {
  public:
   AttributeStorage(ParticleSet& set, AttributeInfo info) : set_(set), info_(std::move(info)) {}
   virtual ~AttributeStorage() = default;
@@ -93,7 +94,7 @@ class AttributeStorage {
 };
 
 template <class T>
-class TypedStorage final : public AttributeStorage {
+class WEIR_API TypedStorage final : public AttributeStorage {
  public:
   TypedStorage(ParticleSet& set, AttributeInfo info, Device& device, SpareMemory& spares)
       : AttributeStorage(set, std::move(info)), values(device), spares_(spares) {}

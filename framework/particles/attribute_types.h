@@ -12,10 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/mat3.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class AttributeType { kFloat, kVec3, kInt, kMat3, kInt64 };
 

@@ -10,10 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/particles/version.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A kind of by-product with elements of type T; a constant, declared by who makes it.
 template <class T>

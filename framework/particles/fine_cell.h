@@ -7,9 +7,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A place in 64ths of a cell, modulo four cells: bytes of x, y and z from the highest down, and a zero.
 struct FineCell {

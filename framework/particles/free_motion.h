@@ -3,9 +3,10 @@
 
 #include <cmath>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// v* = v + dt·g,  x* = x + dt·v*. Wherever it is written out, the same bits come out.
 struct FreeMotion {

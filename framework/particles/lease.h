@@ -10,10 +10,11 @@
 #include <memory>
 #include <utility>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/particles/version.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -7,12 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 #include "framework/graph/param_types.h"
 #include "framework/particles/attribute_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Boundary;
 

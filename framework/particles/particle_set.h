@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 #include "framework/graph/state.h"
 #include "framework/particles/attribute.h"
@@ -28,7 +29,7 @@
 #include "framework/particles/lease.h"
 #include "framework/particles/particle_batch.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class PackLayout;
 

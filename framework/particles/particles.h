@@ -12,9 +12,10 @@
 #include <string>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/particles/particle_set.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SolidCoupling;
 

@@ -11,9 +11,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class CpuThreads;
 

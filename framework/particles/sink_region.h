@@ -5,10 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/parallel.h"
 #include "framework/geometry/mesh_sdf.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A box, or the part of it that is inside a mesh.
 struct SinkPiece {

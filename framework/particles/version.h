@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// The contents of something at one moment. May outlive it.
 class Version {

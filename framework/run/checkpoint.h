@@ -15,10 +15,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/state.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Checkpoint {
   std::string version;  ///< of the program

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// The first of the least number of equal steps that divide a time of `remaining` into parts no longer than
 /// `longest`, both above 0: so a time is met exactly, and no sliver is left for a last step.

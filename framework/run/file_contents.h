@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/info_source.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct FileContents {
   std::string kind;                ///< "a checkpoint"

@@ -4,10 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/registry.h"
 #include "framework/run/checkpoint.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// All that keep checkpoints, by name; each of their functions is guarded. An Error that names a file passes
 /// as it is: it says enough.

@@ -4,9 +4,10 @@
 #include <memory>
 #include <string>
 
+#include "framework/base/api.h"
 #include "framework/run/output_kind.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The options of an output kind of the library `source`; see Registry::setSource.
 std::vector<OutputOption> optionsOf(const OutputKind& kind, const std::string& name,

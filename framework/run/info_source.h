@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 struct InfoEntry {
   std::string name;  ///< "OSMesa"

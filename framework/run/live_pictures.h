@@ -12,10 +12,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Where a watcher's camera is. Metres.
 struct LiveCamera {

@@ -10,10 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/state.h"
 #include "framework/run/simulation.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// How a run ended.
 enum class RunEnd { kFinished, kInterrupted, kFailed };

@@ -13,9 +13,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// An option that takes the path of a file or folder to be written.
 struct OutputOption {

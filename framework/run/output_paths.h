@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <string>
 
+#include "framework/base/api.h"
 #include "framework/run/output_kind.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Throws a usage Error if a file ends in anything but what the option allows, and an io Error if the folder
 /// that it shall be in does not exist. `what` names the option and its value in messages.

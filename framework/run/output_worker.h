@@ -11,9 +11,10 @@
 #include <thread>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The first error of several threads.
 class FirstError {

@@ -7,9 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/run/simulation.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What is shown of a run.
 struct ProgressState {

@@ -11,9 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/simulation.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct ResumeCheck {
   std::int64_t savedAt = 3;      ///< frame

@@ -7,10 +7,11 @@
 #include <optional>
 #include <span>
 
+#include "framework/base/api.h"
 #include "framework/run/checkpoint.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct RunOptions {
   /// Ends the run at this frame, if its duration does not end it before. 0 makes frame 0 alone.

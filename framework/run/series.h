@@ -6,9 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Writes one JSON object a line for each frame, frame 0 included (JSON Lines): see frameStatistics. To a
 /// file that ends in .csv it writes a table, with a line a frame and a column for each number: see tableOf.

@@ -11,10 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/clock.h"
 #include "framework/scene/scene.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The clock that a scene's "world" asks for. Throws a scene Error that names the file for what no clock can
 /// do; checking a scene therefore means to make its clock, too.

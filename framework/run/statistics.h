@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/run/observer.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Median, 95th percentile, mean and largest of some durations; all 0 if there are none. A percentile is the
 /// least of them that is not below that share of all.

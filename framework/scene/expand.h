@@ -5,9 +5,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/scene/scene_file.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Whether an override sets a variable: let.NAME.
 bool setsVariable(const Override& o);

@@ -4,7 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 /// The text of a scene file in the layout that Weir writes: one member a line, indented by two; arrays and
 /// objects of up to 100 columns on one line, unless a comment ends a line in them or a line between their

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/registry.h"
 #include "framework/graph/scene_graph.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The "world" section: what all nodes share.
 class World final : public Configurable {

@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/scene/scene.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The version of the scene format: the value of the key "weir".
 inline constexpr int kSceneVersion = 1;

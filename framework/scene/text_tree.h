@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 struct TextComment {
   std::string_view text;         ///< with its // or /* */

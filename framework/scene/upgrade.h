@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/scene/scene_file.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct UpgradedFile {
   std::string file;  ///< the scene, or one that it includes

@@ -1,9 +1,10 @@
 // Where a rigid body is: its own frame, turned and moved.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Pose {
   Quatf rotation;

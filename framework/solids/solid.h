@@ -4,12 +4,13 @@
 #include <array>
 #include <string>
 
+#include "framework/base/api.h"
 #include "framework/geometry/clearance_grid.h"
 #include "framework/graph/param_types.h"
 #include "framework/graph/state.h"
 #include "framework/solids/pose.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };

@@ -11,11 +11,12 @@
 #include <memory>
 #include <span>
 
+#include "framework/base/api.h"
 #include "framework/graph/port.h"
 #include "framework/particles/particles.h"
 #include "framework/solids/solid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Of a system of particles that meets solids.
 class SolidCoupling {

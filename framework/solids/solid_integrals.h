@@ -67,11 +67,12 @@
 #include <cmath>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 #include "framework/base/vec.h"
 #include "framework/solids/triangle_integrals.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 template <class T>
 struct SolidIntegrals {

@@ -5,12 +5,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/compute/compact_once.h"
 #include "framework/compute/parallel_uneven.h"
 #include "framework/compute/readback.h"
 #include "framework/solids/solid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// For kernels. The pairs of particle i are begin(i) … end(i) − 1, in the order of their solids.
 struct SolidPairsView {

@@ -8,10 +8,11 @@
 #include <cmath>
 #include <type_traits>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/lanes.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -1,10 +1,11 @@
 // A box as a triangle mesh: a block, a wall, a paddle, or a tank where it is linked as a container.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class BoxMesh final : public Node {
  public:

@@ -3,9 +3,10 @@
 // half a particle, and none is farther out than the disc's rim by more than about half a spacing.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/emitters/nozzle_emitter.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class CircleEmitter final : public NozzleEmitter {
  public:

@@ -14,10 +14,11 @@
 #include <optional>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Emitter : public Node {
  public:

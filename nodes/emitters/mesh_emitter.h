@@ -4,10 +4,11 @@
 // apart along the normals as well.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "nodes/emitters/emitter.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class MeshEmitter final : public Emitter {
  public:

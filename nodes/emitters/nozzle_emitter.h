@@ -9,10 +9,11 @@
 // fluid at rest, where layers of lattices would be too dense and spray.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/particles/arrangement.h"
 #include "nodes/emitters/emitter.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class NozzleEmitter : public Emitter {
  public:

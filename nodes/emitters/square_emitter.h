@@ -2,9 +2,10 @@
 // rounded.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/emitters/nozzle_emitter.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SquareEmitter final : public NozzleEmitter {
  public:

@@ -9,7 +9,9 @@
 
 #include <array>
 
-namespace weir {
+#include "framework/base/api.h"
+
+namespace WEIR_API weir {
 
 struct CubeTable {
   static constexpr int kMaxTriangles = 5;

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/dynamic_mesh.h"
 #include "framework/particles/particle_set.h"
 #include "nodes/fluid_surface/kernel_field.h"
 #include "nodes/fluid_surface/marching_cubes.h"
 #include "nodes/fluid_surface/mesh_smoother.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// As the parameters of a FluidSurface; lengths in particle spacings.
 struct FluidMeshSettings {

@@ -6,12 +6,13 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
 #include "nodes/fluid_surface/fluid_mesher.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class FluidSurface final : public Node {
  public:

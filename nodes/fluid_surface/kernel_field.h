@@ -5,10 +5,11 @@
 // threads, and a block exists wherever a cell has a corner that is not zero.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/fluid_surface/particle_kernels.h"
 #include "nodes/fluid_surface/sparse_grid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class KernelField {
  public:

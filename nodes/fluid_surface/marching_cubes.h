@@ -7,11 +7,12 @@
 // triangle is without area.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/dynamic_mesh.h"
 #include "nodes/fluid_surface/cube_table.h"
 #include "nodes/fluid_surface/sparse_grid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class MarchingCubes {
  public:

@@ -17,10 +17,11 @@
 // of what it is in full fluid, so nothing jumps as particles come and go.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/cell_sort.h"
 #include "framework/neighbors/cell_grid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct KernelSettings {
   float spacing = 0;      ///< d, m; V0 = d³

@@ -6,10 +6,11 @@
 
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/parallel.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct BlockKey {
   static constexpr int kSide = 8;  // nodes along each axis of a block

@@ -2,9 +2,10 @@
 // size of lone particles.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/fluid_surface/particle_kernels.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The mean of the field over a plane half a spacing above the outermost layer of particles that lie on a
 /// cubic lattice below it. Smoothed centres stand further inside than their particles, so this is less than

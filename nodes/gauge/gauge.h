@@ -11,10 +11,11 @@
 #include <array>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class GaugeShape { kPoint, kLine, kPlane, kBox };
 template <>

@@ -3,11 +3,12 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/given_data.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class UpAxis { kX, kY, kZ };
 template <>

@@ -2,9 +2,10 @@
 // lists "vertex_indices" or "vertex_index" of the elements "face" and "tristrips". All else is passed over.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/mesh_file/mesh_reader.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class PlyMeshReader final : public MeshReader {
  public:

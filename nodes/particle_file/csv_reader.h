@@ -9,9 +9,10 @@
 // LF or CRLF. Numbers have a decimal point, whatever the locale.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_file/particle_reader.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class CsvReader final : public ParticleReader {
  public:

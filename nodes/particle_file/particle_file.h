@@ -7,12 +7,13 @@
 // 0. A program may give the particles in place of a file.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/graph/given_data.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 #include "nodes/particle_file/particle_reader.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class ParticleFile final : public Node, public GivenData {
  public:

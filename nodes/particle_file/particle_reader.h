@@ -8,10 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/particles/attribute_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// One attribute of particles on the host, with as many values as there are particles.
 struct ParticleColumn {

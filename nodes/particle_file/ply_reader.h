@@ -3,9 +3,10 @@
 // and all other elements are passed over.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_file/particle_reader.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class PlyReader final : public ParticleReader {
  public:

@@ -12,9 +12,10 @@
 #include <variant>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A quantity of the particles: particles × components numbers, particle by particle.
 struct RecordedArray {

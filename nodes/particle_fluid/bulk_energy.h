@@ -8,10 +8,11 @@
 #include <array>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/host_device.h"
 #include "framework/graph/param_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class EnergyName { kB0, kB1, kB2, kPolynomial };
 template <>

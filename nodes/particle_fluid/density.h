@@ -4,10 +4,11 @@
 #include <cmath>
 #include <concepts>
 
+#include "framework/base/api.h"
 #include "framework/neighbors/neighbor_sum.h"
 #include "nodes/particle_fluid/fluid_constants.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// `position(j)` gives a Vec3f.
 template <std::invocable<std::int64_t> Position>

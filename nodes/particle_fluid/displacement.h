@@ -1,10 +1,11 @@
 // What solvers share that move particles by displacements from their predicted positions.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 template <class T>
 WEIR_HD Vec3<T> xyz(const Vec4<T>& v) {

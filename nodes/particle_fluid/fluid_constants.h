@@ -4,10 +4,11 @@
 #include <array>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/graph/param_types.h"
 #include "nodes/particle_fluid/spiky_kernel.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What the kernel's normalisation s makes exact.
 enum class Calibration { kPacking, kLattice };

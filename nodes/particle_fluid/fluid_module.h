@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/module.h"
 #include "framework/graph/node.h"
@@ -20,7 +21,7 @@
 #include "framework/particles/particle_set.h"
 #include "nodes/particle_fluid/fluid_constants.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct Boundary;
 struct FluidStep;

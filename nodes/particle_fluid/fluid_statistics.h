@@ -3,12 +3,13 @@
 
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/value.h"
 #include "framework/neighbors/neighbor_list.h"
 #include "framework/particles/particle_set.h"
 #include "nodes/particle_fluid/fluid_constants.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Sums and extremes over some particles; as it is, over none.
 struct FluidSums {
@@ -23,8 +24,8 @@ struct FluidSums {
 /// neighbours are as of the last frame, and there may be none yet where a run failed before its first search.
 /// Extremes leave out NaN.
 template <class Backend>
-void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
-              double restDensity, FluidSums* sums);
+WEIR_API void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int> neighborCounts,
+                       double restDensity, FluidSums* sums);
 
 /// Adds to `statistics`: particles, fluid_volume [m³] (particles times spacing cubed), neighbors {mean, max},
 /// compression {mean, max} of max(λ − 1, 0), linear_momentum [kg·m/s], kinetic_energy [J], potential_energy

@@ -6,10 +6,11 @@
 // relative error of Eq. 18 is made of. Measured on the device, summed in double, and read when someone asks.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class ObjectiveRecord {
  public:

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
@@ -13,7 +14,7 @@
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The box around the particles of a fluid, and the sum of their positions.
 struct FluidExtent {

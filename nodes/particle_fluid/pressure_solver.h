@@ -2,6 +2,7 @@
 // problem it is, and the memory and the record of their iterations.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
@@ -9,7 +10,7 @@
 #include "nodes/particle_fluid/pressure_law.h"
 #include "nodes/particle_fluid/solver_sums.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct PressureProblem;
 struct StepOf;

@@ -5,9 +5,10 @@
 // where s is the calibration of the rest state, see fluid_constants.h.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/lanes.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct SpikyKernel {
   float inverseRadius = 0;  ///< 1/H, 1/m

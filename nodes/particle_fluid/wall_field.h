@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/compact_once.h"
 #include "framework/compute/eight.h"
 #include "framework/particles/particle_set.h"
@@ -21,7 +22,7 @@
 #include "nodes/particle_fluid/fluid_constants.h"
 #include "nodes/static_boundary/boundary_integrals.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct FluidRoom;
 

@@ -1,9 +1,10 @@
 // A box full of particles.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/samplers/sampler.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class BoxSampler final : public Sampler {
  public:

@@ -1,10 +1,11 @@
 // The inside of a mesh full of particles.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "nodes/samplers/sampler.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class MeshSampler final : public Sampler {
  public:

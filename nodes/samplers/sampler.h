@@ -9,13 +9,14 @@
 #include <array>
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/particles/arrangement.h"
 #include "framework/particles/particle_batch.h"
 #include "nodes/samplers/lattice.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Sampler : public Node {
  public:

@@ -1,9 +1,10 @@
 // A sphere full of particles.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/samplers/sampler.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SphereSampler final : public Sampler {
  public:

@@ -13,11 +13,12 @@
 #include <memory>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/solid_coupling.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class SolidFill { kAuto, kSolid, kContainer, kSheet };
 template <>

@@ -6,11 +6,12 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/sink_region.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Sink final : public Node {
  public:

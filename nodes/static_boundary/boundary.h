@@ -5,12 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/geometry/mesh_sdf.h"
 #include "framework/geometry/shape_bounds.h"
 #include "framework/geometry/shapes.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct SolidImpulse;
 

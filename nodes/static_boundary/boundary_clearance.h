@@ -2,11 +2,12 @@
 // asked for more. Where they must be and are one box, as tanks mostly are, eight points ask it at once.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/eight.h"
 #include "framework/compute/repeat.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 

@@ -12,11 +12,12 @@
 // count once. D, which only bounds the length of steps, is the sum of those of all faces.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/eight.h"
 #include "framework/solids/solid_integrals.h"
 #include "nodes/static_boundary/boundary_clearance.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Of a half-space at distance q, in radii of the kernel.
 template <class T>

@@ -5,12 +5,13 @@
 #include <optional>
 #include <string_view>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/solid.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// ShapeKind, and none.
 enum class BoundaryShape { kNone, kBox, kSphere, kCylinder, kCapsule, kCone, kPlane };

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A height y for each point of the rectangle |x| ≤ size.x/2, |z| ≤ size.y/2; lengths in m.
 struct HeightfieldShape {

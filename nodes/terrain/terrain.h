@@ -3,10 +3,11 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "nodes/terrain/heightfield.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class Terrain final : public Node {
  public:

@@ -1,10 +1,11 @@
 // A body turned on a lathe: a profile that goes round the node's y axis.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/surface_of_revolution.h"
 #include "framework/graph/node.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class TurningModel final : public Node {
  public:

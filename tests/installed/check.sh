@@ -50,6 +50,14 @@ done
 say "No library comes from the current folder"
 python3 "$source/tests/tools/elf/check_elf.py" --build "$build" "$weir"
 
+if readelf -d "$weir/lib/libweir_framework.so" | grep -qF 'libcudart.so'; then
+  say "All libraries take the CUDA runtime that the installation brings"
+  find "$weir/bin" "$weir/lib" -type f ! -name 'libcudart*' | while read -r file; do
+    readelf -d "$file" 2>/dev/null | grep -qF '[libcudart.so' || continue
+    ldd "$file" | grep -F 'libcudart.so' | grep -qF "$weir/" || fail "$file takes another CUDA runtime: $(ldd "$file" | grep cudart)"
+  done
+fi
+
 say "Running an installed scene, with all of its plugins"
 "$weir/bin/weir" run "$weir/share/weir/scenes/dam_break.json" --set water.spacing=0.05 --frames 3 --quiet \
   --export "$folder/dam.vtkhdf" --stats "$folder/dam.json"
@@ -90,15 +98,50 @@ done
 [ -s "$folder/baseline.txt" ] || fail "there are no statistics"
 cmp "$folder/my_force.txt" "$folder/baseline.txt" || fail "the instruction set changes results"
 
-say "A plugin for another Weir is refused"
-digest=$weir/include/weir/detail/framework/graph/interface_digest.h
-cp "$digest" "$folder/digest.h"
-cp "$folder/my_force/build/plugins/weir_my_force.so" "$folder/right.so"
-sed -i -E 's/headers [0-9a-f]{16}/headers 0123456789abcdef/' "$digest"
-cmake --build "$folder/my_force/build" --target weir_my_force >/dev/null
-fails_with 5 "headers 0123456789abcdef" "$weir/bin/weir" nodes --plugin "$folder/my_force/build/plugins/weir_my_force.so"
-"$weir/bin/weir" nodes MyForcePull --plugin "$folder/right.so" >/dev/null
-cp "$folder/digest.h" "$digest"
+say "Plugins outlive comments and private headers, and are refused when a public header changes"
+# In a copy of the installation, whose headers and digest become those of sources that are edited.
+edited=$folder/edited
+cp -r "$weir" "$folder/other"
+inner=$folder/other/include/weir/detail
+digest=$inner/framework/graph/interface_digest.h
+identity() { sed -n 's/.*kInterfaceIdentity.*"\(.*\)".*/\1/p' "$digest"; }
+install_edited() {
+  cmake -DROOT="$edited" -DVERSION="${before%, headers *}" -DOUTPUT="$digest" -P "$source/cmake/WeirInterfaceDigest.cmake"
+  (cd "$inner" && find framework nodes -type f ! -name interface_digest.h) | while read -r header; do
+    cmp -s "$edited/$header" "$inner/$header" || cp "$edited/$header" "$inner/$header"
+  done
+}
+build_against_edited() { # NAME: what comes of it
+  cmake --build "$folder/edited_plugin/build" --parallel "$jobs" --target weir_my_force >"$folder/log" \
+    || { cat "$folder/log" >&2; fail "my_force cannot be built"; }
+  cp "$folder/edited_plugin/build/plugins/weir_my_force.so" "$folder/$1.so"
+}
+before=$(identity)
+mkdir "$edited"
+(cd "$source" && find include framework nodes -name '*.h' -o -name '*.inl' | tar -cf - -T -) | tar -C "$edited" -xf -
+cp -r "$folder/baseline" "$folder/edited_plugin"
+rm -r "$folder/edited_plugin/build"
+cp "$folder/baseline/build/plugins/weir_my_force.so" "$folder/original.so"
+cmake -S "$folder/edited_plugin" -B "$folder/edited_plugin/build" -DCMAKE_PREFIX_PATH="$folder/other" -DWEIR_CUDA=OFF >/dev/null
+
+find "$edited" -type f -exec sed -i '1i // A comment that was not there.\n' {} +
+[ ! -e "$inner/framework/graph/plugin_probe.h" ] || fail "plugin_probe.h is no private header any more"
+printf 'namespace weir {\nint newInside(int);\n}\n' >>"$edited/framework/graph/plugin_probe.h"
+install_edited
+# This is what a host compares, so one that is built from these sources takes the original plugin.
+[ "$(identity)" = "$before" ] || fail "comments, or a private header, made '$(identity)' of '$before'"
+build_against_edited commented
+
+sed -i 's/^  std::string folder; .*/&\n  int newForPlugins = 0;/' "$edited/framework/graph/place.h"
+install_edited
+[ "$(identity)" != "$before" ] || fail "a new member in a public header left '$before'"
+build_against_edited changed
+
+for plugin in original commented; do
+  "$weir/bin/weir" run "$folder/my_force/scene.json" --device cpu --frames 1 --quiet --plugin "$folder/$plugin.so"
+done
+fails_with 5 "the plugin was built for Weir $(identity)" "$weir/bin/weir" nodes --plugin "$folder/changed.so"
+grep -qF "Weir $before" "$folder/err" || fail "the refusal does not name this Weir's headers"
 
 say "A plugin that writes behind its array is found by the address sanitizer"
 mkdir "$folder/bounds"

@@ -18,6 +18,7 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/compute/readback.h"
 #include "framework/graph/moved_parameters.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
@@ -25,7 +26,7 @@
 #include "nodes/particle_fluid/modules/conjugate.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 namespace detail {
 struct Judge;

@@ -19,12 +19,13 @@
 // the judgement whether an iterate is to be taken back are the solver's, see SolverControl.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/compute/device.h"
 #include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A ring of iterates, for kernels; empty where nobody mixes. Entry e of particle i is at [e·stride + i].
 struct AndersonHistory {

@@ -15,10 +15,11 @@
 // iteration conserves momentum. Velocities gain (x^N − x*)/dt.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/objective.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class PbfForm { kTextbook, kUnnormalized };
 template <>

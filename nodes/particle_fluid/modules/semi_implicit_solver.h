@@ -11,9 +11,10 @@
 // length α is 1, or searched, see step_length.h.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SemiImplicitSolver final : public PressureSolver {
  public:

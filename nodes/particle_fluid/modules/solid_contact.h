@@ -9,10 +9,11 @@
 // The factor of Φ is 1 for what touches a plane and 0 for what feels no solid.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SolidContact final : public FluidModule {
  public:

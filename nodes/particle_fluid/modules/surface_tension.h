@@ -14,9 +14,10 @@
 // that has the right densities, and drops would stay cubes.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class SurfaceTension final : public FluidModule {
  public:

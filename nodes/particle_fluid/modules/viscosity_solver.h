@@ -29,11 +29,12 @@
 
 #include <optional>
 
+#include "framework/base/api.h"
 #include "framework/compute/readback.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/modules/viscous_walls.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// F for settled fluid.
 double viscosityFactor(double supportRatio);

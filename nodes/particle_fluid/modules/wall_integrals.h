@@ -1,10 +1,11 @@
 // Finds what each particle feels of rigid meshes: Φ, ∇Φ and D at its predicted position, see wall_field.h.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class WallIntegrals final : public FluidModule, public WallFinder {
  public:

@@ -21,9 +21,10 @@
 // just left them: weights are then right to 1e-4 of W(0), and velocities to 1e-5 of themselves.
 #pragma once
 
+#include "framework/base/api.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 enum class XsphForm { kExplicit, kImplicit };
 template <>

@@ -14,7 +14,8 @@
 
 namespace {
 
-// What the framework asked of the system, in order. These functions stand in front of the C library's.
+// What the framework asked of the system, in order. The exported functions below stand in front of the C
+// library's.
 std::vector<std::string> asked;
 
 template <class F>
@@ -24,14 +25,14 @@ F* realFunction(const char* name) {
 
 }  // namespace
 
-extern "C" int fsync(int file) {
+extern "C" __attribute__((visibility("default"))) int fsync(int file) {
   struct stat status {};
   ::fstat(file, &status);
   asked.emplace_back(S_ISDIR(status.st_mode) ? "fsync folder" : "fsync file");
   return realFunction<int(int)>("fsync")(file);
 }
 
-extern "C" int rename(const char* from, const char* to) noexcept {
+extern "C" __attribute__((visibility("default"))) int rename(const char* from, const char* to) noexcept {
   asked.emplace_back("rename");
   return realFunction<int(const char*, const char*)>("rename")(from, to);
 }
