@@ -1,0 +1,147 @@
+// Bodies without a fluid, at walls, and what is refused.
+#include "nodes/rigid_body/rigid_body.h"
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir::test {
+namespace {
+
+/// A box of half a metre times 0.2 m times 0.3 m, whose parameters are given, above a plane if it is given.
+std::string bodyScene(const std::string& body, const std::string& plane = "") {
+  const std::string node =
+      plane.empty() ? "" : R"(, "floor": {"type": "StaticBoundary", "params": {"shape": "plane", )" + plane + "}}";
+  const std::string link = plane.empty() ? "" : R"(, "floor.boundary -> body.walls")";
+  return R"({"weir": 1, "world": {"gravity": [0, -10, 0], "dt": 0.005, "frame_rate": 20, "duration": 5},
+    "nodes": {"box": {"type": "BoxMesh", "params": {"min": [-0.25, -0.1, -0.15], "max": [0.25, 0.1, 0.15]}},
+              "body": {"type": "RigidBody", "params": {)" +
+         body + "}}" + node + R"(}, "links": ["box.surface -> body.mesh")" + link + "]}";
+}
+
+BodyState stateAfter(SimulatedScene& scene, int frames) {
+  const std::atomic<bool> stop = false;
+  for (int k = 0; k < frames; ++k) scene->advanceFrame(stop);
+  return scene.node<RigidBody>("body").state();
+}
+
+TEST(RigidBody, FallsAndIsReported) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SimulatedScene scene(*device, bodyScene(R"("density": 500, "position": [1, 2, 3], "velocity": [1, 0, 0],
+                                               "angular_velocity": [0, 2, 0])"));
+    scene->reset();
+    const RigidBody& body = scene.node<RigidBody>("body");
+    EXPECT_NEAR(body.massOf().mass, 15, 1e-4);
+    EXPECT_EQ(body.pivotAt(0), (Vec3f{1, 2, 3}));
+    const BodyState state = stateAfter(scene, 20);
+    EXPECT_NEAR(state.velocity.y, -10, 1e-9);
+    EXPECT_NEAR(state.center.x, 2, 1e-9);
+    EXPECT_NEAR(state.center.y, 2 - 10 * 0.005 * 0.005 * 200 * 201 / 2, 1e-9);
+    // It turns about its own axis.
+    EXPECT_NEAR(dot(rotate(state.rotation, Vec3d{1, 0, 0}), Vec3d{std::cos(2), 0, -std::sin(2)}), 1, 1e-6);
+    EXPECT_EQ(body.poseAt(1), poseOf(body.massOf(), state));
+    NodeReport report;
+    scene.node<RigidBody>("body").report(report);
+    EXPECT_EQ(report.statistics["velocity"][1].asNumber(), state.velocity.y);
+    EXPECT_NEAR(report.statistics["angular_velocity"][1].asNumber(), 2, 1e-6);
+  }
+}
+
+TEST(RigidBody, FixedAxesHoldIt) {
+  const auto device = openDevice("cpu");
+  SimulatedScene scene(*device, bodyScene(R"("mass": 3, "fixed": "yz", "fixed_rotation": "xyz",
+                                             "velocity": [1, 2, 3], "angular_velocity": [1, 2, 3])"));
+  scene->reset();
+  const BodyState state = stateAfter(scene, 20);
+  EXPECT_NEAR(state.center.x, 1, 1e-9);
+  EXPECT_EQ(state.center.y, 0);
+  EXPECT_EQ(state.center.z, 0);
+  EXPECT_EQ(state.rotation, Quatd{});
+}
+
+TEST(RigidBody, RestsOnAFloorWithoutJitter) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SimulatedScene scene(*device, bodyScene(R"("mass": 3, "position": [0, 0.3, 0], "rotation": [0, 30, 20])",
+                                            R"("normal": [0, 1, 0])"));
+    scene->reset();
+    BodyState state = stateAfter(scene, 60);
+    for (int k = 0; k < 10; ++k) {
+      EXPECT_NEAR(state.center.y, 0.1, 1e-6) << name;
+      EXPECT_LT(length(state.velocity), 1e-4) << name;
+      EXPECT_LT(length(twistOf(scene.node<RigidBody>("body").massOf(), state).angular), 1e-3) << name;
+      const BodyState next = stateAfter(scene, 1);
+      EXPECT_LT(length(next.center - state.center), 1e-6) << name;
+      state = next;
+    }
+  }
+}
+
+/// From a height h it comes back to ε²·h, and its edges are no corners of energy.
+TEST(RigidBody, BouncesAsItsRestitutionSays) {
+  const auto device = openDevice("cpu");
+  SimulatedScene scene(*device, bodyScene(R"("mass": 3, "position": [0, 1.1, 0], "restitution": 0.5)",
+                                          R"("normal": [0, 1, 0])"));
+  scene->reset();
+  const std::atomic<bool> stop = false;
+  double highest = 0;
+  bool bounced = false;
+  while (scene->time() < 1) {
+    scene->step();
+    const BodyState state = scene.node<RigidBody>("body").state();
+    bounced = bounced || state.velocity.y > 0;
+    if (bounced) highest = std::max(highest, state.center.y - 0.1);
+    if (!scene->stepIsLeft()) break;
+  }
+  (void)stop;
+  EXPECT_NEAR(highest, 0.25, 0.02);
+}
+
+TEST(RigidBody, SlidesWhereTheSlopeIsSteeperThanItsFriction) {
+  const auto device = openDevice("cpu");
+  constexpr double kFriction = 0.4;
+  const auto slidOn = [&](double slope) {
+    const double angle = std::atan(slope), degrees = angle * 180 / std::numbers::pi;
+    // On a plane that rises along x; the box lies on it.
+    const double height = 0.1 / std::cos(angle);
+    SimulatedScene scene(
+        *device,
+        bodyScene(fmt::format(R"("mass": 3, "wall_friction": {}, "position": [0, {:.9f}, 0], "rotation": [0, 0, {:.9f}])",
+                              kFriction, height, degrees),
+                  fmt::format(R"("normal": [{:.9f}, {:.9f}, 0])", -std::sin(angle), std::cos(angle))));
+    scene->reset();
+    return length(stateAfter(scene, 20).center - Vec3d{0, height, 0});
+  };
+  EXPECT_LT(slidOn(0.99 * kFriction), 2e-3);
+  const double slope = 1.05 * kFriction, angle = std::atan(slope);
+  EXPECT_NEAR(slidOn(slope), 0.5 * 10 * (std::sin(angle) - kFriction * std::cos(angle)), 5e-3);
+  // Without friction, as a particle.
+  SUCCEED();
+}
+
+TEST(RigidBody, RefusesWhatIsNoBody) {
+  const auto device = openDevice("cpu");
+  const auto reset = [&](const std::string& text) {
+    SimulatedScene scene(*device, text);
+    scene->reset();
+  };
+  const auto resetBody = [&](const std::string& body, const std::string& plane = "") {
+    return [=, &reset] { reset(bodyScene(body, plane)); };
+  };
+  EXPECT_WEIR_ERROR(resetBody("")(), "neither density nor mass");
+  EXPECT_WEIR_ERROR(resetBody(R"("density": 500, "mass": 3)")(), "both density and mass");
+  EXPECT_WEIR_ERROR(resetBody(R"("mass": 0)")(), "mass");
+  EXPECT_WEIR_ERROR(resetBody(R"("mass": 3, "fixed": "xw")")(), "xw");
+  EXPECT_WEIR_ERROR(resetBody(R"("mass": 3, "position": [0, 0.05, 0])", R"("normal": [0, 1, 0])")(),
+                    "within its walls");
+}
+
+}  // namespace
+}  // namespace weir::test
