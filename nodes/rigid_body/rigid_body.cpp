@@ -65,7 +65,9 @@ void RigidBody::configure(const SetupContext&) {
 
 void RigidBody::estimate(const SetupContext&, MemoryNeeds& needs) {
   needs.add(BodyContact::memoryFor(double(mesh->vertices.size())));
-  if (!fluid.empty()) needs.add(Solid::maxMemory(*mesh));
+  if (fluid.empty()) return;
+  needs.add(Solid::maxMemory(*mesh));
+  needs.add(bytesOfArray(fluid[0].maxCount, 2 * sizeof(float)));  // WallField::lift and grip
 }
 
 void RigidBody::checkMesh(const TriangleMesh& shape) const {
