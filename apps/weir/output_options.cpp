@@ -13,6 +13,22 @@ namespace weir::app {
 
 namespace fs = std::filesystem;
 
+void addEngineOption(CLI::App& command, std::string& engine) {
+  command
+      .add_option(
+          "--engine", engine,
+          "What draws pictures: weir, or cycles, the path tracer of Blender; the scene's render.engine "
+          "if it is left out")
+      ->type_name("weir|cycles")
+      ->check(CLI::IsMember({"weir", "cycles"}));
+}
+
+void addEngine(const std::string& engine, std::vector<Override>& changes) {
+  if (engine.empty()) return;
+  changes.push_back(parseOverride("render.engine=" + engine));
+  changes.back().value.origin = std::make_shared<const ValueOrigin>(ValueOrigin{"--engine " + engine, ""});
+}
+
 void TakenPaths::addInput(const std::string& path, const std::string& what) {
   std::error_code error;
   taken_[fs::weakly_canonical(path, error).string()] = what;

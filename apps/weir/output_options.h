@@ -13,6 +13,11 @@
 
 namespace weir::app {
 
+/// Adds --engine to a command that makes pictures; `engine` stays empty if it is not given.
+void addEngineOption(CLI::App& command, std::string& engine);
+/// The change of the scene that the option asks for, if it was given.
+void addEngine(const std::string& engine, std::vector<Override>& changes);
+
 /// Which file is written, or read, for which option: no two may be the same.
 class TakenPaths {
  public:

@@ -106,6 +106,10 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
       ->required()
       ->type_name("SCENE");
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, true);
+  command_->add_option("--frame", frame_, "Show this frame alone")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  addEngineOption(*command_, engine_);
   command_->add_option("--set", set_, "Change a parameter first, such as render.width=1920; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -140,6 +144,7 @@ std::unique_ptr<Recording> RenderCommand::openRecording() const {
 std::unique_ptr<Scene> RenderCommand::loadScene(const Recording& recording) {
   std::vector<Override> changes;
   for (const std::string& text : set_) changes.push_back(parseOverride(text));
+  addEngine(engine_, changes);
   std::unique_ptr<Scene> scene = program_.load(scene_, changes);
   // Videos then take as long as the run did, also where not every frame was exported.
   if (const std::optional<double> rate = rateOf(recording.times()))
@@ -168,6 +173,7 @@ int RenderCommand::run() {
   std::optional<Replay> replay;
   try {
     replay.emplace(simulation, *recording);
+    if (frame_) replay->showOnly(*frame_);
   } catch (Error& error) {
     throw error.at({.file = file_});
   }

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,10 @@ class RenderCommand {
   Program& program_;
   CLI::App* command_;
   std::unique_ptr<OutputOptions> outputs_;
-  std::string file_, scene_;
+  std::string file_, scene_, engine_;
   std::string device_ = "cpu";
   std::vector<std::string> set_, plugin_;
+  std::optional<std::int64_t> frame_;
   int threads_ = 0;
   bool quiet_ = false;
 };

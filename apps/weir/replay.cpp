@@ -1,5 +1,7 @@
 #include "apps/weir/replay.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -48,7 +50,7 @@ const ParticleSet* ownOf(const Particles& particles) {
 }  // namespace
 
 Replay::Replay(Simulation& simulation, const Recording& recording)
-    : simulation_(simulation), recording_(recording) {
+    : simulation_(simulation), recording_(recording), end_(recording.times().size()) {
   const auto fluids = outputsOf<Particles>(simulation.scene().graph);
   std::vector<std::string> names;
   for (const auto& [name, output] : fluids) names.push_back(name);
@@ -68,8 +70,17 @@ Replay::Replay(Simulation& simulation, const Recording& recording)
   simulation.replay();
 }
 
+void Replay::showOnly(std::int64_t frame) {
+  const std::size_t count = recording_.times().size();
+  if (frame < 0 || static_cast<std::size_t>(frame) >= count)
+    throw usageError(fmt::format("the file has no frame {}", frame), fmt::format("0 to {}", count - 1));
+  first_ = frame_ = static_cast<std::size_t>(frame);
+  end_ = first_ + 1;
+  simulation_.showAt(frame, recording_.times()[first_]);  // so that outputs begin with its number
+}
+
 bool Replay::next() {
-  if (frame_ == recording_.times().size()) return false;
+  if (frame_ == end_) return false;
   const std::vector<RecordedFluid> fluids = recording_.read(frame_);
   WEIR_CHECK(fluids.size() == targets_.size());
   particles_ = 0;

@@ -18,14 +18,16 @@ class Replay {
   /// recording has fluids that the scene does not have.
   Replay(Simulation& simulation, const Recording& recording);
 
+  /// Shows this frame alone. Throws a usage Error if the recording has none of that number.
+  void showOnly(std::int64_t frame);
   /// The next frame; false if there is none. Throws an io Error for what cannot be read.
   bool next();
 
   /// The names of the fluids that it shows, in the order in which the recording has them.
   const std::vector<std::string>& fluids() const { return names_; }
-  std::int64_t shown() const { return static_cast<std::int64_t>(frame_); }  ///< frames so far
-  std::int64_t particles() const { return particles_; }                     ///< of the present frame
-  std::int64_t lastFrame() const { return static_cast<std::int64_t>(recording_.times().size()) - 1; }
+  std::int64_t shown() const { return static_cast<std::int64_t>(frame_ - first_); }  ///< frames so far
+  std::int64_t particles() const { return particles_; }                              ///< of the present frame
+  std::int64_t lastFrame() const { return static_cast<std::int64_t>(end_) - 1; }
 
  private:
   struct Target {
@@ -40,7 +42,7 @@ class Replay {
   const Recording& recording_;
   std::vector<Target> targets_;
   std::vector<std::string> names_;
-  std::size_t frame_ = 0;
+  std::size_t first_ = 0, frame_ = 0, end_;  // the next one, and which are shown
   std::int64_t particles_ = 0;
 };
 

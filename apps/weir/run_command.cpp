@@ -79,6 +79,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->take_all()
       ->allow_extra_args(false);
   program_.addPluginPermission(*command_);
+  addEngineOption(*command_, engine_);
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, false);
   command_->add_option("--stats", stats_, "Write numbers about the run: times, memory, momentum, energies, …")
       ->type_name("FILE.json");
@@ -117,6 +118,7 @@ std::vector<Override> RunCommand::overrides() const {
     all.push_back(parseOverride("world.duration=" + duration_));
     all.back().value.origin = std::make_shared<const ValueOrigin>(ValueOrigin{"--duration " + duration_, ""});
   }
+  addEngine(engine_, all);
   return all;
 }
 

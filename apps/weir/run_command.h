@@ -40,7 +40,7 @@ class RunCommand {
   CLI::App* command_;
   std::unique_ptr<OutputOptions> outputs_;
 
-  std::string scene_;
+  std::string scene_, engine_;
   std::string device_ = "auto";
   std::string duration_;
   std::optional<std::int64_t> frames_;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "framework/base/turn.h"
+
 namespace weir::detail {
 
 namespace {
@@ -76,14 +78,29 @@ float interpolate(float a, float b, double t) {
 Vec3f interpolate(const Vec3f& a, const Vec3f& b, double t) {
   return {interpolate(a.x, b.x, t), interpolate(a.y, b.y, t), interpolate(a.z, b.z, t)};
 }
-Rotation interpolate(const Rotation& a, const Rotation& b, double t) {
-  return {interpolate(a.degrees, b.degrees, t), std::nullopt};
+namespace {
+
+/// K. Shoemake, Animating Rotation with Quaternion Curves, 1985: sin((1−t)·θ)/sin θ·a + sin(t·θ)/sin θ·b,
+/// where cos θ = a·b. Of b and −b, which turn alike, the one is meant that is nearer to a.
+Quatf shortestTurn(const Quatf& a, const Quatf& b, double t) {
+  constexpr double kSmall = 1e-6;  // rad: the arc is as long as its chord
+  const double angle = 0.5 * shortestAngle(a, b);
+  double ofA = 1 - t, ofB = t;
+  if (angle > kSmall) {
+    ofA = std::sin((1 - t) * angle) / std::sin(angle);
+    ofB = std::sin(t * angle) / std::sin(angle);
+  }
+  if (dot(a, b) < 0) ofB = -ofB;
+  const auto sum = [&](float x, float y) { return static_cast<float>(ofA * x + ofB * y); };
+  return {sum(a.w, b.w), sum(a.x, b.x), sum(a.y, b.y), sum(a.z, b.z)};
 }
 
-void checkKey(const Rotation& value, const Value& v, const Place& place) {
-  if (value.quaternion)
-    throw place.error(v, "found a quaternion in a keyframe",
-                      "Euler angles [x, y, z] in degrees, between which angles are linear");
+}  // namespace
+
+Rotation interpolate(const Rotation& a, const Rotation& b, double t) {
+  if (!a.quaternion && !b.quaternion) return {interpolate(a.degrees, b.degrees, t), std::nullopt};
+  if (t <= 0 || t >= 1) return t <= 0 ? a : b;
+  return {{}, shortestTurn(a.toQuaternion(), b.toQuaternion(), t)};
 }
 
 }  // namespace weir::detail

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
 #include "framework/graph/param_types.h"
+#include "framework/particles/attribute_types.h"
 
 namespace weir {
 
@@ -22,6 +24,12 @@ struct EnumNames<StartPressure> {
       EnumName{"auto", "That of fluid at rest where walls hold it, none where it is free to move away."},
       EnumName{"hydrostatic", "That of fluid which stands in the region as in a container."},
       EnumName{"none", "That of fluid in the air."}};
+};
+
+/// What particles bring with them beside position and velocity.
+struct BatchAttribute {
+  AttributeInfo info;                            ///< not derived
+  AttributeTypes::VariantOf<Array> values = {};  ///< one a particle, of the type of `info`
 };
 
 /// The first `count` elements of the arrays are particles, on the scene's device. A sampler fills it in
@@ -44,6 +52,9 @@ struct ParticleBatch {
   Vec3f velocity{};         ///< m/s, of all in that case
   /// How many particles come this way in the whole run at most; told before there are any.
   double maxCount = 0;
+  /// The fluid that takes the particles gets these attributes; other particles have 0 there. Which ones they
+  /// are is told before there are values.
+  std::vector<BatchAttribute> attributes;
 
   /// Where the fluid may rest until the simulation starts, as RestState makes it; nowhere if it is null.
   std::shared_ptr<const Boundary> container;

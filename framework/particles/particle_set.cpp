@@ -154,11 +154,28 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   for (const auto& storage : storages_) storage->grow(room);
 }
 
+void ParticleSet::addAttributesOf(const ParticleBatch& batch) {
+  for (const BatchAttribute& brought : batch.attributes) {
+    const AttributeInfo& info = brought.info;
+    const Storage present = storage(info.name);
+    const bool ofAll = present == position_ || present == velocity_ || present == id_;
+    if (present && (ofAll || present->info().derived || present->info().type != info.type))
+      throw sceneError("particles bring the attribute '" + info.name + "' as " +
+                           std::string(nameOf(info.type)) + ", and the fluid has one of that name, " +
+                           (ofAll                     ? "which every particle has"
+                            : present->info().derived ? "which it computes itself"
+                                                      : std::string(nameOf(present->info().type))),
+                       "another name for the attribute");
+    addStorage(info, info.type);
+  }
+}
+
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
   if (bound_ + batch.count > std::numeric_limits<int>::max() ||
       nextId_ + batch.count > std::numeric_limits<int>::max())
     throw simulationError("the fluid would get more than 2,147,483,647 particles", "fewer particles");
+  addAttributesOf(batch);
   settle();
   rearrange();
   const std::int64_t need = bound_ + batch.count;

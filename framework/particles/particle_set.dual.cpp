@@ -45,6 +45,15 @@ struct AppendBatch {
   }
 };
 
+template <class T>
+struct AppendAttribute {
+  ArrayView<const T> from;
+  ArrayView<const int> order;  // empty for all
+  const int* count;
+  ArrayView<T> to;
+  WEIR_HD void operator()(std::int64_t k) const { to[*count + k] = from[order.size > 0 ? order[k] : k]; }
+};
+
 #ifndef __CUDACC__
 
 /// Column after column, so that a loop has nothing to ask.
@@ -97,7 +106,21 @@ void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const Ba
       device, "append", count,
       AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, static_cast<int>(nextId_),
                   counter_.data(), position_->values.view(), velocity_->values.view(), id_->values.view()});
+  for (const BatchAttribute& brought : batch.attributes)
+    std::visit(
+        [&]<class T>(const Array<T>& values) {
+          appendAttributeOn(device, brought.info, values, count, selected);
+        },
+        brought.values);
   parallelFor(device, "advance count", 1, Advance{counter_.data(), count});
+}
+
+template <class Backend, class T>
+void ParticleSet::appendAttributeOn(Backend& device, const AttributeInfo& info, const Array<T>& values,
+                                    const Count& count, const BatchSelection& selected) {
+  WEIR_CHECK(values.size() >= count.bound);
+  parallelFor(device, "append attribute", count,
+              AppendAttribute<T>{values.view(), selected.order, counter_.data(), get<T>(info.name).write()});
 }
 
 template <class Backend>

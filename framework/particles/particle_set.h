@@ -124,7 +124,9 @@ class ParticleSet {
             std::as_const(velocity_->values).view()};
   }
 
-  /// Adds the particles of a batch behind the others; their ids go on from the last one given.
+  /// Adds the particles of a batch behind the others, with its attributes; their ids go on from the last one
+  /// given. Throws a scene Error if an attribute of the batch has the name of another one that is of another
+  /// type, or derived, or one that every particle has.
   void append(const ParticleBatch& batch) { append(batch, {}); }
   /// Only those that are selected. Ids are given to all. The host counts all until the next refreshCount().
   void append(const ParticleBatch& batch, const BatchSelection& selected);
@@ -144,6 +146,9 @@ class ParticleSet {
   void permuteOn(Backend& device, ArrayView<const int> order);
   template <class Backend>
   void appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected);
+  template <class Backend, class T>
+  void appendAttributeOn(Backend& device, const AttributeInfo& info, const Array<T>& values,
+                         const Count& count, const BatchSelection& selected);
   template <class Backend>
   void moveOn(Backend& device, const FreeMotion& motion);
   template <class Backend>
@@ -151,6 +156,7 @@ class ParticleSet {
 
   /// Makes up for a motion that was put off.
   void settle();
+  void addAttributesOf(const ParticleBatch& batch);
   /// All attributes are about to be in another place or another order: nobody may hold scratch memory.
   void rearrange();
   Lease<Vec4f> lendWide(std::int64_t size, bool byParticle);

@@ -11,6 +11,7 @@
 #include "framework/base/digest.h"
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
+#include "framework/graph/given_data.h"
 #include "framework/scene/scene_file.h"
 
 namespace weir {
@@ -56,6 +57,14 @@ void addInputs(const Configurable& owner, const std::string& prefix, Value& inpu
   }
 }
 
+void addGiven(const Node& node, Value& inputs) {
+  const auto* given = dynamic_cast<const GivenData*>(&node);
+  const std::optional<std::uint32_t> digest = given != nullptr ? given->givenDigest() : std::nullopt;
+  if (!digest) return;
+  inputs[node.name()]["arrays"] = true;
+  inputs[node.name()]["digest"] = static_cast<std::int64_t>(*digest);
+}
+
 void compareInputs(const std::string& savedText, const std::string& presentText,
                    std::vector<std::string>& differences) {
   const Value saved = parseJson(savedText, "the checkpoint's list of files");
@@ -63,7 +72,9 @@ void compareInputs(const std::string& savedText, const std::string& presentText,
   for (const auto& [name, file] : present.asObject()) {
     const Value* before = saved.find(name);
     if (before != nullptr && *before == file) continue;
-    differences.push_back(fmt::format("{}: the file {} is another now", name, shown(file.find("file"))));
+    differences.push_back(file.find("arrays") != nullptr ? name + ": the arrays are others now"
+                                                         : fmt::format("{}: the file {} is another now", name,
+                                                                       shown(file.find("file"))));
   }
 }
 
@@ -87,6 +98,7 @@ std::string checkpointInputs(const Scene& scene) {
   Value inputs = Value::object();
   for (const auto& node : scene.graph.nodes()) {
     addInputs(*node, node->name(), inputs);
+    addGiven(*node, inputs);
     if (PipelineBase* pipeline = node->pipeline())
       for (const auto& module : pipeline->modules())
         addInputs(*module, node->name() + "." + module->name(), inputs);

@@ -4,8 +4,10 @@
 //   registry.addService<LivePictures>("pictures", [] { return std::make_unique<MyPictures>(); });
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,9 +26,15 @@ struct LiveCamera {
 };
 
 struct LivePictureOptions {
-  LiveCamera camera;
-  int width = 1280, height = 720;  ///< pixels
-  int samplesPerAxis = 2;          ///< 1 (jagged, fast) to 4
+  std::optional<LiveCamera> camera;  ///< nothing: that of the scene
+  int width = 1280, height = 720;    ///< pixels
+  int samplesPerAxis = 2;            ///< 1 (jagged, fast) to 4
+};
+
+/// Red, green and blue (sRGB) of each pixel, rows from the top: 3·width·height bytes.
+struct LivePixels {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
 };
 
 /// Draws one simulation, as the scene's sections say but for the camera.
@@ -45,6 +53,8 @@ class LiveRenderer {
   /// draw, or no picture as large, and a scene Error for a camera that looks nowhere; others can be drawn
   /// after it.
   virtual std::string draw(Snapshot& snapshot, const LivePictureOptions& options) = 0;
+  /// The same as pixels. Throws as draw() does.
+  virtual LivePixels pixels(Snapshot& snapshot, const LivePictureOptions& options) = 0;
 
   // Videos, one at a time. Each throws an io Error with the encoder's reason; the video is then lost.
 

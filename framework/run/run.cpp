@@ -141,6 +141,8 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
     outputs.errors.keepCurrent();
   }
   outputs.finish(simulation);
+  // Outputs that take long leave out what waits when they are asked to end.
+  if (end == RunEnd::kFinished && options.stop != nullptr && *options.stop) end = RunEnd::kInterrupted;
   if (outputs.errors.any()) end = RunEnd::kFailed;
   outputs.end(simulation, end);
   outputs.errors.rethrowIfAny();

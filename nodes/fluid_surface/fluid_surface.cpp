@@ -6,7 +6,6 @@
 
 #include "framework/compute/profiler.h"
 #include "framework/graph/memory_estimate.h"
-#include "nodes/fluid_surface/surface_level.h"
 
 namespace weir {
 
@@ -19,37 +18,32 @@ void FluidSurface::estimate(const SetupContext&, MemoryNeeds& needs) {
   };
 }
 
+FluidMeshSettings FluidSurface::meshSettings() const {
+  return {.cellSize = cellSize,
+          .kernelRadius = kernelRadius,
+          .smoothing = smoothing,
+          .anisotropy = anisotropy,
+          .meshSmoothing = meshSmoothing,
+          .level = level.get()};
+}
+
 void FluidSurface::reset(const SetupContext& context) {
-  State& state = state_.emplace(context.device);
-  const float d = fluid->material.spacing;
-  state.settings = {
-      .spacing = d, .radius = kernelRadius * d, .smoothing = smoothing, .anisotropy = anisotropy};
-  state.cell = cellSize * d;
-  state.level = level.get() ? *level.get() : flatLevel(context.device, state.settings);
-  state.settings.loneAxis = loneAxis(state.level, state.settings);
+  mesher_.emplace(context.device, meshSettings(), fluid->material.spacing);
   *surface = {Array<Vec3f>(context.device), Array<Vec3f>(context.device), Array<Vec3i>(context.device)};
 }
 
 void FluidSurface::frame(const StepContext& context) {
-  State& state = *state_;
   const ProfileScope scope(context.device.profiler(), name());
-  ParticleSet& particles = fluid->set();
-  const std::int64_t count = particles.refreshCount();
-  state.kernels.make(context.device, particles.positions().read(), count, state.settings,
-                     KernelField::farthest(state.cell, state.settings.radius));
-  state.leftOut = count - state.kernels.size();
-  state.field.make(context.device, state.kernels, state.cell);
-  state.cubes.extract(context.device, state.field.grid(), state.level, *surface);
-  state.smoother.smooth(context.device, *surface, meshSmoothing);
+  mesher_->make(fluid->set(), *surface);
 }
 
 void FluidSurface::report(NodeReport& report) {
-  if (!state_) return;
-  report.statistics["level"] = static_cast<double>(state_->level);
+  if (!mesher_) return;
+  report.statistics["level"] = static_cast<double>(mesher_->level());
   report.statistics["vertices"] = surface->vertices.size();
   report.statistics["triangles"] = surface->triangles.size();
-  report.statistics["grid_blocks"] = state_->field.grid().blocks();
-  report.events.push_back({"particles were too far away for the surface's grid", state_->leftOut});
+  report.statistics["grid_blocks"] = mesher_->blocks();
+  report.events.push_back({"particles were too far away for the surface's grid", mesher_->leftOut()});
 }
 
 }  // namespace weir

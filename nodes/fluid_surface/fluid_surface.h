@@ -9,9 +9,7 @@
 #include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
-#include "nodes/fluid_surface/kernel_field.h"
-#include "nodes/fluid_surface/marching_cubes.h"
-#include "nodes/fluid_surface/mesh_smoother.h"
+#include "nodes/fluid_surface/fluid_mesher.h"
 
 namespace weir {
 
@@ -74,25 +72,16 @@ class FluidSurface final : public Node {
   Input<Particles> fluid{*this, "fluid", "The particles of the fluid."};
   Output<DynamicMesh> surface{*this, "surface", "Its surface at the time of the last frame."};
 
+  /// What the parameters say.
+  FluidMeshSettings meshSettings() const;
+
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
 
  private:
-  struct State {
-    explicit State(Device& device) : kernels(device), field(device), cubes(device), smoother(device) {}
-    ParticleKernels kernels;
-    KernelField field;
-    MarchingCubes cubes;
-    MeshSmoother smoother;
-    KernelSettings settings;
-    float cell = 0;   // m
-    float level = 0;  // at which the surface is
-    std::int64_t leftOut = 0;
-  };
-
-  std::optional<State> state_;
+  std::optional<FluidMesher> mesher_;
 };
 
 }  // namespace weir

@@ -2,16 +2,13 @@
 
 #include <cmath>
 
+#include "framework/base/vec_value.h"
 #include "nodes/gauge/box_sums.h"
 #include "nodes/gauge/near_particles.h"
 
 namespace weir {
 
 namespace {
-
-Value toValue(const Vec3d& v) {
-  return Value::Array{v.x, v.y, v.z};
-}
 
 /// What attributes of the particles say, if there are such.
 void addAttributes(const Particles& particles, double density, double pressure, Value& statistics) {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
+#include "framework/base/digest.h"
 #include "framework/base/text.h"
 #include "framework/graph/registry.h"
 #include "nodes/mesh_file/mesh_reader.h"
@@ -47,20 +49,37 @@ Quatf uprightRotation(UpAxis up) {
 
 }  // namespace
 
+void MeshFile::give(TriangleMesh mesh) {
+  file.set({});
+  given_ = std::move(mesh);
+  loaded_ = false;
+}
+
+std::optional<std::uint32_t> MeshFile::givenDigest() const {
+  if (given() == nullptr) return std::nullopt;
+  return Digest()
+      .add(std::as_bytes(std::span(given_->vertices)))
+      .add(std::as_bytes(std::span(given_->triangles)))
+      .value();
+}
+
 void MeshFile::validate() const {
-  if (file->empty()) throw sceneError("no file is given", "a path in \"file\"").inParameter(file.name());
+  if (file->empty() && !given_)
+    throw sceneError("no file is given", "a path in \"file\"").inParameter(file.name());
   if (fitSize.get() && unit.isSet())
     throw sceneError("both unit and fit_size are given, and each sets the size", "one of them")
         .inParameter(fitSize.name());
 }
 
 Error MeshFile::fileError(std::string message, std::string allowed, std::string hint) const {
+  if (given() != nullptr) return sceneError(std::move(message), std::move(allowed), std::move(hint));
   return ioError(std::move(message), std::move(allowed), std::move(hint))
       .at({.file = file->resolved.string()})
       .inParameter(file.name());
 }
 
 TriangleMesh MeshFile::read(const Registry& registry) const {
+  if (const TriangleMesh* mesh = given()) return *mesh;
   const fs::path& path = file->resolved;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -118,11 +137,13 @@ void MeshFile::estimate(const SetupContext& context, MemoryNeeds&) {
 void MeshFile::load(const SetupContext& context) {
   const TriangleMesh raw = read(context.registry);
   *surface = cleaned(raw);
-  if (surface->empty())
-    throw fileError(raw.empty()
-                        ? "the file holds no triangles"
-                        : fmt::format("none of the file's {} triangles has an area", raw.triangles.size()),
-                    "a file with triangles or polygons");
+  if (surface->empty()) {
+    const std::string_view source = given() != nullptr ? "mesh" : "file";
+    throw fileError(
+        raw.empty() ? fmt::format("the {} holds no triangles", source)
+                    : fmt::format("none of the {}'s {} triangles has an area", source, raw.triangles.size()),
+        fmt::format("a {} with triangles or polygons", source));
+  }
   if (flip) surface->flip();
   place(*surface);
 }
@@ -132,7 +153,8 @@ void MeshFile::reset(const SetupContext& context) {
   const MeshDiagnosis diagnosis = diagnose(*surface);
   if (!diagnosis.good())
     context.log.warn(fmt::format("node '{}': the mesh of {} triangles in {} has {}{}", name(),
-                                 surface->triangles.size(), inQuotes(file->text), diagnosis.message(),
+                                 surface->triangles.size(),
+                                 given() != nullptr ? "arrays" : inQuotes(file->text), diagnosis.message(),
                                  diagnosis.insideOut ? "; \"flip\": true turns it round" : ""));
 }
 

@@ -1,7 +1,10 @@
-// A triangle mesh from a file, scaled and placed.
+// A triangle mesh from a file, scaled and placed. A program may give the mesh in place of a file.
 #pragma once
 
+#include <optional>
+
 #include "framework/geometry/triangle_mesh.h"
+#include "framework/graph/given_data.h"
 #include "framework/graph/node.h"
 
 namespace weir {
@@ -22,7 +25,7 @@ struct EnumNames<MeshAnchor> {
       EnumName{"base", "The centre of the bottom of the mesh's bounds."}};
 };
 
-class MeshFile final : public Node {
+class MeshFile final : public Node, public GivenData {
  public:
   static constexpr NodeInfo kInfo{"MeshFile", "Reads a triangle mesh from a file.",
                                   "import, load, obj, stl, ply, gltf, model, cad, geometry"};
@@ -57,6 +60,13 @@ class MeshFile final : public Node {
 
   Output<TriangleMesh> surface{*this, "surface", "The mesh, welded and without degenerate triangles."};
 
+  /// Takes this mesh in place of a file's, until a file is named again: its vertices finite, and its
+  /// triangles of these vertices.
+  void give(TriangleMesh mesh);
+  /// That one, or null if there is a file.
+  const TriangleMesh* given() const { return given_ && file->empty() ? &*given_ : nullptr; }
+  std::optional<std::uint32_t> givenDigest() const override;
+
   void validate() const override;
   /// Reads the mesh, as others tell by it what they need.
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
@@ -68,6 +78,7 @@ class MeshFile final : public Node {
   void place(TriangleMesh& mesh) const;
   Error fileError(std::string message, std::string allowed = {}, std::string hint = {}) const;
 
+  std::optional<TriangleMesh> given_;
   bool loaded_ = false;  // by estimate(), for reset()
 };
 

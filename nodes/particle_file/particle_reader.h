@@ -9,8 +9,18 @@
 #include <vector>
 
 #include "framework/base/vec.h"
+#include "framework/particles/attribute_types.h"
 
 namespace weir {
+
+/// One attribute of particles on the host, with as many values as there are particles.
+struct ParticleColumn {
+  template <class T>
+  using Values = std::vector<T>;
+
+  AttributeInfo info;
+  AttributeTypes::VariantOf<Values> values = {};  ///< of the type of `info`
+};
 
 /// Particles on the host, in the order of the file's rows.
 struct ParticleData {
@@ -18,6 +28,9 @@ struct ParticleData {
   std::vector<Vec3f> velocities;  ///< m/s, as many as positions; all 0 where the file has none
   /// What else the file says of each particle, by the names there; ParticleFile tells the user of it.
   std::vector<std::string> unused;
+  /// What of that can become attributes, where the reader knows how to: single numbers. Three float columns
+  /// NAME_x, NAME_y and NAME_z are the vector NAME.
+  std::vector<ParticleColumn> columns;
 };
 
 class ParticleReader {

@@ -1,5 +1,6 @@
 // Reads particles from PLY files, in all three encodings: x, y, z and perhaps vx, vy, vz of the element
-// "vertex", as float or double. Its other properties and all other elements are passed over.
+// "vertex", as float or double. Its other numbers are columns for attributes; lists, numbers of the type uint
+// and all other elements are passed over.
 #pragma once
 
 #include "nodes/particle_file/particle_reader.h"

@@ -70,7 +70,9 @@ struct FluidOutlook {
 /// What arrays will have to hold.
 struct FluidRoom {
   double particles = 0;
-  int solids = 0;  ///< that the fluid meets
+  int solids = 0;               ///< that the fluid meets
+  bool wallShares = false;      ///< whether solvers follow what walls do to each particle
+  bool boundaryForces = false;  ///< whether boundaries report forces
 };
 
 /// What a module keeps between steps is either a State member or an attribute of the particles.

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/base/vec_value.h"
+
 namespace weir {
 
 namespace {
-
-Value toValue(const Vec3d& v) {
-  return Value::Array{v.x, v.y, v.z};
-}
 
 Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};

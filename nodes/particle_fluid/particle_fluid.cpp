@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "framework/particles/flight.h"
@@ -60,12 +61,29 @@ void ParticleFluid::configure(const SetupContext&) {
 double ParticleFluid::memoryFor(Device& device, double particles) const {
   FluidRoom room{.particles = particles};
   for (const Particles::Request& request : fluid.requests()) room.solids += request.solids;
+  room.wallShares = room.solids > 0;
+  for (std::size_t i = 0; i < boundaries.size(); ++i) {
+    room.wallShares |= boundaries[i].rubs || boundaries[i].reportsForces;
+    room.boundaryForces |= boundaries[i].reportsForces;
+  }
   NeighborList lists(device);
   lists.configure(supportRatio * spacing, neighborCapacity(supportRatio));
   double bytes = ParticleSet::memoryFor(particles) + lists.memoryFor(particles) +
-                 WallField(device).memoryFor(particles, room.solids) +
+                 WallField(device).memoryFor(room) +
                  (pressure ? 2 : 1) * ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat, true);
+  bytes += memoryOfBrought(particles);
   pipeline_.forEachEnabled("memory", [&](const FluidModule& module) { bytes += module.memory(room); });
+  return bytes;
+}
+
+double ParticleFluid::memoryOfBrought(double particles) const {
+  std::map<std::string, AttributeType> brought;  // several sources may bring the same
+  for (const auto* sources : {&initial, &emitters})
+    for (std::size_t i = 0; i < sources->size(); ++i)
+      for (const BatchAttribute& attribute : (*sources)[i].attributes)
+        brought.emplace(attribute.info.name, attribute.info.type);
+  double bytes = 0;
+  for (const auto& [name, type] : brought) bytes += ParticleSet::memoryOfAttribute(particles, type);
   return bytes;
 }
 
@@ -218,7 +236,7 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
   state_->walls.still = true;
   state_->restSteps = rest.reach(restSteps, [&] { runPipeline(step); });
   state_->walls.still = false;
-  for (Solid* solid : state_->walls.solids) solid->impulse().fillZero();
+  state_->walls.forgetImpulses();
   resetModules(step);
 }
 

@@ -123,6 +123,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
 
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
+  /// Those of the last search, from the reset on; null before it.
+  const NeighborList* neighbors() const { return state_ ? &state_->neighbors : nullptr; }
   /// Those that it meets, from the reset of the couplings on.
   const std::vector<Solid*>& solids() const { return state_->walls.solids; }
 
@@ -165,6 +167,8 @@ class ParticleFluid final : public Node, private SolidCoupling {
   const BulkEnergy& bulkEnergy() const;
 
   double memoryFor(Device& device, double particles) const;
+  /// Bytes on the device of the attributes that particles bring with them.
+  double memoryOfBrought(double particles) const;
   FluidStep fluidStep(const StepContext& time);
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.

@@ -35,7 +35,8 @@ struct Damp {
 /// it.
 struct Container {
   BoundaryView region;
-  float contact;  // m, distance that particles keep from it
+  float contact;  // m, distance that particles keep from it; half as much from its top, where fluid is free
+  Vec3f up;       // unit, or 0 without gravity
   WallFieldView walls;
 
   struct Hit {
@@ -44,11 +45,16 @@ struct Container {
   };
   WEIR_HD Hit of(std::int64_t i, const Vec3f& p) const {
     const BoundaryHit hit = boundaryQuery(region, p);
-    if (!(hit.distance < contact)) return {0, hit.normal};
+    const float kept = isTop(hit.normal) ? 0.5f * contact : contact;
+    if (!(hit.distance < kept)) return {0, hit.normal};
     const Vec3f wall = walls.empty() ? Vec3f{} : walls.push(i, p).gradPhi;
     constexpr float kAlong = 0.5f;  // cosine; in a corner of three walls that of their mean is 0.58
     const bool walled = -dot(wall, hit.normal) > kAlong * length(wall);
-    return {walled ? 0 : contact - hit.distance, hit.normal};
+    return {walled ? 0 : kept - hit.distance, hit.normal};
+  }
+  WEIR_HD bool isTop(const Vec3f& normal) const {
+    constexpr float kDown = -0.5f;  // cosine
+    return dot(normal, up) < kDown;
   }
 };
 
@@ -70,14 +76,16 @@ struct Contain {
   }
 };
 
-/// By how much a container is to move each particle, m.
+/// By how much a container is to move each particle, m, other than down: a region's top carries nothing.
 struct Push {
   Batch batch;
   Container container;
   ArrayView<const Vec3f> positions;
 
   WEIR_HD double operator()(std::int64_t i) const {
-    return batch.has(i) ? container.of(i, positions[i]).inside : 0;
+    if (!batch.has(i)) return 0;
+    const Container::Hit hit = container.of(i, positions[i]);
+    return container.isTop(hit.normal) ? 0 : hit.inside;
   }
 };
 
@@ -121,7 +129,11 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
 
 template <class Resting>
 Container containerOf(const Resting& of, FluidStep& fluid) {
-  return {of.batch->container->view(), of.batch->contact, fluid.walls.view()};
+  const float pull = length(fluid.time.gravity);
+  return {.region = of.batch->container->view(),
+          .contact = of.batch->contact,
+          .up = pull > 0 ? fluid.time.gravity / -pull : Vec3f{},
+          .walls = fluid.walls.view()};
 }
 
 }  // namespace

@@ -47,10 +47,22 @@ void WallField::addShare(ParticleSet& particles) {
 void WallField::meet(const std::vector<const Boundary*>& boundaries, const FluidConstants& constants,
                      ParticleSet& particles) {
   std::vector<BoundaryPiece> all;
-  for (const Boundary* of : boundaries) all.insert(all.end(), of->pieces.begin(), of->pieces.end());
+  std::vector<Measured> reporting;
+  reporting_.clear();
+  for (const Boundary* of : boundaries) {
+    const std::ptrdiff_t first = std::ssize(all);
+    all.insert(all.end(), of->pieces.begin(), of->pieces.end());
+    if (of->impulse == nullptr) continue;
+    reporting_.push_back(of->impulse);
+    for (auto piece = all.begin() + first; piece != all.end(); ++piece)
+      piece->measured = static_cast<int>(reporting.size());
+    reporting.push_back({of->impulse->data(), of->pivot});
+  }
+  measured.assign(reporting);
+  boundaryImpulses.resizeDiscarding(measured.size());
   rubs = std::any_of(all.begin(), all.end(), [](const BoundaryPiece& of) { return of.friction > 0; });
   bounces = std::any_of(all.begin(), all.end(), [](const BoundaryPiece& of) { return of.restitution > 0; });
-  if (rubs) addShare(particles);
+  if (rubs || !reporting.empty()) addShare(particles);
   pieces_.assign(all);
   boundary = {.boundary = {.pieces = pieces_.data(),
                            .count = static_cast<int>(all.size()),
@@ -59,17 +71,24 @@ void WallField::meet(const std::vector<const Boundary*>& boundaries, const Fluid
               .factor = constants.wallFactor};
 }
 
+void WallField::forgetImpulses() {
+  for (Solid* solid : solids) solid->impulse().fillZero();
+  for (Array<SolidImpulse>* impulse : reporting_) impulse->fillZero();
+}
+
 void FluidStep::findWalls() {
   if (walls.empty()) return;
   WEIR_CHECK(wallFinder != nullptr);
   wallFinder->findWalls(*this);
 }
 
-double WallField::memoryFor(double particles, int solidCount) const {
-  if (solidCount == 0) return 0;
-  return pairs.memoryFor(particles, solidCount, sizeof(Vec4f) + sizeof(int)) +
-         bytesOfArrays(particles, total, d, legal, marks, met, kick) +
-         ParticleSet::memoryOfAttribute(particles, AttributeType::kFloat);  // the share
+double WallField::memoryFor(const FluidRoom& room) const {
+  const double n = room.particles;
+  double bytes = room.wallShares ? ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) : 0;
+  if (room.boundaryForces) bytes += bytesOfArrays(n, velocitiesBefore);
+  if (room.solids == 0) return bytes;
+  return bytes + pairs.memoryFor(n, room.solids, sizeof(Vec4f) + sizeof(int)) +
+         bytesOfArrays(n, total, d, legal, marks, met, kick);
 }
 
 }  // namespace weir

@@ -24,6 +24,8 @@
 
 namespace weir {
 
+struct FluidRoom;
+
 /// For kernels of solvers; empty where a fluid meets no walls.
 struct WallFieldView {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
@@ -87,6 +89,9 @@ struct WallField {
         lift(device),
         grip(device),
         bodySums(device),
+        measured(device),
+        boundaryImpulses(device),
+        velocitiesBefore(device),
         pieces_(device) {}
 
   std::vector<Solid*> solids;
@@ -110,6 +115,14 @@ struct WallField {
   Array<BodySums> bodySums;      ///< of each solid, scratch
   std::int64_t stride = 0;
   bool rubs = false, bounces = false;  ///< whether a boundary has friction, and restitution
+  /// A boundary that reports forces.
+  struct Measured {
+    SolidImpulse* impulse;  ///< one sum, of all steps
+    Vec3f pivot;
+  };
+  Array<Measured> measured;
+  Array<SolidImpulse> boundaryImpulses;  ///< one of each of these, scratch
+  Array<Vec3f> velocitiesBefore;  ///< before contacts with boundaries, where these report forces; scratch
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
   bool moves = false;  ///< whether the fluid moves solids in this step
   bool moved = false;  ///< whether a solver has done so
@@ -119,7 +132,9 @@ struct WallField {
   /// Whether there are no meshes.
   bool empty() const { return solids.empty(); }
   /// Whether solvers follow what walls do to each particle.
-  bool keepsShares() const { return !empty() || rubs; }
+  bool keepsShares() const { return !empty() || rubs || reports(); }
+  /// Whether a boundary reports forces.
+  bool reports() const { return measured.size() > 0; }
   WallFieldView view() {
     WallFieldView result{.boundary = boundary};
     if (keepsShares()) result.share = share.write();
@@ -153,15 +168,18 @@ struct WallField {
     if (keepsShares()) share.fillZero();
     if (moves) grip.fillZero();
   }
+  /// What walls have felt so far, in steps that are not part of the run.
+  void forgetImpulses();
   /// Room for all particles in all arrays; contents are undefined.
   void fit(ParticleSet& particles);
   /// Bytes that this takes on the device, with that many solids.
-  double memoryFor(double particles, int solidCount) const;
+  double memoryFor(const FluidRoom& room) const;
 
  private:
   void addShare(ParticleSet& particles);
 
-  std::vector<SolidView> placed_;  // what `views` holds
+  std::vector<SolidView> placed_;                // what `views` holds
+  std::vector<Array<SolidImpulse>*> reporting_;  // what `measured` points to
   Array<BoundaryPiece> pieces_;
 };
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "framework/base/turn.h"
+#include "framework/base/vec_value.h"
 #include "framework/geometry/simplified_mesh.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/particles/flight.h"
@@ -17,10 +19,6 @@ namespace {
 
 Eigen::Quaternionf toEigen(const Quatf& q) {
   return {q.w, q.x, q.y, q.z};
-}
-
-Value toValue(const Vec3d& v) {
-  return Value::Array{v.x, v.y, v.z};
 }
 
 }  // namespace
@@ -48,6 +46,7 @@ double SemiAnalyticalSFI::maxSpeed(double from, double to) const {
   const auto apart = [](const Vec3f& a, const Vec3f& b) { return double(length(b - a)); };
   // Three turns one after another: their rates add at most.
   const auto turned = [](const Rotation& a, const Rotation& b) {
+    if (a.quaternion || b.quaternion) return shortestAngle(a.toQuaternion(), b.toQuaternion());
     const Vec3f by = b.degrees - a.degrees;
     return kRadians * (std::abs(double(by.x)) + std::abs(double(by.y)) + std::abs(double(by.z)));
   };

@@ -7,9 +7,12 @@
 
 #include "framework/compute/array.h"
 #include "framework/geometry/mesh_sdf.h"
+#include "framework/geometry/shape_bounds.h"
 #include "framework/geometry/shapes.h"
 
 namespace weir {
+
+struct SolidImpulse;
 
 /// One solid with its material.
 struct BoundaryPiece {
@@ -19,7 +22,11 @@ struct BoundaryPiece {
   float restitution = 0;  ///< share of the normal speed that a particle keeps when it bounces
   float friction = 0;     ///< Coulomb's coefficient
   float slip = 0;         ///< share of the drag on viscous fluid that is missing
+  int measured = -1;      ///< which of the boundaries that report forces it belongs to, or -1
+  bool bounded = false;   ///< whether `bounds` are known
+  Aabb bounds;            ///< hold the solid; of an inverted one, they lie in its room
 
+  WEIR_HD bool inverted() const { return isMesh ? mesh.inverted : shape.inverted; }
   WEIR_HD SignedDistance query(const Vec3f& p) const {
     return isMesh ? mesh.query(p) : signedDistance(shape, p);
   }
@@ -69,6 +76,11 @@ struct Boundary {
     friend bool operator==(const Request&, const Request&) = default;
   };
 
+  bool rubs = false;  ///< whether it has friction, or those that it includes have
+  bool reportsForces = false;
+  /// One sum, on the device, to which fluids add what they do in each step; null if it reports no forces.
+  Array<SolidImpulse>* impulse = nullptr;
+  Vec3f pivot;                        ///< m, about which torques are counted
   std::vector<BoundaryPiece> pieces;  ///< views into `meshes` and those of combined boundaries
   std::vector<std::shared_ptr<const MeshSdf>> meshes;  ///< kept alive for the pieces
   Array<BoundaryPiece> onDevice;

@@ -37,31 +37,30 @@ WEIR_HD T magnitude(const T& a) {
 
 }  // namespace detail
 
-/// What bounds the distance of one or eight points from a box, from below. The distance from the plane of a
-/// face bounds that from the box.
-template <class T>
-WEIR_HD T boxClearance(const Shape& shape, const Vec3<T>& p) {
-  using namespace detail;
-  constexpr float kRounding = 1e-4f;  // of the size
-  const Vec3<T> local = rotated(conjugate(shape.rotation), p - spread<T>(shape.position));
-  const Vec3f& half = shape.halfSize;
-  const T out =
-      larger(larger(magnitude(local.x) - half.x, magnitude(local.y) - half.y), magnitude(local.z) - half.z);
-  return (shape.inverted ? -out : out) - kRounding * (half.x + half.y + half.z);
-}
-
 WEIR_HD inline bool isBox(const BoundaryPiece& piece) {
   return !piece.isMesh && piece.shape.kind == ShapeKind::kBox;
 }
 
-/// The same for all solids; what is not a box counts as near.
+/// What bounds the distance of one or eight points from a solid, from below. The distance from the plane of a
+/// face bounds that from the box.
+template <class T>
+WEIR_HD T clearance(const BoundaryPiece& piece, const Vec3<T>& p) {
+  using namespace detail;
+  constexpr float kFar = 1e30f;
+  if (!piece.bounded) return T(-kFar);
+  const Vec3f &lo = piece.bounds.lo, &hi = piece.bounds.hi;
+  const T out = larger(larger(larger(lo.x - p.x, p.x - hi.x), larger(lo.y - p.y, p.y - hi.y)),
+                       larger(lo.z - p.z, p.z - hi.z));
+  return piece.inverted() ? -out : out;
+}
+
+/// The same for all solids.
 template <class T>
 WEIR_HD T clearance(const BoundaryView& boundary, const Vec3<T>& p) {
   constexpr float kFar = 1e30f;
   T min = kFar;
-  forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-    min = isBox(piece) ? detail::smaller(min, boxClearance(piece.shape, p)) : T(-kFar);
-  });
+  forEachPiece(boundary,
+               [&](const BoundaryPiece& piece) { min = detail::smaller(min, clearance(piece, p)); });
   return min;
 }
 

@@ -132,6 +132,20 @@ struct BoundaryIntegrals {
     return all;
   }
 
+  /// Calls f(piece, ∇Φ) with what each solid adds to the gradient of all, which is their sum.
+  template <class F>
+  WEIR_HD void forEachPart(const Vec3f& p, const F& f) const {
+    const float inverseRadius = 1 / radius;
+    forEachPiece(boundary, [&](const BoundaryPiece& piece) {
+      Vec3f part = factor * pieceIntegrals(piece, inverseRadius, p).gradPhi;
+      if (part == Vec3f{}) return;
+      forEachPiece(boundary, [&](const BoundaryPiece& other) {
+        if (&other != &piece) part = (1 - pieceIntegrals(other, inverseRadius, p).phi) * part;
+      });
+      f(piece, part);
+    });
+  }
+
   /// At one point, or at several.
   template <class T>
   WEIR_HD SolidIntegrals<T> at(const Vec3<T>& p) const {

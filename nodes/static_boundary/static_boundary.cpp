@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/base/vec_value.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 
@@ -77,6 +78,15 @@ BoundaryPiece StaticBoundary::piece() const {
   return result;
 }
 
+void StaticBoundary::bound(BoundaryPiece& piece, const std::optional<Aabb>& bounds) {
+  if (!bounds) return;
+  constexpr float kRounding = 1e-4f;  // of the size
+  const Vec3f size = bounds->size();
+  const float margin = (piece.inverted() ? -kRounding : kRounding) * (size.x + size.y + size.z);
+  piece.bounded = true;
+  piece.bounds = {bounds->lo - Vec3f{margin, margin, margin}, bounds->hi + Vec3f{margin, margin, margin}};
+}
+
 void StaticBoundary::configure(const SetupContext&) {
   for (const Boundary::Request& request : boundary.requests()) boundaries.request(request);
 }
@@ -88,7 +98,15 @@ Boundary::Request StaticBoundary::finestRequest() const {
   return finest;
 }
 
+bool StaticBoundary::rubs() const {
+  bool any = friction > 0;
+  for (std::size_t i = 0; i < boundaries.size(); ++i) any = any || boundaries[i].rubs;
+  return any;
+}
+
 void StaticBoundary::estimate(const SetupContext&, MemoryNeeds& needs) {
+  boundary->rubs = rubs();
+  boundary->reportsForces = reportForces;
   if (boundary.requests().empty()) return;
   const Boundary::Request finest = finestRequest();
   for (std::size_t i = 0; i < meshes.size(); ++i)
@@ -100,9 +118,18 @@ void StaticBoundary::reset(const SetupContext& context) {
     throw sceneError("the boundary is empty: it has no shape, and nothing is linked to it",
                      "a shape, or a link to its meshes or its boundaries");
   *boundary = {};
+  boundary->rubs = rubs();
+  boundary->reportsForces = reportForces;
+  boundary->pivot = pivot;
+  force_ = torque_ = Vec3d{};
+  lastFrame_ = 0;
+  impulse_ = Array<SolidImpulse>(context.device, reportForces ? 1 : 0);
+  impulse_->fillZero();
+  if (reportForces) boundary->impulse = &*impulse_;
   if (shape != BoundaryShape::kNone) {
     boundary->pieces.push_back(piece());
     boundary->pieces.back().shape = analyticShape();
+    bound(boundary->pieces.back(), boundsOf(analyticShape()));
   }
   // The finest fluid decides. Without one nobody asks for distances, and building them would be for nothing.
   const auto requests = boundary.requests();
@@ -115,10 +142,31 @@ void StaticBoundary::reset(const SetupContext& context) {
   }
   for (std::size_t i = 0; i < boundaries.size(); ++i) {
     const Boundary& other = boundaries[i];
+    if (other.reportsForces)
+      context.log.warn(
+          fmt::format("node '{}': forces on it are not reported where '{}' includes it; link it to the "
+                      "fluid, or set \"report_forces\" of '{}'",
+                      boundaries.links()[i]->node().name(), name(), name()));
     boundary->pieces.insert(boundary->pieces.end(), other.pieces.begin(), other.pieces.end());
     boundary->meshes.insert(boundary->meshes.end(), other.meshes.begin(), other.meshes.end());
   }
   boundary->onDevice = Array<BoundaryPiece>(context.device, boundary->pieces);
+}
+
+void StaticBoundary::frame(const StepContext& context) {
+  const double elapsed = context.time - lastFrame_;
+  if (!reportForces || !(elapsed > 0)) return;
+  lastFrame_ = context.time;
+  const SolidImpulse sum = impulse_->toHost().front();
+  impulse_->fillZero();
+  force_ = sum.linear / elapsed;
+  torque_ = sum.angular / elapsed;
+}
+
+void StaticBoundary::report(NodeReport& report) {
+  if (!reportForces) return;
+  report.statistics["force"] = toValue(force_.get());
+  report.statistics["torque"] = toValue(torque_.get());
 }
 
 double StaticBoundary::thickness() const {
@@ -160,6 +208,11 @@ void StaticBoundary::addMesh(const SetupContext& context, std::size_t link, cons
   boundary->pieces.push_back(piece());
   boundary->pieces.back().isMesh = true;
   boundary->pieces.back().mesh = sdf->view(inverted);
+  // Distances are interpolated, so points a cell away from the mesh may be told nearer than they are.
+  const float cell = cellFor(finest);
+  const Vec3f margin{cell, cell, cell};
+  const Aabb bounds = meshes[link].bounds();
+  if (!inverted) bound(boundary->pieces.back(), Aabb{bounds.lo - margin, bounds.hi + margin});
   boundary->meshes.push_back(std::move(sdf));
 }
 

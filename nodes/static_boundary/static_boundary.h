@@ -7,6 +7,7 @@
 
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
+#include "framework/solids/solid.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
@@ -105,6 +106,15 @@ class StaticBoundary final : public Node {
        .max = 1,
        .doc = "Of viscous fluid (ViscositySolver) along the surface: 0 sticks to it, 1 is not held at all."}};
 
+  Param<bool> reportForces{
+      *this,
+      "report_forces",
+      false,
+      {.doc = "Report the force and the torque of fluids on it; takes 16 bytes a particle.",
+       .also = "measure, load"}};
+  Param<Vec3f> pivot{
+      *this, "pivot", {}, {.unit = "m", .doc = "The point about which that torque is counted."}};
+
   Inputs<TriangleMesh> meshes{*this, "meshes", "Meshes that are solid, or containers if inverted."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Other boundaries that this one shall include."};
   Output<Boundary> boundary{*this, "boundary", "All of these together."};
@@ -113,10 +123,14 @@ class StaticBoundary final : public Node {
   void configure(const SetupContext& context) override;
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
+  void frame(const StepContext& context) override;
+  void report(NodeReport& report) override;
 
  private:
   Shape analyticShape() const;
   BoundaryPiece piece() const;
+  static void bound(BoundaryPiece& piece, const std::optional<Aabb>& bounds);
+  bool rubs() const;
   double thickness() const;  ///< of the shape, in m
   void warnOfThinness(const SetupContext& context, float spacing) const;
   /// The smallest spacing and the longest reach of all fluids.
@@ -127,6 +141,10 @@ class StaticBoundary final : public Node {
     return std::max(2 * of.spacing, of.reach + cellFor(of));
   }
   void addMesh(const SetupContext& context, std::size_t link, const Boundary::Request& finest);
+
+  State<Array<SolidImpulse>> impulse_{*this, "impulse"};          // one, since the frame before
+  State<Vec3d> force_{*this, "force"}, torque_{*this, "torque"};  // N and N·m, means between frames
+  State<double> lastFrame_{*this, "last_frame"};                  // s
 };
 
 }  // namespace weir

@@ -42,6 +42,11 @@ class Watcher final : public LiveRenderer {
     return encodeJpeg(picture(static_cast<SceneSnapshot&>(snapshot), options, {}));
   }
 
+  LivePixels pixels(Snapshot& snapshot, const LivePictureOptions& options) override {
+    Picture drawn = picture(static_cast<SceneSnapshot&>(snapshot), options, {});
+    return {.width = drawn.width, .height = drawn.height, .rgb = std::move(drawn.rgb)};
+  }
+
   void startVideo(const std::filesystem::path& file, int width, int height) override {
     video_.emplace(file, VideoSize{width, height, frameRate_},
                    settings_.video->format(settings_.transparent));
@@ -72,10 +77,9 @@ class Watcher final : public LiveRenderer {
     view.width = options.width;
     view.height = options.height;
     view.samplesPerAxis = options.samplesPerAxis;
-    view.camera = {.eye = options.camera.eye,
-                   .target = options.camera.target,
-                   .up = options.camera.up,
-                   .fovDegrees = options.camera.fovDegrees};
+    if (const std::optional<LiveCamera>& camera = options.camera)
+      view.camera = {
+          .eye = camera->eye, .target = camera->target, .up = camera->up, .fovDegrees = camera->fovDegrees};
     Picture picture = renderer_->draw(view);
     overlay_.draw(overlayText(settings_, title_, scene, *view_, plots), picture);
     return picture;

@@ -6,15 +6,10 @@
 
 namespace weir::rendering {
 
-namespace {
-
-/// Another device on the same machine, for another thread.
-std::unique_ptr<Device> sibling(const Device& device) {
+std::unique_ptr<Device> siblingOf(const Device& device) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
   return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
 }
-
-}  // namespace
 
 std::filesystem::path fontFolder() {
   Dl_info self{};
@@ -28,7 +23,7 @@ std::filesystem::path fontFolder() {
 std::unique_ptr<gl::Renderer> makeRenderer(const Device& device) {
   std::unique_ptr<gl::Context> context = gl::makeContext();
   const bool draws = device.kind() == DeviceKind::kCuda || context->isSoftware();
-  return std::make_unique<gl::Renderer>(std::move(context), sibling(device),
+  return std::make_unique<gl::Renderer>(std::move(context), siblingOf(device),
                                         draws ? gl::ComputeShare::kWhatCanBe : gl::ComputeShare::kNothing);
 }
 

@@ -7,6 +7,7 @@
 #include "framework/run/output_worker.h"
 #include "framework/run/stopwatch.h"
 #include "framework/scene/scene_file.h"
+#include "plugins/rendering/cycles/cycles_renderer.h"
 #include "plugins/rendering/make_renderer.h"
 #include "plugins/rendering/output/frame_ledger.h"
 #include "plugins/rendering/output/growing_video.h"
@@ -38,7 +39,10 @@ class Pictures {
   explicit Pictures(OutputPaths paths, std::optional<std::size_t> camera = std::nullopt)
       : paths_(std::move(paths)), camera_(camera) {}
 
-  void begin(Simulation& simulation) { begin(simulation, 0, std::nullopt); }
+  /// A replay may begin anywhere.
+  void begin(Simulation& simulation) {
+    begin(simulation, simulation.isReplay() ? simulation.frame() : 0, std::nullopt);
+  }
 
   void save(const StateWriter& to) {
     if (images_) images_->wait();
@@ -88,8 +92,9 @@ class Pictures {
     settings_ = &settings;
     title_ = simulation.scene().title;
     history_.emplace(settings.plots, simulation.scene().world.duration);
-    // Made here, so that a machine without OpenGL is found out at once; current only where it is drawn with.
-    renderer_ = makeRenderer(simulation.device());
+    // Made here, so that a machine without OpenGL or Blender is found out at once; current only where it is
+    // drawn with.
+    renderer_ = makeMaker(simulation);
     view_ = std::make_unique<SceneView>(settings, cameraOf(settings), *renderer_);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
@@ -97,7 +102,7 @@ class Pictures {
     if (const auto path = paths_.find(kImages); path != paths_.end())
       images_.emplace(path->second, firstFrame);
     if (!images_) return;
-    if (!simulation.isReplay()) {
+    if (!simulation.isReplay() && settings.engine != PictureEngine::kCycles) {
       FrameLedger::remove(paths_.at(kImages));
     } else {
       ledger_.emplace(paths_.at(kImages));
@@ -158,6 +163,7 @@ class Pictures {
 
   void draw(const SceneSnapshot& scene, const View& view) {
     Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+    if (!picture.isWhole()) return;  // interrupted
     measured(labelling_, [&] { overlay_->draw(textOf(scene), picture); });
     measured(handingOver_, [&] { handOver(std::move(picture)); });
   }
@@ -168,6 +174,12 @@ class Pictures {
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
     if (video_) addToVideo(std::move(picture));
+  }
+
+  std::unique_ptr<PictureMaker> makeMaker(const Simulation& simulation) const {
+    if (settings_->engine == PictureEngine::kWeir) return makeRenderer(simulation.device());
+    return std::make_unique<CyclesRenderer>(siblingOf(simulation.device()), *settings_->cycles,
+                                            simulation.scene().world.frameRate);
   }
 
   const CameraSettings& cameraOf(const RenderSettings& settings) const {
@@ -194,12 +206,14 @@ class Pictures {
 
   /// Of a replay: whether the picture of this frame need not be drawn. All frames before it belong to what it
   /// is made of, as colours and cameras follow what was seen so far.
-  bool isThere(const SceneSnapshot& scene, const View& view) {
-    made_->addAll(std::span(&scene.time, 1));
+  bool isThere(SceneSnapshot& scene, const View& view) {
+    made_->addAll(std::span<const double>(&scene.time, 1));
     for (const ParticleView& particles : view.particles) {
       made_->addAll(particles.positions);
       made_->addAll(particles.values);
     }
+    for (FluidSurfaceSnapshot& surface : scene.fluidSurfaces) made_->addAll(surface.mesh.wait().vertices);
+    made_->addAll(std::span<const Pose>(scene.poses));
     const std::uint64_t digest = made_->value();
     if (!ledger_->has(frames_, digest)) {
       ledger_->note(frames_, digest);
@@ -240,7 +254,7 @@ class Pictures {
   double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
   double frameRate_ = 0;                                                // of the run, where there is a video
   std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
-  std::unique_ptr<gl::Renderer> renderer_;
+  std::unique_ptr<PictureMaker> renderer_;
   std::unique_ptr<SceneView> view_;
   std::unique_ptr<Overlay> overlay_;
   std::optional<PlotHistory> history_;
@@ -328,7 +342,9 @@ class SeveralCameras final : public Observer {
   template <class F>
   void start(const Simulation& simulation, const F& begin) {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
-    capture_.emplace(settings);
+    const bool byCycles = settings.engine == PictureEngine::kCycles;
+    capture_.emplace(settings, CaptureNeeds{.velocities = byCycles && settings.cycles->shutter > 0,
+                                            .closedWater = byCycles});
     cameras_.clear();
     cameras_.push_back({"", std::make_unique<Pictures>(paths_)});
     for (std::size_t i = 0; i < settings.cameras.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/graph/configurable.h"
+#include "plugins/rendering/cycles/cycles_settings.h"
 #include "plugins/rendering/video_settings.h"
 #include "plugins/rendering/view.h"
 #include "plugins/rendering/water_settings.h"
@@ -293,6 +294,9 @@ class RenderSettings final : public Configurable {
  public:
   Group<CameraSettings> camera{*this, "camera", "The camera."};
   GroupList<NamedCameraSettings> cameras{*this, "cameras", "More cameras, each with pictures of its own."};
+  Param<PictureEngine> engine{
+      *this, "engine", PictureEngine::kWeir, {.doc = "What draws pictures; --engine in the command line."}};
+  Group<CyclesSettings> cycles{*this, "cycles", "Of the engine \"cycles\": how it draws."};
   Group<EnvironmentSettings> environment{*this, "environment", "Light and surroundings."};
   Group<ColorSettings> color{*this, "color", "The colours of the particles."};
   GroupList<FluidSettings> fluids{*this, "fluids",

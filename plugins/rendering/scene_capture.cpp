@@ -7,6 +7,7 @@
 #include "framework/particles/particles.h"
 #include "framework/solids/motion_of.h"
 #include "nodes/emitters/nozzle_emitter.h"
+#include "nodes/fluid_surface/fluid_surface.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
@@ -41,18 +42,33 @@ std::string startColors(const ParticleSet& particles, const std::string& name, c
   return info->unit;
 }
 
+/// The particles that a node takes, whose surface it puts out; null if there are none.
+const Particles* fluidBehind(const Node& node) {
+  for (const InputPort* input : node.inputs())
+    if (input->typeName() == Particles::kPortType && !input->links().empty())
+      return &**static_cast<const Output<Particles>*>(input->links().front());
+  return nullptr;
+}
+
 }  // namespace
 
 std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::unique_ptr<SceneSnapshot> used) {
   std::unique_ptr<SceneSnapshot> snapshot = used ? std::move(used) : std::make_unique<SceneSnapshot>();
   snapshot->still = collected_ ? nullptr : collectStill(simulation);
+  snapshot->frame = simulation.frame();
   snapshot->time = simulation.time();
   captureFluids(simulation, *snapshot);
   captureFluidSurfaces(simulation, *snapshot);
   snapshot->plotted = plottedNumbers(settings_.plots, simulation);
-  snapshot->poses.clear();
-  for (const RigidMotion* motion : motions_)
-    snapshot->poses.push_back(motion != nullptr ? motion->poseAt(simulation.time()) : Pose{});
+  const double before = std::max(0.0, simulation.time() - 1 / simulation.scene().world.frameRate.get());
+  const auto poseAt = [](const RigidMotion* motion, double time) {
+    return motion != nullptr ? motion->poseAt(time) : Pose{};
+  };
+  snapshot->poses.clear(), snapshot->posesBefore.clear();
+  for (const RigidMotion* motion : motions_) {
+    snapshot->poses.push_back(poseAt(motion, simulation.time()));
+    snapshot->posesBefore.push_back(poseAt(motion, before));
+  }
   return snapshot;
 }
 
@@ -160,13 +176,14 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     ParticleSet& particles = (*output)->set();
     const std::int64_t count = particles.refreshCount();
     snapshot.particles += count;
-    if (!showsParticles(*output)) continue;
+    if (!showsParticles(*output) || isClosedWater(node)) continue;
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
     to.node = node;
     to.spacing = (*output)->material.spacing;
     to.positions.start(particles.positions().read(), count);
-    if (settings_.arrows->spacing.get()) to.velocities.start(particles.velocities().read(), count);
+    if (settings_.arrows->spacing.get() || needs_.velocities)
+      to.velocities.start(particles.velocities().read(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.colorType = std::nullopt;
@@ -180,19 +197,69 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
   }
 }
 
-void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const {
+void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) {
   std::size_t i = 0;
   for (const auto& [node, output] : outputsOf<DynamicMesh>(simulation.scene().graph)) {
     const SurfaceSettings* own = settingsOf(node);
     if (own != nullptr && !own->visible) continue;
     if (i == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
     FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[i++];
-    to.mesh.start(**output);
+    const Particles* fluid = fluidBehind(output->node());
+    const auto* surface = dynamic_cast<const FluidSurface*>(&output->node());
+    // Nodes do nothing in a replay.
+    const bool made = simulation.isReplay() && surface != nullptr && fluid != nullptr && fluid->exist();
+    captureMesh(made ? meshOf(node, *fluid, surface->meshSettings()) : **output, fluid, to);
+    to.node = node;
     to.look = own != nullptr ? own->look.get() : SurfaceLook::kMatt;
     to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
     to.water = std::nullopt;
     if (to.look == SurfaceLook::kWater) to.water = waterView(*own->water, 0, 0);
   }
+  captureClosedWater(simulation, snapshot, i);
+}
+
+void SceneCapture::captureClosedWater(const Simulation& simulation, SceneSnapshot& snapshot,
+                                      std::size_t first) {
+  for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph)) {
+    if (!isClosedWater(node) || !(*output)->exist() || !showsParticles(*output)) continue;
+    if (first == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
+    FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[first++];
+    captureMesh(meshOf(node, **output, {}), &**output, to);
+    to.node = node;
+    to.look = SurfaceLook::kWater;
+    to.color = settings_.color->fixed;
+    to.water = waterView(*settings_.fluids[placeOfFluid(node)].water, 0, 0);
+  }
+}
+
+void SceneCapture::captureMesh(const DynamicMesh& mesh, const Particles* fluid,
+                               FluidSurfaceSnapshot& to) const {
+  to.mesh.start(mesh);
+  if (!needs_.velocities || fluid == nullptr || !fluid->exist()) return;
+  ParticleSet& particles = fluid->set();
+  const std::int64_t count = particles.refreshCount();
+  to.positions.start(particles.positions().read(), count);
+  to.velocities.start(particles.velocities().read(), count);
+  to.spacing = fluid->material.spacing;
+}
+
+const DynamicMesh& SceneCapture::meshOf(const std::string& node, const Particles& fluid,
+                                        const FluidMeshSettings& settings) {
+  Device& device = fluid.set().device();
+  auto found = ownSurfaces_.find(node);
+  if (found == ownSurfaces_.end())
+    found = ownSurfaces_
+                .emplace(node, OwnSurface{FluidMesher(device, settings, fluid.material.spacing),
+                                          {Array<Vec3f>(device), Array<Vec3f>(device), Array<Vec3i>(device)}})
+                .first;
+  found->second.mesher.make(fluid.set(), found->second.mesh);
+  return found->second.mesh;
+}
+
+bool SceneCapture::isClosedWater(const std::string& node) const {
+  const std::size_t place = placeOfFluid(node);
+  return needs_.closedWater && place < settings_.fluids.size() &&
+         settings_.fluids[place].look == FluidLook::kWater;
 }
 
 bool SceneCapture::showsParticles(const OutputPort& fluid) const {

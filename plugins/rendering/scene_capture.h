@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,8 +13,10 @@
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/shapes.h"
 #include "framework/particles/particle_set.h"
+#include "framework/particles/particles.h"
 #include "framework/run/observer.h"
 #include "framework/solids/solid.h"
+#include "nodes/fluid_surface/fluid_mesher.h"
 #include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/view.h"
 
@@ -58,9 +61,13 @@ struct FluidSnapshot {
 
 /// The surface of a fluid, on its way to the host.
 struct FluidSurfaceSnapshot {
-  explicit FluidSurfaceSnapshot(Device& device) : mesh(device) {}
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device), positions(device), velocities(device) {}
 
+  std::string node;  ///< that puts it out, or whose particles it is made of
   DynamicMeshCopy mesh;
+  /// Of the particles of that fluid, for who needs to know how the surface moves; else none.
+  FrameCopy<Vec3f> positions, velocities;
+  float spacing = 0;  ///< of these, m
   SurfaceLook look = SurfaceLook::kMatt;
   Color color;
   std::optional<WaterView> water;  ///< of the look "water"
@@ -69,20 +76,29 @@ struct FluidSurfaceSnapshot {
 /// One frame.
 class SceneSnapshot final : public Snapshot {
  public:
+  std::int64_t frame = 0;
   double time = 0;  ///< s
   std::int64_t particles = 0;
   std::string colorUnit;
   std::vector<FluidSnapshot> fluids;
   std::vector<double> plotted;  ///< the numbers that plots show
   std::vector<FluidSurfaceSnapshot> fluidSurfaces;
-  std::vector<Pose> poses;  ///< of each surface of the still scene
+  std::vector<Pose> poses;        ///< of each surface of the still scene
+  std::vector<Pose> posesBefore;  ///< one frame ago, or at time 0
   /// In the first snapshot of a run alone.
   std::shared_ptr<const StillScene> still;
 };
 
+/// What those who draw need beside what there is to see.
+struct CaptureNeeds {
+  bool velocities = false;   ///< of particles and of surfaces of fluids
+  bool closedWater = false;  ///< fluids of the look "water" as surfaces, in place of their particles
+};
+
 class SceneCapture {
  public:
-  explicit SceneCapture(const RenderSettings& settings) : settings_(settings) {}
+  explicit SceneCapture(const RenderSettings& settings, const CaptureNeeds& needs = {})
+      : settings_(settings), needs_(needs) {}
 
   /// The present frame; the device still copies it when this returns. `used` may be an earlier
   /// snapshot of this scene. Throws a scene Error if the settings name what the scene does not have.
@@ -94,7 +110,12 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
-  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot);
+  void captureClosedWater(const Simulation& simulation, SceneSnapshot& snapshot, std::size_t first);
+  void captureMesh(const DynamicMesh& mesh, const Particles* fluid, FluidSurfaceSnapshot& to) const;
+  const DynamicMesh& meshOf(const std::string& node, const Particles& fluid,
+                            const FluidMeshSettings& settings);
+  bool isClosedWater(const std::string& node) const;
   bool showsParticles(const OutputPort& fluid) const;
   /// Which of the fluids' settings are those of a node; their number if there are none.
   std::size_t placeOfFluid(const std::string& node) const;
@@ -104,7 +125,15 @@ class SceneCapture {
                             const std::string& pointer);
   static void checkName(const Simulation& simulation, const std::string& name, const std::string& pointer);
 
+  /// Makes the surface of a fluid that nobody has made: of a replay, or of one that is to be closed.
+  struct OwnSurface {
+    FluidMesher mesher;
+    DynamicMesh mesh;
+  };
+
   const RenderSettings& settings_;
+  CaptureNeeds needs_;
+  std::map<std::string, OwnSurface> ownSurfaces_;  // by node
   bool collected_ = false;
   std::vector<const RigidMotion*> motions_;  // of each surface, null for those at rest
 };

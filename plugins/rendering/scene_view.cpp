@@ -9,6 +9,7 @@
 #include "framework/base/check.h"
 #include "plugins/rendering/camera_path.h"
 #include "plugins/rendering/environment_file.h"
+#include "plugins/rendering/surface_velocities.h"
 #include "plugins/rendering/velocity_arrows.h"
 
 namespace weir::rendering {
@@ -23,18 +24,18 @@ float roundUp(float x) {
   return 10 * power;
 }
 
-Device& deviceOf(const gl::Renderer& renderer) {
-  WEIR_CHECK(renderer.device() != nullptr);
-  return *renderer.device();
+Device& deviceOf(const PictureMaker& maker) {
+  WEIR_CHECK(maker.device() != nullptr);
+  return *maker.device();
 }
 
 }  // namespace
 
-SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer)
+SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker)
     : settings_(settings),
       camera_(camera),
-      renderer_(renderer),
-      device_(deviceOf(renderer)),
+      maker_(maker),
+      device_(deviceOf(maker)),
       map_(settings.color->colorMap()),
       cuts_(cutsOf(settings.clips)),
       placeRoom_(device_),
@@ -49,6 +50,8 @@ SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camer
 View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   if (snapshot.still) takeStill(*snapshot.still);
   View view;
+  view.frame = snapshot.frame;
+  view.time = snapshot.time;
   view.width = settings_.width;
   view.height = settings_.height;
   view.backgroundTop = settings_.backgroundTop;
@@ -59,6 +62,8 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     view.surfaces[i].rotation = snapshot.poses[i].rotation;
     view.surfaces[i].position = snapshot.poses[i].translation;
+    const Pose& before = snapshot.posesBefore[i];
+    view.surfaces[i].before = Placement{before.rotation, before.translation};
   }
   addFluidSurfaces(snapshot, view);
   view.camera = cameraAt(camera_, restingCamera(), snapshot.time, followedPlace(snapshot));
@@ -74,7 +79,7 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   view.transparent = settings_.transparent;
   // Ranges, bounds and what cameras follow are those of all particles.
   for (std::size_t i = 0; i < view.particles.size() && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
-  const bool onDevice = place != ParticlePlace::kHost && renderer_.readsDevice(view);
+  const bool onDevice = place != ParticlePlace::kHost && maker_.readsDevice(view);
   for (std::size_t i = 0; i < view.particles.size(); ++i) shown_[i]->give(view.particles[i], onDevice);
   return view;
 }
@@ -95,10 +100,11 @@ void SceneView::addEnvironment(View& view) const {
 
 void SceneView::takeStill(const StillScene& still) {
   for (const StillScene::Surface& surface : still.surfaces) {
-    surfaces_.push_back({.mesh = renderer_.addMesh(surface.mesh),
+    surfaces_.push_back({.mesh = maker_.addMesh(surface.mesh),
                          .look = surface.look,
                          .color = surface.color,
-                         .water = surfaceWaters_.size()});
+                         .water = surfaceWaters_.size(),
+                         .node = surface.node});
     if (surface.water) surfaceWaters_.push_back(*surface.water);
   }
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
@@ -128,7 +134,8 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     shown_[i]->load(fluid, water ? fluid.look->foam->range.get() : std::optional<Vec2f>());
     view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = map_,
-                              .fixed = settings_.color->fixed});
+                              .fixed = settings_.color->fixed,
+                              .node = fluid.node});
     if (water) addWater(fluid, view);
     if (!boundsAreStatic_) bounds_.extend(shown_[i]->box());
   }
@@ -165,20 +172,32 @@ void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
 }
 
 void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
+  velocitiesOfSurfaces_.clear();
+  velocitiesOfSurfaces_.reserve(snapshot.fluidSurfaces.size());
   for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
     FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
     const MeshSpan mesh = surface.mesh.wait();
-    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(renderer_.addMesh({}));
-    renderer_.replaceMesh(fluidSurfaces_[i], mesh);
+    if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(maker_.addMesh({}));
+    maker_.replaceMesh(fluidSurfaces_[i], mesh);
     if (mesh.triangles.empty()) continue;
     view.surfaces.push_back({.mesh = fluidSurfaces_[i],
                              .look = surface.look,
                              .color = surface.color,
-                             .water = view.waters.size()});
+                             .water = view.waters.size(),
+                             .node = surface.node,
+                             .velocities = surfaceVelocities(surface, mesh)});
     if (surface.water) view.waters.push_back(*surface.water);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
   }
+}
+
+std::span<const Vec3f> SceneView::surfaceVelocities(FluidSurfaceSnapshot& surface, const MeshSpan& mesh) {
+  if (surface.velocities.size() == 0) return {};
+  velocitiesOfSurfaces_.push_back(
+      velocitiesAt(mesh.vertices, placesOnHost_.of(surface.positions.on(device_, placeRoom_)),
+                   velocitiesOnHost_.of(surface.velocities.on(device_, velocityRoom_)), 2 * surface.spacing));
+  return velocitiesOfSurfaces_.back();
 }
 
 void SceneView::chooseRange(const View& view) {

@@ -3,10 +3,11 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "plugins/rendering/gl/renderer.h"
+#include "plugins/rendering/picture_maker.h"
 #include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/scene_capture.h"
 #include "plugins/rendering/shown_particles.h"
@@ -30,10 +31,9 @@ enum class ParticlePlace {
 /// Views depend on the frames before, because ranges and bounds grow: snapshots must come in their order.
 class SceneView {
  public:
-  /// Gives its surfaces to the renderer, which must outlive it and have a device of the hardware that the
-  /// snapshots come from.
-  /// Throws an io Error if a file that the settings name is wrong.
-  SceneView(const RenderSettings& settings, const CameraSettings& camera, gl::Renderer& renderer);
+  /// Gives its surfaces to the maker of pictures, which must outlive it and have a device of the hardware
+  /// that the snapshots come from. Throws an io Error if a file that the settings name is wrong.
+  SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker);
 
   /// The view of a frame; it points to what this object and the snapshot hold until the next call.
   View of(SceneSnapshot& snapshot, ParticlePlace place = ParticlePlace::kWhereTheyAreDrawn);
@@ -49,6 +49,8 @@ class SceneView {
   void addWater(const FluidSnapshot& fluid, View& view);
   void addArrows(SceneSnapshot& snapshot, View& view);
   void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
+  /// Those of the fluid at each vertex; none where they are not captured.
+  std::span<const Vec3f> surfaceVelocities(FluidSurfaceSnapshot& surface, const MeshSpan& mesh);
   void chooseRange(const View& view);
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(const SceneSnapshot& snapshot);
@@ -57,8 +59,8 @@ class SceneView {
 
   const RenderSettings& settings_;
   const CameraSettings& camera_;
-  gl::Renderer& renderer_;
-  Device& device_;  // the renderer's
+  PictureMaker& maker_;
+  Device& device_;  // the maker's
   ColorMap map_;
   std::shared_ptr<const EnvironmentImage> image_;  // of the surroundings, or null
   ColorKey key_;
@@ -67,6 +69,7 @@ class SceneView {
   // For arrows: what the device had no room for, and what it has as the host sees it.
   Array<Vec3f> placeRoom_, velocityRoom_;
   DeviceOutput<Vec3f> placesOnHost_, velocitiesOnHost_;
+  std::vector<std::vector<Vec3f>> velocitiesOfSurfaces_;
   std::vector<Vec3f> arrows_;          // two points a line
   std::vector<SurfaceView> surfaces_;  // that are still
   std::vector<MeshId> fluidSurfaces_;

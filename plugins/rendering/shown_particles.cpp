@@ -33,17 +33,20 @@ bool isShown(std::span<const Cut> cuts, const Vec3f& place) {
 ShownParticles::ShownParticles(Device& device)
     : device_(device),
       positionRoom_(device),
+      velocityRoom_(device),
       numberRooms_(AttributeTypes::makeTuple<Array>(device)),
       made_(device),
       cuts_(device),
       chosen_(device),
       kept_(device, 1),
       keptPositions_(device),
+      keptVelocities_(device),
       keptValues_(device),
       box_(device, 1),
       range_(device, 1),
       sum_(device, 1),
       positionsOnHost_(device),
+      velocitiesOnHost_(device),
       valuesOnHost_(device) {}
 
 ArrayView<float> ShownParticles::roomForValues(std::int64_t count) {
@@ -53,6 +56,8 @@ ArrayView<float> ShownParticles::roomForValues(std::int64_t count) {
 
 void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foamEnds) {
   positions_ = fluid.positions.on(device_, positionRoom_);
+  velocities_ = {};
+  if (fluid.velocities.size() > 0) velocities_ = fluid.velocities.on(device_, velocityRoom_);
   values_ = {};
   if (!fluid.colorType) return;
   dispatch(device_, [&](auto& device) {
@@ -79,10 +84,12 @@ void ShownParticles::cut(std::span<const Cut> cuts) {
   });
   const std::int64_t count = found(kept_);
   keptPositions_.resizeDiscarding(count);
+  keptVelocities_.resizeDiscarding(count);
   const ArrayView<const int> chosen{chosen_.data(), count};
   dispatch(device_, [&](auto& device) {
     take(device, chosen, positions_, keptPositions_.view());
     positions_ = keptPositions_.view();
+    if (velocities_.size > 0) take(device, chosen, velocities_, keptVelocities_.view());
     if (values_.size == 0) return;
     keptValues_.resizeDiscarding(count);
     take(device, chosen, values_, keptValues_.view());
@@ -116,6 +123,7 @@ std::optional<Vec3f> ShownParticles::middle() {
 void ShownParticles::give(ParticleView& view, bool onDevice) {
   view.onDevice = onDevice;
   view.positions = onDevice ? spanOf(positions_) : positionsOnHost_.of(positions_);
+  view.velocities = onDevice ? std::span<const Vec3f>() : velocitiesOnHost_.of(velocities_);
   const std::span<const float> values = onDevice ? spanOf(values_) : valuesOnHost_.of(values_);
   (view.water ? view.foam : view.values) = values;
 }

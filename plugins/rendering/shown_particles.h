@@ -50,18 +50,19 @@ class ShownParticles {
   Device& device_;
   ArrayView<const Vec3f> positions_;
   ArrayView<const float> values_;
+  ArrayView<const Vec3f> velocities_;  // none where they are not captured
   // For a frame that the device had no room for.
-  Array<Vec3f> positionRoom_;
+  Array<Vec3f> positionRoom_, velocityRoom_;
   AttributeTypes::TupleOf<Array> numberRooms_;
   Array<float> made_;  // numbers that no attribute holds as they are
   Array<Cut> cuts_;
   Array<int> chosen_, kept_;
-  Array<Vec3f> keptPositions_;
+  Array<Vec3f> keptPositions_, keptVelocities_;
   Array<float> keptValues_;
   Array<Aabb> box_;
   Array<Vec2f> range_;
   Array<PlacesSum> sum_;
-  DeviceOutput<Vec3f> positionsOnHost_;
+  DeviceOutput<Vec3f> positionsOnHost_, velocitiesOnHost_;
   DeviceOutput<float> valuesOnHost_;
 };
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "framework/base/vec.h"
@@ -43,6 +44,12 @@ struct WaterView {
   float foamOpacity = 30;         ///< 1/m of foam in the line of sight
 };
 
+/// Where a surface is: turned by `rotation`, then moved by `position`.
+struct Placement {
+  Quatf rotation;
+  Vec3f position;  ///< m
+};
+
 /// Spheres of one radius. Particles at places that are not finite are left out.
 struct ParticleView {
   std::span<const Vec3f> positions;
@@ -58,6 +65,9 @@ struct ParticleView {
   std::optional<std::size_t> water;  ///< index into View::waters
   std::span<const float> foam;       ///< one per particle, from 0 (clear) to 1 (white); empty: all are clear
   float volume = 0;                  ///< of one particle, m^3
+
+  std::string node = {};                   ///< whose they are
+  std::span<const Vec3f> velocities = {};  ///< m/s, one per particle, on the host; empty: none are known
 };
 
 /// A mesh that was given to the renderer (see Renderer::addMesh).
@@ -71,6 +81,10 @@ struct SurfaceView {
   Quatf rotation;
   Vec3f position;
   std::size_t water = 0;  ///< for kWater: index into View::waters
+
+  std::string node = {};                           ///< whose it is
+  std::span<const Vec3f> velocities = {};          ///< m/s, of each vertex; empty: none are known
+  std::optional<Placement> before = std::nullopt;  ///< where it was one frame ago
 };
 
 /// Separate line segments, such as the edges of a tank.
@@ -116,6 +130,8 @@ struct LightingView {
 };
 
 struct View {
+  std::int64_t frame = 0;          ///< number of the run's frame
+  double time = 0;                 ///< s
   int width = 1280, height = 720;  ///< pixels
   int samplesPerAxis = 2;          ///< 1 (jagged) to 4: each pixel averages the square of this number
   CameraPose camera;

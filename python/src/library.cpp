@@ -12,6 +12,7 @@
 #include "framework/graph/type_values.h"
 #include "framework/run/guarded_output.h"
 #include "framework/scene/scene_file.h"
+#include "framework/solids/solid.h"
 #include "nodes/register_nodes.h"
 #include "python/src/errors.h"
 #include "python/src/python_module.h"
@@ -68,7 +69,10 @@ namespace {
 nb::object describeTypes(const Library& library) {
   const Registry& registry = *library.registry();
   Value nodes = Value::object(), modules = Value::object(), sections = Value::object();
-  for (const auto& [name, type] : registry.nodes()) nodes[name] = typeAsValue(registry, type);
+  for (const auto& [name, type] : registry.nodes()) {
+    nodes[name] = typeAsValue(registry, type);
+    nodes[name]["moves"] = dynamic_cast<const RigidMotion*>(registry.createNode(name).get()) != nullptr;
+  }
   for (const auto& [name, type] : registry.modules()) modules[name] = typeAsValue(registry, type);
   sections["world"]["doc"] = "What all nodes of a scene share.";
   sections["world"]["parameters"] = parametersAsValue(World());

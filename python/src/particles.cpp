@@ -5,6 +5,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "framework/base/text.h"
+#include "framework/neighbors/neighbor_rows.h"
+#include "nodes/particle_fluid/particle_fluid.h"
 #include "python/src/stream_order.h"
 #include "python/src/values.h"
 
@@ -162,6 +164,27 @@ nb::dict Particles::describe() const {
   return all;
 }
 
+nb::tuple Particles::neighbors() const {
+  const auto* fluid = dynamic_cast<const ParticleFluid*>(&scene_->node(node_));
+  if (fluid == nullptr)
+    throw usageError("the particles have no lists of neighbours", "those of a ParticleFluid").inNode(node_);
+  const std::int64_t particles = set().refreshCount();
+  const NeighborList* lists = fluid->neighbors();
+  const auto& running = scene_->running;
+  const bool tooEarly = running && running->node == node_ && !running->knowsNeighbors;
+  if (tooEarly || lists == nullptr || lists->counts().size < particles)
+    throw usageError("the neighbours of this step are not known yet",
+                     "the method step of a module that stands after the search, as one that is inserted "
+                     "with after=\"neighbors\"")
+        .inNode(node_);
+  const std::shared_ptr<Device>& device = scene_->device();
+  const auto rows = std::make_shared<NeighborRows>(rowsOf(*device, *lists, particles));
+  const auto view = [&](Array<int>& numbers) {
+    return viewOf({device, rows}, numbers.data(), static_cast<std::size_t>(numbers.size()));
+  };
+  return nb::make_tuple(view(rows->offsets), view(rows->indices));
+}
+
 namespace {
 
 constexpr const char* kParticlesDoc = R"(The particles of a fluid, with their attributes as arrays.
@@ -170,6 +193,13 @@ constexpr const char* kParticlesDoc = R"(The particles of a fluid, with their at
 simulation: what is written into it, the simulation goes on with. An array is valid until the simulation makes
 its next step, which sorts the particles and may move them to other memory: ask for it again after each step.
 An older array can still be read and written without harm, but what stands in it means nothing.)";
+
+constexpr const char* kNeighborsDoc =
+    R"(The neighbours of all particles as two arrays of int32, offsets and indices: those of particle i are
+indices[offsets[i]:offsets[i + 1]], without i itself.
+
+They are those of the last search, nearer than the support radius at the positions that it saw: in a step, the
+predicted ones. The arrays are copies of the lists, made at each call and in the device's memory.)";
 
 constexpr const char* kDeviceArrayDoc =
     R"(Numbers of particles in the memory of a GPU, shared with the simulation.
@@ -216,6 +246,8 @@ void bindParticles(nb::module_& m) {
           "Give every particle another attribute, 0 at first and at birth: a float, vec3, int or mat3. It is "
           "sorted "
           "and exported like the others. One that is there already is found. A reset forgets it.")
+      .def("neighbors", &Particles::neighbors, kNeighborsDoc,
+           nb::sig("def neighbors(self) -> tuple[numpy.ndarray | DeviceArray, numpy.ndarray | DeviceArray]"))
       .def_prop_ro("count", &Particles::count, "How many particles there are.")
       .def_prop_rw(
           "positions", [](const Particles& p) { return p.array("position"); },

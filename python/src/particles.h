@@ -60,6 +60,9 @@ class Particles {
   nb::object add(const std::string& name, const std::string& type, const std::string& unit,
                  const std::string& doc) const;
   nb::dict describe() const;
+  /// Offsets and indices of the neighbours of a ParticleFluid's particles, see NeighborRows. Throws a usage
+  /// Error for other particles, and in a module before the search of its step.
+  nb::tuple neighbors() const;
 
  private:
   ParticleSet& set() const { return scene_->particles(node_); }

@@ -2,6 +2,7 @@
 
 #include <nanobind/stl/string.h>
 
+#include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "python/src/errors.h"
 #include "python/src/particles.h"
 #include "python/src/python_scene.h"
@@ -99,14 +100,27 @@ nb::object PythonModule::get(const std::string& name) const {
   return toPython(getter->second(), true);
 }
 
+bool PythonModule::comesAfterSearch() const {
+  for (const auto& module : scene_->pipeline(node_).modules()) {
+    if (module.get() == this) return false;
+    if (module->enabled() && dynamic_cast<const NeighborSearch*>(module.get()) != nullptr) return true;
+  }
+  return false;
+}
+
 void PythonModule::call(const char* method, FluidStep& fluid, bool withDt) {
   const nb::gil_scoped_acquire gil;
   letStreamWait(fluid.device, kLegacyStream);
   const nb::object view = nb::cast(StepView(fluid, *this));
+  scene_->running = {.node = node_, .knowsNeighbors = withDt && comesAfterSearch()};
   struct End {
     StepView& view;
-    ~End() { view.end(); }
-  } end{nb::cast<StepView&>(view)};
+    PythonScene& scene;
+    ~End() {
+      view.end();
+      scene.running.reset();
+    }
+  } end{nb::cast<StepView&>(view), *scene_};
   if (withDt)
     self_.attr(method)(view, fluid.time.dt);
   else
@@ -221,6 +235,11 @@ void bindModule(nb::module_& m) {
           "__getitem__", [](const StepView& v, const std::string& name) { return v.particles().array(name); },
           nb::arg("name"), nb::sig("def __getitem__(self, name: str) -> numpy.ndarray | DeviceArray"),
           "An attribute of the particles.")
+      .def(
+          "neighbors", [](const StepView& v) { return v.particles().neighbors(); },
+          nb::sig("def neighbors(self) -> tuple[numpy.ndarray | DeviceArray, numpy.ndarray | DeviceArray]"),
+          "Offsets and indices of the neighbours of all particles, see Particles.neighbors(); for modules "
+          "after the search.")
       .def_prop_ro(
           "count", [](const StepView& v) { return v.particles().count(); }, "How many particles there are.")
       .def_prop_ro(
@@ -240,6 +259,10 @@ void bindModule(nb::module_& m) {
       .def_prop_ro(
           "support_radius", [](const StepView& v) { return v.step().constants.supportRadius; },
           "Within which particles interact, m.")
+      .def_prop_ro(
+          "kernel_at_0", [](const StepView& v) { return v.step().constants.kernel.value0; },
+          "W(0), 1/m^3, of the kernel W(r) = W(0) (1 - r/H)^3 that densities are sums of; H is the support "
+          "radius.")
       .def_prop_ro(
           "rest_density", [](const StepView& v) { return v.step().constants.restDensity; }, "kg/m^3.")
       .def_prop_ro(

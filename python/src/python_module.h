@@ -65,6 +65,8 @@ class PythonModule final : public FluidModule {
  private:
   template <class T>
   void addParam(const std::string& name, nb::handle initial, ParamSpec spec);
+  /// Whether neighbours are searched before it in each step.
+  bool comesAfterSearch() const;
   void call(const char* method, FluidStep& fluid, bool withDt);
 
   ModuleBase& half_;

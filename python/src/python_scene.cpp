@@ -6,7 +6,9 @@
 #include "framework/particles/particles.h"
 #include "framework/scene/moved_modules.h"
 #include "framework/scene/scene_file.h"
+#include "nodes/particle_file/particle_file.h"
 #include "python/src/errors.h"
+#include "python/src/given_arrays.h"
 #include "python/src/python_module.h"
 
 namespace weir::python {
@@ -156,11 +158,13 @@ ParticleSet& PythonScene::particles(const std::string& name) const {
       .inNode(name);
 }
 
-void PythonScene::addNode(const std::string& type, const std::string& name, const Value& parameters) {
+void PythonScene::addNode(const std::string& type, const std::string& name, const Value& parameters,
+                          nb::object arrays) {
   Scene& to = scene();
   if (to.sections.contains(name))
     throw sceneError(inQuotes(name) + " is the name of a section of scenes", "another name for the node");
   std::unique_ptr<Node> node = registry()->createNode(type);
+  if (!arrays.is_none()) giveArrays(*node, nb::cast<nb::dict>(arrays));
   try {
     node->assignAll(parameters, placeOf({Target::Kind::kNode, name, ""}));
   } catch (Error& e) {
@@ -168,6 +172,11 @@ void PythonScene::addNode(const std::string& type, const std::string& name, cons
   }
   to.graph.add(std::move(node), name);
   if (simulation_) staleBecause = "the new node " + inQuotes(name);
+}
+
+void PythonScene::give(const std::string& name, nb::dict arrays) {
+  giveArrays(node(name), std::move(arrays));
+  if (simulation_) staleBecause = "the new arrays of " + inQuotes(name);
 }
 
 void PythonScene::link(const std::string& text) {
@@ -291,12 +300,33 @@ void PythonScene::attachModules() {
   }
 }
 
-std::string PythonScene::toJson(const std::string& folder) const {
+Value PythonScene::written(const std::string& folder) const {
   Value root = sceneToValue(scene());
   std::error_code error;
   if (!folder.empty() && !folder_.empty() &&
       fs::weakly_canonical(folder, error) != fs::weakly_canonical(folder_, error))
     makeAbsolute(scene(), root, folder_);
+  return root;
+}
+
+std::string PythonScene::toJson(const std::string& folder,
+                                const std::map<std::string, std::string>& files) const {
+  Value root = written(folder);
+  for (const std::string& name : nodesWithArrays(scene())) {
+    const auto file = files.find(name);
+    if (file == files.end())
+      throw usageError("the node holds arrays, which the text of a scene cannot",
+                       "save(path) of the scene, which writes them to files beside it")
+          .inNode(name);
+    Value& params = root["nodes"][name]["params"];
+    if (!params.isObject()) params = Value::object();
+    params["file"] = file->second;
+    const auto* particles = dynamic_cast<const ParticleFile*>(&node(name));
+    if (particles == nullptr || particles->given()->columns.empty()) continue;
+    params["attributes"] = Value::array();
+    for (const ParticleColumn& column : particles->given()->columns)
+      params["attributes"].push(column.info.name);
+  }
   return writeJson(root);
 }
 
@@ -317,7 +347,7 @@ std::uint64_t PythonScene::simulate(const std::string& device, int threads) {
   for (const auto& node : scene().graph.nodes())
     if (node->pipeline() != nullptr)
       for (const auto& module : node->pipeline()->modules()) module->validate();
-  if (scene_->text.empty()) scene_->text = toJson("");
+  if (scene_->text.empty()) scene_->text = writeJson(written(""));
   simulation_ = std::make_unique<Simulation>(std::move(scene_), *device_, log_, *registry());
   staleBecause.clear();
   return ++number_;

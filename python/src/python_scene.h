@@ -8,6 +8,7 @@
 #include <nanobind/nanobind.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,7 +50,9 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   /// The particles of the fluid that a node puts out. Throws a usage Error if it has none.
   ParticleSet& particles(const std::string& node) const;
 
-  void addNode(const std::string& type, const std::string& name, const Value& parameters);
+  /// `arrays` are what giveArrays takes, or None.
+  void addNode(const std::string& type, const std::string& name, const Value& parameters, nb::object arrays);
+  void give(const std::string& node, nb::dict arrays);
   void link(const std::string& text);
   Value get(const Target& target, const std::vector<std::string>& path) const;
   void assign(const Target& target, const Value& values);
@@ -61,8 +64,9 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   bool readMoved(const std::string& node, const std::string& name, std::string& type, Value& params);
 
   /// As a scene file in `folder` has it: relative paths become absolute if that is another one than they came
-  /// from. With "" they stay as they are.
-  std::string toJson(const std::string& folder) const;
+  /// from. With "" they stay as they are. `files` are those that will hold the arrays that nodes were given,
+  /// by the nodes' names. Throws a usage Error for arrays without a file.
+  std::string toJson(const std::string& folder, const std::map<std::string, std::string>& files) const;
 
   /// Takes the scene into a simulation; the one before ends. Its number tells who owns it. The device is
   /// opened as by openDevice. Nodes keep memory of it, so a scene has one device for good: asked for another
@@ -95,8 +99,17 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   };
   bool isStepping() const { return stepping_.has_value(); }
 
+  /// A module of a fluid whose method is called.
+  struct Running {
+    std::string node;
+    bool knowsNeighbors = false;  ///< whether the neighbours of this step have been found
+  };
+  std::optional<Running> running;
+
  private:
   void checkFree() const;
+  /// The scene as a file has it, without what nodes were given.
+  Value written(const std::string& folder) const;
   Configurable& find(const Target& target) const;
   void attachModules();
   void openDeviceOnce(const std::string& device, int threads);

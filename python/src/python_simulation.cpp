@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <atomic>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "framework/run/series.h"
 #include "framework/run/statistics.h"
 #include "python/src/errors.h"
+#include "python/src/numpy_arrays.h"
 #include "python/src/stream_order.h"
 #include "python/src/values.h"
 
@@ -56,6 +58,21 @@ std::vector<std::unique_ptr<Observer>> makeObservers(const Registry& registry,
     throw usageError("there is no output " + inQuotes(asked.begin()->first), joinNames(known),
                      didYouMean(asked.begin()->first, known));
   return observers;
+}
+
+using Numbers = std::vector<float>;
+
+/// With `eye`, `target` and `up` of three numbers each, and `fov` of one, in degrees; all of them checked.
+std::optional<LiveCamera> cameraOf(const std::optional<std::map<std::string, Numbers>>& given) {
+  if (!given) return std::nullopt;
+  const auto vector = [&](const char* name) {
+    const Numbers& v = given->at(name);
+    return Vec3f{v.at(0), v.at(1), v.at(2)};
+  };
+  return LiveCamera{.eye = vector("eye"),
+                    .target = vector("target"),
+                    .up = vector("up"),
+                    .fovDegrees = given->at("fov").at(0)};
 }
 
 }  // namespace
@@ -110,6 +127,7 @@ void PythonSimulation::stepping(const std::function<void()>& f) {
 
 void PythonSimulation::reset() {
   Simulation& present = simulation();
+  pictures_.reset();  // meshes may become others
   // What it throws leaves nodes half set up.
   failed_ = true;
   stepping([&] { present.reset(); });
@@ -196,9 +214,8 @@ bool PythonSimulation::run(const RunRequest& request) {
     if (request.duration)
       throw usageError("both resume and duration are given",
                        "resume alone, which goes on to the scene's duration");
-    from = readCheckpoint(
-        *checkpointStoreOf(present.registry(), quotedOption("resume", request.resume), request.resume),
-        request.resume, present);
+    pictures_.reset();
+    from = checkpointIn("resume", request.resume);
     options.resume = &from->state;
     scene_->staleBecause.clear();
     failed_ = false;  // until it throws
@@ -246,7 +263,53 @@ void PythonSimulation::refresh() {
   stepping([&] { present.refresh(); });
 }
 
+Checkpoint PythonSimulation::checkpointIn(const std::string& option, const std::string& file) const {
+  const Simulation& present = simulation();
+  return readCheckpoint(*checkpointStoreOf(present.registry(), quotedOption(option, file), file), file,
+                        present);
+}
+
+void PythonSimulation::save(const std::string& file) {
+  Simulation& present = ready();
+  if (!present.atFrame())
+    throw usageError("the simulation is between two frames, and checkpoints are of frames",
+                     "save() after advance() or run(), which end at a frame");
+  Checkpoints checkpoints(file, {}, checkpointStoreOf(present.registry(), quotedOption("save", file), file));
+  stepping([&] { present.refresh(); });
+  const PythonScene::Stepping guard(*scene_);
+  const nb::gil_scoped_release released;
+  checkpoints.begin(present);
+  checkpoints.write(present, {});
+}
+
+void PythonSimulation::resume(const std::string& file) {
+  Simulation& present = simulation();
+  const Checkpoint from = checkpointIn("resume", file);
+  pictures_.reset();
+  failed_ = true;  // until it is whole
+  stepping([&] { present.resume(StateReader(from.state)); });
+  scene_->staleBecause.clear();
+  failed_ = false;
+}
+
+nb::object PythonSimulation::render(const LivePictureOptions& options) {
+  Simulation& present = ready();
+  stepping([&] { present.refresh(); });
+  if (!pictures_) pictures_ = std::make_unique<Pictures>(present);
+  LivePixels pixels;
+  try {
+    const PythonScene::Stepping guard(*scene_);
+    const nb::gil_scoped_release released;
+    pixels = pictures_->draw(present, options);
+  } catch (...) {
+    pictures_.reset();  // it may be of no more use
+    throw;
+  }
+  return toNumpy(std::move(pixels.rgb), {std::size_t(pixels.height), std::size_t(pixels.width), 3});
+}
+
 void PythonSimulation::close() {
+  pictures_.reset();
   if (isOpen()) scene_->endSimulation();
 }
 
@@ -279,6 +342,17 @@ void bindSimulation(nb::module_& m) {
           nb::arg("duration").none(), nb::arg("outputs"), nb::arg("checkpoint"), nb::arg("checkpoint_every"),
           nb::arg("resume"), nb::arg("callback").none(), nb::arg("self"))
       .def("refresh", &S::refresh)
+      .def("save", &S::save, nb::arg("file"))
+      .def("resume", &S::resume, nb::arg("file"))
+      .def(
+          "render",
+          [](S& s, int width, int height, int samples, std::optional<std::map<std::string, Numbers>> camera) {
+            return s.render(
+                {.camera = cameraOf(camera), .width = width, .height = height, .samplesPerAxis = samples});
+          },
+          nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("camera").none(),
+          nb::sig("def render(self, width: int, height: int, samples: int, camera: dict | None) -> "
+                  "numpy.ndarray"))
       .def("close", &S::close)
       .def("statistics", &S::statistics, nb::sig("def statistics(self) -> dict"))
       .def_prop_ro("is_open", &S::isOpen)

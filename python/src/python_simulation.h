@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "framework/run/checkpoint.h"
+#include "python/src/pictures.h"
 #include "python/src/python_scene.h"
 
 namespace weir::python {
@@ -41,6 +43,13 @@ class PythonSimulation {
   /// KeyboardInterrupt is raised.
   bool run(const RunRequest& request);
   void refresh();
+  /// Writes a checkpoint, as run() does. Throws a usage Error between two frames.
+  void save(const std::string& file);
+  /// Goes on from a checkpoint of the same scene.
+  void resume(const std::string& file);
+  /// A picture of what is there now, which is brought up to date for it as by refresh(): (height, width, 3)
+  /// bytes.
+  nb::object render(const LivePictureOptions& options);
   void close();
   bool isOpen() const;
   bool atEnd() const;
@@ -60,6 +69,8 @@ class PythonSimulation {
   Simulation& simulation() const;
   /// The same, if it can go on.
   Simulation& ready() const;
+  /// What a checkpoint holds that belongs to this simulation.
+  Checkpoint checkpointIn(const std::string& option, const std::string& file) const;
   /// For a duration from now on: the frame at which it ends, up to which the scene's duration reaches then.
   std::int64_t lastFrameFor(double duration);
   /// Runs f without the GIL; what it throws within a step makes the simulation unusable until a reset.
@@ -71,6 +82,7 @@ class PythonSimulation {
   std::uint64_t number_ = 0;
   bool failed_ = false;  // within a step
   bool inCallback_ = false;
+  std::unique_ptr<Pictures> pictures_;  // from the first picture since the reset on
 };
 
 void bindSimulation(nb::module_& m);

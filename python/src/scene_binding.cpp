@@ -1,4 +1,5 @@
 // What Python sees of scenes.
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -7,6 +8,8 @@
 #include <filesystem>
 
 #include "framework/scene/scene_file.h"
+#include "python/src/given_arrays.h"
+#include "python/src/node_outputs.h"
 #include "python/src/particles.h"
 #include "python/src/python_module.h"
 #include "python/src/python_scene.h"
@@ -133,10 +136,20 @@ void bindScene(nb::module_& m) {
                   nb::arg("changes"))
       .def(
           "add_node",
-          [](S& s, const std::string& type, const std::string& name, nb::handle parameters) {
-            s.addNode(type, name, toValue(parameters));
-          },
-          nb::arg("type"), nb::arg("name"), nb::arg("parameters"))
+          [](S& s, const std::string& type, const std::string& name, nb::handle parameters,
+             nb::object arrays) { s.addNode(type, name, toValue(parameters), std::move(arrays)); },
+          nb::arg("type"), nb::arg("name"), nb::arg("parameters"), nb::arg("arrays") = nb::none())
+      .def("give", &S::give, nb::arg("node"), nb::arg("arrays"))
+      .def(
+          "given", [](const S& s, const std::string& node) { return givenArrays(s.node(node)); },
+          nb::arg("node"), nb::sig("def given(self, node: str) -> dict | None"))
+      .def("nodes_with_arrays", [](const S& s) { return nodesWithArrays(s.scene()); })
+      .def("output", &outputOf, nb::arg("node"), nb::arg("output"))
+      .def("report", &reportOf, nb::arg("node"), nb::sig("def report(self, node: str) -> dict"))
+      .def("pose", &poseOf, nb::arg("node"), nb::arg("time").none(),
+           nb::sig("def pose(self, node: str, time: float | None) -> tuple"))
+      .def("sampled", &sampled, nb::arg("node"), nb::arg("attribute"), nb::arg("points"),
+           nb::sig("def sampled(self, node: str, attribute: str, points: numpy.ndarray) -> numpy.ndarray"))
       .def("link", &S::link, nb::arg("text"))
       .def("nodes", &nodesOf, nb::sig("def nodes(self) -> list[tuple[str, str]]"))
       .def("links", &linksOf)
@@ -169,7 +182,7 @@ void bindScene(nb::module_& m) {
       .def(
           "assign", [](S& s, const Target& target, nb::handle values) { s.assign(target, toValue(values)); },
           nb::arg("target"), nb::arg("values"))
-      .def("to_json", &S::toJson, nb::arg("folder"))
+      .def("to_json", &S::toJson, nb::arg("folder"), nb::arg("files") = std::map<std::string, std::string>())
       .def("validate", [](const S& s) { s.scene().graph.validate(); })
       .def(
           "particles",

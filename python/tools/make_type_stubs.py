@@ -18,12 +18,18 @@ from typing import Any, Literal
 from ._core import Particles
 from ._nodes import ModuleHandle, Modules, Node, Port
 from ._parameters import Parameters
+from ._results import Pose
 '''
 
 TYPES = {"bool": "bool", "int": "int", "float": "float", "string": "str", "path": "str | PathLike[str]",
          "vec2": "Sequence[float]", "vec3": "Sequence[float]", "color": "Sequence[float] | str",
          "rotation": "Sequence[float]", "curve": "Sequence[Sequence[float]]", "list": "Sequence[Any]",
          "group list": "Sequence[Mapping[str, Any]]"}
+
+TAKING_ARRAYS = {
+    "ParticleFile": ["def set_particles(self, positions: Any, velocities: Any = None, "
+                     "attributes: Mapping[str, Any] | None = None) -> None: ..."],
+    "MeshFile": ["def set_mesh(self, vertices: Any, faces: Any) -> None: ..."]}
 
 
 def type_of(about: dict) -> str:
@@ -60,7 +66,11 @@ def ports(about: dict) -> list[str]:
     if "modules" in about:
         lines.append("modules: Modules")
     if any(port["type"] == "Particles" for port in about["outputs"]):
-        lines += ["particles: Particles", "positions: Any", "velocities: Any", "ids: Any", "count: int"]
+        lines += ["particles: Particles", "positions: Any", "velocities: Any", "ids: Any", "count: int",
+                  'def sample(self, points: Any, attribute: str = "") -> Any: ...',
+                  "def neighbors(self) -> tuple[Any, Any]: ..."]
+    if about["moves"]:
+        lines.append("def pose(self, time: float | None = None) -> Pose: ...")
     return lines
 
 
@@ -68,7 +78,7 @@ def main(folder: Path) -> None:
     types = library.types()
     nodes, modules = [HEAD], [HEAD]
     for name, about in types["nodes"].items():
-        nodes += class_lines(name, "Node", about["doc"], about["parameters"], ports(about))
+        nodes += class_lines(name, "Node", about["doc"], about["parameters"], ports(about) + TAKING_ARRAYS.get(name, []))
     for name, about in types["modules"].items():
         modules += class_lines(name, "ModuleHandle", about["doc"], about["parameters"], [])
     (folder / "nodes.pyi").write_text("\n".join(nodes), encoding="utf-8")

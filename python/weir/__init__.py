@@ -16,11 +16,13 @@ from ._core import DeviceArray, FluidStep, Particles
 from ._errors import Error
 from ._library import devices, load_plugin, plugins, register, schema, version
 from ._module import Module, Param
+from ._motion import motion
 from ._nodes import ModuleHandle, Modules, Node, Port
+from ._results import Mesh, ParticleArrays, Pose, SolidForce
 from ._scene import Scene, Section, keyframes, load, loads
 from ._simulation import Simulation
 
 __version__ = version()
-__all__ = ["DeviceArray", "Error", "FluidStep", "Module", "ModuleHandle", "Modules", "Node", "Param", "Particles", "Port",
-           "Scene", "Section", "Simulation", "devices", "keyframes", "load", "load_plugin", "loads", "modules", "nodes",
-           "plugins", "register", "schema", "version"]
+__all__ = ["DeviceArray", "Error", "FluidStep", "Mesh", "Module", "ModuleHandle", "Modules", "Node", "Param", "ParticleArrays",
+           "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "devices", "keyframes", "load",
+           "load_plugin", "loads", "modules", "motion", "nodes", "plugins", "register", "schema", "version"]

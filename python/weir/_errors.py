@@ -39,6 +39,6 @@ class Error(Exception):
         return self.args[0]
 
 
-def usage_error(found: str, allowed: str) -> Error:
+def usage_error(found: str, allowed: str, where: str = "") -> Error:
     """The error of a call that cannot be understood."""
-    return Error(f"{found}\n  allowed: {allowed}", "usage", "", found, allowed)
+    return Error((where and f"{where}: ") + f"{found}\n  allowed: {allowed}", "usage", where, found, allowed)

@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from . import _core
+from ._arrays import floats, mesh_arrays, particle_arrays
 from ._errors import usage_error
 from ._library import library
 from ._module import Module
 from ._parameters import Parameters, make_class
+from ._results import Pose, as_pose, as_result
 
 
 class Port:
@@ -23,6 +25,21 @@ class Port:
     def path(self) -> str:
         """ "water.boundaries" """
         return f"{self.node.name}.{self.name}"
+
+    @property
+    def value(self) -> Any:
+        """What an output holds: a weir.Mesh, weir.Particles, weir.ParticleArrays, or for each solid a weir.SolidForce.
+
+        Of particles it is a view, of the others a copy. A fluid's surface is that of the last frame, or of the last
+        refresh() of the simulation. Needs an open simulation.
+        """
+        if not self.is_output:
+            raise usage_error(f"'{self.path}' is an input", "the output that is linked to it", f"node '{self.node.name}'")
+        core, node = self.node._core, self.node.name
+        if self.type == "Particles":
+            core.particles(node).count  # an Error where there are none yet
+            return core.particles(node)
+        return as_result(self.type, core.output(node, self.name))
 
     def __rshift__(self, other: Port) -> Node:
         """Link this output to an input; gives the node of the input."""
@@ -139,6 +156,14 @@ class Node(Parameters):
         """The name of its type."""
         return self._type
 
+    @property
+    def values(self) -> dict[str, Any]:
+        """The numbers that it measures and counts, as sim.statistics["nodes"] has them. Needs an open simulation."""
+        return self._core.report(self._name)
+
+    def _outputs(self) -> list[Port]:
+        return []
+
     def __repr__(self) -> str:
         return f"<{self._type} {self._name!r}>"
 
@@ -169,6 +194,40 @@ def _fluid_members() -> dict[str, property]:
     }
 
 
+def _sample(self: Node, points: Any, attribute: str = "") -> Any:
+    """An attribute of floats or vectors, such as "velocity", at points (n, 3) in space, m: the mean of the particles
+    within two spacings, weighted as the node Gauge does it, and NaN where there are none.
+
+    Without an attribute, the share of space that is filled: 1 within fluid, 1/2 at a flat surface.
+    """
+    return self._core.sampled(self._name, attribute, floats(points, "points", (None, 3), allowed="(n, 3)"))
+
+
+def _neighbors(self: Node) -> tuple[Any, Any]:
+    return _particles(self).neighbors()
+
+
+_neighbors.__doc__ = _core.Particles.neighbors.__doc__
+
+
+def _pose(self: Node, time: float | None = None) -> Pose:
+    """Where its solids are, at the present time or another one, s. Needs an open simulation."""
+    return as_pose(*self._core.pose(self._name, time))
+
+
+def _set_particles(self: Node, positions: Any, velocities: Any = None, attributes: Mapping[str, Any] | None = None) -> None:
+    """Take these particles in place of the present ones, from the next reset on; see Scene.add_particles."""
+    self._core.give(self._name, particle_arrays(positions, velocities, attributes))
+
+
+def _set_mesh(self: Node, vertices: Any, faces: Any) -> None:
+    """Take this mesh in place of the present one, from the next reset on; see Scene.add_mesh."""
+    self._core.give(self._name, mesh_arrays(vertices, faces))
+
+
+# Of single types: those that take arrays.
+_OWN_MEMBERS: dict[str, dict[str, Any]] = {"ParticleFile": {"set_particles": _set_particles}, "MeshFile": {"set_mesh": _set_mesh}}
+
 _node_classes: dict[str, type[Node]] = {}
 _module_classes: dict[str, type[ModuleHandle]] = {}
 
@@ -177,10 +236,15 @@ def _make_node_class(name: str, about: dict) -> type[Node]:
     members: dict[str, Any] = {}
     if any(port["type"] == "Particles" for port in about["outputs"]):
         members.update(_fluid_members())
+        members.update(sample=_sample, neighbors=_neighbors)
+    if about["moves"]:
+        members["pose"] = _pose
+    members.update(_OWN_MEMBERS.get(name, {}))
     if "modules" in about:
         members["modules"] = property(lambda self: Modules(self._core, self._name), doc="Its modules, by name.")
     for ports, is_output in ((about["inputs"], False), (about["outputs"], True)):
         members.update({port["name"]: _port_property(port, is_output) for port in ports})
+    members["_outputs"] = lambda self: [Port(self, port, True) for port in about["outputs"]]
     members["_type"] = name
     return make_class(name, (Node,), about["doc"], about["parameters"], members)
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar, overload
 
-from . import _core, _nodes
+from . import _core, _nodes, _ply
+from ._arrays import mesh_arrays, particle_arrays
 from ._errors import usage_error
 from ._library import library
 from ._parameters import Parameters, make_class
@@ -86,6 +87,32 @@ class Scene:
         self._core.add_node(type if isinstance(type, str) else type.__name__, name, params)
         return self[name]
 
+    def add_particles(self, name: str, positions: Any, velocities: Any = None,
+                      attributes: Mapping[str, Any] | None = None, **params: Any) -> Any:
+        """Add particles from arrays, as a ParticleFile that needs no file:
+
+            block = scene.add_particles("block", positions, velocities, {"heat": heat})
+            block.particles >> water.initial
+
+        `positions` (n, 3) in m and `velocities` (n, 3) or (3,) in m/s are arrays of NumPy, PyTorch or the like. The
+        fluid gets the `attributes`, (n,) or (n, 3) numbers by name; integers stay integers. All are copied and must be
+        finite. `params` are those of ParticleFile, such as position, which moves the particles.
+        """
+        self._core.add_node("ParticleFile", name, params, particle_arrays(positions, velocities, attributes))
+        return self[name]
+
+    def add_mesh(self, name: str, vertices: Any, faces: Any, **params: Any) -> Any:
+        """Add a triangle mesh from arrays, as a MeshFile that needs no file:
+
+            hull = scene.add_mesh("hull", vertices, faces)
+            hull.surface >> solid.solids
+
+        `vertices` (n, 3) in m and `faces` (m, 3), indices of vertices that are counter-clockwise seen from outside, are
+        arrays of NumPy, PyTorch or the like, and are copied. `params` are those of MeshFile, such as position.
+        """
+        self._core.add_node("MeshFile", name, params, mesh_arrays(vertices, faces))
+        return self[name]
+
     def link(self, output: _nodes.Port | str, input: _nodes.Port | str) -> None:
         """Link an output to an input: ports, or texts such as "tank.boundary"."""
         _nodes.link(self._core, output, input)
@@ -141,19 +168,33 @@ class Scene:
         self._core.validate()
 
     def to_json(self) -> str:
-        """The text of a scene file. Only what differs from the defaults is written."""
+        """The text of a scene file. Only what differs from the defaults is written. Raises an Error if nodes were given
+        arrays, which save() writes beside the file."""
         return self._core.to_json("")
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write a scene file, which `weir run` and weir.load() read."""
+        """Write a scene file, which `weir run` and weir.load() read.
+
+        Arrays that nodes were given are written beside it, as PLY files named after the scene and the node.
+        """
         path = os.fspath(path)
-        text = self._core.to_json(os.path.dirname(os.path.abspath(path)))
+        folder, stem = os.path.dirname(os.path.abspath(path)), os.path.splitext(os.path.basename(path))[0]
+        files = {node: f"{stem}.{node}.ply" for node in self._core.nodes_with_arrays()}
+        text = self._core.to_json(folder, files)
+        for node, name in files.items():
+            arrays = self._core.given(node)
+            write = _ply.write_mesh if "faces" in arrays else _ply.write_particles
+            write(os.path.join(folder, name), **arrays)
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
 
     def copy(self) -> Scene:
         """Another scene that says the same, at time 0. Modules that are written in Python must be registered."""
-        return Scene._of(_core.Scene.parse(library, self._core.to_json("/"), "", "/", []))
+        given = {node: self._core.given(node) for node in self._core.nodes_with_arrays()}
+        made = Scene._of(_core.Scene.parse(library, self._core.to_json("/", {node: node for node in given}), "", "/", []))
+        for node, arrays in given.items():
+            made._core.give(node, arrays)  # in place of the file
+        return made
 
     def __repr__(self) -> str:
         return f"<Scene {self.title!r}: " + ", ".join(f"{name} ({type})" for name, type in self._core.nodes()) + ">"

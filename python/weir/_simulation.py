@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from . import _core
+from ._errors import usage_error
 from ._scene import Scene, as_scene
 
 
@@ -75,6 +76,43 @@ class Simulation:
         """Bring derived attributes, such as the density, and statistics up to date with the last step, as they are
         at every frame. Sorts the particles."""
         self._core.refresh()
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a checkpoint (FILE.h5), as run(checkpoint=…) and the command do, of the frame where it is; between two
+        frames that is an Error. Attributes of particles and the state of modules are in it."""
+        self._core.save(os.fspath(path))
+
+    @classmethod
+    def resume(cls, scene: Scene | str | os.PathLike, path: str | os.PathLike, device: str = "auto",
+               threads: int | None = None, deterministic: bool = False) -> Simulation:
+        """A simulation that goes on from a checkpoint of the same scene, as if it had never ended. The checkpoint may
+        be one of save(), of run() or of the command `weir run --checkpoint`."""
+        made = cls(scene, device, threads, deterministic)
+        made._core.resume(os.fspath(path))
+        return made
+
+    def render(self, width: int | None = None, height: int | None = None, *, camera: Mapping[str, Any] | None = None,
+               samples: int = 2) -> Any:
+        """Draw what is there now, without a screen: an array (height, width, 3) of uint8, red, green and blue.
+
+        The picture is as scene.render says, with its size and camera where none are given here. `camera` is
+        {"eye": (x, y, z), "target": (x, y, z)} in m, with "up" and, in degrees, "fov" if need be. `samples` per axis of
+        a pixel are 1 (fast, jagged) to 4. All is brought up to date for it, as by refresh().
+        """
+        from ._picture import camera_of, size_of
+
+        width, height = size_of(self._scene, width, height)
+        if samples not in (1, 2, 3, 4):
+            raise usage_error(f"found samples={samples!r}", "1, 2, 3 or 4")
+        return self._core.render(width, height, int(samples), camera_of(self._scene, camera))
+
+    def to_pyvista(self) -> Any:
+        """A pyvista.MultiBlock of what is there now, with a block for each node that has particles or a mesh: particles
+        with their attributes, surfaces of fluids with velocities, solids where they are. Needs PyVista."""
+        from ._pyvista import blocks
+
+        self._core.refresh()
+        return blocks(self._scene)
 
     def close(self) -> None:
         """End it. The scene, and arrays of particles, remain."""

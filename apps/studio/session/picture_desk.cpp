@@ -269,7 +269,7 @@ void PictureDesk::paintVideo(Lock& lock) {
   problem = outside(lock, "addToVideo", [&] {
     if (!video.started) renderer_->startVideo(video.file, options.width, options.height);
     video.started = true;
-    renderer_->addToVideo(*held->snapshot, options.camera);
+    renderer_->addToVideo(*held->snapshot, options.camera.value_or(LiveCamera{}));
   });
   if (problem) return endVideo(VideoState::kFailed, problem);
   ++status_.frames;

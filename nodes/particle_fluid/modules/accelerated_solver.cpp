@@ -133,8 +133,8 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
   double bytes = PressureSolver::memory(room);
-  if (mixes()) bytes += mixing_.memoryFor(n, room.solids > 0);
-  if (conjugates()) bytes += directions_.memoryFor(n, room.solids > 0);
+  if (mixes()) bytes += mixing_.memoryFor(n, room.wallShares);
+  if (conjugates()) bytes += directions_.memoryFor(n, room.wallShares);
   if (hasMomentum()) bytes += bytesOfArrays(n, plain_);
   if (hasMomentum() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
   if (controlled() && !conjugates() && !searches()) bytes += bytesOfArrays(n, excess_);

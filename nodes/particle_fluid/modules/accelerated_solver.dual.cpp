@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
+
 #include "nodes/particle_fluid/body_coupling.h"
+#include "nodes/particle_fluid/boundary_forces.h"
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/modules/accelerated_passes.h"
@@ -86,6 +88,7 @@ struct MeetWalls {
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec3f> displacement;
   ArrayView<Vec3f> velocities;
+  ArrayView<Vec3f> before;  // such that contact is told by how velocities differ; empty where nobody asks
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
@@ -99,6 +102,7 @@ struct MeetWalls {
     const Vec3f u = displacement[i], v = velocities[i];
     const float held = inverseDt * dot(u - pushOf(i).push, wall.normal);
     if (!(held > 0)) return;
+    if (before.size > 0) before[i] -= held * wall.normal;
     velocities[i] = heldByWall(v, wall, -dot(v - inverseDt * u, wall.normal), held);
   }
 };
@@ -309,15 +313,20 @@ template <class Backend>
 void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& problem) {
   constexpr float kTouching = 1.001f;
   FluidStep& fluid = problem.fluid;
-  if (fluid.walls.boundary.empty()) return;
-  parallelForEights(device, "walls", fluid.particles.count(),
-                    MeetWalls{.pushOf = problem.push(),
-                              .boundary = fluid.walls.boundary.boundary,
-                              .reach = kTouching * fluid.constants.contact,
-                              .inverseDt = problem.inverseDt(),
-                              .positions = problem.predicted(),
-                              .displacement = problem.displacement(),
-                              .velocities = fluid.particles.velocities().write()});
+  WallField& walls = fluid.walls;
+  if (walls.boundary.empty()) return;
+  addContactImpulses(device, fluid, [&] {
+    parallelForEights(
+        device, "walls", fluid.particles.count(),
+        MeetWalls{.pushOf = problem.push(),
+                  .boundary = walls.boundary.boundary,
+                  .reach = kTouching * fluid.constants.contact,
+                  .inverseDt = problem.inverseDt(),
+                  .positions = problem.predicted(),
+                  .displacement = problem.displacement(),
+                  .velocities = fluid.particles.velocities().write(),
+                  .before = walls.reports() ? walls.velocitiesBefore.view() : ArrayView<Vec3f>{}});
+  });
 }
 
 template <class Backend>

@@ -2,11 +2,18 @@
 
 #include "framework/compute/eight.h"
 #include "nodes/particle_fluid/boundary_contact.h"
+#include "nodes/particle_fluid/boundary_forces.h"
 
 namespace weir {
 
 template <class Backend>
 void BoundaryCollision::stepOn(Backend& device, FluidStep& fluid) {
+  addPressureImpulses(device, fluid);
+  addContactImpulses(device, fluid, [&] { contactOn(device, fluid); });
+}
+
+template <class Backend>
+void BoundaryCollision::contactOn(Backend& device, FluidStep& fluid) {
   const Count count = fluid.particles.count();
   const ArrayView<Vec3f> positions = fluid.particles.positions().write(),
                          velocities = fluid.particles.velocities().write();

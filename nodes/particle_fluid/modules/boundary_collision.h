@@ -23,6 +23,8 @@ class BoundaryCollision final : public FluidModule {
  private:
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
+  template <class Backend>
+  void contactOn(Backend& device, FluidStep& fluid);
 };
 
 }  // namespace weir

@@ -2,6 +2,7 @@
 
 #include "framework/compute/parallel_uneven.h"
 #include "nodes/particle_fluid/boundary_contact.h"
+#include "nodes/particle_fluid/boundary_forces.h"
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
@@ -44,10 +45,12 @@ template <class Backend>
 void SolidApproach::bounceOn(Backend& device, FluidStep& fluid) {
   constexpr double kSteps = 2;  // of a fall
   const double fall = length(fluid.time.gravity) * fluid.time.dt;
-  const Collide collide{fluid.walls.boundary.boundary, fluid.constants.contact,
-                        fluid.particles.positions().write(), fluid.particles.velocities().write()};
-  parallelForEights(device, "bounce", fluid.particles.count(),
-                    Bounce{collide, static_cast<float>(kSteps * fall)});
+  addContactImpulses(device, fluid, [&] {
+    const Collide collide{fluid.walls.boundary.boundary, fluid.constants.contact,
+                          fluid.particles.positions().write(), fluid.particles.velocities().write()};
+    parallelForEights(device, "bounce", fluid.particles.count(),
+                      Bounce{collide, static_cast<float>(kSteps * fall)});
+  });
 }
 
 template <class Backend>

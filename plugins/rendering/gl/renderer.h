@@ -7,6 +7,7 @@
 #include "framework/compute/device.h"
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/triangle_mesh.h"
+#include "plugins/rendering/picture_maker.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -27,7 +28,7 @@ enum class ComputeShare {
 /// How a picture is made: the nearest surface at each sample (colour, normal, depth) is found first, then lit
 /// in linear light by a sun with a soft shadow and by the sky with ambient occlusion; lines and glass come on
 /// top; the samples of each pixel are averaged. It may be used from any thread, but from one at a time.
-class Renderer {
+class Renderer final : public PictureMaker {
  public:
   /// Which particles are seen is found by OpenGL, or on a device, which is much faster where OpenGL is
   /// software; the pictures are the same. With `device` and kWhatCanBe, the device alone draws views without
@@ -35,24 +36,22 @@ class Renderer {
   /// it.
   explicit Renderer(std::unique_ptr<Context> context, std::unique_ptr<Device> device = nullptr,
                     ComputeShare share = ComputeShare::kParticles);
-  ~Renderer();
-  Renderer(const Renderer&) = delete;
-  Renderer& operator=(const Renderer&) = delete;
+  ~Renderer() override;
 
   /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
-  MeshId addMesh(const TriangleMesh& mesh);
+  MeshId addMesh(const TriangleMesh& mesh) override;
   void replaceMesh(MeshId id, const TriangleMesh& mesh);
-  void replaceMesh(MeshId id, const MeshSpan& mesh);
+  void replaceMesh(MeshId id, const MeshSpan& mesh) override;
   void removeMesh(MeshId id);
 
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that
   /// looks nowhere. Where `samplesPerAxis` would need textures larger than the driver allows, it is lowered.
-  Picture draw(const View& view);
+  Picture draw(const View& view) override;
 
   /// Which prepares views and draws what it shares in; null without one.
-  Device* device() const { return device_.get(); }
+  Device* device() const override { return device_.get(); }
   /// Whether the particles of this view may be in the device's memory (ParticleView::onDevice).
-  bool readsDevice(const View& view) const;
+  bool readsDevice(const View& view) const override;
 
   /// The renderer and version of the driver.
   const std::string& description() const;

@@ -1,9 +1,11 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/info_source.h"
+#include "plugins/rendering/cycles/blender_output.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/live_view.h"
 #include "plugins/rendering/picture_output.h"
 #include "plugins/rendering/render_settings.h"
+#include "plugins/rendering/usd/usd_output.h"
 
 namespace weir::rendering {
 
@@ -33,6 +35,9 @@ WEIR_PLUGIN("rendering", "Videos and pictures of a run, drawn without a screen."
   using namespace weir::rendering;
   registry.addSection<RenderSettings>("render", "What the pictures show, and from where.");
   registry.addService<weir::OutputKind>("pictures", [] { return std::make_unique<PictureOutput>(); });
+  registry.addService<weir::OutputKind>("frames for Blender",
+                                        [] { return std::make_unique<BlenderOutput>(); });
+  registry.addService<weir::OutputKind>("USD", [] { return std::make_unique<UsdOutput>(); });
   registry.addService<weir::LivePictures>("pictures", [] { return std::make_unique<LiveView>(); });
   registry.addService<weir::InfoSource>("rendering", [] { return std::make_unique<RenderingInfo>(); });
 }

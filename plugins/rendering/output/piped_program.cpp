@@ -183,6 +183,11 @@ bool PipedProgram::write(std::span<const std::uint8_t> bytes) {
   return true;
 }
 
+bool PipedProgram::isRunning() {
+  readMessages();
+  return !hasEnded();
+}
+
 bool PipedProgram::finish() {
   constexpr int kPatience = 20;
   closeAndForget(input_);

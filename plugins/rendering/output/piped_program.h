@@ -56,6 +56,8 @@ class PipedProgram {
 
   /// False if the program takes no more input, is beyond its limit, or cancel() was called.
   bool write(std::span<const std::uint8_t> bytes);
+  /// Whether it has not ended yet; reads its messages meanwhile.
+  bool isRunning();
   /// Ends the input and waits for the program's end; kills it after its limit or once cancel() was called.
   /// True if it ended with exit code 0.
   bool finish();

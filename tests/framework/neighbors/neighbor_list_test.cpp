@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "framework/neighbors/neighbor_rows.h"
 #include "tests/framework/neighbors/listed_pairs.h"
 #include "tests/support/devices.h"
 
@@ -50,6 +51,26 @@ class NeighborListTest : public OnDevice {
   };
 };
 WEIR_ON_EVERY_DEVICE(NeighborListTest);
+
+TEST_P(NeighborListTest, RowsAreTheListsOneBehindTheOther) {
+  const float radius = 0.1f;
+  for (const int count : {0, 1, 33, 5000}) {
+    Resting particles(*device, randomPoints(count, {-0.3f, 0.1f, -0.2f}, {0.5f, 0.6f, 0.3f}, 23));
+    NeighborList list(*device);
+    list.configure(radius, 64);
+    list.fitGrid({{0, 0, 0}, {1, 1, 1}}, count);
+    if (count > 0) list.build(particles, kEverywhere);
+    const NeighborRows rows = rowsOf(*device, list, count);
+    const std::vector<int> offsets = rows.offsets.toHost(), indices = rows.indices.toHost();
+    ASSERT_EQ(offsets.size(), static_cast<std::size_t>(count) + 1);
+    EXPECT_EQ(offsets.front(), 0);
+    EXPECT_EQ(offsets.back(), static_cast<int>(indices.size()));
+    if (count == 0) continue;
+    const std::vector<std::vector<int>> lists = list.listsOnHost(count);
+    for (std::size_t i = 0; i < lists.size(); ++i)
+      EXPECT_EQ(std::vector<int>(indices.begin() + offsets[i], indices.begin() + offsets[i + 1]), lists[i]);
+  }
+}
 
 TEST_P(NeighborListTest, FindsAllPairsOnAnyGrid) {
   const float radius = 0.1f;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
 
 namespace weir::test {
 namespace {
@@ -73,6 +74,52 @@ TEST_P(ParticleSetTest, AllAttributesTravelWithTheirParticles) {
     EXPECT_TRUE(found(heat, heats));
     EXPECT_TRUE(found(tensor, tensors));
     EXPECT_TRUE(found(phase, phases));
+  }
+}
+
+/// Particles with an attribute: the heat of particle i is `heat` + i.
+ParticleBatch hotBatch(Device& device, int count, float heat, AttributeInfo info = {.name = "heat"}) {
+  std::vector<Vec3f> at;
+  std::vector<float> heats;
+  for (int i = 0; i < count; ++i) at.push_back(vectorOf(i, heat)), heats.push_back(heat + float(i));
+  ParticleBatch batch;
+  batch.assign(device, at, Vec3f{});
+  info.type = AttributeType::kFloat;
+  batch.attributes.push_back({info, Array<float>(device, heats)});
+  return batch;
+}
+
+TEST_P(ParticleSetTest, TakesTheAttributesThatABatchBrings) {
+  ParticleSet particles(*device);
+  ParticleBatch plain;
+  plain.assign(*device, std::vector<Vec3f>(3), Vec3f{});
+  particles.append(plain);
+  particles.append(hotBatch(*device, 5000, 100));  // more than there was room for
+  particles.append(plain);
+  std::vector<float> expected(3);
+  for (int i = 0; i < 5000; ++i) expected.push_back(100 + float(i));
+  expected.resize(5006);
+  EXPECT_EQ(particles.get<float>("heat").toHost(5006), expected);
+
+  // Some of a batch, in another order, of which the device alone knows how many.
+  const Array<int> order(*device, std::vector<int>{3, 1, 2}), kept(*device, std::vector<int>{2});
+  particles.append(hotBatch(*device, 4, 7), {order.view(), kept.data()});
+  EXPECT_EQ(particles.refreshCount(), 5008);
+  expected.insert(expected.end(), {10, 8});
+  EXPECT_EQ(particles.get<float>("heat").toHost(5008), expected);
+}
+
+TEST_P(ParticleSetTest, RefusesAttributesWhoseNamesAreTaken) {
+  ParticleSet particles(*device);
+  particles.add<float>({.name = "density", .derived = true});
+  particles.add<int>({.name = "phase"});
+  for (const auto& [name, reason] : {std::pair{"density", "which it computes itself"},
+                                     {"phase", "the fluid has one of that name, int"},
+                                     {"position", "which every particle has"}}) {
+    const Error error = errorOf([&] { particles.append(hotBatch(*device, 4, 1, {.name = name})); });
+    EXPECT_EQ(error.kind(), ErrorKind::kScene);
+    EXPECT_CONTAINS(error.message(), reason);
+    EXPECT_EQ(particles.refreshCount(), 0);
   }
 }
 

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
+#include "framework/base/turn.h"
 #include "framework/run/simulation.h"
 #include "framework/scene/scene_file.h"
 #include "tests/support/expect_error.h"
@@ -106,6 +109,29 @@ TEST_F(KeyframesTest, AreLinearBetweenAndHeldAtTheEnds) {
   EXPECT_EQ(m.rotation->degrees, (Vec3f{0, 360, 0}));
 }
 
+TEST_F(KeyframesTest, OfQuaternionsAreTheShortestTurn) {
+  // About one axis, an angle: of q and −q, and where the other one is given by angles.
+  const auto scene = build(R"({"rotation": {"keyframes": [[0, [1, 0, 0, 0]], [1, [0.8, 0, 0.6, 0]],
+    [2, [-0.6, 0, -0.8, 0]], [3, [0, 90, 0]]]}})");
+  Moving& m = moving(scene);
+  const double angles[] = {0, 2 * std::acos(0.8), 2 * std::acos(0.6), std::numbers::pi / 2};
+  for (double time = 0; time < 3; time += 0.125) {
+    m.animate(time);
+    const auto k = static_cast<std::size_t>(time);
+    const double angle = angles[k] + (time - double(k)) * (angles[k + 1] - angles[k]);
+    const Quatf q = m.rotation->toQuaternion();
+    const float sign = q.w < 0 ? -1.0f : 1.0f;  // which turn alike
+    EXPECT_NEAR(sign * q.w, std::cos(angle / 2), 1e-6) << time;
+    EXPECT_NEAR(sign * q.y, std::sin(angle / 2), 1e-6) << time;
+    EXPECT_NEAR(std::hypot(q.x, q.z), 0, 1e-6) << time;
+  }
+  const auto rate = [](const Rotation& a, const Rotation& b) {
+    return shortestAngle(a.toQuaternion(), b.toQuaternion());
+  };
+  EXPECT_NEAR(m.rotation.fastest(0, 1, rate), angles[1], 1e-6);
+  EXPECT_NEAR(m.rotation.fastest(2.5, 3, rate), std::abs(angles[3] - angles[2]), 1e-6);
+}
+
 TEST_F(KeyframesTest, TheMeanIsExact) {
   const auto scene = build(R"({"speed": {"keyframes": [[1, 2], [2, 6], [4, 5]]}})");
   const Param<float>& speed = moving(scene).speed;
@@ -137,7 +163,7 @@ TEST_F(KeyframesTest, ErrorsNameThePlace) {
   expect(R"({"speed": {"keyframes": [[0, 2], [1, 11]]}})", "/speed/keyframes/1/1", "at most 10");
   expect(R"({"height": {"keyframes": [[0, 2], [1, 0]]}})", "/height/keyframes/1/1", "above 0");
   expect(R"({"position": {"keyframes": [[0, [1, 2]]]}})", "/position/keyframes/0/1", "three numbers");
-  expect(R"({"rotation": {"keyframes": [[0, [1, 0, 0, 0]]]}})", "/rotation/keyframes/0/1", "Euler angles");
+  expect(R"({"rotation": {"keyframes": [[0, [1, 1, 0, 0]]]}})", "/rotation/keyframes/0/1", "length 1.414");
   expect(R"({"speed": {"keyframes": []}})", "/speed/keyframes", "at least one");
   expect(R"({"speed": {"keyframes": 3}})", "/speed/keyframes", "found 3");
   expect(R"({"speed": {"keyframes": [3]}})", "/speed/keyframes/0", "[time, value]");

@@ -41,6 +41,30 @@ TEST_P(Ply, VelocitiesMayBeMissing) {
   EXPECT_EQ(data.velocities, (std::vector<Vec3f>{{0, 0, 0}, {0, 0, 0}}));
 }
 
+TEST_P(Ply, OtherNumbersAreColumns) {
+  PlyMaker ply(GetParam(), std::string(kPoints) +
+                               "property double heat\nproperty int mark\nproperty float home_x\n"
+                               "property float home_y\nproperty float home_z\nproperty uint big\n"
+                               "property uchar red\nproperty float spin_x\nproperty float spin_z\n");
+  for (const float row : {0.0f, 10.0f}) {
+    for (const float f : {1.0f, 2.0f, 3.0f}) ply.add(row + f);
+    ply.add(double(row) + 0.5).add(static_cast<int>(-row) - 7);
+    for (const float f : {4.0f, 5.0f, 6.0f}) ply.add(row + f);
+    ply.add(4000000000u).add(std::uint8_t{200}).add(row).add(-row).endRow();
+  }
+  const ParticleData data = read(ply.text());
+  Names names;
+  for (const ParticleColumn& column : data.columns) names.push_back(column.info.name);
+  EXPECT_EQ(names, (Names{"heat", "mark", "home", "red", "spin_x", "spin_z"}));
+  EXPECT_EQ(std::get<std::vector<float>>(data.columns[0].values), (std::vector<float>{0.5f, 10.5f}));
+  EXPECT_EQ(std::get<std::vector<int>>(data.columns[1].values), (std::vector<int>{-7, -17}));
+  EXPECT_EQ(std::get<std::vector<Vec3f>>(data.columns[2].values),
+            (std::vector<Vec3f>{{4, 5, 6}, {14, 15, 16}}));
+  EXPECT_EQ(data.columns[2].info.type, AttributeType::kVec3);
+  EXPECT_EQ(std::get<std::vector<int>>(data.columns[3].values), (std::vector<int>{200, 200}));
+  EXPECT_EQ(data.unused.size(), 9u);  // the names in the file
+}
+
 TEST_P(Ply, TakesAHeaderWithWindowsLines) {
   std::string text = samplePly(GetParam());
   const std::size_t end = text.find("end_header\n") + 11;

@@ -73,6 +73,24 @@ TEST_F(RenderCommand, ShowsWhatTheRunShowed) {
   EXPECT_EQ(video.frameRate, "50/1");
 }
 
+TEST_F(RenderCommand, ShowsOneFrameAlone) {
+  const std::vector<std::string> colors{"--set", "render.color.range=[900, 1100]", "--set",
+                                        "render.color.bar=false"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), colors.begin(), colors.end());
+    return render(more);
+  };
+  ASSERT_EQ(with({"--images", folder / "all"}).code, 0);
+  const ChildResult result = with({"--images", images, "--frame", "3"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(readFile(images + nameOf(3)) == readFile(folder / "all" + nameOf(3)));
+  for (const int other : {0, 2, 4}) EXPECT_FALSE(fs::exists(images + nameOf(other))) << other;
+  const ChildResult none = with({"--images", images, "--frame", "7"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_CONTAINS(none.err, "the file has no frame 7");
+  EXPECT_CONTAINS(none.err, "0 to 6");
+}
+
 TEST_F(RenderCommand, DrawsNoPictureTwice) {
   ASSERT_EQ(render({"--images", images}).code, 0);
   fs::remove(images + nameOf(3));
@@ -85,6 +103,20 @@ TEST_F(RenderCommand, DrawsNoPictureTwice) {
   EXPECT_TRUE(readFile(images + nameOf(1)) == readFile(images + nameOf(0)));
   EXPECT_TRUE(readFile(images + nameOf(3)) == readFile(*files_ / "run" + nameOf(3)));
   EXPECT_TRUE(readFile(images + nameOf(6)) == readFile(*files_ / "run" + nameOf(6)));
+}
+
+TEST_F(RenderCommand, ShowsTheSurfaceThatTheRunShowed) {
+  // A surface is made by a node at each frame; a replay has the particles alone.
+  std::string text = kScene;
+  const std::string before = R"("water": {"type": "ParticleFluid")",
+                    links = R"("water.fluid -> stirrer.fluid")";
+  text.replace(text.find(before), before.size(), R"("skin": {"type": "FluidSurface"}, )" + before);
+  text.replace(text.find(links), links.size(), links + R"(, "water.fluid -> skin.fluid")");
+  const std::string scene = folder.write("scene.json", text), file = folder / "run.vtkhdf";
+  ASSERT_EQ(runWeir({"run", scene, "--device", "cpu", "--export", file, "--images", folder / "run"}).code, 0);
+  ASSERT_EQ(runWeir({"render", file, "--scene", scene, "--images", images}).code, 0);
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_TRUE(readFile(images + nameOf(frame)) == readFile(folder / "run" + nameOf(frame))) << frame;
 }
 
 TEST_F(RenderCommand, DrawsPicturesOfOtherSettingsAgain) {

@@ -1,0 +1,125 @@
+"""Pictures as arrays, and what PyVista gets."""
+
+import struct
+import sys
+import zlib
+
+import numpy as np
+import pytest
+
+import weir
+from conftest import dam_break
+
+
+def drawn(sim: weir.Simulation, *args, **options) -> np.ndarray:
+    try:
+        return sim.render(*args, **options)
+    except weir.Error as error:
+        if error.kind == "io":
+            pytest.skip(f"this machine cannot draw: {error}")
+        raise
+
+
+def read_png(path) -> np.ndarray:
+    """A PNG of 8 bits a colour: the filters of its lines are undone one by one."""
+    data, at, packed, size = path.read_bytes(), 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            size = struct.unpack(">IIBB", body[:10])
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    width, height, depth, colors = size
+    assert depth == 8 and colors in (2, 6)
+    n = 3 if colors == 2 else 4
+    lines = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + n * width)
+    picture = np.zeros((height, n * width), int)
+    for y, line in enumerate(lines):
+        above = picture[y - 1] if y > 0 else np.zeros(n * width, int)
+        for x in range(n * width):
+            a, b = (picture[y, x - n] if x >= n else 0), above[x]
+            c = above[x - n] if x >= n else 0
+            p = a + b - c
+            nearest = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+            picture[y, x] = (int(line[1 + x]) + (0, a, b, (a + b) // 2, nearest)[line[0]]) % 256
+    return picture.reshape(height, width, n)[:, :, :3].astype(np.uint8)
+
+
+def test_a_picture_is_an_array():
+    scene = dam_break()
+    sim = weir.Simulation(scene, device="cpu")
+    picture = drawn(sim, 160, 90)
+    assert picture.dtype == np.uint8 and picture.shape == (90, 160, 3) and picture.flags.c_contiguous
+    assert picture.std() > 5  # it shows something
+    assert np.array_equal(picture, sim.render(160, 90))
+    sim.advance(3)
+    assert not np.array_equal(picture, sim.render(160, 90))
+    scene.render.set(width=64, height=48)
+    assert sim.render().shape == (48, 64, 3) and sim.render(width=32).shape == (24, 32, 3)
+
+
+def test_it_is_the_picture_of_a_file(tmp_path):
+    scene = dam_break()
+    scene.render.set(width=96, height=64)
+    sim = weir.Simulation(scene, device="cpu")
+    drawn(sim, 8, 8)
+    sim.run(duration=0, images=tmp_path)
+    (file,) = tmp_path.iterdir()
+    assert np.array_equal(sim.render(), read_png(file))
+
+
+def test_the_camera_looks_where_it_is_told_to():
+    scene = dam_break()
+    sim = weir.Simulation(scene, device="cpu")
+    usual = drawn(sim, 120, 80)
+    away = sim.render(120, 80, camera={"eye": (0.2, 0.2, 5), "target": (0.2, 0.2, 20)})
+    near = sim.render(120, 80, camera={"eye": (0.2, 0.2, 1.5), "target": (0.2, 0.2, 0), "fov": 20})
+    assert near.std() > 5 > away.std() or away.std() < near.std()
+    assert np.array_equal(usual, sim.render(120, 80))  # the scene's again
+
+
+@pytest.mark.parametrize("options, found", [
+    ({"width": 0}, "found width=0"), ({"height": 20000}, "found height=20000"), ({"samples": 5}, "found samples=5"),
+    ({"camera": {"eye": (0, 0, 1)}}, "there is no 'target'"), ({"camera": {"eye": (0, 0), "target": (1, 1, 1)}}, "found eye=(0, 0)"),
+    ({"camera": {"ey": 1}}, "found 'ey'"), ({"camera": {"eye": (0, 0, 1), "target": (0, 0, 0), "fov": 180}}, "found fov=180"),
+])
+def test_what_cannot_be_drawn_is_refused(sim, options, found):
+    with pytest.raises(weir.Error) as raised:
+        sim.render(**options)
+    assert raised.value.found == found and raised.value.allowed
+
+
+def test_a_camera_that_looks_nowhere_spoils_nothing(sim):
+    before = drawn(sim, 32, 24)
+    with pytest.raises(weir.Error):
+        sim.render(32, 24, camera={"eye": (1, 1, 1), "target": (1, 1, 1)})
+    assert np.array_equal(sim.render(32, 24), before)
+    sim.step()
+
+
+def test_without_pyvista_a_sentence_says_so(sim, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(weir.Error, match="PyVista cannot be imported") as raised:
+        sim.to_pyvista()
+    assert raised.value.hint == "pip install pyvista"
+
+
+def test_pyvista_gets_particles_surfaces_and_solids():
+    pytest.importorskip("pyvista")
+    scene = dam_break()
+    scene.water.fluid >> scene.add("FluidSurface", "skin").fluid
+    wall = scene.add("BoxMesh", "wall", min=(0.7, 0, 0), max=(0.8, 0.3, 0.4))
+    solid = scene.add("SemiAnalyticalSFI", "solid", velocity=(1, 0, 0))
+    wall.surface >> solid.solids
+    scene.water.fluid >> solid.fluid
+    sim = weir.Simulation(scene, device="cpu")
+    sim.advance(2)
+    blocks = sim.to_pyvista()
+    assert blocks.keys() == ["water", "skin", "wall"]
+    assert np.array_equal(blocks["water"].points, scene.water.positions)
+    assert np.array_equal(blocks["water"]["density"], scene.water.particles["density"])
+    mesh = scene.skin.surface.value
+    assert np.array_equal(blocks["skin"].faces.reshape(-1, 4)[:, 1:], mesh.faces) and blocks["skin"].n_open_edges == 0
+    assert np.array_equal(blocks["skin"]["velocity"], mesh.velocities)
+    assert blocks["wall"].bounds[0] == pytest.approx(0.7 + sim.time, abs=1e-5)
