@@ -17,7 +17,8 @@ struct PlaceBody {
     body.placed = moves ? 1 : 0;
     body.predicted = moves ? flown(body.mass, body.state, gravity, dt) : body.state;
     body.displacement = body.searched = body.change = {};
-    body.motion = twistOf(body.mass, body.predicted);
+    // While it only stands there, fluid that meets it must not be carried along.
+    body.motion = moves ? twistOf(body.mass, body.predicted) : Twist{};
     body.received = {};
     solid.begin = poseOf(body.mass, body.state);
     solid.end = solid.predicted = poseOf(body.mass, body.predicted);

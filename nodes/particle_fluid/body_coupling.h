@@ -49,8 +49,7 @@ struct NearBodies {
       const FreeBody* body = solids[k].body;
       if (body == nullptr) continue;
       const Vec3f p = base.size > 0 ? positions[i] + base[i] : positions[i];
-      f(k, *body, inDouble(xyz(each[pair])),
-        inDouble(p) - (body->predicted.center + body->searched.linear));
+      f(k, *body, inDouble(xyz(each[pair])), inDouble(p) - (body->predicted.center + body->searched.linear));
     }
   }
 };
@@ -136,8 +135,7 @@ struct AddBodyEnergy {
     for (std::int64_t k = 0; k < solids.size; ++k) {
       const FreeBody* body = solids[k].body;
       if (body == nullptr) continue;
-      const Twist q = body->displacement,
-                  p = product(body->mass.matrix(body->predicted.rotation), q);
+      const Twist q = body->displacement, p = product(body->mass.matrix(body->predicted.rotation), q);
       sums->objective += 0.5 * (dot(q.linear, p.linear) + dot(q.angular, p.angular)) / particleMass;
     }
   }
@@ -247,9 +245,9 @@ NearBodies nearBodies(Backend&, FluidStep& fluid) {
 
 }  // namespace detail
 
-/// Moves bodies by what the pressure has come to, unless *done. If `yields`, after an iteration, the particles
-/// at them give way to that; otherwise shares are some combination of earlier ones, and the bodies' follow
-/// exactly.
+/// Moves bodies by what the pressure has come to, unless *done. If `yields`, after an iteration, the
+/// particles at them give way to that; otherwise shares are some combination of earlier ones, and the bodies'
+/// follow exactly.
 template <class Backend>
 void moveBodies(Backend& device, const PressureProblem& problem, bool yields, const int* done = nullptr) {
   FluidStep& fluid = problem.fluid;
@@ -262,9 +260,9 @@ void moveBodies(Backend& device, const PressureProblem& problem, bool yields, co
               detail::SumPushes{bodies, walls.pairs.near(), view.share,
                                 yields ? ArrayView<const float>(view.grip) : ArrayView<const float>{}},
               AddBodySums{}, walls.bodySums.data());
-  parallelFor(device, "move bodies", walls.views.size(),
-              detail::MoveBodies{bodies.solids, walls.bodySums.data(), double(fluid.constants.particleMass),
-                                 done});
+  parallelFor(
+      device, "move bodies", walls.views.size(),
+      detail::MoveBodies{bodies.solids, walls.bodySums.data(), double(fluid.constants.particleMass), done});
   parallelForUneven(device, "follow bodies", walls.pairs.nearCount(),
                     detail::FollowBodies{.bodies = bodies,
                                          .walls = view,
@@ -315,9 +313,9 @@ void shareKicks(Backend& device, FluidStep& fluid) {
                               std::as_const(walls.kick).view()},
               AddBodySums{}, walls.bodySums.data());
   parallelFor(device, "hit bodies", solids.size, detail::HitBodies{solids, walls.bodySums.data()});
-  parallelForUneven(device, "follow hits", walls.metCount(),
-                    detail::FollowHits{solids, met, positions, fluid.particles.velocities().write(),
-                                       walls.kick.view()});
+  parallelForUneven(
+      device, "follow hits", walls.metCount(),
+      detail::FollowHits{solids, met, positions, fluid.particles.velocities().write(), walls.kick.view()});
 }
 
 }  // namespace weir

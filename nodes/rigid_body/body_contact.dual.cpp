@@ -50,9 +50,8 @@ struct DepthInWalls {
   WEIR_HD float operator()(std::int64_t i) const {
     const Vec3d p = at.center + rotate(at.rotation, inDouble(vertices[i]) - mass.center);
     float depth = 0;
-    walls.forEachNear(inFloat(p), [&](float distance, const Vec3f&) {
-      depth = -distance > depth ? -distance : depth;
-    });
+    walls.forEachNear(inFloat(p),
+                      [&](float distance, const Vec3f&) { depth = -distance > depth ? -distance : depth; });
     return depth;
   }
 };
@@ -89,11 +88,11 @@ struct HoldBody {
 
   struct Contact {
     Vec3d normal, arm;
-    double approach;        // −n·u at first
-    double wanted;          // the least n·u'
-    double distance;        // m, at the end of the step
-    double pushed = 0;      // N·s along the normal
-    Vec3d rubbed;           // and along the wall
+    double approach;    // −n·u at first
+    double wanted;      // the least n·u'
+    double distance;    // m, at the end of the step
+    double pushed = 0;  // N·s along the normal
+    Vec3d rubbed;       // and along the wall
   };
 
   WEIR_HD void operator()(std::int64_t) const {
@@ -241,8 +240,8 @@ void BodyContact::stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gr
   compactOnce(device, "near walls", vertices.size, NearWalls{walls, body.data(), vertices, dt}, marks_,
               near_.view(), nearCount_.data());
   parallelFor(device, "hold", 1,
-              HoldBody{body.data(), walls, vertices, std::as_const(near_).view(), nearCount_.data(), material_,
-                       dt, kSteps * dt * length(inDouble(gravity))});
+              HoldBody{body.data(), walls, vertices, std::as_const(near_).view(), nearCount_.data(),
+                       material_, dt, kSteps * dt * length(inDouble(gravity))});
 }
 
 template <class Backend>

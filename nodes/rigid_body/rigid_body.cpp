@@ -8,6 +8,12 @@
 #include "framework/geometry/simplified_mesh.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/particles/flight.h"
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
+#include "nodes/particle_fluid/modules/semi_implicit_solver.h"
+#include "nodes/particle_fluid/modules/solid_approach.h"
+#include "nodes/particle_fluid/modules/solid_contact.h"
+#include "nodes/particle_fluid/modules/viscosity_solver.h"
+#include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir {
@@ -57,10 +63,89 @@ float RigidBody::spacing() const {
 void RigidBody::configure(const SetupContext&) {
   for (std::size_t i = 0; i < fluid.size(); ++i) couplingOf(fluid, i);
   fluid.request({static_cast<int>(fluid.size())});
-  if (fluid.empty()) return;
-  const auto* water = dynamic_cast<const ParticleFluid*>(&fluid.links()[0]->node());
-  if (water == nullptr) return;
-  walls.request({water->spacing, 2 * water->spacing});
+  const ParticleFluid* const in = water();
+  if (in == nullptr) return;
+  walls.request({in->spacing, 2 * in->spacing});
+  checkModules();
+}
+
+ParticleFluid* RigidBody::water() const {
+  return fluid.empty() ? nullptr : dynamic_cast<ParticleFluid*>(&fluid.links()[0]->node());
+}
+
+namespace {
+
+/// The fluid's enabled module of that class, or null.
+template <class M>
+const M* enabledModule(Node& fluid) {
+  for (const auto& module : fluid.pipeline()->modules())
+    if (const auto* found = module->enabled() ? dynamic_cast<const M*>(module.get()) : nullptr) return found;
+  return nullptr;
+}
+
+}  // namespace
+
+void RigidBody::checkModules() const {
+  ParticleFluid& in = *water();
+  const auto refuse = [&](std::string_view found, std::string_view allowed) {
+    throw sceneError(fmt::format("node '{}', in which the body is, {}", in.name(), found),
+                     std::string(allowed));
+  };
+  const auto* accelerated = enabledModule<AcceleratedSolver>(in);
+  if (enabledModule<SemiImplicitSolver>(in) == nullptr && accelerated == nullptr)
+    refuse("has no solver that moves bodies", "a SemiImplicitSolver or an AcceleratedSolver");
+  if (accelerated != nullptr && accelerated->acceleration == Acceleration::kConjugate)
+    refuse("has an AcceleratedSolver whose conjugate gradients do not move bodies",
+           R"("acceleration": "nesterov", "anderson" or "none")");
+  if (enabledModule<SolidApproach>(in) == nullptr || enabledModule<WallIntegrals>(in) == nullptr ||
+      enabledModule<SolidContact>(in) == nullptr)
+    refuse("does not meet it in full", "enabled modules SolidApproach, WallIntegrals and SolidContact");
+  if (enabledModule<ViscositySolver>(in) != nullptr && slip < 1)
+    refuse("has a ViscositySolver, which does not drag bodies yet",
+           R"("slip": 1 of the body, or Xsph in place of the ViscositySolver)");
+}
+
+void RigidBody::warnOfWalls(Log& log) const {
+  const auto holds = [&](const OutputPort* boundary) {
+    return std::find(walls.links().begin(), walls.links().end(), boundary) != walls.links().end();
+  };
+  for (const OutputPort* boundary : water()->boundaries.links())
+    if (!holds(boundary))
+      log.warn(
+          fmt::format("node '{0}': '{1}' holds the fluid but not the body, which passes through it; the link "
+                      "{1}.{2} -> {0}.{3} makes it hold both",
+                      name(), boundary->node().name(), boundary->name(), walls.name()));
+}
+
+void RigidBody::findOthers() {
+  others_.clear();
+  surface_.reset();
+  for (const InputPort* reader : fluid.links()[0]->links()) {
+    const Node& node = reader->node();
+    if (&node == this || dynamic_cast<const RigidMotion*>(&node) == nullptr) continue;
+    for (const InputPort* input : node.inputs())
+      if (input->typeName() == mesh.typeName())
+        for (const OutputPort* shape : input->links())
+          others_.push_back(
+              {&node, std::make_unique<CrossingMesh>(*static_cast<const Output<TriangleMesh>&>(*shape))});
+  }
+  if (!others_.empty()) surface_ = std::make_unique<CrossingMesh>(*mesh);
+}
+
+void RigidBody::checkOthers(double time) const {
+  const Pose here = poseOf(start_.mass, shown_);
+  for (const Other& other : others_) {
+    // Another body may not know yet where it is at this frame.
+    const auto* body = dynamic_cast<const RigidBody*>(other.node);
+    const Pose there = body != nullptr ? poseOf(body->start_.mass, body->state())
+                                       : dynamic_cast<const RigidMotion&>(*other.node).poseAt(time);
+    if (!surface_->crosses(here, *other.mesh, there)) continue;
+    const std::string found =
+        fmt::format("the body has met '{}' at {:.3g} s, which does not hold it", other.node->name(), time);
+    const std::string allowed = "bodies that stay apart from each other and from solids given by meshes";
+    const std::string hint = "link a StaticBoundary with the mesh to walls, or hold the body by \"fixed\"";
+    throw time > 0 ? simulationError(found, allowed, hint) : sceneError(found, allowed, hint);
+  }
 }
 
 void RigidBody::estimate(const SetupContext&, MemoryNeeds& needs) {
@@ -74,10 +159,10 @@ void RigidBody::checkMesh(const TriangleMesh& shape) const {
   const std::string from = mesh.links().front()->node().name();
   const MeshDiagnosis diagnosis = diagnose(shape);
   if (!diagnosis.closed() || diagnosis.inconsistentEdges > 0 || diagnosis.nonFiniteVertices > 0)
-    throw sceneError(fmt::format("the mesh of {} triangles from '{}' has {}, so what it encloses is not certain",
-                                 shape.triangles.size(), from,
-                                 shape.empty() ? "no triangles" : diagnosis.message()),
-                     "a closed mesh whose triangles all face outwards");
+    throw sceneError(
+        fmt::format("the mesh of {} triangles from '{}' has {}, so what it encloses is not certain",
+                    shape.triangles.size(), from, shape.empty() ? "no triangles" : diagnosis.message()),
+        "a closed mesh whose triangles all face outwards");
   if (shape.empty() || diagnosis.insideOut)
     throw sceneError(fmt::format("the mesh of {} triangles from '{}' {}", shape.triangles.size(), from,
                                  shape.empty() ? "is empty" : "is inside out"),
@@ -115,21 +200,22 @@ BodyState RigidBody::stateAtStart(const BodyMass& of) const {
 
 void RigidBody::checkPlace() const {
   if (fluid.empty()) return;
-  const auto* water = dynamic_cast<const ParticleFluid*>(&fluid.links()[0]->node());
-  if (water == nullptr) return;
+  const ParticleFluid* const in = water();
+  if (in == nullptr) return;
   const Pose at = poseOf(start_.mass, start_.state);
   Aabb box;
   for (const Vec3f& vertex : mesh->vertices) box.extend(at.toWorld(vertex));
   const auto outside = [&](int axis) {
-    return (water->domainMin.get() && box.hi[axis] < (*water->domainMin.get())[axis]) ||
-           (water->domainMax.get() && box.lo[axis] > (*water->domainMax.get())[axis]);
+    return (in->domainMin.get() && box.hi[axis] < (*in->domainMin.get())[axis]) ||
+           (in->domainMax.get() && box.lo[axis] > (*in->domainMax.get())[axis]);
   };
   for (int axis = 0; axis < 3; ++axis)
     if (outside(axis))
-      throw sceneError(fmt::format("the body starts outside the domain of '{}': it is between {:.3g} and {:.3g} m "
-                                   "along {}",
-                                   water->name(), box.lo[axis], box.hi[axis], "xyz"[axis]),
-                       "a position within domain_min and domain_max")
+      throw sceneError(
+          fmt::format("the body starts outside the domain of '{}': it is between {:.3g} and {:.3g} m "
+                      "along {}",
+                      in->name(), box.lo[axis], box.hi[axis], "xyz"[axis]),
+          "a position within domain_min and domain_max")
           .inParameter(position.name());
 }
 
@@ -164,16 +250,18 @@ void RigidBody::reset(const SetupContext& context) {
 void RigidBody::meetFluid(const SetupContext& context, const TriangleMesh& shape) {
   constexpr double kDeviation = 0.01;  // spacings
   const std::string from = mesh.links().front()->node().name();
-  const SolidSurface surface{
-      .kind = SolidKind::kSolid, .friction = friction, .noSlip = noSlip, .slip = slip};
+  const SolidSurface surface{.kind = SolidKind::kSolid, .friction = friction, .noSlip = noSlip, .slip = slip};
   parts_->push_back(std::make_unique<Solid>(
       context.device, simplified(shape, kDeviation * double(spacing())).mesh, surface, *this, spacing()));
   parts_->front()->follow(*body_->data());
   forces->solids.push_back({from, {}, {}});
+  findOthers();
+  if (water() != nullptr) warnOfWalls(context.log);
   carved_ = couplingOf(fluid, 0).accept(parts_.get());
   if (carved_ > 0)
-    context.log.info(fmt::format("node '{}': {} of the particles of '{}' start inside the body and are left out",
-                                 name(), carved_.get(), fluid.links()[0]->node().name()));
+    context.log.info(
+        fmt::format("node '{}': {} of the particles of '{}' start inside the body and are left out", name(),
+                    carved_.get(), fluid.links()[0]->node().name()));
 }
 
 double RigidBody::longestStep(const StepContext& next, double cfl) {
@@ -190,6 +278,8 @@ void RigidBody::step(const StepContext& context) {
 
 void RigidBody::frame(const StepContext& context) {
   shown_ = state();
+  checkState(context.time);
+  if (!others_.empty()) checkOthers(context.time);
   const double elapsed = context.time - lastFrame_;
   if (!(elapsed > 0) || parts_->empty()) return;
   lastFrame_ = context.time;
@@ -198,6 +288,18 @@ void RigidBody::frame(const StepContext& context) {
   impulse.fillZero();
   forces->solids.front().force = sum.linear / elapsed;
   forces->solids.front().torque = sum.angular / elapsed;
+}
+
+void RigidBody::checkState(double time) const {
+  const auto isFinite = [](const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  const Quatd& q = shown_.rotation;
+  if (isFinite(shown_.center) && isFinite(shown_.velocity) && isFinite(shown_.spin) &&
+      std::isfinite(q.w + q.x + q.y + q.z))
+    return;
+  throw simulationError(fmt::format("the body's place or velocity is no number at {:.3g} s", time), {},
+                        "use a smaller world.dt, or more solver iterations");
 }
 
 void RigidBody::save(const StateWriter& to) const {

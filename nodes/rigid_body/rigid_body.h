@@ -7,7 +7,8 @@
 //
 // Boundaries that are linked to `walls` hold the vertices of the mesh: where the body would reach into one at
 // the end of a step, impulses at these vertices change its velocity so that it does not, with Coulomb's
-// friction and a restitution. Bodies do not hold each other.
+// friction and a restitution. Bodies do not hold each other, nor do solids given by meshes: where one meets
+// another, the run ends with an error, and what the fluid's modules cannot do with a body is refused before.
 #pragma once
 
 #include <memory>
@@ -17,6 +18,7 @@
 
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
+#include "framework/solids/mesh_crossing.h"
 #include "framework/solids/solid_coupling.h"
 #include "nodes/rigid_body/body_contact.h"
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
@@ -24,11 +26,14 @@
 
 namespace weir {
 
+class ParticleFluid;
+
 class RigidBody final : public Node, public RigidMotion {
  public:
-  static constexpr NodeInfo kInfo{"RigidBody", "A rigid body that water and gravity move.",
-                                  "float, floating, sink, buoyancy, boat, ship, raft, box, crate, ball, wood, "
-                                  "dynamic, buoy"};
+  static constexpr NodeInfo kInfo{
+      "RigidBody", "A rigid body that water and gravity move.",
+      "float, floating, sink, buoyancy, boat, ship, raft, box, crate, ball, wood, "
+      "dynamic, buoy"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<std::optional<double>> density{
@@ -107,16 +112,35 @@ class RigidBody final : public Node, public RigidMotion {
   /// Throws a scene Error if the body starts outside the fluid's domain or in a wall.
   void checkPlace() const;
   void meetFluid(const SetupContext& context, const TriangleMesh& shape);
+  /// Null without one.
+  ParticleFluid* water() const;
+  /// Throws a scene Error if modules of the fluid cannot move a body, or it without them.
+  void checkModules() const;
+  /// Warns of boundaries of the fluid that do not hold the body.
+  void warnOfWalls(Log& log) const;
+  /// The other solids in the same fluid.
+  void findOthers();
+  /// Throws an Error if the body is nowhere.
+  void checkState(double time) const;
+  /// Throws an Error if it has met one of them.
+  void checkOthers(double time) const;
   std::int64_t lockedAxes() const;
   const BodyState& shownAt(double time) const { return time > 0 ? shown_ : start_.state; }
   float spacing() const;
 
-  State<Array<FreeBody>> body_{*this, "body"};  // one
+  State<Array<FreeBody>> body_{*this, "body"};                        // one
   State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};  // one, where there is a fluid
   State<std::int64_t> carved_{*this, "carved"};
   State<double> lastFrame_{*this, "last_frame"};  // s
   BodyContact contact_;
   FreeBody start_;
+  /// A mesh of another solid in the same fluid, and the node that moves it.
+  struct Other {
+    const Node* node;
+    std::unique_ptr<CrossingMesh> mesh;
+  };
+  std::unique_ptr<CrossingMesh> surface_;
+  std::vector<Other> others_;
   BodyState shown_;    // at the last frame
   double radius_ = 0;  // of the mesh about the centre of mass, m
 };

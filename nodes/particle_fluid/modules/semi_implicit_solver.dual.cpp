@@ -34,7 +34,8 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   reserve(fluid, false);
   fluid.walls.forgetShares();
   // The same iterations in fewer passes, where nobody looks in between and no body moves.
-  if (!searches() && !recordObjective && !fluid.walls.moves) return FusedSubstitution(device, problem).step(iterations);
+  if (!searches() && !recordObjective && !fluid.walls.moves)
+    return FusedSubstitution(device, problem).step(iterations);
 
   const Count count = fluid.particles.count();
   const EnergyDerivative density = problem.derivative(excess_.view());

@@ -58,7 +58,8 @@ void ViscositySolver::step(FluidStep& fluid) {
 void ViscositySolver::refuseBodies(const FluidStep& fluid) {
   for (const Solid* solid : fluid.walls.solids)
     if (solid->isMovedByForces() && solid->surface().slip < 1)
-      throw sceneError("viscous fluid does not drag a RigidBody yet", "\"slip\": 1 of the RigidBody, or Xsph");
+      throw sceneError("viscous fluid does not drag a RigidBody yet",
+                       "\"slip\": 1 of the RigidBody, or Xsph");
 }
 
 bool ViscositySolver::isDone() {

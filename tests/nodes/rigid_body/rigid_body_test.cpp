@@ -23,7 +23,8 @@ namespace {
 /// A box of half a metre times 0.2 m times 0.3 m, whose parameters are given, above a plane if it is given.
 std::string bodyScene(const std::string& body, const std::string& plane = "") {
   const std::string node =
-      plane.empty() ? "" : R"(, "floor": {"type": "StaticBoundary", "params": {"shape": "plane", )" + plane + "}}";
+      plane.empty() ? ""
+                    : R"(, "floor": {"type": "StaticBoundary", "params": {"shape": "plane", )" + plane + "}}";
   const std::string link = plane.empty() ? "" : R"(, "floor.boundary -> body.walls")";
   return R"({"weir": 1, "world": {"gravity": [0, -10, 0], "dt": 0.005, "frame_rate": 20, "duration": 5},
     "nodes": {"box": {"type": "BoxMesh", "params": {"min": [-0.25, -0.1, -0.15], "max": [0.25, 0.1, 0.15]}},
@@ -60,6 +61,22 @@ TEST(RigidBody, FallsAndIsReported) {
   }
 }
 
+/// Without a torque the angular momentum and the energy stay, whichever way the body tumbles.
+TEST(RigidBody, TumblesAsATopWithoutTorque) {
+  const auto device = openDevice("cpu");
+  SimulatedScene scene(*device, bodyScene(R"("density": 500, "angular_velocity": [0.02, 0.01, 6])"));
+  scene->reset();
+  const RigidBody& body = scene.node<RigidBody>("body");
+  const auto energy = [&](const BodyState& at) {
+    return 0.5 * dot(at.spin, twistOf(body.massOf(), at).angular);
+  };
+  const BodyState before = body.state(), after = stateAfter(scene, 100);
+  EXPECT_EQ(after.spin, before.spin);
+  EXPECT_NEAR(energy(after) / energy(before), 1, 1e-6);
+  // About the axis of the middle moment it turns over.
+  EXPECT_GT(length(twistOf(body.massOf(), after).angular - twistOf(body.massOf(), before).angular), 0.01);
+}
+
 TEST(RigidBody, FixedAxesHoldIt) {
   const auto device = openDevice("cpu");
   SimulatedScene scene(*device, bodyScene(R"("mass": 3, "fixed": "yz", "fixed_rotation": "xyz",
@@ -93,9 +110,10 @@ TEST(RigidBody, RestsOnAFloorWithoutJitter) {
 /// From a height h it comes back to ε²·h.
 TEST(RigidBody, BouncesAsItsRestitutionSays) {
   const auto device = openDevice("cpu");
-  SimulatedScene scene(*device, bodyScene(R"("mass": 3, "position": [0, 1.1, 0], "restitution": 0.5)",
-                                          R"("normal": [0, 1, 0])"),
-                       {"world.dt=0.001"});
+  SimulatedScene scene(
+      *device,
+      bodyScene(R"("mass": 3, "position": [0, 1.1, 0], "restitution": 0.5)", R"("normal": [0, 1, 0])"),
+      {"world.dt=0.001"});
   scene->reset();
   double highest = 0;
   bool bounced = false;
@@ -118,9 +136,11 @@ TEST(RigidBody, SlidesWhereTheSlopeIsSteeperThanItsFriction) {
     const double height = 0.1 / std::cos(angle);
     SimulatedScene scene(
         *device,
-        bodyScene(fmt::format(R"("mass": 3, "wall_friction": {}, "position": [0, {:.9f}, 0], "rotation": [0, 0, {:.9f}])",
-                              kFriction, height, degrees),
-                  fmt::format(R"("normal": [{:.9f}, {:.9f}, 0])", -std::sin(angle), std::cos(angle))));
+        bodyScene(
+            fmt::format(
+                R"("mass": 3, "wall_friction": {}, "position": [0, {:.9f}, 0], "rotation": [0, 0, {:.9f}])",
+                kFriction, height, degrees),
+            fmt::format(R"("normal": [{:.9f}, {:.9f}, 0])", -std::sin(angle), std::cos(angle))));
     scene->reset();
     return length(stateAfter(scene, 20).center - Vec3d{0, height, 0});
   };
@@ -136,7 +156,8 @@ std::string refusalOf(const std::string& body, const std::string& plane = "",
   return errorOf([&] {
            SimulatedScene scene(*device, bodyScene(body, plane), overrides);
            scene->reset();
-         }).what();
+         })
+      .what();
 }
 
 TEST(RigidBody, RefusesWhatIsNoBody) {
