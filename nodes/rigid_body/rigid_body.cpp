@@ -230,7 +230,8 @@ void RigidBody::reset(const SetupContext& context) {
   start_.mass = massOfMesh(shape);
   start_.state = start_.predicted = stateAtStart(start_.mass);
   start_.motion = twistOf(start_.mass, start_.state);
-  shown_ = start_.state;
+  shown_ = earlier_ = start_.state;
+  shownTime_ = 0;
   checkPlace();
   radius_ = 0;
   for (const Vec3f& vertex : shape.vertices)
@@ -277,7 +278,9 @@ void RigidBody::step(const StepContext& context) {
 }
 
 void RigidBody::frame(const StepContext& context) {
+  if (context.time > shownTime_) earlier_ = shown_;
   shown_ = state();
+  shownTime_ = context.time;
   checkState(context.time);
   if (!others_.empty()) checkOthers(context.time);
   const double elapsed = context.time - lastFrame_;
@@ -309,7 +312,8 @@ void RigidBody::save(const StateWriter& to) const {
 }
 
 void RigidBody::restore(const StateReader& from) {
-  shown_ = state();
+  shown_ = earlier_ = state();
+  shownTime_ = lastFrame_;
   if (forces->solids.empty()) return;
   from.in("forces").get("force", forces->solids.front().force);
   from.in("forces").get("torque", forces->solids.front().torque);

@@ -94,7 +94,8 @@ class RigidBody final : public Node, public RigidMotion {
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
 
-  /// At the last frame; at time 0, at the start.
+  /// At the last frame; for earlier times at the one before, as far as that is known; at time 0, at the
+  /// start.
   Pose poseAt(double time) const override;
   /// The centre of mass.
   Vec3f pivotAt(double time) const override;
@@ -125,7 +126,9 @@ class RigidBody final : public Node, public RigidMotion {
   /// Throws an Error if it has met one of them.
   void checkOthers(double time) const;
   std::int64_t lockedAxes() const;
-  const BodyState& shownAt(double time) const { return time > 0 ? shown_ : start_.state; }
+  const BodyState& shownAt(double time) const {
+    return !(time > 0) ? start_.state : time < shownTime_ ? earlier_ : shown_;
+  }
   float spacing() const;
 
   State<Array<FreeBody>> body_{*this, "body"};                        // one
@@ -141,8 +144,9 @@ class RigidBody final : public Node, public RigidMotion {
   };
   std::unique_ptr<CrossingMesh> surface_;
   std::vector<Other> others_;
-  BodyState shown_;    // at the last frame
-  double radius_ = 0;  // of the mesh about the centre of mass, m
+  BodyState shown_, earlier_;  // at the last frame and the one before
+  double shownTime_ = 0;       // s
+  double radius_ = 0;          // of the mesh about the centre of mass, m
 };
 
 }  // namespace weir

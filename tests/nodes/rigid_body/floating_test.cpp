@@ -29,6 +29,7 @@ struct Pool {
   std::string solver = R"("params": {"iterations": 15})";
   std::string body = R"("density": 500, "fixed_rotation": "xyz")";
   double gravity = kGravity;
+  int restSteps = 200;
 };
 
 /// A cube in a pool with walls by signed distance.
@@ -41,20 +42,19 @@ std::string sceneOf(const Pool& pool) {
                     "params": {{"shape": "box", "inverted": true, "min": [{}, 0, {}], "max": [{}, 2, {}]}}}},
           "cube": {{"type": "BoxMesh", "params": {{"min": [{}, {}, {}], "max": [{}, {}, {}]}}}},
           "body": {{"type": "RigidBody", "params": {{"position": [0, {}, 0], {}}}}},
-          "water": {{"type": "ParticleFluid", "params": {{"spacing": {}}},
+          "water": {{"type": "ParticleFluid", "params": {{"spacing": {}, "rest_steps": {}}},
                      "modules": {{"solver": {{{}}}}}}}}},
         "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
                   "tank.boundary -> body.walls", "water.fluid -> body.fluid", "cube.surface -> body.mesh"]}})",
       -pool.gravity, pool.dt, -pool.side / 2, -pool.side / 2, pool.side / 2, pool.depth, pool.side / 2,
       -pool.side / 2, -pool.side / 2, pool.side / 2, pool.side / 2, -pool.cube / 2, -pool.cube / 2,
       -pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.height, pool.body, pool.spacing,
-      pool.solver);
+      pool.restSteps, pool.solver);
 }
 
 struct Bathed {
-  explicit Bathed(const Pool& pool, const std::string& device = "cpu", int threads = 1,
-                  const std::vector<std::string>& overrides = {})
-      : device_(openDevice(device, threads)), scene(*device_, sceneOf(pool), overrides) {
+  explicit Bathed(const Pool& pool, const std::string& device = "cpu", int threads = 1)
+      : device_(openDevice(device, threads)), scene(*device_, sceneOf(pool)) {
     scene->reset();
   }
   const RigidBody& body() { return scene.node<RigidBody>("body"); }
@@ -163,8 +163,8 @@ TEST(Floats, NeutralDensityStays) {
 TEST(Floats, AHeldBodyFeelsWhatASolidAtRestFeels) {
   Pool pool{.height = 0.12};
   pool.body = R"("density": 500, "fixed": "xyz", "fixed_rotation": "xyz")";
-  const std::vector<std::string> restsLittle{"water.rest_steps=50"};
-  Bathed run(pool, "cpu", 1, restsLittle);
+  pool.restSteps = 50;
+  Bathed run(pool);
   std::string scene = sceneOf(pool);
   const auto replace = [&](const std::string& from, const std::string& to) {
     scene.replace(scene.find(from), from.size(), to);
@@ -174,7 +174,7 @@ TEST(Floats, AHeldBodyFeelsWhatASolidAtRestFeels) {
   replace(R"("tank.boundary -> body.walls", )", "");
   replace("cube.surface -> body.mesh", "cube.surface -> body.solids");
   const auto device = openDevice("cpu", 1);
-  SimulatedScene still(*device, scene, restsLittle);
+  SimulatedScene still(*device, scene);
   still->reset();
   const std::atomic<bool> stop = false;
   for (int frame = 0; frame < 3; ++frame) {

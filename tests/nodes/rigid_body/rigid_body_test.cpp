@@ -54,6 +54,9 @@ TEST(RigidBody, FallsAndIsReported) {
     // It turns about its own axis.
     EXPECT_NEAR(dot(rotate(state.rotation, Vec3d{1, 0, 0}), Vec3d{std::cos(2), 0, -std::sin(2)}), 1, 1e-6);
     EXPECT_EQ(body.poseAt(1), poseOf(body.massOf(), state));
+    // At the frame before, for pictures of motion.
+    EXPECT_NEAR(body.poseAt(0.95).translation.x, 1.95, 1e-6);
+    EXPECT_EQ(body.poseAt(0).translation, (Vec3f{1, 2, 3}));
     NodeReport report;
     scene.node<RigidBody>("body").report(report);
     EXPECT_EQ(report.statistics["velocity"].asArray()[1].asDouble(), state.velocity.y);
