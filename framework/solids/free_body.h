@@ -1,5 +1,5 @@
-// A rigid body that forces move: its mass and its state, and the arithmetic of its motion. All of it stands on
-// the device, so that no step waits for the host.
+// A rigid body that forces move: its mass and its state, and the arithmetic of its motion. All of it stands
+// on the device, so that no step waits for the host.
 //
 // The state holds the centre of mass c, its velocity v, the rotation R of the mesh and the angular momentum L
 // about c. Between forces, with ω = (R·I·Rᵀ)⁻¹·L,
@@ -60,10 +60,10 @@ WEIR_HD inline Quatd rotationBy(const Vec3d& turn) {
   return normalized({cos(half), s * turn.x, s * turn.y, s * turn.z});
 }
 
-WEIR_HD inline Vec3d inDouble(const Vec3f& v) {
+WEIR_HD inline Vec3d doubleOf(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
-WEIR_HD inline Vec3f inFloat(const Vec3d& v) {
+WEIR_HD inline Vec3f floatOf(const Vec3d& v) {
   return {float(v.x), float(v.y), float(v.z)};
 }
 
@@ -199,8 +199,7 @@ WEIR_HD inline Twist twistOf(const BodyMass& mass, const BodyState& state) {
 
 WEIR_HD inline Pose poseOf(const BodyMass& mass, const BodyState& state) {
   const Quatd& q = state.rotation;
-  return {{float(q.w), float(q.x), float(q.y), float(q.z)},
-          inFloat(state.center - rotate(q, mass.center))};
+  return {{float(q.w), float(q.x), float(q.y), float(q.z)}, floatOf(state.center - rotate(q, mass.center))};
 }
 
 /// Turns for `dt` s without a torque.
@@ -241,12 +240,12 @@ struct FreeBody {
 
   // Within a step, from where a fluid places the body until its node moves it on.
   std::int64_t placed = 0;  ///< whether a fluid has placed it in this step
-  BodyState predicted;    ///< at the end of the step by gravity alone
-  Twist displacement;     ///< from there, by what the fluid's pressure does, as far as the solver has come
-  Twist searched;         ///< the displacement at which the solids near particles were found
-  Twist change;           ///< of the displacement, in this iteration
-  Twist motion;           ///< its velocities, as far as they are known
-  SolidImpulse received;  ///< from fluids, about the centre of mass
+  BodyState predicted;      ///< at the end of the step by gravity alone
+  Twist displacement;       ///< from there, by what the fluid's pressure does, as far as the solver has come
+  Twist searched;           ///< the displacement at which the solids near particles were found
+  Twist change;             ///< of the displacement, in this iteration
+  Twist motion;             ///< its velocities, as far as they are known
+  SolidImpulse received;    ///< from fluids, about the centre of mass
 };
 
 }  // namespace weir

@@ -34,7 +34,7 @@ struct SolidView {
   /// Mean velocity over the step, m/s, of the solid's point that ends at p; of a body that forces move, the
   /// velocity that they have given it so far.
   WEIR_HD Vec3f velocityAt(const Vec3f& p) const {
-    if (body != nullptr) return inFloat(body->motion.at(inDouble(p - pivot)));
+    if (body != nullptr) return floatOf(body->motion.at(doubleOf(p - pivot)));
     return inverseDt * (p - begin.toWorld(end.toBody(p)));
   }
 };

@@ -22,7 +22,7 @@ struct PlaceBody {
     body.received = {};
     solid.begin = poseOf(body.mass, body.state);
     solid.end = solid.predicted = poseOf(body.mass, body.predicted);
-    solid.pivot = inFloat(body.predicted.center);
+    solid.pivot = floatOf(body.predicted.center);
   }
 };
 
@@ -30,7 +30,7 @@ struct PlaceBody {
 
 template <class Backend>
 void placeBodiesOn(Backend& device, Array<SolidView>& views, const Vec3f& gravity, double dt) {
-  parallelFor(device, "place bodies", views.size(), PlaceBody{views.view(), inDouble(gravity), dt});
+  parallelFor(device, "place bodies", views.size(), PlaceBody{views.view(), doubleOf(gravity), dt});
 }
 
 template void placeBodiesOn(ThisBackend&, Array<SolidView>&, const Vec3f&, double);

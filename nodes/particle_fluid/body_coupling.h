@@ -49,7 +49,7 @@ struct NearBodies {
       const FreeBody* body = solids[k].body;
       if (body == nullptr) continue;
       const Vec3f p = base.size > 0 ? positions[i] + base[i] : positions[i];
-      f(k, *body, inDouble(xyz(each[pair])), inDouble(p) - (body->predicted.center + body->searched.linear));
+      f(k, *body, doubleOf(xyz(each[pair])), doubleOf(p) - (body->predicted.center + body->searched.linear));
     }
   }
 };
@@ -152,7 +152,7 @@ struct SearchAtBodies {
     body.searched = body.displacement;
     const BodyState at = body.predicted.moved(body.displacement);
     solid.end = poseOf(body.mass, at);
-    solid.pivot = inFloat(at.center);
+    solid.pivot = floatOf(at.center);
   }
 };
 
@@ -175,10 +175,10 @@ struct Hit {
   WEIR_HD static Hit of(const Vec4f& kick, const Vec3f& position, ArrayView<const SolidView> solids) {
     const int k = static_cast<int>(kick.w);
     if (k < 0 || solids[k].body == nullptr) return {};
-    const Vec3d dv = inDouble(xyz(kick));
+    const Vec3d dv = doubleOf(xyz(kick));
     const double size = length(dv);
     if (!(size > 0)) return {};
-    return {k, dv / size, inDouble(position - solids[k].pivot), size};
+    return {k, dv / size, doubleOf(position - solids[k].pivot), size};
   }
 };
 
@@ -227,7 +227,7 @@ struct FollowHits {
     const Hit hit = Hit::of(kick[m], positions[i], solids);
     if (hit.solid < 0) return;
     const double along = dot(hit.direction, solids[hit.solid].body->change.at(hit.arm));
-    const Vec3f change = inFloat(along * hit.direction);
+    const Vec3f change = floatOf(along * hit.direction);
     velocities[i] += change;
     kick[m] = {kick[m].x + change.x, kick[m].y + change.y, kick[m].z + change.z, kick[m].w};
   }

@@ -48,9 +48,9 @@ struct DepthInWalls {
   ArrayView<const Vec3f> vertices;
 
   WEIR_HD float operator()(std::int64_t i) const {
-    const Vec3d p = at.center + rotate(at.rotation, inDouble(vertices[i]) - mass.center);
+    const Vec3d p = at.center + rotate(at.rotation, doubleOf(vertices[i]) - mass.center);
     float depth = 0;
-    walls.forEachNear(inFloat(p),
+    walls.forEachNear(floatOf(p),
                       [&](float distance, const Vec3f&) { depth = -distance > depth ? -distance : depth; });
     return depth;
   }
@@ -65,10 +65,10 @@ struct NearWalls {
   /// Whether it may reach a wall in this step or while the body is turned out of others.
   WEIR_HD bool operator()(std::int64_t i) const {
     const BodyState& state = body->state;
-    const Vec3d arm = rotate(state.rotation, inDouble(vertices[i]) - body->mass.center);
+    const Vec3d arm = rotate(state.rotation, doubleOf(vertices[i]) - body->mass.center);
     const double reach = 2 * dt * length(body->motion.at(arm));
     bool near = false;
-    walls.forEachNear(inFloat(state.center + arm),
+    walls.forEachNear(floatOf(state.center + arm),
                       [&](float distance, const Vec3f&) { near = near || double(distance) <= reach; });
     return near;
   }
@@ -151,10 +151,10 @@ struct HoldBody {
     int found = 0;
     const FreeBody& b = *body;
     for (int k = 0; k < *count; ++k) {
-      const Vec3d arm = rotate(b.state.rotation, inDouble(vertices[near[k]]) - b.mass.center);
+      const Vec3d arm = rotate(b.state.rotation, doubleOf(vertices[near[k]]) - b.mass.center);
       const Vec3d u = b.motion.at(arm);
-      walls.forEachNear(inFloat(b.state.center + arm), [&](float distance, const Vec3f& normal) {
-        const Vec3d n = inDouble(normal);
+      walls.forEachNear(floatOf(b.state.center + arm), [&](float distance, const Vec3f& normal) {
+        const Vec3d n = doubleOf(normal);
         const double d = distance, along = dot(n, u), before = d - dt * along;
         if (d > 2 * dt * length(u)) return;
         double wanted = -(before > 0 ? before : 0.0) / dt;
@@ -233,7 +233,7 @@ struct HoldBody {
 template <class Backend>
 void BodyContact::stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gravity, double dt) {
   constexpr double kSteps = 2;  // of a fall
-  parallelFor(device, "move on", 1, MoveOn{body.data(), inDouble(gravity), dt});
+  parallelFor(device, "move on", 1, MoveOn{body.data(), doubleOf(gravity), dt});
   if (pieces_.empty()) return;
   const Walls walls{std::as_const(pieces_).view()};
   const ArrayView<const Vec3f> vertices = std::as_const(vertices_).view();
@@ -241,7 +241,7 @@ void BodyContact::stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gr
               near_.view(), nearCount_.data());
   parallelFor(device, "hold", 1,
               HoldBody{body.data(), walls, vertices, std::as_const(near_).view(), nearCount_.data(),
-                       material_, dt, kSteps * dt * length(inDouble(gravity))});
+                       material_, dt, kSteps * dt * length(doubleOf(gravity))});
 }
 
 template <class Backend>

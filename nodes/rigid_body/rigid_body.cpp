@@ -187,11 +187,11 @@ BodyMass RigidBody::massOfMesh(const TriangleMesh& shape) const {
 BodyState RigidBody::stateAtStart(const BodyMass& of) const {
   const Quatf turned = rotation->toQuaternion();
   BodyState state;
-  state.center = of.center + inDouble(position);
+  state.center = of.center + doubleOf(position);
   state.rotation = normalized(Quatd{turned.w, turned.x, turned.y, turned.z});
-  const SolidImpulse moved = of.taken({inDouble(velocity), {}});
+  const SolidImpulse moved = of.taken({doubleOf(velocity), {}});
   state.velocity = moved.linear;
-  Twist spin{{}, inDouble(angularVelocity)};
+  Twist spin{{}, doubleOf(angularVelocity)};
   for (int k = 0; k < 3; ++k)
     if (of.locked >> (k + 3) & 1) spin.angular[k] = 0;
   state.spin = of.taken({{}, product(of.matrix(state.rotation), spin).angular}).angular;
@@ -235,7 +235,7 @@ void RigidBody::reset(const SetupContext& context) {
   checkPlace();
   radius_ = 0;
   for (const Vec3f& vertex : shape.vertices)
-    radius_ = std::max(radius_, length(inDouble(vertex) - start_.mass.center));
+    radius_ = std::max(radius_, length(doubleOf(vertex) - start_.mass.center));
   *body_ = Array<FreeBody>(context.device, std::vector<FreeBody>{start_});
   std::vector<const Boundary*> boundaries;
   for (std::size_t i = 0; i < walls.size(); ++i) boundaries.push_back(&walls[i]);
@@ -324,7 +324,7 @@ Pose RigidBody::poseAt(double time) const {
 }
 
 Vec3f RigidBody::pivotAt(double time) const {
-  return inFloat(shownAt(time).center);
+  return floatOf(shownAt(time).center);
 }
 
 void RigidBody::report(NodeReport& report) {

@@ -110,9 +110,9 @@ TEST(FreeBody, PosesTakeTheMeshToTheWorld) {
   BodyState state;
   state.center = {5, 0, 0};
   state.rotation = rotationBy({0, 0, 0.5 * std::numbers::pi});
-  const Vec3f center = poseOf(mass, state).toWorld(inFloat(mass.center));
+  const Vec3f center = poseOf(mass, state).toWorld(floatOf(mass.center));
   EXPECT_NEAR(center.x, 5, 1e-6);
-  const Vec3f beside = poseOf(mass, state).toWorld(inFloat(mass.center + Vec3d{1, 0, 0}));
+  const Vec3f beside = poseOf(mass, state).toWorld(floatOf(mass.center + Vec3d{1, 0, 0}));
   EXPECT_NEAR(beside.x, 5, 1e-6);
   EXPECT_NEAR(beside.y, 1, 1e-6);
 }
