@@ -8,8 +8,8 @@ namespace weir {
 /// Sums over the particles that meet one body.
 struct BodySums {
   Twist push;  ///< what they do: along each component of its motion
-  /// By how much that falls as the body gives way, as TwistMatrix::of: in floats, since blocks of a GPU have no
-  /// room for more, and since it only says how far the body goes in an iteration.
+  /// By how much that falls as the body gives way, as TwistMatrix::of: in floats, since blocks of a GPU have
+  /// no room for more, and since it only says how far the body goes in an iteration.
   float grip[TwistMatrix::kNumbers] = {};
 
   /// A push of that size along `direction` at `arm` m from the centre of mass, which falls by `gripOf` times

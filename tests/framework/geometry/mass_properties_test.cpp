@@ -54,7 +54,9 @@ TEST(MassProperties, OfASphere) {
     const MassProperties of = massProperties(icosphere(levels, kRadius));
     const double lacks = 1 - of.volume / volume;
     EXPECT_GT(lacks, 0);
-    if (missing > 0) EXPECT_NEAR(missing / lacks, 4, 0.1);
+    if (missing > 0) {
+      EXPECT_NEAR(missing / lacks, 4, 0.1);
+    }
     missing = lacks;
     EXPECT_NEAR(of.inertia.xx / inertia, 1 - 5.0 / 3 * lacks, 0.1 * lacks);  // as radius⁵ falls with radius³
     EXPECT_NEAR(of.inertia.xy / inertia, 0, 1e-6);
@@ -77,9 +79,9 @@ TEST(MassProperties, OfACylinder) {
   mesh.vertices.push_back({0, float(kHeight), 0});
   for (int k = 0; k < kSides; ++k) {
     const int a = 2 * k, b = 2 * ((k + 1) % kSides);
-    mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b}, {b, a + 1, b + 1},
-                                                 {2 * kSides, a, b},
-                                                 {2 * kSides + 1, b + 1, a + 1}});
+    mesh.triangles.insert(
+        mesh.triangles.end(),
+        {{a, a + 1, b}, {b, a + 1, b + 1}, {2 * kSides, a, b}, {2 * kSides + 1, b + 1, a + 1}});
   }
   ASSERT_TRUE(diagnose(mesh).good()) << diagnose(mesh).message();
   const MassProperties of = massProperties(mesh);
