@@ -23,6 +23,7 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/rigid_body/rigid_body.h"
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/samplers/mesh_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
@@ -45,6 +46,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<MeshSampler>();
   registry.addNode<ParticleFile>();
   registry.addNode<ParticleFluid>();
+  registry.addNode<RigidBody>();
   registry.addNode<SemiAnalyticalSFI>();
   registry.addNode<Sink>();
   registry.addNode<SphereSampler>();

@@ -24,6 +24,7 @@ SolidView Solid::view(double time, double dt) {
           .clearance = clearance_.view(),
           .begin = dt > 0 ? motion_->poseAt(time) : end,
           .end = end,
+          .predicted = end,
           .inverseDt = dt > 0 ? static_cast<float>(1 / dt) : 0.0f,
           .kind = surface_.kind,
           .approximate = surface_.approximate,
@@ -32,7 +33,8 @@ SolidView Solid::view(double time, double dt) {
           .noSlip = surface_.noSlip,
           .slip = surface_.slip,
           .pivot = motion_->pivotAt(time + dt),
-          .impulse = impulse_->data()};
+          .impulse = impulse_->data(),
+          .body = body_};
 }
 
 }  // namespace weir

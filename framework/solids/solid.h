@@ -8,29 +8,19 @@
 #include "framework/geometry/clearance_grid.h"
 #include "framework/graph/param_types.h"
 #include "framework/graph/state.h"
-#include "framework/solids/pose.h"
+#include "framework/solids/free_body.h"
 
 namespace WEIR_API weir {
 
 /// Where the matter of a solid is.
 enum class SolidKind { kSolid, kContainer, kSheet };
 
-/// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
-struct SolidImpulse {
-  Vec3d linear, angular;
-
-  WEIR_HD SolidImpulse& operator+=(const SolidImpulse& b) {
-    linear += b.linear;
-    angular += b.angular;
-    return *this;
-  }
-};
-
 /// A solid during one step, for kernels.
 struct SolidView {
   TriangleTreeView tree;    ///< in the solid's own frame
   ClearanceView clearance;  ///< there, too
   Pose begin, end;          ///< at the beginning and the end of the step
+  Pose predicted;           ///< at the end without the fluid's pressure: where particles are stopped at first
   float inverseDt = 0;      ///< 1/s
   SolidKind kind = SolidKind::kSolid;
   bool approximate = false;         ///< the integrals of Chang et al. 2020 in place of exact ones
@@ -40,9 +30,14 @@ struct SolidView {
   float slip = 0;                   ///< share of the drag on viscous fluid that is missing
   Vec3f pivot;                      ///< m, at the end of the step: about which torques are counted
   SolidImpulse* impulse = nullptr;  ///< one sum, of all steps
+  FreeBody* body = nullptr;         ///< of what forces move
 
-  /// Mean velocity over the step, m/s, of the solid's point that ends at p.
-  WEIR_HD Vec3f velocityAt(const Vec3f& p) const { return inverseDt * (p - begin.toWorld(end.toBody(p))); }
+  /// Mean velocity over the step, m/s, of the solid's point that ends at p; of a body that forces move, the
+  /// velocity that they have given it so far.
+  WEIR_HD Vec3f velocityAt(const Vec3f& p) const {
+    if (body != nullptr) return floatOf(body->motion.at(doubleOf(p - pivot)));
+    return inverseDt * (p - begin.toWorld(end.toBody(p)));
+  }
 };
 
 /// What moves a solid.
@@ -76,6 +71,10 @@ class Solid final : public Stateful {
   SolidView view(double time, double dt);
   Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
   const SolidSurface& surface() const { return surface_; }
+  /// From now on forces move it: the body, on the device, which must outlive the solid. The motion then says
+  /// where it is at frames.
+  void follow(FreeBody& body) { body_ = &body; }
+  bool isMovedByForces() const { return body_ != nullptr; }
 
   /// One sum, on the device, to which fluids add what they do in each step.
   Array<SolidImpulse>& impulse() { return impulse_; }
@@ -87,6 +86,7 @@ class Solid final : public Stateful {
   ClearanceGrid clearance_;
   SolidSurface surface_;
   const RigidMotion* motion_;
+  FreeBody* body_ = nullptr;
   State<Array<SolidImpulse>> impulse_;
   State<Array<int>> carved_;  // one
 };

@@ -116,6 +116,9 @@ struct PushWith {
     if (walls.share.size == 0) return;
     const T share = read(walls.share, i);
     write(walls.share, i, share + stepLength * (at.wall - share) / at.divisor);
+    if (walls.grip.size == 0) return;
+    const T follows = T(stepLength * negativePart * wallStiffness) / at.divisor;
+    write(walls.grip, i, zeroUnless(at.wall * at.wall > T(0), follows));
   }
 };
 using PushOf = PushWith<WallFieldView>;

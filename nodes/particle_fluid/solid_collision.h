@@ -3,6 +3,7 @@
 
 #include "framework/compute/reduce_by_key.h"
 #include "framework/geometry/sweep.h"
+#include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
@@ -38,14 +39,14 @@ WEIR_HD inline bool isClearOfSolids(ArrayView<const SolidView> solids, bool atEn
                                     const Vec3f& start, const Vec3f& position) {
   for (std::int64_t k = 0; k < solids.size; ++k) {
     const SolidView& solid = solids[k];
-    const Vec3f from = (atEnd ? solid.end : solid.begin).toBody(start);
+    const Vec3f from = (atEnd ? solid.predicted : solid.begin).toBody(start);
     if (!isClear(solid.tree, solid.clearance, from, solid.end.toBody(position), gap)) return false;
   }
   return true;
 }
 
-/// From `start`, as it was when the solids were at their `begin` (or their `end`, if `atEnd`), to the
-/// particle's position at their end.
+/// From `start`, as it was when the solids were at their `begin` (or, if `atEnd`, where they were predicted),
+/// to the particle's position at their end.
 WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
                                             const Vec3f& start, const Vec3f& position,
                                             const Vec3f& velocity) {
@@ -56,7 +57,7 @@ WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, b
     bool stopped = false;
     for (std::int64_t k = 0; k < solids.size; ++k) {
       const SolidView& solid = solids[k];
-      const Vec3f from = (atEnd ? solid.end : solid.begin).toBody(start);
+      const Vec3f from = (atEnd ? solid.predicted : solid.begin).toBody(start);
       const SweepResult way =
           sweep(solid.tree, solid.clearance, from, solid.end.toBody(particle.position), gap);
       if (!way.hit) continue;
@@ -81,7 +82,10 @@ struct GiveImpulse {
   ArrayView<const SolidView> solids;
   ArrayView<const SolidImpulse> sums;
   WEIR_HD void operator()(std::int64_t k) const {
-    for (std::int64_t s = k; s < sums.size; s += solids.size) *solids[k].impulse += sums[s];
+    for (std::int64_t s = k; s < sums.size; s += solids.size) {
+      *solids[k].impulse += sums[s];
+      if (FreeBody* body = solids[k].body; body != nullptr && body->placed) body->received += sums[s];
+    }
   }
 };
 

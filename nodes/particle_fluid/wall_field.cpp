@@ -3,14 +3,23 @@
 #include <algorithm>
 
 #include "framework/graph/memory_estimate.h"
+#include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
 
-void WallField::place(double time, double dt) {
+void WallField::place(double time, double dt, const Vec3f& gravity) {
+  const double length = still ? 0 : dt;
   placed_.clear();
-  for (Solid* solid : solids) placed_.push_back(solid->view(time, still ? 0 : dt));
+  bool any = false;
+  for (Solid* solid : solids) {
+    placed_.push_back(solid->view(time, length));
+    any = any || solid->isMovedByForces();
+  }
   views.assign(placed_);
+  moves = any && length > 0;
+  moved = false;
+  if (any) placeBodies(views, gravity, length);
 }
 
 void WallField::fit(ParticleSet& particles) {
@@ -22,6 +31,11 @@ void WallField::fit(ParticleSet& particles) {
   met.resizeDiscarding(stride);
   kick.resizeDiscarding(stride);
   impulses.resizeDiscarding(2 * views.size());
+  if (moves) {
+    lift.resizeDiscarding(stride);
+    grip.resizeDiscarding(stride);
+    bodySums.resizeDiscarding(views.size());
+  }
   addShare(particles);
 }
 

@@ -18,6 +18,7 @@
 #include "framework/compute/eight.h"
 #include "framework/particles/particle_set.h"
 #include "framework/solids/solid_pairs.h"
+#include "nodes/particle_fluid/body_sums.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/fluid_constants.h"
 #include "nodes/static_boundary/boundary_integrals.h"
@@ -35,6 +36,9 @@ struct WallFieldViewWith {
   ArrayView<float> share;            ///< m², see above; empty where nobody asks for it
   ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
   Boundary boundary;
+  // Only where forces move a solid, see body_coupling.h.
+  ArrayView<const float> lift;  ///< what the solids' own displacements take from Φ
+  ArrayView<float> grip;        ///< m²: by how much the share follows Φ in an iteration
 
   WEIR_HD bool empty() const { return integrals.size == 0 && boundary.empty(); }
   /// Φ of a particle, or of eight, at displacement u from the predicted position, which is x.
@@ -64,7 +68,9 @@ struct WallFieldViewWith {
     if (!any(at.w > T(0))) return T(0);
     Vec3<T> way = u;
     if (base.size > 0) way -= read(base, i);
-    return zeroUnless(at.w > T(0), positivePart(at.w + dot(xyz(at), way)));
+    T phi = at.w + dot(xyz(at), way);
+    if (lift.size > 0) phi -= read(lift, i);
+    return zeroUnless(at.w > T(0), positivePart(phi));
   }
 };
 using WallFieldView = WallFieldViewWith<BoundaryIntegrals>;
@@ -84,6 +90,9 @@ struct WallField {
         metCounter(device, 1),
         kick(device),
         impulses(device),
+        lift(device),
+        grip(device),
+        bodySums(device),
         measured(device),
         boundaryImpulses(device),
         velocitiesBefore(device),
@@ -106,6 +115,8 @@ struct WallField {
   /// Of met[k]: change of velocity by contact, m/s, and the number of the solid, -1 for none.
   Array<Vec4f> kick;
   Array<SolidImpulse> impulses;  ///< two of each solid, scratch
+  Array<float> lift, grip;       ///< see WallFieldView
+  Array<BodySums> bodySums;      ///< of each solid, scratch
   std::int64_t stride = 0;
   bool rubs = false, bounces = false;  ///< whether a boundary has friction, and restitution
   /// A boundary that reports forces.
@@ -117,6 +128,8 @@ struct WallField {
   Array<SolidImpulse> boundaryImpulses;  ///< one of each of these, scratch
   Array<Vec3f> velocitiesBefore;  ///< before contacts with boundaries, where these report forces; scratch
   bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
+  bool moves = false;  ///< whether the fluid moves solids in this step
+  bool moved = false;  ///< whether a solver has done so
 
   BoundaryIntegrals boundary;  ///< of all boundaries together
 
@@ -148,8 +161,9 @@ struct WallField {
   template <class Backend>
   void findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach);
   Count metCount() const { return {stride, metCounter.data()}; }
-  /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then.
-  void place(double time, double dt);
+  /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then. `gravity`
+  /// (m/s²) is that of those that forces move.
+  void place(double time, double dt, const Vec3f& gravity = {});
   /// Takes the present positions for legal ones.
   void keepLegal(const ArrayView<const Vec3f>& positions) {
     legal.device().copy(legal.data(), positions.data, static_cast<std::size_t>(stride) * sizeof(Vec3f));
@@ -157,6 +171,7 @@ struct WallField {
   /// No displacement by walls yet; at the beginning of a solver's step.
   void forgetShares() {
     if (keepsShares()) share.fillZero();
+    if (moves) grip.fillZero();
   }
   /// What walls have felt so far, in steps that are not part of the run.
   void forgetImpulses();
@@ -174,6 +189,7 @@ struct WallField {
     result.integrals = std::as_const(total).view();
     result.d = std::as_const(d).view();
     result.base = base;
+    if (moves) result.lift = std::as_const(lift).view(), result.grip = grip.view();
     return result;
   }
   void addShare(ParticleSet& particles);

@@ -57,6 +57,8 @@ const std::map<std::string, const char*> kParameters{
     {"MeshFile", R"({"file": "mesh.tetrahedron"})"},
     {"ParticleFile", R"({"file": "particles.csv"})"},
     {"ParticleFluid", R"({"spacing": 0.03})"},
+    {"RigidBody", R"({"density": 700, "position": [0.01, 0, 0], "velocity": [0.1, 0, 0], "fixed": "y",
+                      "fixed_rotation": "xyz"})"},
     {"SemiAnalyticalSFI", R"({"velocity": [0.5, 0, 0]})"},
     {"Sink", R"({"min": [0.12, -1, 0], "max": [0.2, 0.05, 0.3]})"},
     {"SphereSampler", R"({"center": [0.05, 0.3, 0.15], "radius": 0.05})"},

@@ -85,6 +85,12 @@ void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
   warnOfFew(outlook, maxIterations, "a tolerance");
 }
 
+void AcceleratedSolver::refuseBodies(const FluidStep& fluid) const {
+  if (!fluid.walls.moves || !conjugates()) return;
+  throw sceneError("conjugate gradients do not move bodies", "another acceleration beside a RigidBody")
+      .inParameter(acceleration.name());
+}
+
 bool AcceleratedSolver::isDone() {
   if (!tolerance.get()) return false;
   if (!controlSeen_->pending()) return false;

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
 
+#include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/boundary_forces.h"
 #include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
@@ -110,6 +111,7 @@ struct MeetWalls {
 
 template <class Backend>
 void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
+  refuseBodies(fluid);
   PressureProblem problem = problemOf(fluid);
   reserve(fluid);
   fluid.walls.forgetShares();
@@ -126,6 +128,7 @@ void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
       iterate(device, problem, pass);
   }
   problem.finish(device);
+  endBodies(device, problem);
   if (controlled()) meetWalls(device, problem);
 }
 
@@ -171,17 +174,21 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     if (searches())
       parallelForEights(device, "propose", count,
                         Propose{step.pushOf, problem.displacement(), proposal_.view()});
-    if (controlled() || stepLength == StepLength::kGlobal)
+    if (controlled() || stepLength == StepLength::kGlobal) {
       reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
+      addBodyEnergy(device, problem, sums_.data());
+    }
     if (controlled()) judge(device, problem, /*last=*/k + 1 == maxIterations);
     parallelForEights(device, "update", count, update);
     // The host may hear of the end of a pass, and of all passes, some iterations later.
     const Control* control = control_->data();
     const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
+    moveBodies(device, problem, /*yields=*/true, done);
     contain(device, problem, done);
     record(problem);
     if (!accelerated()) continue;
     accelerate(device, problem);
+    moveBodies(device, problem, /*yields=*/false, done);
     contain(device, problem, done);
   }
   endPass(pass);
@@ -331,6 +338,7 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
                               .velocities = fluid.particles.velocities().read(),
                               .carried = carried_.write(),
                               .positions = fluid.particles.positions().write()});
+  searchAtBodies(device, fluid.walls);
   problem.withoutRooms([&] { fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks); });
   fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.

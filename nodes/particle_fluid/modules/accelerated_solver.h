@@ -105,6 +105,8 @@ class AcceleratedSolver final : public PressureSolver {
   template <class Backend>
   void stepOn(Backend& device, FluidStep& fluid);
   void reserve(FluidStep& fluid);
+  /// Where the acceleration cannot move bodies.
+  void refuseBodies(const FluidStep& fluid) const;
   /// Counts, and finds the stages of the way to the predicted positions.
   template <class Backend>
   void beginStep(Backend& device, FluidStep& fluid);

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
+#include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/modules/fused_substitution.h"
 #include "nodes/particle_fluid/step_length.h"
 
@@ -32,8 +33,8 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   const PressureProblem problem = problemOf(fluid);
   reserve(fluid, false);
   fluid.walls.forgetShares();
-  // The same iterations in fewer passes, where nobody looks in between.
-  if (!searches() && !recordObjective)
+  // The same iterations in fewer passes, where nobody looks in between and no body moves.
+  if (!searches() && !recordObjective && !fluid.walls.moves)
     return fluid.walls.withView(
         [&](const auto& walls) { FusedSubstitution(device, problem, walls).step(iterations); });
 
@@ -51,12 +52,16 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
   for (int k = 0; k < iterations; ++k) {
     parallelForEights(device, "density", count, launched<SumAfterSum>(density));
     if (searches()) parallelForEights(device, "propose", count, propose);
-    if (stepLength == StepLength::kGlobal)
+    if (stepLength == StepLength::kGlobal) {
       reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
+      addBodyEnergy(device, problem, sums_.data());
+    }
     parallelForEights(device, "update", count, substitute);
+    moveBodies(device, problem, /*yields=*/true);
     record(problem);
   }
   problem.finish(device);
+  endBodies(device, problem);
 }
 
 template void SemiImplicitSolver::stepOn(ThisBackend&, FluidStep&);

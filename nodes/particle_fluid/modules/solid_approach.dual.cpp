@@ -66,6 +66,7 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   parallelForUneven(device, "approach", walls.metCount(),
                     StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
                                  walls.kick.view()});
+  shareKicks(device, fluid);
   sumContacts(device, fluid);
   giveImpulses(device, walls, 1);
 }

@@ -22,7 +22,7 @@ class SolidApproach final : public FluidModule {
   void step(FluidStep& fluid) override {
     if (fluid.walls.bounces) dispatch(fluid.device, [&](auto& device) { bounceOn(device, fluid); });
     if (fluid.walls.empty()) return;
-    fluid.walls.place(fluid.time.time, fluid.time.dt);
+    fluid.walls.place(fluid.time.time, fluid.time.dt, fluid.time.gravity);
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
 

@@ -110,6 +110,7 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
                     Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, pairs,
                             std::as_const(walls.met).view(), legal, each, walls.share.read(), positions,
                             fluid.particles.velocities().write(), walls.kick.view()});
+  shareKicks(device, fluid);
   sumContacts(device, fluid);
   reduceByKey(device, "pressure impulse", walls.pairs.nearCount(), solids.size, SolidImpulse{},
               PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(), positions,

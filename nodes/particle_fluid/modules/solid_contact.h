@@ -24,7 +24,11 @@ class SolidContact final : public FluidModule {
   const ModuleInfo& info() const override { return kInfo; }
 
   void step(FluidStep& fluid) override {
-    if (!fluid.walls.empty()) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+    if (fluid.walls.empty()) return;
+    if (fluid.walls.moves && !fluid.walls.moved)
+      throw sceneError("the fluid meets a RigidBody, but no solver of it moves bodies",
+                       "a SemiImplicitSolver or an AcceleratedSolver");
+    dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
 
  private:

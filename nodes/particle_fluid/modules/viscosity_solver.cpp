@@ -51,7 +51,15 @@ void ViscositySolver::warnOfSupport(FluidStep& fluid) const {
 void ViscositySolver::step(FluidStep& fluid) {
   // Fluid that finds its rest before the start flows, however viscous it is.
   if (fluid.walls.still || !(viscosity > 0)) return;
+  refuseBodies(fluid);
   dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+}
+
+void ViscositySolver::refuseBodies(const FluidStep& fluid) {
+  for (const Solid* solid : fluid.walls.solids)
+    if (solid->isMovedByForces() && solid->surface().slip < 1)
+      throw sceneError("viscous fluid does not drag a RigidBody yet",
+                       "\"slip\": 1 of the RigidBody, or Xsph");
 }
 
 bool ViscositySolver::isDone() {

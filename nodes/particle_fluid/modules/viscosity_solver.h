@@ -99,6 +99,8 @@ class ViscositySolver final : public FluidModule {
   void stepOn(Backend& device, FluidStep& fluid);
   /// Of one too small to resist shear.
   void warnOfSupport(FluidStep& fluid) const;
+  /// Throws a scene Error if forces move a solid that the fluid would drag.
+  static void refuseBodies(const FluidStep& fluid);
   /// Finds the change.
   template <class Backend, class Drag>
   void solveOn(Backend& device, FluidStep& fluid, const Drag& drag, const WallDrag& walls,

@@ -40,6 +40,7 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   // All others feel nothing.
   walls.total.fillZero();
   walls.d.fillZero();
+  if (walls.moves) walls.lift.fillZero();
   findSolids(device, "wall integrals", walls.pairs.nearCount(),
              {.solids = solids,
               .radius = fluid.constants.wallRadius,

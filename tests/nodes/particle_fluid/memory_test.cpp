@@ -46,6 +46,11 @@ const char* const kSolids =
         "walls": {"type": "SemiAnalyticalSFI"})";
 const char* const kSolidLinks =
     R"(, "water.fluid -> walls.fluid", "ball.surface -> walls.solids", "box.surface -> walls.solids")";
+const char* const kBody =
+    R"(, "ball": {"type": "TurningModel", "params": {"profile": [[0, -0.2], [0.2, 0], [0, 0.2]],
+                                                     "position": [2, 0, 0]}},
+        "body": {"type": "RigidBody", "params": {"density": 500}})";
+const char* const kBodyLinks = R"(, "water.fluid -> body.fluid", "ball.surface -> body.mesh")";
 
 const std::vector<Variant> kVariants{
     {"", "", "", ""},
@@ -66,6 +71,7 @@ const std::vector<Variant> kVariants{
      "", kSolids, kSolidLinks},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "conjugate"}})",
      "", kSolids, kSolidLinks},
+    {"", "", kBody, kBodyLinks},
 };
 
 TEST(FluidMemory, ComesToWhatIsEstimated) {

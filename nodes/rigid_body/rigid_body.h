@@ -1,0 +1,152 @@
+// A rigid body that water and gravity move: it floats, sinks, drifts and turns.
+//
+// What the mesh encloses is filled evenly; mass, centre of mass and inertia are those of mass_properties.h.
+// The fluid moves the body within the iterations of its solver (nodes/particle_fluid/body_coupling.h), so
+// that bodies of any density are stable at the fluid's own time step. Between forces it moves as free_body.h
+// says.
+//
+// Boundaries that are linked to `walls` hold the vertices of the mesh: where the body would reach into one at
+// the end of a step, impulses at these vertices change its velocity so that it does not, with Coulomb's
+// friction and a restitution. Bodies do not hold each other, nor do solids given by meshes: where one meets
+// another, the run ends with an error, and what the fluid's modules cannot do with a body is refused before.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/geometry/triangle_mesh.h"
+#include "framework/graph/node.h"
+#include "framework/solids/mesh_crossing.h"
+#include "framework/solids/solid_coupling.h"
+#include "nodes/rigid_body/body_contact.h"
+#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
+#include "nodes/static_boundary/boundary.h"
+
+namespace weir {
+
+class ParticleFluid;
+
+class RigidBody final : public Node, public RigidMotion {
+ public:
+  static constexpr NodeInfo kInfo{
+      "RigidBody", "A rigid body that water and gravity move.",
+      "float, floating, sink, buoyancy, boat, ship, raft, box, crate, ball, wood, "
+      "dynamic, buoy"};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Param<std::optional<double>> density{
+      *this,
+      "density",
+      std::nullopt,
+      {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Of the body. Either this or mass."}};
+  Param<std::optional<double>> mass{
+      *this, "mass", std::nullopt, {.unit = "kg", .min = 0, .aboveMin = true, .doc = "In place of density."}};
+  Param<Vec3f> position{*this, "position", {}, {.unit = "m", .doc = "Moves the mesh to its start."}};
+  Param<Rotation> rotation{
+      *this, "rotation", {}, {.unit = "degrees", .doc = "Turns it there, about its centre of mass."}};
+  Param<Vec3f> velocity{
+      *this, "velocity", {}, {.unit = "m/s", .doc = "That of the centre of mass at the start."}};
+  Param<Vec3f> angularVelocity{
+      *this, "angular_velocity", {}, {.unit = "rad/s", .doc = "At the start; along its axis."}};
+  Param<std::string> fixed{
+      *this, "fixed", "", {.doc = "Axes of the world along which it does not move, such as \"xz\"."}};
+  Param<std::string> fixedRotation{
+      *this, "fixed_rotation", "", {.doc = "Axes of the world about which it does not turn: \"xyz\"."}};
+  Param<float> friction{
+      *this, "friction", 0, {.min = 0, .softMax = 1, .doc = "Of fluid along it; Coulomb's coefficient."}};
+  Param<float> noSlip{*this,
+                      "no_slip",
+                      0,
+                      {.unit = "1/s",
+                       .min = 0,
+                       .softMax = 1000,
+                       .doc = "Rate at which fluid that touches the body takes its velocity."}};
+  Param<float> slip{
+      *this,
+      "slip",
+      0,
+      {.min = 0, .max = 1, .doc = "Of viscous fluid (ViscositySolver) along it, which takes 1 so far."}};
+  Param<float> wallFriction{
+      *this, "wall_friction", 0.3f, {.min = 0, .softMax = 1, .doc = "Of the body at its walls."}};
+  Param<float> restitution{
+      *this,
+      "restitution",
+      0.2f,
+      {.min = 0, .max = 1, .doc = "Share of its speed with which it bounces off its walls."}};
+
+  Inputs<Particles> fluid{*this, "fluid", "The fluid that moves it."};
+  Input<TriangleMesh> mesh{*this, "mesh", "Its surface: closed, facing outwards."};
+  Inputs<Boundary> walls{*this, "walls", "Boundaries that it does not enter."};
+  Output<SolidForces> forces{*this, "forces", "What the fluid does to it, about its centre of mass."};
+
+  void validate() const override;
+  void configure(const SetupContext& context) override;
+  void estimate(const SetupContext& context, MemoryNeeds& needs) override;
+  void reset(const SetupContext& context) override;
+  /// Until no point of it moved farther than cfl times the fluid's spacing.
+  double longestStep(const StepContext& next, double cfl) override;
+  void step(const StepContext& context) override;
+  void frame(const StepContext& context) override;
+  void report(NodeReport& report) override;
+  /// The forces that are put out.
+  void save(const StateWriter& to) const override;
+  void restore(const StateReader& from) override;
+
+  /// At the last frame; for earlier times at the one before, as far as that is known; at time 0, at the
+  /// start.
+  Pose poseAt(double time) const override;
+  /// The centre of mass.
+  Vec3f pivotAt(double time) const override;
+
+  /// From its reset on.
+  const BodyMass& massOf() const { return start_.mass; }
+  /// As it is now. Waits for the device.
+  BodyState state() const { return body_->toHost().front().state; }
+
+ private:
+  BodyMass massOfMesh(const TriangleMesh& shape) const;
+  /// Throws a scene Error if the mesh encloses nothing, or nothing that is certain.
+  void checkMesh(const TriangleMesh& shape) const;
+  BodyState stateAtStart(const BodyMass& mass) const;
+  /// Throws a scene Error if the body starts outside the fluid's domain or in a wall.
+  void checkPlace() const;
+  void meetFluid(const SetupContext& context, const TriangleMesh& shape);
+  /// Null without one.
+  ParticleFluid* water() const;
+  /// Throws a scene Error if modules of the fluid cannot move a body, or it without them.
+  void checkModules() const;
+  /// Warns of boundaries of the fluid that do not hold the body.
+  void warnOfWalls(Log& log) const;
+  /// The other solids in the same fluid.
+  void findOthers();
+  /// Throws an Error if the body is nowhere.
+  void checkState(double time) const;
+  /// Throws an Error if it has met one of them.
+  void checkOthers(double time) const;
+  std::int64_t lockedAxes() const;
+  const BodyState& shownAt(double time) const {
+    return !(time > 0) ? start_.state : time < shownTime_ ? earlier_ : shown_;
+  }
+  float spacing() const;
+
+  State<Array<FreeBody>> body_{*this, "body"};                        // one
+  State<std::vector<std::unique_ptr<Solid>>> parts_{*this, "parts"};  // one, where there is a fluid
+  State<std::int64_t> carved_{*this, "carved"};
+  State<double> lastFrame_{*this, "last_frame"};  // s
+  BodyContact contact_;
+  FreeBody start_;
+  /// A mesh of another solid in the same fluid, and the node that moves it.
+  struct Other {
+    const Node* node;
+    std::unique_ptr<CrossingMesh> mesh;
+  };
+  std::unique_ptr<CrossingMesh> surface_;
+  std::vector<Other> others_;
+  BodyState shown_, earlier_;  // at the last frame and the one before
+  double shownTime_ = 0;       // s
+  double radius_ = 0;          // of the mesh about the centre of mass, m
+};
+
+}  // namespace weir

@@ -1,0 +1,393 @@
+// Bodies in water: hydrostatics, added mass, conservation, any density, and the same bits.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "framework/run/resume_check.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/rigid_body/rigid_body.h"
+#include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir::test {
+namespace {
+
+constexpr double kGravity = 9.8, kWater = 1000, kDt = 0.005;
+
+struct Pool {
+  double side = 0.2, depth = 0.1;  // m
+  double spacing = 0.02;           // m
+  double cube = 0.1;               // m, its side
+  double height = 0.1;             // m, of its centre
+  double dt = kDt;
+  std::string solver = R"("params": {"iterations": 15})";
+  std::string body = R"("density": 500, "fixed_rotation": "xyz")";
+  double gravity = kGravity;
+  int restSteps = 200;
+};
+
+/// A cube in a pool with walls by signed distance.
+std::string sceneOf(const Pool& pool) {
+  return fmt::format(
+      R"({{"weir": 1, "world": {{"gravity": [0, {}, 0], "dt": {}, "frame_rate": 20, "duration": 5}},
+        "nodes": {{
+          "block": {{"type": "BoxSampler", "params": {{"min": [{}, 0, {}], "max": [{}, {}, {}]}}}},
+          "tank": {{"type": "StaticBoundary",
+                    "params": {{"shape": "box", "inverted": true, "min": [{}, 0, {}], "max": [{}, 2, {}]}}}},
+          "cube": {{"type": "BoxMesh", "params": {{"min": [{}, {}, {}], "max": [{}, {}, {}]}}}},
+          "body": {{"type": "RigidBody", "params": {{"position": [0, {}, 0], {}}}}},
+          "water": {{"type": "ParticleFluid", "params": {{"spacing": {}, "rest_steps": {}}},
+                     "modules": {{"solver": {{{}}}}}}}}},
+        "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+                  "tank.boundary -> body.walls", "water.fluid -> body.fluid", "cube.surface -> body.mesh"]}})",
+      -pool.gravity, pool.dt, -pool.side / 2, -pool.side / 2, pool.side / 2, pool.depth, pool.side / 2,
+      -pool.side / 2, -pool.side / 2, pool.side / 2, pool.side / 2, -pool.cube / 2, -pool.cube / 2,
+      -pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.height, pool.body, pool.spacing,
+      pool.restSteps, pool.solver);
+}
+
+struct Bathed {
+  explicit Bathed(const Pool& pool, const std::string& device = "cpu", int threads = 1)
+      : device_(openDevice(device, threads)), scene(*device_, sceneOf(pool)) {
+    scene->reset();
+  }
+  const RigidBody& body() { return scene.node<RigidBody>("body"); }
+  BodyState state() { return body().state(); }
+  void advance(int frames) {
+    const std::atomic<bool> stop = false;
+    for (int k = 0; k < frames; ++k) ASSERT_TRUE(scene->advanceFrame(stop));
+  }
+  /// The largest speed of its centre, and the mean of its height, over frames to come.
+  struct Motion {
+    double speed = 0, height = 0;
+  };
+  Motion motionOver(int frames) {
+    Motion motion;
+    for (int k = 0; k < frames; ++k) {
+      advance(1);
+      motion.speed = std::max(motion.speed, length(state().velocity));
+      motion.height += state().center.y / frames;
+    }
+    return motion;
+  }
+  /// Where the water's surface is, by its volume and the body's.
+  double level(const Pool& pool, double draught) {
+    const double particles = double(scene.node<ParticleFluid>("water").particleCount());
+    return (particles * std::pow(pool.spacing, 3) + draught * pool.cube * pool.cube) /
+           (pool.side * pool.side);
+  }
+
+ private:
+  std::unique_ptr<Device> device_;
+
+ public:
+  SimulatedScene scene;
+};
+
+/// The draught of a cube, over its side.
+double draughtOf(double density, double spacing) {
+  Pool pool{.spacing = spacing, .dt = kDt * spacing / 0.02};
+  pool.height = 0.1 + 0.03 - (density / kWater - 0.5) * pool.cube;
+  pool.body = fmt::format(R"("density": {}, "fixed_rotation": "xyz", "fixed": "xz")", density);
+  Bathed run(pool);
+  const double expected = density / kWater * pool.cube;
+  run.advance(20);
+  const Bathed::Motion motion = run.motionOver(10);
+  EXPECT_LT(motion.speed, 0.15) << density;
+  return (run.level(pool, expected) - (motion.height - pool.cube / 2)) / pool.cube;
+}
+
+/// The draught of a cube is its density's share of its side (Archimedes). Water stands off what is as small
+/// by about a tenth of a spacing more than off a wall, so heavy cubes, of which more is under water, float
+/// too high.
+TEST(Floats, ACubeFloatsAsDeepAsItsDensity) {
+  for (const double density : {100.0, 500.0, 900.0}) {
+    const double draught = draughtOf(density, 0.02);
+    std::printf("density %g, side of 5 spacings: draught of %.3f sides\n", density, draught);
+    EXPECT_NEAR(draught, density / kWater, density < 900 ? 0.03 : 0.05) << density;
+  }
+}
+
+TEST(Floats, ACubeOfManySpacingsFloatsAsDeepAsItsDensity) {
+  const double draught = draughtOf(500, 0.0125);
+  std::printf("density 500, side of 8 spacings: draught of %.3f sides\n", draught);
+  EXPECT_NEAR(draught, 0.5, 0.04);
+}
+
+/// As light as it may be, at the water's own step: what an explicit exchange of forces makes explode.
+TEST(Floats, LightBodiesDoNotExplode) {
+  Pool pool;
+  pool.height = 0.16;
+  pool.body = R"("density": 10)";
+  Bathed run(pool);
+  double fastest = 0, highest = 0;
+  for (int k = 0; k < 20; ++k) {
+    run.advance(1);
+    fastest = std::max(fastest, length(run.state().velocity));
+    highest = std::max(highest, run.state().center.y);
+  }
+  EXPECT_LT(fastest, 1);
+  EXPECT_LT(highest, 0.2);
+  EXPECT_NEAR(run.state().center.y, 0.1 + 0.04, 0.03);
+}
+
+/// Twenty times as heavy as water, it sinks to the ground and lies there.
+TEST(Floats, HeavyBodiesSinkAndLie) {
+  Pool pool{.depth = 0.2, .height = 0.16};
+  pool.body = R"("density": 20000, "restitution": 0)";
+  Bathed run(pool);
+  run.advance(15);
+  EXPECT_NEAR(run.state().center.y, pool.cube / 2, 1e-3);
+  EXPECT_LT(run.motionOver(5).speed, 0.02);
+}
+
+/// Of water's density it goes where water goes: nowhere, but for what the pressure of so few particles does
+/// to a body of five spacings. Where iterations leave the water compressed it rises, as the water is denser.
+TEST(Floats, NeutralDensityStays) {
+  Pool pool{.side = 0.24, .depth = 0.24, .height = 0.12, .dt = 0.001};
+  pool.solver = R"("params": {"iterations": 40})";
+  pool.body = R"("density": 1000)";
+  Bathed run(pool, "cpu", 0);
+  run.advance(10);
+  const BodyState state = run.state();
+  std::printf("a neutral cube has drifted by %.2g m in 0.5 s\n", std::abs(state.center.y - pool.height));
+  EXPECT_NEAR(state.center.y, pool.height, 0.5 * pool.spacing);
+  EXPECT_LT(length(state.velocity), 0.15);
+}
+
+/// What holds still is a wall: forces on it are those on a solid that does not move.
+TEST(Floats, AHeldBodyFeelsWhatASolidAtRestFeels) {
+  Pool pool{.height = 0.12};
+  pool.body = R"("density": 500, "fixed": "xyz", "fixed_rotation": "xyz")";
+  pool.restSteps = 50;
+  Bathed run(pool);
+  std::string scene = sceneOf(pool);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    scene.replace(scene.find(from), from.size(), to);
+  };
+  replace("RigidBody", "SemiAnalyticalSFI");
+  replace(", " + pool.body, "");
+  replace(R"("tank.boundary -> body.walls", )", "");
+  replace("cube.surface -> body.mesh", "cube.surface -> body.solids");
+  const auto device = openDevice("cpu", 1);
+  SimulatedScene still(*device, scene);
+  still->reset();
+  const std::atomic<bool> stop = false;
+  for (int frame = 0; frame < 3; ++frame) {
+    run.advance(1);
+    ASSERT_TRUE(still->advanceFrame(stop));
+    const SolidForces::OfSolid &held = run.body().forces->solids.front(),
+                               &solid = still.node<SemiAnalyticalSFI>("body").forces->solids.front();
+    const double weight = kWater * kGravity * std::pow(pool.cube, 3);
+    EXPECT_GT(solid.force.y, 0.1 * weight);
+    EXPECT_NEAR(length(held.force - solid.force) / weight, 0, 1e-4);
+  }
+  EXPECT_EQ(run.state().center.y, double(float(pool.height)));
+  EXPECT_EQ(length(run.state().velocity), 0);
+}
+
+/// A cube that flies into a block of water, without gravity and walls.
+struct Impact {
+  explicit Impact(const std::string& solver) : device_(openDevice("cpu")), scene(*device_, textWith(solver)) {
+    scene->reset();
+  }
+  const RigidBody& body() { return scene.node<RigidBody>("body"); }
+  /// Of the water and the body, about the origin.
+  SolidImpulse momentum() {
+    const ParticleFluid& water = scene.node<ParticleFluid>("water");
+    const ParticleSet& particles = (*water.fluid).set();
+    const std::vector<Vec3f> positions = particles.positions().toHost(water.particleCount()),
+                             velocities = particles.velocities().toHost(water.particleCount());
+    const BodyState at = body().state();
+    const double mass = body().massOf().mass;
+    SolidImpulse sum{mass * at.velocity, mass * cross(at.center, at.velocity) + at.spin};
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const Vec3d p = water.constants().particleMass * doubleOf(velocities[i]);
+      sum += {p, cross(doubleOf(positions[i]), p)};
+    }
+    return sum;
+  }
+
+ private:
+  static std::string textWith(const std::string& solver) {
+    return R"({"weir": 1,
+      "world": {"gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 50, "duration": 1},
+      "nodes": {
+        "block": {"type": "BoxSampler", "params": {"min": [-0.1, -0.1, -0.1], "max": [0.1, 0.1, 0.1]}},
+        "cube": {"type": "BoxMesh", "params": {"min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05]}},
+        "body": {"type": "RigidBody",
+                 "params": {"density": 300, "position": [0.02, 0.16, 0.01], "velocity": [0, -1, 0]}},
+        "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0},
+                  "modules": {"solver": {)" +
+           solver + R"(}, "viscosity": {"enabled": false}}}},
+      "links": ["block.particles -> water.initial", "water.fluid -> body.fluid", "cube.surface -> body.mesh"]})";
+  }
+  std::unique_ptr<Device> device_;
+
+ public:
+  SimulatedScene scene;
+};
+
+/// What the water loses the body gets. The solver must have converged, since particles lose momentum to each
+/// other where it has not. Steps that end where particles have gone, and not where they pushed, leave of the
+/// angular momentum what the velocities between them do in a step.
+TEST(Floats, MomentumIsConservedWithoutGravity) {
+  for (
+      const char* solver :
+      {R"("params": {"iterations": 800})",
+       R"("type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 400, "neighbor_searches": 2})"}) {
+    Impact impact(solver);
+    const SolidImpulse first = impact.momentum();
+    const BodyState before = impact.body().state();
+    const double size = length(first.linear), mass = impact.body().massOf().mass;
+    SolidImpulse given;
+    const std::atomic<bool> stop = false;
+    for (int frame = 0; frame < 2; ++frame) {
+      ASSERT_TRUE(impact.scene->advanceFrame(stop));
+      given += {0.02 * impact.body().forces->solids.front().force,
+                0.02 * impact.body().forces->solids.front().torque};
+    }
+    const BodyState after = impact.body().state();
+    const SolidImpulse last = impact.momentum();
+    EXPECT_GT(after.velocity.y, -0.5) << solver;
+    // What it got is what is reported.
+    EXPECT_NEAR(length(given.linear - mass * (after.velocity - before.velocity)) / size, 0, 1e-9) << solver;
+    EXPECT_NEAR(length(given.angular - (after.spin - before.spin)) / (size * 0.1), 0, 1e-9) << solver;
+    const double lost = length(last.linear - first.linear) / size,
+                 turned = length(last.angular - first.angular) / (size * 0.1);
+    std::printf("lost momentum: %.2g, angular %.2g\n", lost, turned);
+    EXPECT_LT(lost, 1e-5) << solver;
+    EXPECT_LT(turned, 1e-3) << solver;
+  }
+}
+
+TEST(Floats, StepsAllocateNothingAndReadNothingBack) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SimulatedScene scene(*device, sceneOf({.height = 0.12}), {"water.rest_steps=20", "world.frame_rate=10"});
+    scene->reset();
+    const std::atomic<bool> stop = false;
+    std::vector<std::uint64_t> allocations, readbacks;
+    for (int frame = 0; frame < 2; ++frame)
+      scene->advanceFrame(stop, [&] {
+        allocations.push_back(device->memoryUse().allocations);
+        readbacks.push_back(device->blockingReadbacks());
+      });
+    // Within a frame; between frames there is a report.
+    ASSERT_EQ(allocations.size(), 40u);
+    EXPECT_EQ(allocations[21], allocations[38]) << name;
+    EXPECT_EQ(readbacks[21], readbacks[38]) << name;
+  }
+}
+
+TEST(Floats, TheSameBitsForAnyNumberOfThreads) {
+  Pool pool;
+  pool.height = 0.12;
+  pool.body = R"("density": 200, "rotation": [10, 20, 30])";
+  Bathed one(pool, "cpu", 1), three(pool, "cpu", 3);
+  one.advance(5);
+  three.advance(5);
+  EXPECT_EQ(one.state().center, three.state().center);
+  EXPECT_EQ(one.state().rotation, three.state().rotation);
+  EXPECT_EQ(one.state().velocity, three.state().velocity);
+  EXPECT_EQ(one.state().spin, three.state().spin);
+}
+
+TEST(Floats, GoesOnBitByBitWhereItIsResumed) {
+  Pool pool;
+  pool.height = 0.12;
+  pool.body = R"("density": 200, "rotation": [10, 20, 30])";
+  const auto device = openDevice("cpu", 2);
+  Log log;
+  Registry registry;
+  registerNodes(registry);
+  const auto make = [&] {
+    std::vector<std::string> ignored;
+    auto built = buildScene(parseJson(sceneOf(pool), "test"), {"test", "", "/"}, registry, {}, ignored);
+    return std::make_unique<Simulation>(std::move(built), *device, log, registry);
+  };
+  EXPECT_EQ(resumeDifferences(make, {.savedAt = 2, .comparedFor = 2}), std::vector<std::string>{});
+}
+
+TEST(Floats, WhatCannotMoveBodiesIsRefused) {
+  const auto refusalOf = [](const std::string& solver, const std::string& change = "world.duration=5") {
+    Pool pool;
+    pool.solver = solver;
+    return std::string(errorOf([&] {
+                         const auto device = openDevice("cpu");
+                         SimulatedScene scene(*device, sceneOf(pool), {change});
+                         scene->reset();
+                       }).what());
+  };
+  EXPECT_CONTAINS(refusalOf(R"("type": "Pbf")"),
+                  "node 'water', in which the body is, has no solver that moves bodies");
+  EXPECT_CONTAINS(refusalOf(R"("type": "AcceleratedSolver", "params": {"acceleration": "conjugate"})"),
+                  "conjugate gradients do not move bodies");
+  EXPECT_CONTAINS(refusalOf(R"("params": {"iterations": 3}}, "contact": {"enabled": false)"),
+                  "enabled modules SolidApproach, WallIntegrals and SolidContact");
+  EXPECT_CONTAINS(
+      refusalOf(R"("params": {"iterations": 3}}, "thick": {"type": "ViscositySolver", "after": "walls")"),
+      "which does not drag bodies yet");
+  EXPECT_CONTAINS(refusalOf(R"("params": {"iterations": 3})", "body.position=[1, 0.1, 0]"),
+                  "m deep within its walls");
+}
+
+/// Two cubes in a pool, of which the other is given.
+std::string withAnother(const std::string& other, const std::string& input) {
+  std::string scene =
+      sceneOf({.side = 0.4, .height = 0.12, .body = R"("density": 500, "velocity": [1, 0, 0])"});
+  const auto insert = [&](const std::string& before, const std::string& text) {
+    scene.insert(scene.find(before), text);
+  };
+  insert(R"("water": {)", R"("other": )" + other + ", ");
+  insert(R"("water.fluid -> body.fluid")",
+         fmt::format(R"("water.fluid -> other.fluid", "cube.surface -> other.{}", )", input));
+  return scene;
+}
+
+TEST(Floats, BodiesThatMeetOthersEndTheRun) {
+  const auto device = openDevice("cpu");
+  const auto errorWith = [&](const std::string& other, const std::string& input, int frames) {
+    return std::string(errorOf([&] {
+                         SimulatedScene scene(*device, withAnother(other, input), {"water.rest_steps=5"});
+                         scene->reset();
+                         const std::atomic<bool> stop = false;
+                         for (int k = 0; k < frames; ++k) scene->advanceFrame(stop);
+                       }).what());
+  };
+  EXPECT_CONTAINS(
+      errorWith(R"({"type": "SemiAnalyticalSFI", "params": {"position": [0.14, 0.12, 0.01]}})", "solids", 10),
+      "the body has met 'other' at 0.");
+  EXPECT_CONTAINS(
+      errorWith(R"({"type": "RigidBody", "params": {"density": 500, "position": [0.14, 0.12, 0.01]}})",
+                "mesh", 10),
+      "the body has met 'other' at 0.");
+  EXPECT_CONTAINS(
+      errorWith(R"({"type": "RigidBody", "params": {"density": 500, "position": [0.05, 0.1, 0.01]}})", "mesh",
+                0),
+      "the body has met 'other' at 0 s, which does not hold it");
+}
+
+TEST(Floats, WarnsOfWallsThatDoNotHoldIt) {
+  std::string scene = sceneOf({.height = 0.12});
+  const std::string link = R"("tank.boundary -> body.walls", )";
+  scene.erase(scene.find(link), link.size());
+  const auto device = openDevice("cpu");
+  SimulatedScene run(*device, scene, {"water.rest_steps=0"});
+  run->reset();
+  const auto isTold = [](const std::string& warning) {
+    return warning.find(
+               "'tank' holds the fluid but not the body, which passes through it; the link "
+               "tank.boundary -> body.walls makes it hold both") != std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(run.warnings().begin(), run.warnings().end(), isTold), 1);
+}
+
+}  // namespace
+}  // namespace weir::test
