@@ -8,15 +8,16 @@
 
 namespace weir {
 
+bool WallField::hasBodies() const {
+  return std::any_of(solids.begin(), solids.end(), [](const Solid* solid) { return solid->isMovedByForces(); });
+}
+
 void WallField::place(double time, double dt, const Vec3f& gravity) {
   const double length = still ? 0 : dt;
   placed_.clear();
-  bool any = false;
-  for (Solid* solid : solids) {
-    placed_.push_back(solid->view(time, length));
-    any = any || solid->isMovedByForces();
-  }
+  for (Solid* solid : solids) placed_.push_back(solid->view(time, length));
   views.assign(placed_);
+  const bool any = hasBodies();
   moves = any && length > 0;
   moved = false;
   if (any) placeBodies(views, gravity, length);

@@ -135,6 +135,8 @@ struct WallField {
 
   /// Whether there are no meshes.
   bool empty() const { return solids.empty(); }
+  /// Whether forces move any of the solids.
+  bool hasBodies() const;
   /// Whether solvers follow what walls do to each particle.
   bool keepsShares() const { return !empty() || rubs || reports(); }
   /// Whether a boundary reports forces.

@@ -85,6 +85,11 @@ void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
   warnOfFew(outlook, maxIterations, "a tolerance");
 }
 
+Acceleration AcceleratedSolver::chosen() const {
+  if (acceleration != Acceleration::kAuto) return acceleration;
+  return conservative && !searches() && !besideBodies_ ? Acceleration::kConjugate : Acceleration::kNesterov;
+}
+
 void AcceleratedSolver::refuseBodies(const FluidStep& fluid) const {
   if (!fluid.walls.moves || !conjugates()) return;
   throw sceneError("conjugate gradients do not move bodies", "another acceleration beside a RigidBody")

@@ -111,6 +111,7 @@ struct MeetWalls {
 
 template <class Backend>
 void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
+  besideBodies_ = fluid.walls.hasBodies();
   refuseBodies(fluid);
   PressureProblem problem = problemOf(fluid);
   reserve(fluid);

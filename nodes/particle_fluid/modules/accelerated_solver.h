@@ -32,10 +32,13 @@ namespace detail {
 struct Judge;
 }  // namespace detail
 
-enum class Acceleration { kNone, kNesterov, kAnderson, kConjugate };
+enum class Acceleration { kAuto, kNone, kNesterov, kAnderson, kConjugate };
 template <>
 struct EnumNames<Acceleration> {
-  static constexpr std::array<EnumName, 4> kNames{
+  static constexpr std::array<EnumName, 5> kNames{
+      EnumName{"auto",
+               "conjugate; or nesterov with a RigidBody in the fluid, with forces that are not conservative, "
+               "and with a step_length that is searched, for which conjugate is not made."},
       EnumName{"none", "Iterations as in the paper."},
       EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."},
       EnumName{"anderson",
@@ -67,7 +70,7 @@ class AcceleratedSolver final : public PressureSolver {
       1000,
       {.min = 1, .max = 10000, .live = true, .doc = "The most after each search for neighbours."}};
   Param<Acceleration> acceleration{
-      *this, "acceleration", Acceleration::kConjugate, {.doc = "How iterations build on earlier ones."}};
+      *this, "acceleration", Acceleration::kAuto, {.doc = "How iterations build on earlier ones."}};
   Param<std::optional<int>> neighborSearches{
       *this,
       "neighbor_searches",
@@ -151,10 +154,12 @@ class AcceleratedSolver final : public PressureSolver {
   /// and round once more, and how many there were would depend on the time that the host takes.
   void endPass(int pass);
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
-  bool accelerated() const { return acceleration != Acceleration::kNone; }
-  bool hasMomentum() const { return acceleration == Acceleration::kNesterov; }
-  bool mixes() const { return acceleration == Acceleration::kAnderson; }
-  bool conjugates() const { return acceleration == Acceleration::kConjugate; }
+  bool accelerated() const { return chosen() != Acceleration::kNone; }
+  bool hasMomentum() const { return chosen() == Acceleration::kNesterov; }
+  bool mixes() const { return chosen() == Acceleration::kAnderson; }
+  bool conjugates() const { return chosen() == Acceleration::kConjugate; }
+  /// What `auto` means here.
+  Acceleration chosen() const;
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
   /// changing their velocities, which then do not lead back along it.
   bool staged(const FluidStep& fluid) const;
@@ -174,6 +179,7 @@ class AcceleratedSolver final : public PressureSolver {
   std::optional<Readback<Control>> controlSeen_;
   State<std::int64_t> passes_{*this, "passes"};  // begun, as Control::passes
   Array<float> farthest_;  // one number: the largest square of a displacement to a predicted position, m²
+  bool besideBodies_ = false;  // whether the fluid moves solids
   bool over_ = false;      // whether the host knows that a step makes no other pass
 };
 
