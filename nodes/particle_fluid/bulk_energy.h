@@ -57,8 +57,6 @@ class BulkEnergy {
     for (int n = terms_ - 1; n >= 0; --n) sum = sum * e + ofExcess_[n] / float(n + 2);
     return sum * e * e;
   }
-  /// Whether the derivative is proportional to e, as of B0.
-  bool isQuadratic() const { return terms_ == 1; }
   /// |Ḃ⁻|.
   WEIR_HD float negativePart() const { return constant_; }
 

@@ -47,14 +47,6 @@ struct EnergyDerivativeWith {
 };
 using EnergyDerivative = EnergyDerivativeWith<WallFieldView>;
 
-/// Ḃ as the density pass has left it beside a position.
-struct AsStored {
-  template <class T>
-  WEIR_HD const T& operator()(const T& derivative) const {
-    return derivative;
-  }
-};
-
 /// What pushes a particle, and how far it may go: the bracket of Eq. 14 is `push` - displacement.
 template <class T>
 struct Push {
@@ -76,11 +68,11 @@ struct PushWith {
   ArrayView<const Vec4f> weighted;
 
   // Inline, so that what is the same for all particles is prepared once for all.
-  template <class Index, class Weight = AsStored>
-  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i, const Weight& weight = {}) const {
+  template <class Index>
+  [[gnu::always_inline]] WEIR_HD Push<NumberAt<Index>> operator()(Index i) const {
     const auto list = neighborsOf(i, neighbors);
     const auto s = read(weighted, i);
-    const auto ownWeight = own * weight(s.w);
+    const auto ownWeight = own * s.w;
     const auto self = asInt(i);
     const auto pairPush = [&]<class T>(const auto& j, const Vec4<T>& t) {
       Vec3<T> d{t.x - s.x, t.y - s.y, t.z - s.z};
@@ -91,12 +83,12 @@ struct PushWith {
         r = select(r < T(shortest), T(shortest), r);
       }
       const T a = fastDivide(stiffness * kernel.slope(r), r);
-      const T b = (ownWeight + others * weight(t.w)) * a;
+      const T b = (ownWeight + others * t.w) * a;
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
     const auto sum = sumOverNeighbors<Vec4f>(list, pairPush, weighted);
     Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
-    if (!walls.empty()) addWalls(i, xyz(s), weight(s.w), total);
+    if (!walls.empty()) addWalls(i, xyz(s), s.w, total);
     return total;
   }
 

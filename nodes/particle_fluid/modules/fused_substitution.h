@@ -4,41 +4,12 @@
 // displacements; the last one ends in positions and velocities, with the motion codes of those.
 #pragma once
 
-#include <limits>
-
 #include "framework/compute/eight.h"
 #include "framework/compute/wide_access.h"
 #include "framework/neighbors/motion_code.h"
 #include "nodes/particle_fluid/pressure_problem.h"
 
 namespace weir {
-
-/// Where the crowding stands there in place of Ḃ, which is then factor·e: in the first of several iterations.
-struct OfCrowding {
-  float volumeAtZero;  // V0·W(0)
-  float min;           // that e may be
-  float factor;
-
-  template <class T>
-  WEIR_HD T operator()(const T& crowding) const {
-    const T e = volumeAtZero * crowding - 1;
-    return factor * select(e > T(min), e, T(min));
-  }
-};
-
-/// What the few places near walls miss for that.
-template <class Walls>
-struct CrowdByWalls {
-  float inverseVolume;  // 1/(V0·W(0))
-  Walls walls;
-  ArrayView<Vec4f> places;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec4f at = loadWhole(places[i]);
-    const float phi = walls.phi(i, {}, xyz(at));
-    if (phi > 0) places[i].w = at.w + inverseVolume * phi;
-  }
-};
 
 /// Makes positions weighted with Ḃ of what the search has summed.
 template <class Walls>
@@ -80,10 +51,9 @@ struct DerivativeOfPlace {
 
 /// An iteration of SemiImplicitSolver. The first one starts without displacements, the last one ends in
 /// positions and velocities, so that a step needs no other passes for these.
-template <class Walls, class Weight>
+template <class Walls>
 struct FusedSubstitute {
   PushWith<Walls> pushOf;
-  Weight weight;
   float inverseDt;
   ArrayView<Vec3f> positions, velocities;  // predicted until the last iteration
   ArrayView<Vec3f> displacement;
@@ -97,7 +67,7 @@ struct FusedSubstitute {
     const auto before = besideSum(displacement, i, !begins);
     const auto predicted = besideSum(positions, i);
     const auto velocity = besideSum(velocities, i, ends);
-    const auto at = pushOf(i, weight);
+    const auto at = pushOf(i);
     const Vector u = begins ? Vector{} : Vector(before());
     const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
@@ -140,12 +110,11 @@ class FusedSubstitution {
     if (found_.empty()) problem_.start(device_);
     for (int k = 0; k < iterations; ++k) {
       const bool begins = k == 0, ends = k + 1 == iterations;
-      if (begins && !ends && iterateFromCrowding()) continue;
       if (begins)
         sumFirstDensities();
       else
         sumDensities();
-      auto update = substitute(AsStored{});
+      auto update = substitute();
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
       parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
     }
@@ -159,34 +128,16 @@ class FusedSubstitution {
   bool hasPlaces() const { return found_.places.size > 0; }
   Count count() const { return problem_.fluid.particles.count(); }
 
-  template <class Weight>
-  FusedSubstitute<Walls, Weight> substitute(const Weight& weight) const {
+  FusedSubstitute<Walls> substitute() const {
     PushWith<Walls> pushOf = problem_.pushWith(walls_);
     pushOf.weighted = weighted_;
     return {.pushOf = pushOf,
-            .weight = weight,
             .inverseDt = problem_.inverseDt(),
             .positions = positions_,
             .velocities = velocities_,
             .displacement = problem_.displacement(),
             .state = state_,
             .code = MotionCode(problem_.fluid.constants.supportRadius)};
-  }
-
-  /// Where the search has left places, the first of several iterations may do without a pass for Ḃ.
-  bool iterateFromCrowding() const {
-    if (!hasPlaces() || !problem_.energy.isQuadratic()) return false;
-    if (!walls_.empty())
-      parallelFor(
-          device_, "density", count(),
-          CrowdByWalls<Walls>{.inverseVolume = 1 / volumeAtZero_, .walls = walls_, .places = weighted_});
-    auto update = substitute(
-        OfCrowding{.volumeAtZero = volumeAtZero_,
-                   .min = problem_.tension ? std::numeric_limits<float>::lowest() : 0.0f,
-                   .factor = problem_.energy.derivative(1.0f)});
-    update.begins = true;
-    parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
-    return true;
   }
 
   void sumFirstDensities() const {
