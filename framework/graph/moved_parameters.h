@@ -7,9 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/base/value.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class MovedParameters {
  public:

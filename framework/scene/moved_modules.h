@@ -4,11 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/graph/module.h"
 #include "framework/graph/place.h"
 #include "framework/graph/registry.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// The "modules" object of a node in the words of today. Adds a warning, which says what to write, for each
 /// module that it changes.
