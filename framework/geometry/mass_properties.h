@@ -1,9 +1,10 @@
 // Volume, centre of mass and inertia of what a closed mesh encloses.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// A symmetric matrix of 3 rows.
 struct Symmetric3 {

@@ -12,9 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/particles/attribute_types.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class ParticleSet;
 

@@ -14,11 +14,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "framework/base/api.h"
 #include "framework/base/vec.h"
 #include "framework/geometry/mass_properties.h"
 #include "framework/solids/pose.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// What fluids did to a solid: ∫ force dt [N·s] and ∫ torque dt [N·m·s], the latter about the solid's pivot.
 struct SolidImpulse {

@@ -1,12 +1,13 @@
 // Whether the surfaces of two rigid meshes cross, wherever these stand.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/device.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/geometry/triangle_tree.h"
 #include "framework/solids/pose.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 /// Answers on the host.
 class CrossingMesh {

@@ -11,12 +11,13 @@
 // does not creep; what is still within a wall is moved out without a velocity.
 #pragma once
 
+#include "framework/base/api.h"
 #include "framework/compute/array.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/solids/free_body.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 struct ContactMaterial {
   double friction = 0, restitution = 0;

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/mesh_crossing.h"
@@ -24,7 +25,7 @@
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "nodes/static_boundary/boundary.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class ParticleFluid;
 
