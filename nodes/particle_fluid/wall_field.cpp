@@ -9,7 +9,8 @@
 namespace weir {
 
 bool WallField::hasBodies() const {
-  return std::any_of(solids.begin(), solids.end(), [](const Solid* solid) { return solid->isMovedByForces(); });
+  return std::any_of(solids.begin(), solids.end(),
+                     [](const Solid* solid) { return solid->isMovedByForces(); });
 }
 
 void WallField::place(double time, double dt, const Vec3f& gravity) {

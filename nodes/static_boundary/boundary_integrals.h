@@ -113,8 +113,8 @@ WEIR_HD inline SolidIntegrals<float> pieceIntegrals(const BoundaryPiece& piece, 
   return distanceIntegrals(piece, inverseRadius, at);
 }
 
-// What solids of any kind take costs every sum over neighbours beside it registers, even where there are none.
-// So what most fluids have, no such solids or one box, are types of their own.
+// What solids of any kind take costs every sum over neighbours beside it registers, even where there are
+// none. So what most fluids have, no such solids or one box, are types of their own.
 
 /// For kernels of a fluid that meets no solids by signed distance.
 struct NoBoundary {

@@ -154,7 +154,8 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
   constexpr double kReach = 0.25;  // spacings
   // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
   constexpr int kMixturesUntilConverged = 3;
-  // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a collapse.
+  // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a
+  // collapse.
   constexpr double kSettled = 0.05;
   const double bulk = bulkEnergy_.value(tolerance.get().value_or(0.0f));
   const double reach = kReach * problem.fluid.constants.spacing;

@@ -180,7 +180,7 @@ class AcceleratedSolver final : public PressureSolver {
   State<std::int64_t> passes_{*this, "passes"};  // begun, as Control::passes
   Array<float> farthest_;  // one number: the largest square of a displacement to a predicted position, m²
   bool besideBodies_ = false;  // whether the fluid moves solids
-  bool over_ = false;      // whether the host knows that a step makes no other pass
+  bool over_ = false;          // whether the host knows that a step makes no other pass
 };
 
 /// What scenes give SemiImplicitSolver that were written when it had these parameters.

@@ -145,19 +145,19 @@ class FusedSubstitution {
     if (hasPlaces())
       parallelFor(device_, "density", count(),
                   DerivativeOfPlace<Walls>{.volumeAtZero = volumeAtZero_,
-                                    .energy = energy,
-                                    .tension = problem_.tension,
-                                    .walls = walls_,
-                                    .places = weighted_});
+                                           .energy = energy,
+                                           .tension = problem_.tension,
+                                           .walls = walls_,
+                                           .places = weighted_});
     else if (found_.crowding.size > 0)
       parallelForEights(device_, "density", count(),
                         FirstDerivative<Walls>{.volumeAtZero = volumeAtZero_,
-                                        .energy = energy,
-                                        .tension = problem_.tension,
-                                        .walls = walls_,
-                                        .predicted = positions_,
-                                        .crowding = found_.crowding,
-                                        .weighted = weighted_});
+                                               .energy = energy,
+                                               .tension = problem_.tension,
+                                               .walls = walls_,
+                                               .predicted = positions_,
+                                               .crowding = found_.crowding,
+                                               .weighted = weighted_});
     else
       sumDensities();
   }
