@@ -69,8 +69,21 @@ def without_arguments(name):
     return kept.split(" ")[-1]
 
 
+def is_instance(name):
+    """Whether a name is that of a function template's instance: weir::ParticleSet::moveOn<weir::CpuAvx2>(...)."""
+    depth = 0
+    for at, letter in enumerate(name):
+        if depth == 0 and letter == "(":
+            return name[:at].endswith(">") and not re.search(r"operator\W*>$", name[:at])
+        depth += (letter == "<") - (letter == ">")
+    return False
+
+
 def is_public(name, types, functions):
-    """Whether a name that the linker knows, as c++filt has it, comes from a public header."""
+    """Whether a name that the linker knows, as c++filt has it, comes from a public header. Instances of function templates
+    do not count: those that are no weak symbols are kernels for one set of the processor's instructions."""
+    if is_instance(name):
+        return False
     first, *rest = without_arguments(name).split("::")
     rest = [part for part in rest if part != "detail"]
     if first != "weir" or not rest:

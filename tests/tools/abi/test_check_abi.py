@@ -41,7 +41,7 @@ class CheckAbi(unittest.TestCase):
         self.build("1.0", PUBLIC)
         self.assertEqual(self.check("--update"), "")
 
-    def build(self, version, public=PUBLIC, private=PRIVATE, source=SOURCE):
+    def build(self, version, public=PUBLIC, private=PRIVATE, source=SOURCE, flags=()):
         generated = self.root / "generated/framework/graph"
         generated.mkdir(parents=True, exist_ok=True)
         (generated / "interface_digest.h").write_text(f'char kInterfaceIdentity[] = "0.1.0, interface {version}, headers 0";')
@@ -52,7 +52,7 @@ class CheckAbi(unittest.TestCase):
         (self.root / "lib").mkdir(exist_ok=True)
         (self.root / "interface").mkdir(exist_ok=True)
         library = self.root / "library.so"
-        subprocess.run([CXX, "-g", "-fPIC", "-shared", "-I", self.root, self.root / "source.cpp", "-o", library], check=True)
+        subprocess.run([CXX, *flags, "-g", "-fPIC", "-shared", "-I", self.root, self.root / "source.cpp", "-o", library], check=True)
         for room in ("framework", "nodes"):
             shutil.copy(library, self.root / f"lib/libweir_{room}.so")
             shutil.copy(library, self.root / f"interface/libweir_{room}_interface.so")
@@ -122,6 +122,16 @@ class CheckAbi(unittest.TestCase):
     def test_a_missing_baseline_is_named(self):
         shutil.rmtree(self.root / "baseline")
         self.assertIn("./dev check-abi --update", self.check())
+
+    def test_kernels_for_instructions_of_a_processor_do_not_count(self):
+        public = PUBLIC.replace("int depth", "template <class T> int depthOn(T& device);\nint depth")
+        self.build("1.0", public)  # which is described without them
+        described = {room: (self.root / f"interface/libweir_{room}_interface.so").read_bytes() for room in ("framework", "nodes")}
+        kernel = "\nnamespace weir {\ntemplate <class T> int depthOn(T&) { return 1; }\ntemplate int depthOn(int&);\n}\n"
+        self.build("1.0", public, source=SOURCE + kernel, flags=["-fno-weak"])
+        for room, library in described.items():
+            (self.root / f"interface/libweir_{room}_interface.so").write_bytes(library)
+        self.assertEqual(self.check(), "")
 
 
 if __name__ == "__main__":
