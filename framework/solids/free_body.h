@@ -123,26 +123,26 @@ WEIR_HD inline Twist product(const TwistMatrix& a, const Twist& x) {
 /// x of A·x = b, where the components of x that `locked` has a bit for are 0, by Cholesky's method. A must be
 /// positive definite without these.
 WEIR_HD inline Twist solved(TwistMatrix a, const Twist& right, std::int64_t locked) {
-  constexpr int n = TwistMatrix::kSize;
-  double x[n] = {right.linear.x,  right.linear.y,  right.linear.z,
-                 right.angular.x, right.angular.y, right.angular.z};
-  for (int i = 0; i < n; ++i) {
+  constexpr int kSize = TwistMatrix::kSize;
+  double x[kSize] = {right.linear.x,  right.linear.y,  right.linear.z,
+                     right.angular.x, right.angular.y, right.angular.z};
+  for (int i = 0; i < kSize; ++i) {
     if ((locked >> i & 1) == 0) continue;
-    for (int j = 0; j < n; ++j) (i > j ? a.at(i, j) : a.at(j, i)) = i == j ? 1 : 0;
+    for (int j = 0; j < kSize; ++j) (i > j ? a.at(i, j) : a.at(j, i)) = i == j ? 1 : 0;
     x[i] = 0;
   }
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < kSize; ++i)
     for (int j = 0; j <= i; ++j) {
       double sum = a.at(i, j);
       for (int k = 0; k < j; ++k) sum -= a.at(i, k) * a.at(j, k);
       a.at(i, j) = i == j ? sqrt(sum) : sum / a.at(j, j);
     }
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < kSize; ++i) {
     for (int k = 0; k < i; ++k) x[i] -= a.at(i, k) * x[k];
     x[i] /= a.at(i, i);
   }
-  for (int i = n - 1; i >= 0; --i) {
-    for (int k = i + 1; k < n; ++k) x[i] -= a.at(k, i) * x[k];
+  for (int i = kSize - 1; i >= 0; --i) {
+    for (int k = i + 1; k < kSize; ++k) x[i] -= a.at(k, i) * x[k];
     x[i] /= a.at(i, i);
   }
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
