@@ -1,18 +1,27 @@
 // Particles as a page sees them, and as `weir run --ply-particles` writes them: by id, every attribute to the last bit.
 
-const kRead = { float: (view, at) => view.getFloat32(at, true), int: (view, at) => view.getInt32(at, true) };
-const kBytes = 4;
+const kTypes = {
+  float: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
+  double: { bytes: 8, read: (view, at) => view.getFloat64(at, true) }, // ids
+  int: { bytes: 4, read: (view, at) => view.getInt32(at, true) },
+};
 
 /** Of a binary PLY file of particles: attributes by id. */
 export function particlesOfPly(bytes) {
   const end = bytes.indexOf("end_header\n") + "end_header\n".length;
   const header = bytes.subarray(0, end).toString("latin1");
   const count = Number(/element vertex (\d+)/.exec(header)[1]);
-  const columns = [...header.matchAll(/property (\w+) (\w+)/g)].map((m) => ({ read: kRead[m[1]], name: m[2] }));
+  const columns = [...header.matchAll(/property (\w+) (\w+)/g)].map((m) => ({ ...kTypes[m[1]], name: m[2] }));
   const view = new DataView(bytes.buffer, bytes.byteOffset + end);
   const particles = new Map();
+  let at = 0;
+  const next = (column) => {
+    const value = column.read(view, at);
+    at += column.bytes;
+    return value;
+  };
   for (let i = 0; i < count; ++i) {
-    const row = Object.fromEntries(columns.map((c, k) => [c.name, c.read(view, kBytes * (i * columns.length + k))]));
+    const row = Object.fromEntries(columns.map((c) => [c.name, next(c)]));
     const { x, y, z, vx, vy, vz, id, ...rest } = row;
     particles.set(id, { position: [x, y, z], velocity: [vx, vy, vz], ...rest });
   }
