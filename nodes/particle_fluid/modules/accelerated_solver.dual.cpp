@@ -181,7 +181,7 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     }
     if (controlled()) judge(device, problem, /*last=*/k + 1 == maxIterations);
     parallelForEights(device, "update", count, update);
-    // The host may hear of the end of a pass, and of all passes, some iterations later.
+    // The end of a pass is decided above; the host hears of it when the rest of the iteration is launched.
     const Control* control = control_->data();
     const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
     moveBodies(device, problem, /*yields=*/true, done);
