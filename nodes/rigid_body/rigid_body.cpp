@@ -96,7 +96,7 @@ void RigidBody::checkModules() const {
     refuse("has no solver that moves bodies", "a SemiImplicitSolver or an AcceleratedSolver");
   if (accelerated != nullptr && accelerated->acceleration == Acceleration::kConjugate)
     refuse("has an AcceleratedSolver whose conjugate gradients do not move bodies",
-           R"("acceleration": "nesterov", "anderson" or "none")");
+           R"("acceleration": "nesterov" or "none")");
   if (enabledModule<SolidApproach>(in) == nullptr || enabledModule<WallIntegrals>(in) == nullptr ||
       enabledModule<SolidContact>(in) == nullptr)
     refuse("does not meet it in full", "enabled modules SolidApproach, WallIntegrals and SolidContact");

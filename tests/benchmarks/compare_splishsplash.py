@@ -146,7 +146,7 @@ def as_incompressible_as(tolerance):
     return [f"water.bulk_modulus={max(1e6, PRESSURE / tolerance):.3g}",
             "water.solver.type=AcceleratedSolver", f"water.solver.tolerance={max(1e-6, tolerance):.3g}",
             f"water.solver.max_iterations={MOST_ITERATIONS}",
-            "water.solver.acceleration=anderson", "water.solver.neighbor_searches=1"]
+            "water.solver.acceleration=conjugate", "water.solver.neighbor_searches=1"]
 
 
 def table(results):

@@ -3,7 +3,7 @@
 
   convergence.py PROGRAM [--device D] [--threads N] [--spacings 0.04,0.02] [--steps-ms 1,2,5,10]
                  [--duration S] [--short S] [--tolerance T] [--most N] [--bulk-modulus PA] [--keep FILE]
-                 [--acceleration nesterov|anderson|conjugate] [--support-ratio R] [--heights]
+                 [--acceleration nesterov|conjugate] [--support-ratio R] [--heights]
 
 Of every spacing and step it runs, over --duration:
   the solver with a tolerance and acceleration   iterations and stages a step, steps that did not meet it, compression, height
@@ -148,7 +148,7 @@ def main():
     parser.add_argument("--tolerance", type=float, default=0.001)
     parser.add_argument("--most", type=int, default=2000, help="iterations after each search for neighbours")
     parser.add_argument("--bulk-modulus", type=float, default=1e7, metavar="PA")
-    parser.add_argument("--acceleration", default="nesterov", choices=["nesterov", "anderson", "conjugate"])
+    parser.add_argument("--acceleration", default="nesterov", choices=["nesterov", "conjugate"])
     parser.add_argument("--support-ratio", type=float, metavar="R", help="instead of the scene's")
     parser.add_argument("--heights", action="store_true", help="with the tolerance and acceleration alone")
     parser.add_argument("--keep", metavar="FILE", help="outcomes, to go on from in another call")

@@ -114,8 +114,8 @@ def test_parameters_that_moved_make_the_solver_the_other_one(scene):
     written = json.loads(scene.to_json())["nodes"]["water"]["modules"]["solver"]
     assert written == {"type": "AcceleratedSolver",
                        "params": {"tolerance": 0.01, "max_iterations": 40, "acceleration": "none"}}
-    modules["solver"].acceleration = "anderson"
-    assert modules["solver"].acceleration == "anderson"
+    modules["solver"].acceleration = "nesterov"
+    assert modules["solver"].acceleration == "nesterov"
     modules.replace("solver", weir.modules.SemiImplicitSolver, tolerance=0.02)
     assert modules["solver"].tolerance == pytest.approx(0.02)
     modules.replace("solver", weir.modules.SemiImplicitSolver, path_stages=4)

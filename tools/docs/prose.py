@@ -17,7 +17,7 @@ LONG = 30  # words of a sentence
 HASH = re.compile(r"\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,12}\b")
 
 # Words of the field that a reader may have to look up. A page may use those that the glossary explains.
-TERMS = """acceleration;Anderson;animated;artificial viscosity;attribute;back end;bulk modulus;buoyancy;calibration;CFL;checkpoint;
+TERMS = """acceleration;animated;artificial viscosity;attribute;back end;bulk modulus;buoyancy;calibration;CFL;checkpoint;
 compression;converged;Coulomb friction;DFSPH;density error;deterministic;device;displacement;DLPack;emitter;FLIP;
 fog volume;frame;glTF;graph;headless;hydrostatic;ISA;iterations;Jacobi;jitter;kernel;keyframe;lattice;link;mesh;module;momentum;
 neighbour;neighbour list;Nesterov;no-slip;node;open mesh;OpenVDB;packing;particle;PBF;pipeline;plugin;port;predicted position;PLY;

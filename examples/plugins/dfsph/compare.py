@@ -17,7 +17,7 @@ ACCURACIES = [1e-3, 1e-4]
 # A column of the table each: the solver's name, its type, and settings of it beside the accuracy.
 SOLVERS = [
     ("AcceleratedSolver, none", "AcceleratedSolver", ["water.solver.acceleration=none"]),
-    ("AcceleratedSolver, anderson", "AcceleratedSolver", ["water.solver.acceleration=anderson"]),
+    ("AcceleratedSolver, conjugate", "AcceleratedSolver", ["water.solver.acceleration=conjugate"]),
     ("Dfsph", "Dfsph", []),
 ]
 

@@ -9,13 +9,10 @@ namespace weir {
 struct SolverControl {
   int done = 0;          // of this step: whether to make no more iterations
   int met = 0;           // whether the tolerance is met
-  int metInARow = 0;     // iterations of this pass that have met it since one did not
   int iterations = 0;    // of this step
   int sinceRestart = 0;  // of the acceleration
   int takesBack = 0;     // whether this iteration takes back what acceleration made of the last
   float momentum = 0;    // share of the last change that the next one goes on with; 0: the next is plain
-  int entry = 0;         // of AndersonHistory, the latest
-  int exhausted = 0;     // whether mixtures gain nothing any more in this pass, and momentum goes on
   double objective = 0;  // the least so far
   // Of conjugate gradients (conjugate.h).
   double slope = 0;     // -z·g of the last iteration, m²

@@ -3,7 +3,6 @@
 
 #include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
-#include "nodes/particle_fluid/modules/anderson.h"
 #include "nodes/particle_fluid/solver_sums.h"
 
 namespace weir::detail {
@@ -15,9 +14,7 @@ struct Judge {
   Count count;
   double tolerance;  // below 0: never done
   double settled;    // m², of each particle; see JudgeDirection
-  int meetings;      // of the tolerance, one after another, that end a pass
   bool accelerated;
-  bool mixes;       // by Anderson's acceleration
   double farthest;  // m², squared; from here on, lists no longer hold
   int maxRepeats;   // of a stage
   int passes;       // of the last stage
@@ -74,10 +71,9 @@ struct Judge {
     const bool rose = sums->objective > (1 + kRounding) * control->objective;
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
     control->met = meets() && !control->takesBack ? 1 : 0;
-    control->metInARow = control->met ? control->metInARow + 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kMin && (control->metInARow >= meetings || stalls)) {
+    if (control->iterations >= kMin && (control->met || stalls)) {
       control->done = 1;
       return;
     }
@@ -87,14 +83,7 @@ struct Judge {
       control->momentum = 0;
       return;
     }
-    // A mixture whose gain is lost in rounding: see anderson.h.
-    if (mixes && !control->exhausted && control->sinceRestart > kInFlight && control->momentum > 0 &&
-        sums->objective > (1 - kRounding) * control->objective) {
-      control->exhausted = 1;
-      control->sinceRestart = 0;
-    }
     const int k = control->sinceRestart++;
-    control->entry = AndersonHistory::after(control->entry);
     control->momentum = accelerated && !last ? float(k) / float(k + 3) : 0.0f;
     control->objective = sums->objective;
   }

@@ -64,10 +64,8 @@ struct BeginPass {
     control->sinceRestart = 0;
     control->takesBack = 0;
     control->momentum = 0;
-    control->exhausted = 0;
     control->withoutGain = 0;
     control->objective = 0;
-    control->metInARow = 0;
     ++control->passes;
   }
 };

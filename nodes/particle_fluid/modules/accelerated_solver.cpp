@@ -61,7 +61,6 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
   farthest_.resize(1);
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
-  mixing_.release();
   directions_.release();
   carried_ = carries() ? fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
                                                      "By pressure and walls, at the last search in a step."})
@@ -130,7 +129,6 @@ int AcceleratedSolver::maxPasses() const {
 
 void AcceleratedSolver::reserve(FluidStep& fluid) {
   const bool walls = fluid.walls.keepsShares();
-  if (mixes()) mixing_.reserve(fluid.device, fluid.particles.capacity(), walls);
   if (conjugates()) directions_.reserve(fluid);
   if (hasMomentum()) fitScratch(fluid, plain_);
   if (hasMomentum() && walls) fitScratch(fluid, plainShare_);
@@ -141,7 +139,6 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
   double bytes = PressureSolver::memory(room);
-  if (mixes()) bytes += mixing_.memoryFor(n, room.wallShares);
   if (conjugates()) bytes += directions_.memoryFor(n, room.wallShares);
   if (hasMomentum()) bytes += bytesOfArrays(n, plain_);
   if (hasMomentum() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
@@ -152,8 +149,6 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
 
 detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
   constexpr double kReach = 0.25;  // spacings
-  // The best mixture meets it before particles have come to rest; energy that should be lost is then left.
-  constexpr int kMixturesUntilConverged = 3;
   // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a
   // collapse.
   constexpr double kSettled = 0.05;
@@ -164,9 +159,7 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
           .count = problem.fluid.particles.count(),
           .tolerance = double(tolerance.get().value_or(-1.0f)),
           .settled = kSettled * double(problem.stiffness()) * bulk,
-          .meetings = mixes() ? kMixturesUntilConverged : 1,
           .accelerated = accelerated(),
-          .mixes = mixes(),
           .farthest = reach * reach,
           .maxRepeats = maxRepeats(),
           .passes = passes(),

@@ -34,13 +34,11 @@ struct Update {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
-  AndersonHistory history;
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     if (control != nullptr && (control->done || control->takesBack)) return;
     step(i, [this](const auto& k, const auto& u, const auto& change) {
-      if (!history.empty()) write(history.startsOf(control->entry), k, u);
       const auto moved = u + change;
       write(displacement, k, moved);
       const auto p = read(predicted, k) + moved;
@@ -162,8 +160,7 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
                       .control = controlled() ? control_->data() : nullptr,
                       .predicted = problem.predicted(),
                       .displacement = problem.displacement(),
-                      .state = problem.state(),
-                      .history = mixing_.view()};
+                      .state = problem.state()};
   UnlessDone<EnergyDerivative> density{problem.derivative(excess_.view())};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});
   ++passes_;
@@ -275,12 +272,6 @@ template <class Backend>
 void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& problem) {
   const Count count = problem.fluid.particles.count();
   const WallFieldView walls = problem.fluid.walls.view();
-  if (mixes())
-    return mixing_.mix(device, count, control_->data(),
-                       {.displacement = problem.displacement(),
-                        .share = walls.share,
-                        .predicted = problem.predicted(),
-                        .state = problem.state()});
   parallelFor(device, "extrapolate", count,
               Extrapolate{.control = control_->data(),
                           .plain = plain_.view(),

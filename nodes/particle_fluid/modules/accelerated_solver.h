@@ -6,8 +6,8 @@
 //
 //   û_k = f(u_k),   u_k+1 = û_k + k/(k + 3)·(û_k − û_k−1)        (Nesterov)
 //
-// or Anderson's acceleration (anderson.h). Where Σ E has risen, the last step is taken back. With each,
-// particles are kept out of the solids in every iteration.
+// Where Σ E has risen, the last step is taken back. With each, particles are kept out of the solids in every
+// iteration.
 //
 // With a tolerance, particles that fly further than a spacing are led to x* in stages: the same problem is
 // solved with x* − (1 − s/n)·dt·v* in place of x* for s = 1 … n, each from the displacement of the one before
@@ -22,7 +22,6 @@
 #include "framework/compute/readback.h"
 #include "framework/graph/moved_parameters.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
-#include "nodes/particle_fluid/modules/anderson.h"
 #include "nodes/particle_fluid/modules/conjugate.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
@@ -32,17 +31,15 @@ namespace detail {
 struct Judge;
 }  // namespace detail
 
-enum class Acceleration { kAuto, kNone, kNesterov, kAnderson, kConjugate };
+enum class Acceleration { kAuto, kNone, kNesterov, kConjugate };
 template <>
 struct EnumNames<Acceleration> {
-  static constexpr std::array<EnumName, 5> kNames{
+  static constexpr std::array<EnumName, 4> kNames{
       EnumName{"auto",
                "conjugate; or nesterov with a RigidBody in the fluid, with forces that are not conservative, "
                "and with a step_length that is searched, for which conjugate is not made."},
       EnumName{"none", "Iterations as in the paper."},
       EnumName{"nesterov", "Nesterov's momentum, taken back where the objective would rise."},
-      EnumName{"anderson",
-               "The best mixture of the last four iterates, taken back where the objective would rise."},
       EnumName{"conjugate",
                "Conjugate gradients, with a search for the length of each step: the fewest iterations."}};
 };
@@ -156,7 +153,6 @@ class AcceleratedSolver final : public PressureSolver {
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return chosen() != Acceleration::kNone; }
   bool hasMomentum() const { return chosen() == Acceleration::kNesterov; }
-  bool mixes() const { return chosen() == Acceleration::kAnderson; }
   bool conjugates() const { return chosen() == Acceleration::kConjugate; }
   /// What `auto` means here.
   Acceleration chosen() const;
@@ -172,7 +168,6 @@ class AcceleratedSolver final : public PressureSolver {
   // The displacement by the last plain update, for momentum, and the walls' share in it.
   Array<Vec3f> plain_;
   Array<float> plainShare_;
-  AndersonMixing mixing_;
   ConjugateDirections directions_;
   Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};

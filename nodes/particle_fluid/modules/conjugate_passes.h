@@ -156,11 +156,9 @@ struct JudgeDirection {
     const double gain = control.objective - objective;
     const double small = kSettled * control.objective, ofBulk = judge.settled * double(judge.count.get());
     const bool settled = control.sinceRestart > 0 ? gain < (small > ofBulk ? small : ofBulk) : again;
-    control.metInARow = control.met && settled ? control.metInARow + 1 : 0;
     const bool gains = control.objective == 0 || objective < (1 - least) * control.objective;
     control.withoutGain = gains ? 0 : control.withoutGain + 1;
-    if ((control.iterations >= kMin && control.metInARow >= judge.meetings) ||
-        control.withoutGain >= patience) {
+    if ((control.iterations >= kMin && control.met && settled) || control.withoutGain >= patience) {
       control.done = 1;
       return;
     }

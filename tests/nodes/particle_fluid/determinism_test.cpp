@@ -53,13 +53,13 @@ struct Scene {
 std::vector<Scene> scenes() {
   const std::string tolerant =
       R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3}})";
-  const std::string mixing =
-      R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.02, "max_iterations": 3, "acceleration": "anderson"}})";
+  const std::string momentum =
+      R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.02, "max_iterations": 3, "acceleration": "nesterov"}})";
   const std::string conjugate =
       R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 5, "acceleration": "conjugate"}})";
   return {{"walls of signed distance", splash("", kTank, kTankLink)},
           {"a tolerance", splash(tolerant, kTank, kTankLink)},
-          {"a tolerance and mixtures", splash(mixing, kTank, kTankLink)},
+          {"a tolerance and mixtures", splash(momentum, kTank, kTankLink)},
           {"conjugate gradients", splash(conjugate, kTank, kTankLink)},
           {"conjugate gradients and meshes", splash(conjugate, kMeshes, kMeshLinks)},
           {"position based fluids", splash(R"("solver": {"type": "Pbf"})", kTank, kTankLink)},

@@ -55,7 +55,7 @@ const char* const kBodyLinks = R"(, "water.fluid -> body.fluid", "ball.surface -
 const std::vector<Variant> kVariants{
     {"", "", "", ""},
     {"", R"(, "support_ratio": 2.4)", "", ""},
-    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "anderson"}})",
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "nesterov"}})",
      "", "", ""},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "nesterov", "step_length": "global"}})",
      "", "", ""},
@@ -67,7 +67,7 @@ const std::vector<Variant> kVariants{
         "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
      R"(, "support_ratio": 2)", "", ""},
     {"", "", kSolids, kSolidLinks},
-    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "anderson"}})",
+    {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "nesterov"}})",
      "", kSolids, kSolidLinks},
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": null, "max_iterations": 3, "acceleration": "conjugate"}})",
      "", kSolids, kSolidLinks},

@@ -53,7 +53,7 @@ std::vector<Vec3f> endOf(const std::string& solver) {
 }
 
 TEST(MovedParameters, AnOldSceneGetsTheOtherSolverAndAWarningThatSaysWhatToWrite) {
-  const Built old = built(R"({"params": {"iterations": 40, "tolerance": 0.01, "acceleration": "anderson"}})");
+  const Built old = built(R"({"params": {"iterations": 40, "tolerance": 0.01, "acceleration": "nesterov"}})");
   EXPECT_EQ(old.type, "AcceleratedSolver");
   ASSERT_EQ(old.warnings.size(), 1u);
   EXPECT_CONTAINS(old.warnings[0], "'tolerance' or 'acceleration'");

@@ -380,7 +380,7 @@ TEST_P(SolverStages, ChangeNothingInFreeFlight) {
   }
 }
 
-const auto kAccelerations = testing::Values("nesterov", "anderson", "conjugate");
+const auto kAccelerations = testing::Values("nesterov", "conjugate");
 const auto kByName = [](const auto& tested) { return tested.param; };
 INSTANTIATE_TEST_SUITE_P(, SolverAcceleration, kAccelerations, kByName);
 INSTANTIATE_TEST_SUITE_P(, SolverStages, kAccelerations, kByName);

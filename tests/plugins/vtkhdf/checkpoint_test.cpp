@@ -34,7 +34,7 @@ const char* const kScene = R"({"weir": 1,
                 "params": {"angular_velocity": [0, 6, 0], "pivot": [0.15, 0, 0.15]}},
     "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 5},
               "modules": {"solver": {"type": "AcceleratedSolver",
-                                     "params": {"tolerance": 0.02, "max_iterations": 3, "acceleration": "anderson"}}}}},
+                                     "params": {"tolerance": 0.02, "max_iterations": 3, "acceleration": "nesterov"}}}}},
   "links": ["block.particles -> water.initial", "nozzle.particles -> water.emitters", "drain.sink -> water.sinks",
             "room.surface -> walls.solids", "water.fluid -> walls.fluid",
             "blade.surface -> stirrer.solids", "water.fluid -> stirrer.fluid"]})";
