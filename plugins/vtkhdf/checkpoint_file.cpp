@@ -22,6 +22,11 @@ constexpr std::int64_t kChunkRows = 1 << 15;
 constexpr const char* kRoot = "checkpoint";
 constexpr const char* kKind = "kind";
 constexpr const char* kDigest = "digest";
+#ifdef WEIR_TRUST_DIGESTS  // tests/fuzz, which looks for what is behind them
+constexpr bool kComparesDigests = false;
+#else
+constexpr bool kComparesDigests = true;
+#endif
 
 /// Calls f with the name of a kind, the number type of HDF5, and a number of it.
 template <class F>
@@ -132,7 +137,7 @@ void readGroup(const hdf5::Group& group, const std::string& prefix, int depth, S
     const std::string path = prefix + name;
     const StateArray& array = to.emplace(path, readArray(set)).first->second;
     const std::int64_t digest = readDigest(set);
-    if (digest != digestOf(path, array)) throw damaged("its array " + inQuotes(path));
+    if (kComparesDigests && digest != digestOf(path, array)) throw damaged("its array " + inQuotes(path));
     digests.emplace(path, digest);
   }
 }
@@ -158,7 +163,8 @@ Checkpoint readWhole(const fs::path& file) {
                         .state = {}};
   std::map<std::string, std::int64_t> digests;
   readGroup(root.group("state"), "", 0, checkpoint.state, digests);
-  if (readDigest(root) != digestOf(checkpoint, digests)) throw damaged("the list of its arrays, or a text,");
+  if (readDigest(root) != digestOf(checkpoint, digests) && kComparesDigests)
+    throw damaged("the list of its arrays, or a text,");
   return checkpoint;
 }
 
