@@ -110,9 +110,10 @@ StateArray readArray(const hdf5::Dataset& set) {
   array.kind = static_cast<StateKind>(found - kKindNames.begin());
   array.rows = set.rows();
   array.columns = static_cast<int>(set.columns());
-  array.data.resize(array.bytes());
   withKind(array.kind, [&]<class T>(T) {
+    // First, as it refuses what is not there: then there is memory for it.
     const std::vector<T> values = set.readAll<T>();
+    array.data.resize(array.bytes());
     if (!values.empty()) std::memcpy(array.data.data(), values.data(), array.data.size());
   });
   return array;
