@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 StudioCommand::StudioCommand(CLI::App& app, Program& program)
     : program_(program),
       command_(app.add_subcommand("studio", "Compose, tune and watch scenes in the browser")) {
-  constexpr int kMaxPort = 65535, kMaxThreads = 1024;
+  constexpr int kMaxPort = 65535, kMaxThreads = 1024, kMaxFramesMb = 1 << 20;
   command_->add_option("scene", scene_, "A scene file to begin with")->type_name("SCENE");
   command_
       ->add_option("--folder", folder_,
@@ -48,6 +48,13 @@ StudioCommand::StudioCommand(CLI::App& app, Program& program)
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxThreads));
+  command_
+      ->add_option(
+          "--frames-mb", framesMb_,
+          "Memory for frames to go back to, in MB; where a run has more, every second one is left out")
+      ->type_name("MB")
+      ->check(CLI::Range(1, kMaxFramesMb))
+      ->capture_default_str();
   command_->add_flag("--no-browser", stay_, "Print the address, and open no browser");
 }
 
@@ -73,6 +80,7 @@ int StudioCommand::run() {
   options.port = port_;
   options.device = device_;
   options.threads = threads_;
+  options.maxRecordedBytes = std::int64_t{framesMb_} << 20;
   const fs::path scene = scene_;
   options.folder = !folder_.empty()          ? fs::path(folder_)
                    : scene.has_parent_path() ? scene.parent_path()

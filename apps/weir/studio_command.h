@@ -29,6 +29,7 @@ class StudioCommand {
   std::string device_ = "auto";
   int port_ = 0;
   int threads_ = 0;
+  int framesMb_ = 1024;
   bool stay_ = false;
 };
 

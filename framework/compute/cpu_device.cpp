@@ -14,6 +14,7 @@
 #include "framework/base/check.h"
 #include "framework/base/error.h"
 #include "framework/base/sanitizers.h"
+#include "framework/compute/allocation_fault.h"
 #include "framework/compute/cpu_profiler.h"
 #include "framework/compute/cpu_threads.h"
 #include "framework/compute/host_memory.h"
@@ -82,7 +83,8 @@ struct CpuBackend::Impl {
   explicit Impl(int threadCount) : threads(threadCount) {}
 
   CpuThreads threads;
-  MemoryPool pool{allocateOnHost, [](void* memory, std::size_t) { ::operator delete(memory, kAlignment); }};
+  MemoryPool pool{withFault(allocateOnHost),
+                  [](void* memory, std::size_t) { ::operator delete(memory, kAlignment); }};
 };
 
 CpuBackend::CpuBackend(int threads, CpuIsa isa) : Device(DeviceKind::kCpu, "cpu"), isa_(isa) {

@@ -29,13 +29,13 @@ void CpuProfiler::beginStep(bool) {
 
 void CpuProfiler::endStep() {
   WEIR_CHECK(stepStarted_.has_value());
-  stepMs_.push_back(millisecondsSince(*stepStarted_));
+  stepTimes_.add(millisecondsSince(*stepStarted_));
   stepStarted_.reset();
 }
 
 void CpuProfiler::clear() {
   scopes_.clear();
-  stepMs_.clear();
+  stepTimes_.clear();
 }
 
 }  // namespace weir

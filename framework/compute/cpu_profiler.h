@@ -5,10 +5,11 @@
 #include <optional>
 
 #include "framework/compute/scope_tree.h"
+#include "framework/compute/step_times.h"
 
 namespace weir {
 
-class CpuProfiler final : public Profiler {
+class CpuProfiler final : public Profiler, public TimesSteps {
  public:
   void push(std::string_view name) override;
   void pop() override;
@@ -17,7 +18,7 @@ class CpuProfiler final : public Profiler {
   void endStep() override;
   void poll() override {}
   std::vector<ProfileEntry> entries() override { return scopes_.entries(); }
-  std::vector<double> stepMs() override { return stepMs_; }
+  std::vector<double> stepMs() override { return stepTimes_.kept(); }
   void clear() override;
 
  private:
@@ -26,7 +27,6 @@ class CpuProfiler final : public Profiler {
   ScopeTree scopes_;
   std::vector<Clock::time_point> started_;  // of the open scopes
   std::optional<Clock::time_point> stepStarted_;
-  std::vector<double> stepMs_;
 };
 
 }  // namespace weir

@@ -7,6 +7,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/compute/allocation_fault.h"
 #include "framework/compute/cuda_profiler.h"
 #include "framework/compute/cuda_support.h"
 #include "framework/compute/kernel_overlap.h"
@@ -168,7 +169,7 @@ struct CudaDevice::Impl {
   int multiprocessors = 0;
   cudaStream_t stream = nullptr;
   std::unique_ptr<detail::LaunchQueue> launches;
-  MemoryPool pool{[this](std::size_t bytes) { return systemAllocate(bytes); },
+  MemoryPool pool{withFault([this](std::size_t bytes) { return systemAllocate(bytes); }),
                   [this](void* memory, std::size_t) { systemFree(memory); }};
 };
 

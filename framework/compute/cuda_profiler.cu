@@ -101,7 +101,7 @@ void CudaProfiler::poll() {
     float ms = 0;
     if (cudaEventElapsedTime(&ms, done.begin.get(), done.end.get()) == cudaSuccess) {
       if (done.scope == kStep) {
-        stepMs_.push_back(ms);
+        stepTimes_.add(ms);
       } else {
         scopes_.add(done.scope, ms);
       }
@@ -121,13 +121,13 @@ std::vector<ProfileEntry> CudaProfiler::entries() {
 
 std::vector<double> CudaProfiler::stepMs() {
   waitForAll();
-  return stepMs_;
+  return stepTimes_.kept();
 }
 
 void CudaProfiler::clear() {
   measuring_.clear();
   scopes_.clear();
-  stepMs_.clear();
+  stepTimes_.clear();
   steps_ = detailedSteps_ = 0;
 }
 

@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "framework/compute/scope_tree.h"
+#include "framework/compute/step_times.h"
 
 namespace weir {
 
-class CudaProfiler final : public Profiler {
+class CudaProfiler final : public Profiler, public TimesSteps {
  public:
   CudaProfiler(int deviceIndex, cudaStream_t stream) : deviceIndex_(deviceIndex), stream_(stream) {}
   ~CudaProfiler() override;
@@ -61,7 +62,6 @@ class CudaProfiler final : public Profiler {
   bool timesScopes_ = true;
   std::int64_t steps_ = 0, detailedSteps_ = 0;
   std::deque<Measurement> measuring_;  // in the order of their ends on the stream
-  std::vector<double> stepMs_;
 };
 
 }  // namespace weir

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "framework/base/build_info.h"
+#include "framework/compute/step_times.h"
 
 namespace weir {
 
@@ -45,7 +46,9 @@ Value deviceValue(const Device& device) {
 }
 
 Value stepTimes(Profiler& profiler) {
-  const TimeSummary times = summarize(profiler.stepMs());
+  TimeSummary times = summarize(profiler.stepMs());
+  times.mean = stepTimesOf(profiler).mean();
+  times.max = stepTimesOf(profiler).max();
   Value v = Value::object();
   v["median"] = times.median;
   v["p95"] = times.p95;
@@ -65,9 +68,10 @@ Value stepLengths(const Simulation& simulation) {
 }
 
 Value moduleTimes(Profiler& profiler) {
-  const std::size_t steps = profiler.stepMs().size();  // a resumed run has not timed those before it
+  const std::vector<ProfileEntry> entries = profiler.entries();
+  const std::int64_t steps = stepTimesOf(profiler).count();  // a resumed run has not timed those before it
   Value v = Value::object();
-  for (const ProfileEntry& entry : profiler.entries()) {
+  for (const ProfileEntry& entry : entries) {
     Value& scope = v[entry.path];
     scope["total"] = entry.totalMs;
     scope["per_step"] = steps > 0 ? entry.totalMs / static_cast<double>(steps) : 0.0;

@@ -22,6 +22,11 @@ constexpr std::int64_t kChunkRows = 1 << 15;
 constexpr const char* kRoot = "checkpoint";
 constexpr const char* kKind = "kind";
 constexpr const char* kDigest = "digest";
+#ifdef WEIR_TRUST_DIGESTS  // tests/fuzz, which looks for what is behind them
+constexpr bool kComparesDigests = false;
+#else
+constexpr bool kComparesDigests = true;
+#endif
 
 /// Calls f with the name of a kind, the number type of HDF5, and a number of it.
 template <class F>
@@ -105,9 +110,10 @@ StateArray readArray(const hdf5::Dataset& set) {
   array.kind = static_cast<StateKind>(found - kKindNames.begin());
   array.rows = set.rows();
   array.columns = static_cast<int>(set.columns());
-  array.data.resize(array.bytes());
   withKind(array.kind, [&]<class T>(T) {
+    // First, as it refuses what is not there: then there is memory for it.
     const std::vector<T> values = set.readAll<T>();
+    array.data.resize(array.bytes());
     if (!values.empty()) std::memcpy(array.data.data(), values.data(), array.data.size());
   });
   return array;
@@ -132,7 +138,7 @@ void readGroup(const hdf5::Group& group, const std::string& prefix, int depth, S
     const std::string path = prefix + name;
     const StateArray& array = to.emplace(path, readArray(set)).first->second;
     const std::int64_t digest = readDigest(set);
-    if (digest != digestOf(path, array)) throw damaged("its array " + inQuotes(path));
+    if (kComparesDigests && digest != digestOf(path, array)) throw damaged("its array " + inQuotes(path));
     digests.emplace(path, digest);
   }
 }
@@ -158,7 +164,8 @@ Checkpoint readWhole(const fs::path& file) {
                         .state = {}};
   std::map<std::string, std::int64_t> digests;
   readGroup(root.group("state"), "", 0, checkpoint.state, digests);
-  if (readDigest(root) != digestOf(checkpoint, digests)) throw damaged("the list of its arrays, or a text,");
+  if (readDigest(root) != digestOf(checkpoint, digests) && kComparesDigests)
+    throw damaged("the list of its arrays, or a text,");
   return checkpoint;
 }
 

@@ -274,8 +274,8 @@ Dataset::Dataset(Handle handle, std::shared_ptr<const std::string> file, std::st
     throw error("has " + std::to_string(dimensions_) + " dimensions", "one or two");
   std::array<hsize_t, 2> size{0, 1};
   checked(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), "read the shape of");
-  constexpr hsize_t kMaxRows = hsize_t{1} << 48, kMaxColumns = 1 << 10;
-  if (size[0] > kMaxRows || size[1] > kMaxColumns)
+  constexpr hsize_t kMaxColumns = 1 << 10;
+  if (size[0] > static_cast<hsize_t>(kMaxRows) || size[1] > kMaxColumns)
     throw error("claims " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " numbers");
   rows_ = static_cast<std::int64_t>(size[0]);
   columns_ = static_cast<std::int64_t>(size[1]);
@@ -305,9 +305,16 @@ void Dataset::truncate(std::int64_t rows) {
 }
 
 void Dataset::checkRange(std::int64_t first, std::int64_t count) const {
-  if (first >= 0 && count >= 0 && first <= rows_ && count <= rows_ - first) return;
-  throw error("has " + std::to_string(rows_) + " rows, but the file asks for " + std::to_string(count) +
-              " from row " + std::to_string(first) + " on");
+  if (first < 0 || count < 0 || first > rows_ || count > rows_ - first)
+    throw error("has " + std::to_string(rows_) + " rows, but the file asks for " + std::to_string(count) +
+                " from row " + std::to_string(first) + " on");
+  // Of what was never stored HDF5 reads zeros, as many as the file says.
+  constexpr std::int64_t kFew = 1 << 16;
+  const std::int64_t numbers = count * columns_;
+  if (numbers <= kFew) return;
+  const double stored = static_cast<double>(H5Dget_storage_size(id()));
+  if (static_cast<double>(numbers) > stored * kStrongestCompression)
+    throw error("claims " + std::to_string(numbers) + " numbers, more than fit into the file");
 }
 
 void Dataset::readRows(NumberType type, std::int64_t first, std::int64_t count, void* values) const {

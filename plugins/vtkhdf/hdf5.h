@@ -123,6 +123,11 @@ class Object {
   void writeAttribute(const char* name, hid_t type, hid_t space, const void* data);
 };
 
+/// Of a data set; more are taken for damage.
+inline constexpr std::int64_t kMaxRows = std::int64_t{1} << 48;
+/// Deflate cannot shrink data further than this, so a file that claims more is damaged.
+inline constexpr double kStrongestCompression = 1032;
+
 /// An array of numbers whose first dimension counts rows.
 class Dataset : public Object {
  public:

@@ -18,9 +18,7 @@ namespace fs = std::filesystem;
 using hdf5::Dataset;
 using hdf5::Group;
 
-constexpr std::int64_t kMaxPoints = std::numeric_limits<std::int32_t>::max();
-/// Deflate cannot shrink data further than this, so a file that claims more is damaged.
-constexpr double kStrongestCompression = 1032;
+constexpr std::int64_t kMaxPoints = std::numeric_limits<std::int32_t>::max(), kMaxPolygons = kMaxPoints;
 
 void checkIsFile(const fs::path& file) {
   std::error_code error;
@@ -64,7 +62,9 @@ std::int64_t ofPolygons(const Group& steps, const std::string& name, std::size_t
   constexpr std::size_t kPolygons = 2;
   const Dataset set = steps.dataset(name);
   if (!set.isInteger() || set.columns() != kKinds) throw set.error("holds no rows of 4 integers");
-  return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1)[kPolygons];
+  const std::int64_t first = set.read<std::int64_t>(static_cast<std::int64_t>(step), 1)[kPolygons];
+  if (first < 0 || first > hdf5::kMaxRows) throw set.error("has the offset " + std::to_string(first));
+  return first;
 }
 
 void checkTriangles(const Group& polygons, std::int64_t cells, std::int64_t ids,
@@ -132,6 +132,8 @@ struct VtkHdfReader::Open {
     std::int64_t allPoints = 0;
   };
   Parts partsOf(std::size_t step) const;
+  /// How many polygons each part has.
+  std::vector<std::int64_t> polygonsOf(const Parts& parts) const;
   void readTimes();
 };
 
@@ -193,13 +195,24 @@ VtkHdfReader::Open::Parts VtkHdfReader::Open::partsOf(std::size_t step) const {
   return found;
 }
 
+std::vector<std::int64_t> VtkHdfReader::Open::polygonsOf(const Parts& parts) const {
+  const Dataset set = root->group("Polygons").dataset("NumberOfCells");
+  if (!set.isInteger()) throw set.error("holds no integers");
+  std::vector<std::int64_t> cells =
+      set.read<std::int64_t>(parts.first, static_cast<std::int64_t>(parts.points.size()));
+  std::int64_t all = 0;
+  for (const std::int64_t count : cells) {
+    if (count < 0 || count > kMaxPolygons - all)
+      throw set.error("claims " + std::to_string(count) + " polygons",
+                      "0 to " + std::to_string(kMaxPolygons) + " in a step");
+    all += count;
+  }
+  return cells;
+}
+
 std::int64_t VtkHdfReader::Open::polygonCount(std::size_t step) const {
   if (!root->isGroup("Polygons")) return 0;
-  const Parts parts = partsOf(step);
-  const std::vector<std::int64_t> cells =
-      root->group("Polygons")
-          .dataset("NumberOfCells")
-          .read<std::int64_t>(parts.first, static_cast<std::int64_t>(parts.points.size()));
+  const std::vector<std::int64_t> cells = polygonsOf(partsOf(step));
   return std::accumulate(cells.begin(), cells.end(), std::int64_t{0});
 }
 
@@ -213,7 +226,7 @@ std::vector<Vec3i> VtkHdfReader::Open::triangles(std::size_t step) const {
     if (!set.isInteger()) throw set.error("holds no integers");
     return set.read<std::int64_t>(parts.first, count);
   };
-  const std::vector<std::int64_t> cells = ofParts("NumberOfCells"), ids = ofParts("NumberOfConnectivityIds");
+  const std::vector<std::int64_t> cells = polygonsOf(parts), ids = ofParts("NumberOfConnectivityIds");
   const Dataset corners = polygons.dataset("Connectivity"), offsets = polygons.dataset("Offsets");
   if (!corners.isInteger()) throw corners.error("holds no integers");
   std::int64_t cell = steps ? ofPolygons(*steps, "CellOffsets", step) : 0;
@@ -245,7 +258,7 @@ VtkHdfStep VtkHdfReader::Open::read(std::size_t step) const {
   const Dataset points = root->dataset("Points");
   if (points.columns() != 3) throw points.error("has " + std::to_string(points.columns()) + " columns", "3");
   if (points.isInteger()) throw points.error("holds integers", "floating-point numbers");
-  if (static_cast<double>(count) > fileSize * kStrongestCompression)
+  if (static_cast<double>(count) > fileSize * hdf5::kStrongestCompression)
     throw points.error("claims " + std::to_string(count) + " points, more than fit into the file");
 
   VtkHdfStep result{.time = times[step]};

@@ -2,7 +2,7 @@
 """Runs a small scene with every output and makes one call of the C library fail, for each call in turn.
 
   faults.py --weir build/cpu/bin/weir --layer build/cpu/lib/weir/faults/failing_calls.so [--seconds 40]
-            [--scenario NAME]... [--all] [--jobs 1] [--seed 1]
+            [--device cpu] [--scenario NAME]... [--all] [--jobs 1] [--seed 1]
 
 Whatever fails, the run must end with exit code 4 or 5 and a message that names the file (or with 0 and all
 outputs as they would have been), without a signal and in time; what is there then must be whole, and nothing else
@@ -13,6 +13,7 @@ failures are printed with the command that shows them again.
 import argparse
 import collections
 import concurrent.futures
+import json
 import os
 import random
 import shlex
@@ -54,6 +55,7 @@ SCENARIOS = [
     Scenario("video-write",    VIDEO,    "write",  "ENOSPC",  "weir"),
     Scenario("video-fsync",    VIDEO,    "fsync",  "EIO",     "weir"),
     Scenario("video-rename",   VIDEO,    "rename", "EIO",     "weir"),
+    Scenario("device-memory",  DATA,     "device", "ENOMEM",  "weir"),  # a block of the device's memory pool
     Scenario("encoder-open",   VIDEO,    "open",   "EIO",     "ffmpeg"),
     Scenario("encoder-write",  VIDEO,    "write",  "ENOSPC",  "ffmpeg"),
 ]
@@ -78,14 +80,14 @@ def contents(path):
 
 
 class Faults:
-    def __init__(self, weir, layer, where):
+    def __init__(self, weir, layer, device, where):
         self.weir, self.layer, self.where = os.path.abspath(weir), os.path.abspath(layer), where
-        self.references = {}
+        self.device, self.references = device, {}
 
     def arguments(self, scenario, folder):
         outputs = [word if word.startswith("--") or word.isdigit() else os.path.join(folder, word)
                    for word in scenario.outputs]
-        return [self.weir, "run", SCENE, "--quiet", "--device", "cpu", "--threads", "1"] + outputs
+        return [self.weir, "run", SCENE, "--quiet", "--device", self.device, "--threads", "1"] + outputs
 
     def run(self, scenario, folder, at=0):
         """The finished process, and how many calls there were; counts are of a run that ended by itself."""
@@ -93,6 +95,8 @@ class Faults:
         environment = dict(os.environ, LD_PRELOAD=self.layer, WEIR_FAULT_PROGRAM=scenario.program,
                            WEIR_FAULT_FOLDER=folder + "/", WEIR_FAULT_CALL=scenario.call,
                            WEIR_FAULT_AT=str(at), WEIR_FAULT_AS=scenario.error, WEIR_FAULT_COUNTS=counts)
+        if scenario.call == "device":
+            environment["WEIR_TEST_FAIL_ALLOCATION"] = str(at)
         os.makedirs(folder)
         command = self.arguments(scenario, folder)
         try:
@@ -116,6 +120,9 @@ class Faults:
             done, numbers = self.run(scenario._replace(call="none"), folder)
             if done is None or done.returncode != 0:
                 sys.exit("the run without a fault failed: " + (done.stderr if done else "it did not end"))
+            if "--stats" in scenario.outputs:
+                with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+                    numbers["device"] = json.load(file)["memory"]["device_allocations"]
             self.references[key] = folder, numbers
         return self.references[key]
 
@@ -153,7 +160,7 @@ class Faults:
         if done.returncode != 0:
             if "error: " not in said:
                 problems.append("no error message")
-            elif scenario.call != "malloc" and folder not in said.split("error: ", 1)[1]:
+            elif scenario.call not in ("malloc", "device") and folder not in said.split("error: ", 1)[1]:
                 problems.append("the message does not name the file: " + said[-300:])
         if done.returncode == 0 and expected - found:
             problems.append("exit code 0, but these are missing: " + ", ".join(sorted(expected - found)))
@@ -174,7 +181,8 @@ class Faults:
         finally:
             shutil.rmtree(folder, ignore_errors=True)
         if problem:
-            settings = {"LD_PRELOAD": self.layer, "WEIR_FAULT_PROGRAM": scenario.program,
+            device = {"WEIR_TEST_FAIL_ALLOCATION": at} if scenario.call == "device" else {}
+            settings = {**device, "LD_PRELOAD": self.layer, "WEIR_FAULT_PROGRAM": scenario.program,
                         "WEIR_FAULT_FOLDER": folder + "/", "WEIR_FAULT_CALL": scenario.call, "WEIR_FAULT_AT": at,
                         "WEIR_FAULT_AS": scenario.error}
             command = [f"{name}={value}" for name, value in settings.items()] + self.arguments(scenario, folder)
@@ -186,6 +194,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--weir", required=True)
     parser.add_argument("--layer", required=True)
+    parser.add_argument("--device", default="cpu", help="of the runs: cpu or cuda")
     parser.add_argument("--scenario", action="append", help="of SCENARIOS; all without it")
     parser.add_argument("--all", action="store_true", help="every call, however long it takes")
     parser.add_argument("--at", type=int, action="append", help="this call only")
@@ -206,7 +215,7 @@ def main():
     tried, bad = collections.Counter(), collections.Counter()
     with tempfile.TemporaryDirectory(prefix="weir-faults-") as where, \
             concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        faults = Faults(options.weir, options.layer, where)
+        faults = Faults(options.weir, options.layer, options.device, where)
         lists = {}
         for scenario in scenarios:
             calls = list(range(1, faults.reference(scenario)[1].get(scenario.call, 0) + 1))

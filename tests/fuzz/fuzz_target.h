@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -14,13 +15,15 @@
 
 namespace weir::fuzz {
 
-/// Calls f with the bytes as text. An Error is as good an end as any; other exceptions and crashes are not.
+/// Calls f with the bytes as text. An Error is as good an end as any (WEIR_FUZZ_SHOW=1 prints it); other
+/// exceptions and crashes are not.
 template <class F>
 int withText(const std::uint8_t* data, std::size_t size, F&& f) {
   try {
     f(std::string_view(reinterpret_cast<const char*>(data), size));
   } catch (const Error& e) {
     if (e.message().empty()) std::abort();
+    if (std::getenv("WEIR_FUZZ_SHOW") != nullptr) std::puts(e.what());
   }
   return 0;
 }

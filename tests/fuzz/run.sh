@@ -10,7 +10,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$1 seconds=$2
 shift 2
-[ $# -gt 0 ] || set -- json csv ply_particles ply_mesh message
+[ $# -gt 0 ] || set -- json csv ply_particles ply_mesh vtkhdf checkpoint message http websocket
 failed=0
 for target; do
   program=$build/bin/weir_fuzz_$target

@@ -132,8 +132,10 @@ def main():
     parser.add_argument("--minutes", type=float, default=180)
     parser.add_argument("--every", type=float, default=10, help="seconds between two notes")
     parser.add_argument("--grows", type=float, default=0.1, help="the part by which memory may grow")
+    parser.add_argument("--frames-mb", type=int, default=16, help="memory of the studio for frames to go back to")
     parser.add_argument("--report", help="a table of what was noted (.csv)")
     options = parser.parse_args()
+    options.weir = os.path.abspath(options.weir)
     begin = time.monotonic()
     end = begin + 60 * options.minutes
     notes, problems = [], []
@@ -146,8 +148,8 @@ def main():
         run = start([options.weir, "run", "scene.json", "--quiet", "--device", "cpu", "--threads", "1",
                      "--export", "run.vtkhdf", "--series", "run.jsonl", "--stats", "run.json", "--checkpoint", "run.h5",
                      "--checkpoint-every", "500"], cwd=folder)
-        studio = start([options.weir, "studio", "scene.json", "--no-browser", "--device", "cpu", "--threads", "1"],
-                       cwd=folder)
+        studio = start([options.weir, "studio", "scene.json", "--no-browser", "--device", "cpu", "--threads", "1",
+                        "--frames-mb", str(options.frames_mb)], cwd=folder)
         viewers = Viewers(studio.stdout.readline().strip(), end)
         programs = {"run": run, "studio": studio}
         while time.monotonic() < end and not problems:

@@ -5,6 +5,16 @@
 
 namespace weir::studio {
 
+namespace {
+
+/// With what it takes to keep it: a frame of a small scene is not much larger than its place in the map.
+std::int64_t bytesOf(const Packet& packet) {
+  constexpr std::int64_t kPlace = 160;
+  return packet ? static_cast<std::int64_t>(packet->size()) + kPlace : 0;
+}
+
+}  // namespace
+
 void Recording::clear() {
   frames_.clear();
   bytes_ = 0;
@@ -14,9 +24,9 @@ void Recording::clear() {
 void Recording::add(std::int64_t frame, Packet packet) {
   if (frame % every_ != 0) return;
   Packet& place = frames_[frame];
-  if (place) bytes_ -= static_cast<std::int64_t>(place->size());
+  bytes_ -= bytesOf(place);
   place = std::move(packet);
-  bytes_ += static_cast<std::int64_t>(place->size());
+  bytes_ += bytesOf(place);
   while (bytes_ > maxBytes_ && frames_.size() > 1) thin();
 }
 
@@ -24,7 +34,7 @@ void Recording::thin() {
   every_ *= 2;
   for (auto i = frames_.begin(); i != frames_.end();) {
     const bool kept = i->first % every_ == 0;
-    if (!kept) bytes_ -= static_cast<std::int64_t>(i->second->size());
+    if (!kept) bytes_ -= bytesOf(i->second);
     i = kept ? std::next(i) : frames_.erase(i);
   }
 }

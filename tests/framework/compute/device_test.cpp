@@ -12,6 +12,7 @@
 #include "framework/compute/readback.h"
 #include "tests/framework/compute/kernels.h"
 #include "tests/support/devices.h"
+#include "tests/support/variable_for.h"
 
 namespace weir::test {
 namespace {
@@ -170,6 +171,20 @@ TEST_P(DeviceTest, RunningOutOfMemoryNamesTheSize) {
   }
   // The device still works.
   EXPECT_EQ(Array<int>(*device, std::vector<int>{7}).toHost()[0], 7);
+}
+
+TEST_P(DeviceTest, GoesOnAfterABlockThatCouldNotBeHad) {
+  constexpr std::size_t kSmall = 1000, kLarge = 100000;
+  const VariableFor fault("WEIR_TEST_FAIL_ALLOCATION", "2");
+  const std::unique_ptr<Device> own = openDevice(GetParam());
+  void* first = own->allocate(kSmall);
+  EXPECT_THROW(own->allocate(kLarge), Error);
+  EXPECT_EQ(own->memoryUse().allocations, 1u);
+  void* second = own->allocate(kLarge);
+  EXPECT_NE(second, nullptr);
+  own->release(first, kSmall);
+  own->release(second, kLarge);
+  EXPECT_EQ(own->memoryUse().inUse, 0u);
 }
 
 TEST_P(DeviceTest, ReadbackComesWithoutABlockingRead) {

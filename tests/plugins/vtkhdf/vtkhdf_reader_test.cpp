@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 
 #include "framework/base/error.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
@@ -55,12 +56,16 @@ class Maker {
   }
 
   /// Points that are claimed but not stored.
-  void claimPoints(hsize_t count) {
-    const hsize_t shape[] = {count, 3}, chunk[] = {1024, 3};
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(2, shape, nullptr);
-    H5Pset_chunk(properties, 2, chunk);
-    H5Dclose(
-        H5Dcreate2(file_, "/VTKHDF/Points", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+  void claimPoints(hsize_t count) { claim("/VTKHDF/Points", H5T_NATIVE_FLOAT, {count, 3}); }
+
+  /// Numbers that are claimed but not stored.
+  void claim(const std::string& path, hid_t type, const std::vector<hsize_t>& shape) {
+    const std::vector<hsize_t> chunk{1024, 3};
+    const int rank = static_cast<int>(shape.size());
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE),
+                space = H5Screate_simple(rank, shape.data(), nullptr);
+    H5Pset_chunk(properties, rank, chunk.data());
+    H5Dclose(H5Dcreate2(file_, path.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
     H5Sclose(space);
     H5Pclose(properties);
   }
@@ -128,13 +133,14 @@ TEST_F(VtkHdfReaderTest, ReadsStepsThatShareData) {
 }
 
 /// Two parts of one and of two polygons, without time steps.
-void polygons(Maker& maker, const Integers& idCounts, const Integers& corners, const Integers& offsets) {
+void polygons(Maker& maker, const Integers& idCounts, const Integers& corners, const Integers& offsets,
+              const Integers& counts = {1, 2}) {
   maker.group("/VTKHDF");
   maker.type("PolyData");
   maker.set<float>("/VTKHDF/Points", std::vector<float>(21, 0.5f), {7, 3});
   maker.set<std::int64_t>("/VTKHDF/NumberOfPoints", {3, 4});
   maker.group("/VTKHDF/Polygons");
-  maker.set<std::int64_t>("/VTKHDF/Polygons/NumberOfCells", {1, 2});
+  maker.set<std::int64_t>("/VTKHDF/Polygons/NumberOfCells", counts);
   maker.set<std::int64_t>("/VTKHDF/Polygons/NumberOfConnectivityIds", idCounts);
   maker.set<std::int64_t>("/VTKHDF/Polygons/Connectivity", corners);
   maker.set<std::int64_t>("/VTKHDF/Polygons/Offsets", offsets);
@@ -160,6 +166,20 @@ TEST_F(VtkHdfReaderTest, PolygonsThatAreNoTrianglesOrNameNoPointAreRefused) {
     polygons(maker, {3, 6}, {0, 1, 3, 0, 1, 2, 0, 2, 3}, {0, 3, 0, 3, 6});
   }
   EXPECT_THROW(VtkHdfReader(folder / "beyond.vtkhdf").triangles(0), Error);
+}
+
+TEST_F(VtkHdfReaderTest, NumbersOfPolygonsThatCannotBeAreRefused) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  for (const Integers& counts : {Integers{1, kLargest}, Integers{kLargest, 2}, Integers{-1, 2},
+                                 Integers{std::numeric_limits<std::int32_t>::max(), 2}}) {
+    {
+      Maker maker(folder / "counts.vtkhdf");
+      polygons(maker, {3, 6}, {0, 1, 2, 0, 1, 2, 0, 2, 3}, {0, 3, 0, 3, 6}, counts);
+    }
+    const VtkHdfReader reader(folder / "counts.vtkhdf");
+    EXPECT_THROW(static_cast<void>(reader.polygonCount(0)), Error);
+    EXPECT_THROW(reader.triangles(0), Error);
+  }
 }
 
 /// The message that reading the last step of a file ends with.
@@ -239,6 +259,12 @@ TEST_F(VtkHdfReaderTest, SaysWhatIsWrongWithAFile) {
          m.set<std::int64_t>("/VTKHDF/NumberOfPoints", {1'000'000'000});
        },
        "/VTKHDF/Points claims 1000000000 points, more than fit into the file"},
+      {[&](Maker& m) {
+         start(m);
+         points(m);
+         m.claim("/VTKHDF/NumberOfPoints", H5T_NATIVE_INT64, {1'000'000'000});
+       },
+       "/VTKHDF/NumberOfPoints claims 1000000000 numbers, more than fit into the file"},
       {[&](Maker& m) {
          start(m);
          m.set<std::int64_t>("/VTKHDF/NumberOfPoints", {Integers::value_type{1} << 62});
