@@ -14,10 +14,10 @@ namespace weir {
 
 struct FluidWalls {
   BoundaryView boundary;
-  float contact = 0;               ///< m: how near to it a particle may come
-  float exact = 0;                 ///< m: farther than this from meshes, distances may be too large
+  float contact = 0;  ///< m: how near to it a particle may come
+  float exact = 0;    ///< m: farther than this from meshes, distances may be too large
   ArrayView<const SolidView> solids;
-  float gap = 0;                   ///< m: how near to these it may come
+  float gap = 0;  ///< m: how near to these it may come
   ArrayView<const SinkPiece> sinks;
   Aabb domain;
 
@@ -50,8 +50,8 @@ struct FluidWalls {
     if (q >= 1 || q <= -1) return q > 0 ? 0.0f : 1.0f;
     // ∫ of 315/256·(1 − q²)⁴, which is the kernel over a plane.
     constexpr float kPlane = 315 / 256.0f;
-    return 0.5f - kPlane * q *
-                      (1 + square * (-4 / 3.0f + square * (6 / 5.0f + square * (-4 / 7.0f + square / 9))));
+    return 0.5f -
+           kPlane * q * (1 + square * (-4 / 3.0f + square * (6 / 5.0f + square * (-4 / 7.0f + square / 9))));
   }
 
   WEIR_HD bool removes(const Vec3f& p) const { return !domain.contains(p) || removedBySinks(sinks, p); }

@@ -36,7 +36,8 @@ void WallsOfFluid::place(double time, double dt, Array<Pose>& poses) {
   for (Solid* solid : fluid_->solids()) views.push_back(solid->view(time, dt));
   solids_.assign(views);
   const auto& solids = fluid_->solids();
-  if (std::none_of(solids.begin(), solids.end(), [](const Solid* of) { return of->isMovedByForces(); })) return;
+  if (std::none_of(solids.begin(), solids.end(), [](const Solid* of) { return of->isMovedByForces(); }))
+    return;
   const bool known = poses.size() == solids_.size();
   if (!known) poses.resizeDiscarding(solids_.size());
   dispatch(solids_.device(), [&](auto& device) { placeBodiesOn(device, poses, known); });

@@ -16,9 +16,10 @@ namespace {
 void checkAscending(const Param<Vec2f>& limits, bool apart) {
   const Vec2f& at = limits.get();
   if (apart ? at.x < at.y : at.x <= at.y) return;
-  throw sceneError(fmt::format("the first number, {:.4g}, is {} the second, {:.4g}", at.x,
-                               at.x == at.y ? "the same as" : "above", at.y),
-                   apart ? "two numbers, the smaller one first" : "two numbers, the first no larger than the second")
+  throw sceneError(
+      fmt::format("the first number, {:.4g}, is {} the second, {:.4g}", at.x,
+                  at.x == at.y ? "the same as" : "above", at.y),
+      apart ? "two numbers, the smaller one first" : "two numbers, the first no larger than the second")
       .inParameter(limits.name());
 }
 
@@ -51,7 +52,8 @@ void WhiteWater::reset(const SetupContext& context) {
   set_->expectAtMost(maxParticles);
   kind_ = set_->add<int>({"type", AttributeType::kInt, "", "0: spray, 1: foam, 2: bubble."});
   age_ = set_->add<float>({"age", AttributeType::kFloat, "s", "Time since its birth."});
-  left_ = set_->add<float>({"lifetime", AttributeType::kFloat, "s", "Time that it has left as spray or foam."});
+  left_ =
+      set_->add<float>({"lifetime", AttributeType::kFloat, "s", "Time that it has left as spray or foam."});
   radius_ = set_->add<float>({"radius", AttributeType::kFloat, "m", "Radius."});
   const double mean = 0.5 * (double(radius->x) + double(radius->y));
   particles->material = {
@@ -98,9 +100,10 @@ void WhiteWater::frame(const StepContext& context) {
 void WhiteWater::limitReached(Log& log) {
   if (warned_) return;
   warned_ = true;
-  log.warn(fmt::format("node '{}': there are {} particles, as many as max_particles allows, and fewer are made "
-                       "from now on; better: a larger max_particles, or smaller trapped_air and wave_crests",
-                       name(), maxParticles.get()));
+  log.warn(
+      fmt::format("node '{}': there are {} particles, as many as max_particles allows, and fewer are made "
+                  "from now on; better: a larger max_particles, or smaller trapped_air and wave_crests",
+                  name(), maxParticles.get()));
 }
 
 void WhiteWater::makeRoomForBorn(std::int64_t count) {
@@ -136,7 +139,8 @@ void WhiteWater::report(NodeReport& report) {
   v["particles_made"] = made_.get();
   v["particles_removed"] = removed_->toHost().front();
   v["particles_refused"] = refused_.get();
-  report.events.push_back({"white-water particles were not made, as there were max_particles", refused_.get()});
+  report.events.push_back(
+      {"white-water particles were not made, as there were max_particles", refused_.get()});
 }
 
 }  // namespace weir

@@ -15,7 +15,7 @@ namespace {
 struct Advance {
   FluidGridView fluid;
   FluidWalls walls;
-  Vec3f gravity, rise;  // m/s², m/s
+  Vec3f gravity, rise;       // m/s², m/s
   float airDrag, waterDrag;  // 1/s
   float dt;
   WhiteParticles all;
@@ -113,9 +113,7 @@ struct OneOfKind {
 };
 
 struct AddCounts {
-  WEIR_HD Vec3i operator()(const Vec3i& a, const Vec3i& b) const {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-  }
+  WEIR_HD Vec3i operator()(const Vec3i& a, const Vec3i& b) const { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 };
 
 }  // namespace
@@ -175,8 +173,9 @@ void WhiteWater::findNormalsOn(Backend& device) {
   found.normals.resizeDiscarding(fluid->set().bound());
   parallelFor(device, "fast cells", grid_->cells(),
               MarkFast{grid_->view(), speedLimits->x * speedLimits->x, found.fast.view()});
-  parallelForUneven(device, "normals", grid_->count(),
-                    FindNormal{grid_->view(), walls_->view(), std::as_const(found.fast).view(), found.normals.view()});
+  parallelForUneven(
+      device, "normals", grid_->count(),
+      FindNormal{grid_->view(), walls_->view(), std::as_const(found.fast).view(), found.normals.view()});
 }
 
 template <class Backend>

@@ -49,24 +49,24 @@ class WhiteWater final : public Node {
   Param<float> trappedAir{
       *this,
       "trapped_air",
-      4e5f,
+      2e6f,
       {.unit = "1/(m^2 s)",
        .min = 0,
-       .softMax = 1e7,
+       .softMax = 2e7,
        .doc = "How many are made in a second by a square metre of fluid that whirls, where air is trapped.",
        .also = "amount, density, rate, turbulence"}};
   Param<float> waveCrests{
       *this,
       "wave_crests",
-      4e5f,
+      2e6f,
       {.unit = "1/(m^2 s)",
        .min = 0,
-       .softMax = 1e7,
+       .softMax = 2e7,
        .doc = "How many are made in a second by a square metre of the sharp crests of waves.",
        .also = "amount, density, rate, breaking"}};
   Param<Vec2f> airLimits{*this,
                          "air_limits",
-                         {0.3f, 2},
+                         {0.2f, 1.2f},
                          {.unit = "m/s",
                           .min = 0,
                           .doc = "Differences of velocity up to which no air is trapped, and from which on "
@@ -74,14 +74,14 @@ class WhiteWater final : public Node {
   Param<Vec2f> crestLimits{
       *this,
       "crest_limits",
-      {8, 40},
+      {5, 30},
       {.unit = "1/m",
        .min = 0,
        .doc = "Curvatures up to which a wave is smooth, and from which on it is as sharp as can be."}};
   Param<Vec2f> speedLimits{
       *this,
       "speed_limits",
-      {0.7f, 3},
+      {0.5f, 3},
       {.unit = "m/s",
        .min = 0,
        .doc = "Speeds up to which fluid makes nothing, and from which on as much as it can."}};
@@ -89,7 +89,9 @@ class WhiteWater final : public Node {
       *this,
       "lifetime",
       {1, 4},
-      {.unit = "s", .min = 0, .doc = "Shortest and longest time as spray and foam; that as a bubble does not count."}};
+      {.unit = "s",
+       .min = 0,
+       .doc = "Shortest and longest time as spray and foam; that as a bubble does not count."}};
   Param<Vec2f> radius{*this,
                       "radius",
                       {0.0005f, 0.0015f},
@@ -105,15 +107,15 @@ class WhiteWater final : public Node {
                         .min = 0,
                         .softMax = 10,
                         .doc = "Rate at which air stops spray; drops of 1 mm fall at gravity/air_drag."}};
-  Param<float> riseSpeed{
-      *this, "rise_speed", 0.25f, {.unit = "m/s", .min = 0, .softMax = 1, .doc = "Of bubbles in fluid at rest."}};
+  Param<float> riseSpeed{*this,
+                         "rise_speed",
+                         0.25f,
+                         {.unit = "m/s", .min = 0, .softMax = 1, .doc = "Of bubbles in fluid at rest."}};
   Param<std::int64_t> maxParticles{
       *this,
       "max_particles",
       1000000,
-      {.min = 0,
-       .max = 2e9,
-       .doc = "No more at a time than this; while there are so many, fewer are made."}};
+      {.min = 0, .max = 2e9, .doc = "No more at a time than this; while there are so many, fewer are made."}};
   Param<std::optional<std::int64_t>> seed{
       *this,
       "seed",
@@ -122,9 +124,10 @@ class WhiteWater final : public Node {
        .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
               "place among nodes of that type decide."}};
 
-  Input<Particles> fluid{*this, "fluid",
-                         "The fluid. White water meets its boundaries and solids, and is removed by its sinks "
-                         "and domain."};
+  Input<Particles> fluid{
+      *this, "fluid",
+      "The fluid. White water meets its boundaries and solids, and is removed by its sinks "
+      "and domain."};
   Output<Particles> particles{*this, "particles", "Spray, foam and bubbles."};
 
   void validate() const override;

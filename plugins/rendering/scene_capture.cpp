@@ -53,8 +53,10 @@ const Particles* fluidBehind(const Node& node) {
 
 }  // namespace
 
-bool isWhite(const FluidSettings* look, const Node& node) {
-  return look != nullptr ? look->look == FluidLook::kWhite : dynamic_cast<const WhiteWater*>(&node) != nullptr;
+bool isWhite(const RenderSettings& settings, const Node& node) {
+  for (std::size_t i = 0; i < settings.fluids.size(); ++i)
+    if (*settings.fluids[i].node == node.name()) return settings.fluids[i].look == FluidLook::kWhite;
+  return dynamic_cast<const WhiteWater*>(&node) != nullptr;
 }
 
 std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::unique_ptr<SceneSnapshot> used) {
@@ -191,7 +193,7 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
       to.velocities.start(particles.velocities().read(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
-    to.white = isWhite(to.look, output->node());
+    to.white = isWhite(settings_, output->node());
     to.colorType = std::nullopt;
     if (to.white) continue;
     if (to.look != nullptr && to.look->look == FluidLook::kWater) {

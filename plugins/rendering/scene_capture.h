@@ -60,8 +60,8 @@ struct FluidSnapshot {
   AttributeTypes::TupleOf<FrameCopy> byType;
 };
 
-/// Whether particles of the node are drawn white; `look` is null where the scene says nothing of them.
-bool isWhite(const FluidSettings* look, const Node& node);
+/// Whether the particles of a node are drawn as white spheres.
+bool isWhite(const RenderSettings& settings, const Node& node);
 inline constexpr Color kWhite{0.95f, 0.97f, 0.98f, 1};
 
 /// The surface of a fluid, on its way to the host.

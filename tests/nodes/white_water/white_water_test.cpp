@@ -36,7 +36,8 @@ class GivenFluid final : public Node {
     ParticleBatch batch;
     batch.assign(context.device, positions, velocities);
     set_->append(batch);
-    fluid->material = {.spacing = spacing, .density = {.value = 1000}, .volume = {.value = spacing * spacing * spacing}};
+    fluid->material = {
+        .spacing = spacing, .density = {.value = 1000}, .volume = {.value = spacing * spacing * spacing}};
     fluid->assign(*set_);
   }
   void step(const StepContext& context) override {
@@ -274,7 +275,8 @@ double madeByASheet(Device& device, float spacing, const Value& parameters) {
 
 TEST_P(WhiteWaterOn, WhatIsMadePerAreaDoesNotDependOnTheSpacing) {
   const Value parameters = object({{"trapped_air", 2e5}, {"wave_crests", 0}});
-  const double coarse = madeByASheet(*device, 0.04f, parameters), fine = madeByASheet(*device, 0.02f, parameters);
+  const double coarse = madeByASheet(*device, 0.04f, parameters),
+               fine = madeByASheet(*device, 0.02f, parameters);
   EXPECT_GT(coarse, 3000);
   EXPECT_NEAR(fine / coarse, 1, 0.1);
 }
@@ -290,8 +292,8 @@ double madeByACrest(Device& device, float spacing) {
     for (int k = 0; k < around; ++k)
       for (int z = 0; z < along; ++z) {
         const double angle = 2 * kPi * (k + 0.25) / around;
-        scene.fluid->positions.push_back(
-            {r * static_cast<float>(std::cos(angle)), r * static_cast<float>(std::sin(angle)), spacing * float(z)});
+        scene.fluid->positions.push_back({r * static_cast<float>(std::cos(angle)),
+                                          r * static_cast<float>(std::sin(angle)), spacing * float(z)});
         scene.fluid->velocities.push_back({0, 3, 0});
       }
   }
@@ -345,7 +347,8 @@ TEST_P(WhiteWaterOn, FoamAndSprayDieInTheirTime) {
   scene.fluid->onStep = [](GivenFluid& fluid, const StepContext& context) {
     if (context.index == 1) fluid.set().clear();
   };
-  scene.assign(object({{"trapped_air", 4e6}, {"lifetime", Value::Array{0.1, 0.3}}, {"radius", Value::Array{0.001, 0.002}}}));
+  scene.assign(object(
+      {{"trapped_air", 4e6}, {"lifetime", Value::Array{0.1, 0.3}}, {"radius", Value::Array{0.001, 0.002}}}));
   scene.reset(0.005);
   scene.step(1);
   for (const auto& [id, p] : scene.particles()) {
@@ -392,7 +395,8 @@ TEST_P(WhiteWaterOn, NonePassesAWall) {
     std::map<std::int64_t, Vec3f> now;
     for (std::size_t k = 0; k < x.size(); ++k) {
       const Vec3f p = x[k];
-      EXPECT_TRUE(p.x > -0.5f + moved && p.x < 0.5f + moved && std::abs(p.z) < 0.3f && p.y > -0.4f && p.y < 0.5f)
+      EXPECT_TRUE(p.x > -0.5f + moved && p.x < 0.5f + moved && std::abs(p.z) < 0.3f && p.y > -0.4f &&
+                  p.y < 0.5f)
           << p.x << " " << p.y << " " << p.z << " at " << scene->time();
       EXPECT_FALSE(p.x > 0.2f && p.x < 0.203f && p.y < 0.2f) << "within the plate";
       // What is below the plate's upper edge on both sides has not gone over it in one step.
