@@ -1,6 +1,6 @@
 // The particles of a fluid by cells, for sums over those near any point, with the kernel
 //
-//   W(r) = 315/(64π·H³)·(1 − r²/H²)³        H = 2 spacings (Müller et al. 2003)
+//   W(r) = 315/(64π·H³)·(1 − r²/H²)³        H = 1.5 spacings (Müller et al. 2003)
 //
 // of a radius of its own: what is found depends neither on the fluid's support nor on its solver. Sums go by
 // cells around the point and, within one, by the order of the particles, so the shape of the grid does not
@@ -17,7 +17,7 @@
 namespace weir {
 
 /// Radius of the kernel, in spacings.
-inline constexpr float kNearRadius = 2;
+inline constexpr float kNearRadius = 1.5;
 
 struct FluidGridView {
   CellGrid grid;

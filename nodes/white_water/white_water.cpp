@@ -37,7 +37,8 @@ void WhiteWater::estimate(const SetupContext&, MemoryNeeds& needs) {
   particles->material.spacing = 2 * mean;
   needs.particles = n;
   needs.device = ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
-                 3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) + bytesOfArray(n, sizeof(int)) +
+                 3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) +
+                 CellSort::kPerParticle * bytesOfArray(n, sizeof(int)) +
                  bytesOfArray(n, 2 * sizeof(Vec3f) + sizeof(int) + 2 * sizeof(float));
   const double perFluid = FluidGrid::memoryFor(ofFluid) + bytesOfArray(ofFluid, sizeof(Vec3f)) +
                           bytesOfArray(ofFluid, sizeof(float)) + 2 * bytesOfArray(ofFluid, sizeof(int));
@@ -69,7 +70,7 @@ void WhiteWater::reset(const SetupContext& context) {
   poses_ = Array<Pose>(device);
   walls_.emplace(device, dynamic_cast<const ParticleFluid*>(&fluid.links().front()->node()),
                  removed_->data());
-  order_ = Array<int>(device);
+  order_.emplace(device);
   born_ = {};
   sources_.emplace(device);
   grid_.emplace(device);
@@ -86,6 +87,7 @@ void WhiteWater::save(const StateWriter& to) const {
 
 void WhiteWater::restore(const StateReader& from) {
   set_->restore(from.in("particles"));
+  grid_->fit(*fluid);  // as at the frame where it was saved, as the order of particles follows from it
 }
 
 void WhiteWater::step(const StepContext& context) {
@@ -93,8 +95,8 @@ void WhiteWater::step(const StepContext& context) {
   dispatch(context.device, [&](auto& device) { stepOn(device, context); });
 }
 
-void WhiteWater::frame(const StepContext& context) {
-  if (context.time > 0) grid_->fit(*fluid);
+void WhiteWater::frame(const StepContext&) {
+  grid_->fit(*fluid);
 }
 
 void WhiteWater::limitReached(Log& log) {

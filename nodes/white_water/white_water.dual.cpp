@@ -51,9 +51,13 @@ struct Advance {
   }
 };
 
-struct IsAlive {
+struct CellOfAlive {
+  CellGrid grid;
+  ArrayView<const Vec3f> positions;
   ArrayView<const float> lifetimes;
-  WEIR_HD bool operator()(std::int64_t i) const { return lifetimes[i] > 0; }
+  WEIR_HD int operator()(std::int64_t i) const {
+    return lifetimes[i] > 0 ? grid.index(grid.cellOf(positions[i])) : -1;
+  }
 };
 
 /// Particle b of the batch. Where there is no room for all that are wanted, they are evenly thinned.
@@ -132,7 +136,7 @@ void WhiteWater::stepOn(Backend& device, const StepContext& context) {
   walls_->place(context.time, context.dt, *poses_);
   if (set_->bound() > 0) {
     advanceOn(device, context);
-    removeDeadOn(device);
+    sortAliveOn(device);
   }
   if (fluid->set().bound() == 0) return;
   countBornOn(device, context);
@@ -159,11 +163,12 @@ void WhiteWater::advanceOn(Backend& device, const StepContext& context) {
 }
 
 template <class Backend>
-void WhiteWater::removeDeadOn(Backend& device) {
-  order_.resizeDiscarding(set_->bound());
-  compact(device, "alive", set_->count(), IsAlive{std::as_const(left_).read()}, order_.view(),
-          set_->counter());
-  set_->permute(std::as_const(order_).view());
+void WhiteWater::sortAliveOn(Backend& device) {
+  const CellGrid grid = grid_->view().grid;
+  order_->sort(device, set_->count(), grid.cellCount(),
+               CellOfAlive{grid, std::as_const(*set_).positions().read(), std::as_const(left_).read()},
+               set_->counter());
+  set_->permute(order_->order());
 }
 
 template <class Backend>

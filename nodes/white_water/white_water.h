@@ -162,7 +162,7 @@ class WhiteWater final : public Node {
   template <class Backend>
   void advanceOn(Backend& device, const StepContext& context);
   template <class Backend>
-  void removeDeadOn(Backend& device);
+  void sortAliveOn(Backend& device);
   template <class Backend>
   void countBornOn(Backend& device, const StepContext& context);
   template <class Backend>
@@ -178,7 +178,7 @@ class WhiteWater final : public Node {
   std::optional<FluidGrid> grid_;
   std::optional<Sources> sources_;
   std::optional<WallsOfFluid> walls_;
-  Array<int> order_;
+  std::optional<CellSort> order_;  // by the cells of the grid, so that neighbours read the same fluid
   ParticleBatch born_;
   std::uint64_t seed_ = 0;
   bool warned_ = false;

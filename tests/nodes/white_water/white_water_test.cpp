@@ -11,6 +11,7 @@
 #include <map>
 
 #include "framework/run/resume_check.h"
+#include "nodes/rigid_body/rigid_body.h"
 #include "nodes/white_water/dragged_motion.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
@@ -413,6 +414,40 @@ TEST_P(WhiteWaterOn, NonePassesAWall) {
   NodeReport report;
   scene.node<WhiteWater>("foam").report(report);
   EXPECT_GT(report.statistics["particles_removed"].asInt(), 0);
+}
+
+TEST_P(WhiteWaterOn, NoneIsInABodyThatForcesMove) {
+  SimulatedScene scene(*device, R"({"weir": 1,
+    "world": {"dt": 0.003, "frame_rate": 100, "duration": 0.4, "seed": 5},
+    "nodes": {
+      "pool": {"type": "BoxSampler", "params": {"min": [-0.25, 0, -0.15], "max": [0.25, 0.15, 0.15]}},
+      "tank": {"type": "StaticBoundary",
+               "params": {"shape": "box", "min": [-0.25, 0, -0.15], "max": [0.25, 0.9, 0.15], "inverted": true}},
+      "box": {"type": "BoxMesh", "params": {"min": [-0.08, 0.2, -0.08], "max": [0.08, 0.3, 0.08]}},
+      "body": {"type": "RigidBody", "params": {"density": 600, "velocity": [0.5, -4, 0], "fixed_rotation": "xyz"}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.03, "rest_steps": 0}},
+      "foam": {"type": "WhiteWater", "params": {"trapped_air": 3e6, "air_limits": [0.02, 0.3]}}},
+    "links": ["pool.particles -> water.initial", "tank.boundary -> water.boundaries", "box.surface -> body.mesh",
+              "tank.boundary -> body.walls", "water.fluid -> body.fluid", "water.fluid -> foam.fluid"]})");
+  scene->reset();
+  ParticleSet& set = scene.node<WhiteWater>("foam").particles->set();
+  const std::atomic<bool> stop{false};
+  std::int64_t near = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    scene->advanceFrame(stop);
+    NodeReport report;
+    scene.node<RigidBody>("body").report(report);
+    const Value::Array center = report.statistics["position"].asArray();
+    const Vec3f half{0.08f, 0.05f, 0.08f};
+    for (const Vec3f& p : set.positions().toHost(set.refreshCount())) {
+      float out = -1;  // of the box, along its axes
+      for (int c = 0; c < 3; ++c)
+        out = std::max(out, std::abs(p[c] - static_cast<float>(center[std::size_t(c)].asDouble())) - half[c]);
+      EXPECT_GT(out, 0) << "in the body at " << scene->time();
+      near += out < 0.03f;
+    }
+  }
+  EXPECT_GT(near, 2000);
 }
 
 std::map<std::string, std::vector<std::byte>> stateOf(const Simulation& simulation) {
