@@ -32,6 +32,7 @@
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/terrain/terrain.h"
 #include "nodes/turning_model/turning_model.h"
+#include "nodes/white_water/white_water.h"
 
 namespace weir {
 
@@ -54,6 +55,7 @@ void registerNodes(Registry& registry) {
   registry.addNode<StaticBoundary>();
   registry.addNode<Terrain>();
   registry.addNode<TurningModel>();
+  registry.addNode<WhiteWater>();
 
   registry.addModule<Predict>();
   registry.addModule<SolidApproach>();

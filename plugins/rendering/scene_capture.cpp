@@ -9,6 +9,7 @@
 #include "nodes/emitters/nozzle_emitter.h"
 #include "nodes/fluid_surface/fluid_surface.h"
 #include "nodes/static_boundary/static_boundary.h"
+#include "nodes/white_water/white_water.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
 
@@ -51,6 +52,12 @@ const Particles* fluidBehind(const Node& node) {
 }
 
 }  // namespace
+
+bool isWhite(const RenderSettings& settings, const Node& node) {
+  for (std::size_t i = 0; i < settings.fluids.size(); ++i)
+    if (*settings.fluids[i].node == node.name()) return settings.fluids[i].look == FluidLook::kWhite;
+  return dynamic_cast<const WhiteWater*>(&node) != nullptr;
+}
 
 std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::unique_ptr<SceneSnapshot> used) {
   std::unique_ptr<SceneSnapshot> snapshot = used ? std::move(used) : std::make_unique<SceneSnapshot>();
@@ -186,7 +193,9 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
       to.velocities.start(particles.velocities().read(), count);
     const std::size_t place = placeOfFluid(node);
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
+    to.white = isWhite(settings_, output->node());
     to.colorType = std::nullopt;
+    if (to.white) continue;
     if (to.look != nullptr && to.look->look == FluidLook::kWater) {
       const std::string& by = to.look->foam->by;
       if (by != "none")

@@ -52,12 +52,17 @@ struct FluidSnapshot {
   std::string node;                     ///< that puts the fluid out
   float spacing = 0;                    ///< m
   const FluidSettings* look = nullptr;  ///< null: spheres
+  bool white = false;                   ///< white spheres, without a quantity
   /// Of the numbers that colour the particles; none if they have one colour.
   std::optional<AttributeType> colorType;
   FrameCopy<Vec3f> positions;
   FrameCopy<Vec3f> velocities;  ///< if there are arrows
   AttributeTypes::TupleOf<FrameCopy> byType;
 };
+
+/// Whether the particles of a node are drawn as white spheres.
+bool isWhite(const RenderSettings& settings, const Node& node);
+inline constexpr Color kWhite{0.95f, 0.97f, 0.98f, 1};
 
 /// The surface of a fluid, on its way to the host.
 struct FluidSurfaceSnapshot {

@@ -130,11 +130,11 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
   for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
     FluidSnapshot& fluid = snapshot.fluids[i];
     const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
-    if (!water) key_.shown = settings_.color->bar && colored;
+    if (!water && !fluid.white) key_.shown = settings_.color->bar && colored;
     shown_[i]->load(fluid, water ? fluid.look->foam->range.get() : std::optional<Vec2f>());
     view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = map_,
-                              .fixed = settings_.color->fixed,
+                              .fixed = fluid.white ? kWhite : settings_.color->fixed.get(),
                               .node = fluid.node});
     if (water) addWater(fluid, view);
     if (!boundsAreStatic_) bounds_.extend(shown_[i]->box());

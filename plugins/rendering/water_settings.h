@@ -12,14 +12,15 @@ namespace weir {
 
 namespace rendering {
 /// How the particles of a fluid look.
-enum class FluidLook { kSpheres, kWater };
+enum class FluidLook { kSpheres, kWater, kWhite };
 }  // namespace rendering
 
 template <>
 struct EnumNames<rendering::FluidLook> {
-  static constexpr std::array<EnumName, 2> kNames{
+  static constexpr std::array<EnumName, 3> kNames{
       EnumName{"spheres", "A sphere for each particle, coloured by a quantity."},
-      EnumName{"water", "A clear liquid with a smooth surface, which bends and absorbs light."}};
+      EnumName{"water", "A clear liquid with a smooth surface, which bends and absorbs light."},
+      EnumName{"white", "A white sphere for each particle; what a WhiteWater has where nothing is said."}};
 };
 
 namespace rendering {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -56,14 +58,38 @@ ColumnCopy columnOf(const AttributeInfo& info, Device& device) {
   });
 }
 
+/// What particles of a fluid have in place of an attribute that only others have.
+template <class Number>
+constexpr Number kMissing = std::is_floating_point_v<Number> ? std::numeric_limits<Number>::quiet_NaN()
+                                                             : Number(-1);
+/// At least as many of these on the device as were ever asked for.
+class MissingNumbers {
+ public:
+  explicit MissingNumbers(Device& device)
+      : numbers_(Array<float>(device), Array<int>(device), Array<std::int64_t>(device)) {}
+
+  template <class Number>
+  const Number* get(std::int64_t count) {
+    auto& array = std::get<Array<Number>>(numbers_);
+    if (array.size() < count)
+      array.assign(std::vector<Number>(static_cast<std::size_t>(count), kMissing<Number>));
+    return array.data();
+  }
+
+ private:
+  std::tuple<Array<float>, Array<int>, Array<std::int64_t>> numbers_;
+};
+
 /// Asks for one attribute of the first `count` particles.
 void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::int64_t first,
-                 std::int64_t count, ColumnCopy& to) {
+                 std::int64_t count, MissingNumbers& missing, ColumnCopy& to) {
   withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
     using Number = typename AttributeTraits<T>::Number;
-    const T* from = particles.get<T>(info.name).read().data();
-    std::get<HostCopy<Number>>(to).start(kNumbersIn<T> * first, reinterpret_cast<const Number*>(from),
-                                         kNumbersIn<T> * count);
+    const std::int64_t numbers = kNumbersIn<T> * count;
+    const Number* from = has(particles, info)
+                             ? reinterpret_cast<const Number*>(particles.get<T>(info.name).read().data())
+                             : missing.get<Number>(numbers);
+    std::get<HostCopy<Number>>(to).start(kNumbersIn<T> * first, from, numbers);
   });
 }
 
@@ -72,7 +98,7 @@ void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::i
 /// The particles of all fluids, one fluid behind the other.
 class ParticleExport::Frame final : public Snapshot {
  public:
-  Frame(const std::vector<AttributeInfo>& columns, Device& device) : positions_(device) {
+  Frame(const std::vector<AttributeInfo>& columns, Device& device) : positions_(device), missing_(device) {
     for (const AttributeInfo& info : columns) columns_.push_back(columnOf(info, device));
   }
 
@@ -94,7 +120,7 @@ class ParticleExport::Frame final : public Snapshot {
       const ParticleSet& particles = sources[i].particles();
       positions_.start(first, particles.positions().read().data(), counts_[i]);
       for (std::size_t c = 0; c < columns.size(); ++c)
-        startColumn(particles, columns[c], first, counts_[i], columns_[c]);
+        startColumn(particles, columns[c], first, counts_[i], missing_, columns_[c]);
     }
   }
 
@@ -129,6 +155,7 @@ class ParticleExport::Frame final : public Snapshot {
   std::vector<std::int64_t> counts_;  // of each fluid
   HostCopy<Vec3f> positions_;
   std::vector<ColumnCopy> columns_;
+  MissingNumbers missing_;
   std::vector<std::int32_t> fluidIndices_;  // only if there are several fluids
 };
 
@@ -215,13 +242,14 @@ void ParticleExport::chooseSources() {
 void ParticleExport::chooseColumns(const Simulation& simulation) {
   for (const Source& source : sources_)
     for (const AttributeInfo& info : source.particles().attributes()) {
-      const bool shared = std::all_of(sources_.begin(), sources_.end(),
-                                      [&](const Source& other) { return has(other.particles(), info); });
+      const bool alike = std::all_of(sources_.begin(), sources_.end(), [&](const Source& other) {
+        return has(other.particles(), info) || other.particles().find(info.name) == nullptr;
+      });
       if (info.name == kPositionName || isColumn(info.name) || !isWanted(info.name)) continue;
-      if (shared)
+      if (alike)
         columns_.push_back(info);
       else
-        warnOfMissing(simulation, info.name, source.name);
+        warnOfMissing(simulation, info.name, source.name, "which is of another type in another fluid");
     }
   checkAttributes();
   if (several() && isColumn(kFluidIndexName))
@@ -235,8 +263,10 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
 void ParticleExport::checkAttributes() const {
   if (!settings().attributes.get()) return;
   std::vector<std::string> names;
-  for (const AttributeInfo& info : sources_.front().particles().attributes())
-    if (info.name != kPositionName) names.push_back(info.name);
+  for (const Source& source : sources_)
+    for (const AttributeInfo& info : source.particles().attributes())
+      if (info.name != kPositionName && std::count(names.begin(), names.end(), info.name) == 0)
+        names.push_back(info.name);
   for (const std::string& name : *settings().attributes.get())
     if (!isColumn(name))
       throw sceneError("the particles have no attribute " + inQuotes(name) + " that could be exported",
@@ -254,13 +284,13 @@ void ParticleExport::warnOfNewAttributes(const Simulation& simulation) const {
   for (const Source& source : sources_)
     for (const AttributeInfo& info : source.particles().attributes())
       if (info.name != kPositionName && !isColumn(info.name) && isWanted(info.name))
-        warnOfMissing(simulation, info.name, source.name);
+        warnOfMissing(simulation, info.name, source.name, "which it did not have at the first frame");
 }
 
 void ParticleExport::warnOfMissing(const Simulation& simulation, const std::string& attribute,
-                                   const std::string& fluid) const {
+                                   const std::string& fluid, const std::string& reason) const {
   simulation.log().warnOnce("the export leaves out the attribute " + inQuotes(attribute) + " of the fluid " +
-                            inQuotes(fluid) + ", which not all fluids have from the first frame on");
+                            inQuotes(fluid) + ", " + reason);
 }
 
 bool ParticleExport::isColumn(std::string_view name) const {

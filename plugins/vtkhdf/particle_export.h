@@ -2,11 +2,11 @@
 // scene, frame by frame, to one file.
 //
 // Its PointData holds every attribute of the particles: velocity, density, id, and what modules and plugins
-// add. If the scene has several fluids, it holds those that all of them have, and a number that says which
-// fluid a particle belongs to. Ids count within one fluid. The scene's section "export" may choose
-// attributes, frames and precision (export_settings.h). The FieldData has the number of particles and their
-// spacing [m], the smallest of all fluids. The group /simulation, which readers of VTKHDF ignore, keeps the
-// version of Weir, the scene's text, the names of the fluids, and how the run went.
+// add. If the scene has several fluids, it holds those of all of them, NaN or -1 where a fluid has none, and
+// a number that says which fluid a particle belongs to. Ids count within one fluid. The scene's section
+// "export" may choose attributes, frames and precision (export_settings.h). The FieldData has the number of
+// particles and their spacing [m], the smallest of all fluids. The group /simulation, which readers of VTKHDF
+// ignore, keeps the version of Weir, the scene's text, the names of the fluids, and how the run went.
 #pragma once
 
 #include <cstddef>
@@ -72,8 +72,8 @@ class ParticleExport final : public Observer {
   bool isWanted(const std::string& attribute) const;
   // At every frame.
   void warnOfNewAttributes(const Simulation& simulation) const;
-  void warnOfMissing(const Simulation& simulation, const std::string& attribute,
-                     const std::string& fluid) const;
+  void warnOfMissing(const Simulation& simulation, const std::string& attribute, const std::string& fluid,
+                     const std::string& reason) const;
   void makeFile();
 
   /// The scene's, or null where the plugin's section is not known.

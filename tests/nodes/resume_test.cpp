@@ -69,6 +69,7 @@ const std::map<std::string, const char*> kParameters{
      R"({"profile": [[0, 0.2], [0.03, 0.2], [0.03, 0.25], [0, 0.25]], "position": [0.05, 0, 0.05]})"},
     {"VortexTracers", R"({"spacing": 0.03, "circulation": 0.5})"},
     {"WavePaddle", R"({"stroke": 0.2, "period": 0.5, "ramp": 0, "acceleration": 30})"},
+    {"WhiteWater", R"({"trapped_air": 1e8, "air_limits": [0.001, 0.01], "speed_limits": [0.1, 0.5]})"},
     {"MyPluginProbe", R"({"min": [0, 0, 0], "max": [0.15, 0.05, 0.3]})"},
     {"SemiImplicitSolver", R"({"step_length": "global", "record_objective": true})"},
     {"AcceleratedSolver", R"({"tolerance": 0.01, "max_iterations": 3, "acceleration": "conjugate",

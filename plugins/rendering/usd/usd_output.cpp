@@ -148,10 +148,11 @@ class UsdObserver final : public Observer {
     capture_.emplace(settings, CaptureNeeds{.velocities = true, .closedWater = false});
     taken_ = {"camera", "Materials"};
     sources_.clear(), placeOf_.clear();
-    const Color color = settings.color->fixed;
     for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph)) {
       sources_.push_back({output, stage_.things.size()});
-      stage_.things.push_back({.prim = primNameOf(node, taken_), .color = color});
+      stage_.things.push_back(
+          {.prim = primNameOf(node, taken_),
+           .color = isWhite(settings, output->node()) ? kWhite : settings.color->fixed.get()});
     }
   }
 

@@ -4,6 +4,7 @@
 #include <sys/mount.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -234,20 +235,35 @@ TEST_P(ParticleExportTest, LeavesOutTheHalo) {
   expectEqual(VtkHdfReader(file_).readLast(), last);
 }
 
-TEST_P(ParticleExportTest, LeavesOutWhatNotAllFluidsHave) {
+TEST_P(ParticleExportTest, SaysWhereAFluidHasNoSuchAttribute) {
   const auto sim = simulation(twoFluids());
   ParticleExport exporter(file_);
   AtFrames add([](Simulation& s) {
     particlesOf(s, "oil").add<float>({"smell", AttributeType::kFloat, "", ""});
+    particlesOf(s, "oil").add<Vec3f>({"spin", AttributeType::kVec3, "1/s", ""});
+    particlesOf(s, "water").add<int>({"phase", AttributeType::kInt, "", ""});
+    particlesOf(s, "oil").add<int>({"mixed", AttributeType::kInt, "", ""});
+    particlesOf(s, "water").add<float>({"mixed", AttributeType::kFloat, "", ""});
     particlesOf(s, "oil").add<float>({"age", AttributeType::kFloat, "s", ""});
     particlesOf(s, "water").add<float>({"age", AttributeType::kFloat, "s", ""});
   });
   Observer* observers[] = {&add, &exporter};
   runSimulation(*sim, observers);
   const VtkHdfStep step = VtkHdfReader(file_).readLast();
-  EXPECT_EQ(step.find("smell"), nullptr);
   EXPECT_EQ(valuesOf<float>(step, "age"), std::vector<float>(216 + 27, 0));
-  EXPECT_CONTAINS(messages_, "leaves out the attribute 'smell' of the fluid 'oil'");
+  const auto fluid = valuesOf<std::int64_t>(step, "fluid_index"),
+             phase = valuesOf<std::int64_t>(step, "phase");
+  const auto smell = valuesOf<float>(step, "smell"), spin = valuesOf<float>(step, "spin");
+  ASSERT_EQ(spin.size(), 3 * fluid.size());
+  EXPECT_EQ(std::count(fluid.begin(), fluid.end(), 1), 27);
+  for (std::size_t i = 0; i < fluid.size(); ++i) {
+    const bool oil = fluid[i] == 1;
+    EXPECT_EQ(phase[i], oil ? -1 : 0);
+    EXPECT_EQ(std::isnan(smell[i]), !oil);
+    EXPECT_EQ(std::isnan(spin[3 * i + 2]), !oil);
+  }
+  EXPECT_EQ(step.find("mixed"), nullptr);
+  EXPECT_CONTAINS(messages_, "leaves out the attribute 'mixed' of the fluid 'oil', which is of another type");
 }
 
 TEST_P(ParticleExportTest, RefusesASceneWithoutAFluid) {

@@ -9,6 +9,9 @@
 #include <random>
 
 #include "framework/scene/scene_file.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/white_water/white_water.h"
+#include "plugins/rendering/scene_capture.h"
 #include "tests/plugins/rendering/gl/pictures.h"
 
 namespace weir::rendering {
@@ -99,6 +102,33 @@ TEST_P(SceneViews, OfSpheresColouredByAnyAttribute) {
   for (const Vec3f& v : velocities) speeds.push_back(std::hypot(v.x, v.y, v.z));
   // Nobody is faster than 3.32 m/s. Colours may be rounded the other way.
   EXPECT_LE(largestDifference(picture(), expected(positions, speeds, 0, 3.5f)), 1);
+}
+
+TEST_P(SceneViews, OfWhiteSpheres) {
+  capture(AttributeType::kFloat);
+  snapshot.fluids[0].colorType = std::nullopt;
+  snapshot.fluids[0].white = true;
+  SceneView view(settings, *settings.camera, renderer);
+  const View seen = view.of(snapshot, ParticlePlace::kHost);
+  EXPECT_TRUE(seen.particles[0].values.empty());
+  EXPECT_EQ(seen.particles[0].fixed, kWhite);
+  EXPECT_FALSE(view.colorKey().shown);
+}
+
+TEST(WhiteLook, IsThatOfWhiteWaterUnlessTheSceneSaysOtherwise) {
+  RenderSettings settings;
+  WhiteWater foam;
+  ParticleFluid water;
+  foam.setName("foam");
+  water.setName("water");
+  EXPECT_TRUE(isWhite(settings, foam));
+  EXPECT_FALSE(isWhite(settings, water));
+  settings.assignAll(
+      parseJson(R"({"fluids": [{"node": "foam", "look": "spheres"}, {"node": "water", "look": "white"}]})",
+                "render"),
+      {});
+  EXPECT_FALSE(isWhite(settings, foam));
+  EXPECT_TRUE(isWhite(settings, water));
 }
 
 TEST_P(SceneViews, AreOfTheFrameThatWasCapturedLast) {

@@ -1,0 +1,148 @@
+#include "nodes/white_water/white_water.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "framework/compute/profiler.h"
+#include "framework/graph/memory_estimate.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+
+namespace weir {
+
+namespace {
+
+void checkAscending(const Param<Vec2f>& limits, bool apart) {
+  const Vec2f& at = limits.get();
+  if (apart ? at.x < at.y : at.x <= at.y) return;
+  throw sceneError(
+      fmt::format("the first number, {:.4g}, is {} the second, {:.4g}", at.x,
+                  at.x == at.y ? "the same as" : "above", at.y),
+      apart ? "two numbers, the smaller one first" : "two numbers, the first no larger than the second")
+      .inParameter(limits.name());
+}
+
+}  // namespace
+
+void WhiteWater::validate() const {
+  for (const auto* limits : {&airLimits, &crestLimits, &speedLimits}) checkAscending(*limits, true);
+  for (const auto* range : {&lifetime, &radius}) checkAscending(*range, false);
+}
+
+void WhiteWater::estimate(const SetupContext&, MemoryNeeds& needs) {
+  const double n = static_cast<double>(maxParticles), ofFluid = fluid->maxCount;
+  const float mean = 0.5f * (radius->x + radius->y);
+  particles->maxCount = n;
+  particles->material.spacing = 2 * mean;
+  needs.particles = n;
+  needs.device = ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
+                 3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) +
+                 CellSort::kPerParticle * bytesOfArray(n, sizeof(int)) +
+                 bytesOfArray(n, 2 * sizeof(Vec3f) + sizeof(int) + 2 * sizeof(float));
+  const double perFluid = FluidGrid::memoryFor(ofFluid) + bytesOfArray(ofFluid, sizeof(Vec3f)) +
+                          bytesOfArray(ofFluid, sizeof(float)) + 2 * bytesOfArray(ofFluid, sizeof(int));
+  needs.add(perFluid);
+  needs.remedy = [n](double share) { return fmt::format("max_particles of at most {:.2g}", share * n); };
+}
+
+void WhiteWater::reset(const SetupContext& context) {
+  Device& device = context.device;
+  seed_ = randomSeed(*this, context, seed);
+  set_.emplace(device);
+  set_->expectAtMost(maxParticles);
+  kind_ = set_->add<int>({"type", AttributeType::kInt, "", "0: spray, 1: foam, 2: bubble."});
+  age_ = set_->add<float>({"age", AttributeType::kFloat, "s", "Time since its birth."});
+  left_ =
+      set_->add<float>({"lifetime", AttributeType::kFloat, "s", "Time that it has left as spray or foam."});
+  radius_ = set_->add<float>({"radius", AttributeType::kFloat, "m", "Radius."});
+  const double mean = 0.5 * (double(radius->x) + double(radius->y));
+  particles->material = {
+      .spacing = static_cast<float>(2 * mean),
+      .density = {},
+      .volume = {.value = static_cast<float>(4 / 3.0 * std::numbers::pi * mean * mean * mean)}};
+  particles->assign(*set_);
+  made_ = refused_ = 0;
+  removed_ = Array<int>(device, 1);
+  removed_->fillZero();
+  warned_ = false;
+
+  poses_ = Array<Pose>(device);
+  walls_.emplace(device, dynamic_cast<const ParticleFluid*>(&fluid.links().front()->node()),
+                 removed_->data());
+  order_.emplace(device);
+  born_ = {};
+  sources_.emplace(device);
+  grid_.emplace(device);
+  grid_->fit(*fluid);
+  const MaterialField& volume = fluid->material.volume;
+  if (!volume.byParticle() && !(volume.value > 0))
+    throw sceneError("the particles of '" + fluid.links().front()->path() + "' have no volume",
+                     "particles of a fluid, such as those of a ParticleFluid");
+}
+
+void WhiteWater::save(const StateWriter& to) const {
+  set_->save(to.in("particles"));
+}
+
+void WhiteWater::restore(const StateReader& from) {
+  set_->restore(from.in("particles"));
+  grid_->fit(*fluid);  // as at the frame where it was saved, as the order of particles follows from it
+}
+
+void WhiteWater::step(const StepContext& context) {
+  const ProfileScope scope(context.device.profiler(), name());
+  dispatch(context.device, [&](auto& device) { stepOn(device, context); });
+}
+
+void WhiteWater::frame(const StepContext&) {
+  grid_->fit(*fluid);
+}
+
+void WhiteWater::limitReached(Log& log) {
+  if (warned_) return;
+  warned_ = true;
+  log.warn(
+      fmt::format("node '{}': there are {} particles, as many as max_particles allows, and fewer are made "
+                  "from now on; better: a larger max_particles, or smaller trapped_air and wave_crests",
+                  name(), maxParticles.get()));
+}
+
+void WhiteWater::makeRoomForBorn(std::int64_t count) {
+  Device& device = set_->device();
+  born_.count = count;
+  if (born_.attributes.empty()) {
+    born_.positions = Array<Vec3f>(device);
+    born_.velocities = Array<Vec3f>(device);
+    born_.attributes.push_back({kind_.info(), Array<int>(device)});
+    born_.attributes.push_back({left_.info(), Array<float>(device)});
+    born_.attributes.push_back({radius_.info(), Array<float>(device)});
+  }
+  born_.positions.resizeDiscarding(count);
+  born_.velocities.resizeDiscarding(count);
+  for (BatchAttribute& attribute : born_.attributes)
+    std::visit([&](auto& values) { values.resizeDiscarding(count); }, attribute.values);
+}
+
+void WhiteWater::report(NodeReport& report) {
+  if (!set_) return;
+  Value& v = report.statistics;
+  const std::int64_t count = set_->refreshCount();
+  Vec3i kinds{0, 0, 0};
+  if (count > 0) {
+    Array<Vec3i> counted(set_->device(), 1);
+    dispatch(set_->device(), [&](auto& device) { countKindsOn(device, counted.data()); });
+    kinds = counted.toHost().front();
+  }
+  v["particles"] = count;
+  v["spray"] = kinds.x;
+  v["foam"] = kinds.y;
+  v["bubbles"] = kinds.z;
+  v["particles_made"] = made_.get();
+  v["particles_removed"] = removed_->toHost().front();
+  v["particles_refused"] = refused_.get();
+  report.events.push_back(
+      {"white-water particles were not made, as there were max_particles", refused_.get()});
+}
+
+}  // namespace weir

@@ -1,0 +1,257 @@
+#include "nodes/white_water/white_water.h"
+
+#include "framework/compute/parallel_uneven.h"
+#include "nodes/white_water/dragged_motion.h"
+#include "nodes/white_water/draws.h"
+#include "nodes/white_water/fluid_walls.h"
+#include "nodes/white_water/sources.h"
+#include "nodes/white_water/white_particles.h"
+
+namespace weir {
+
+namespace {
+
+/// Moves particle i by a step, and says what it is.
+struct Advance {
+  FluidGridView fluid;
+  FluidWalls walls;
+  Vec3f gravity, rise;       // m/s², m/s
+  float airDrag, waterDrag;  // 1/s
+  float dt;
+  WhiteParticles all;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Motion start{all.positions[i], all.velocities[i]};
+    const Motion flown = dragged(start, gravity, airDrag, dt);
+    const bool flies = all.kinds[i] == static_cast<int>(WhiteKind::kSpray);
+    // Where it will be, as the fluid is there already.
+    const Vec3f ahead = flies ? flown.position : start.position + dt * start.velocity;
+    if (!isFinite(ahead)) {
+      all.lifetimes[i] = 0;
+      return;
+    }
+    const FluidHere here = fluidAt(fluid, ahead);
+    const float open = 1 - walls.hidden(ahead, fluid.radius);
+    const WhiteKind kind = kindOf(here.filled > 0 ? here.filled / open : 0.0f);
+    Motion moved = kind == WhiteKind::kSpray  ? flown
+                   : kind == WhiteKind::kFoam ? Motion{start.position + dt * here.velocity, here.velocity}
+                                              : risen(start, here.velocity);
+    walls.stop(start.position, false, moved);
+    all.positions[i] = moved.position;
+    all.velocities[i] = moved.velocity;
+    all.kinds[i] = static_cast<int>(kind);
+    all.ages[i] += dt;
+    if (kind != WhiteKind::kBubble) all.lifetimes[i] -= dt;
+    if (!isFinite(moved.position) || walls.removes(moved.position)) all.lifetimes[i] = 0;
+  }
+
+  WEIR_HD Motion risen(const Motion& start, const Vec3f& flow) const {
+    if (waterDrag == 0) return {start.position + dt * flow, flow};
+    return dragged(start, waterDrag * (flow + rise), waterDrag, dt);
+  }
+};
+
+struct CellOfAlive {
+  CellGrid grid;
+  ArrayView<const Vec3f> positions;
+  ArrayView<const float> lifetimes;
+  WEIR_HD int operator()(std::int64_t i) const {
+    return lifetimes[i] > 0 ? grid.index(grid.cellOf(positions[i])) : -1;
+  }
+};
+
+/// Particle b of the batch. Where there is no room for all that are wanted, they are evenly thinned.
+struct Bear {
+  std::int64_t born, wanted;
+  std::uint64_t seed;
+  std::int64_t step;
+  float dt, spread;  // s, m
+  Vec2f lifetimes, radii;
+  FluidWalls walls;
+  ArrayView<const int> before;
+  ArrayView<const float> filled;
+  ArrayView<const Vec3f> positions, velocities;
+  ArrayView<const std::int64_t> ids;
+  ArrayView<Vec3f> bornPositions, bornVelocities;
+  ArrayView<int> kinds;
+  ArrayView<float> bornLifetimes, bornRadii;
+
+  WEIR_HD void operator()(std::int64_t b) const {
+    const auto number = static_cast<int>(born == wanted ? b : b * wanted / born);
+    const std::int64_t i = parentOf(number);
+    Draws draws(seed, ids[i], step, number - before[i]);
+    const Vec3f parent = positions[i], v = velocities[i], along = normalized(v);
+    const Vec3f across = anyAcross(along), third = cross(along, across);
+    constexpr float kTwoPi = 6.2831853f;
+    const float distance = spread * sqrtf(draws.next()), angle = kTwoPi * draws.next();
+    const Vec3f aside = distance * (cosf(angle) * across + sinf(angle) * third);
+    Motion at{parent + aside - (draws.next() * dt) * v, v};
+    walls.stop(parent, true, at);
+    bornPositions[b] = at.position;
+    bornVelocities[b] = at.velocity;
+    kinds[b] = static_cast<int>(kindOf(filled[i]));
+    bornLifetimes[b] = draws.within(lifetimes);
+    bornRadii[b] = draws.within(radii);
+  }
+
+  /// The last one before which there are no more than `number`.
+  WEIR_HD std::int64_t parentOf(int number) const {
+    std::int64_t low = 0, high = before.size - 1;
+    while (high - low > 1) {
+      const std::int64_t middle = (low + high) / 2;
+      (before[middle] <= number ? low : high) = middle;
+    }
+    return low;
+  }
+
+  WEIR_HD static Vec3f anyAcross(const Vec3f& v) {
+    return normalized(cross(v, fabsf(v.x) < 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}));
+  }
+};
+
+struct OneOfKind {
+  ArrayView<const int> kinds;
+  WEIR_HD Vec3i operator()(std::int64_t i) const {
+    return {kinds[i] == 0 ? 1 : 0, kinds[i] == 1 ? 1 : 0, kinds[i] == 2 ? 1 : 0};
+  }
+};
+
+struct AddCounts {
+  WEIR_HD Vec3i operator()(const Vec3i& a, const Vec3i& b) const { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+};
+
+}  // namespace
+
+WhiteParticles WhiteWater::elements() {
+  return {.positions = set_->positions().write(),
+          .velocities = set_->velocities().write(),
+          .kinds = kind_.write(),
+          .ages = age_.write(),
+          .lifetimes = left_.write()};
+}
+
+template <class Backend>
+void WhiteWater::stepOn(Backend& device, const StepContext& context) {
+  grid_->sort(device, *fluid);
+  walls_->place(context.time, context.dt, *poses_);
+  if (set_->bound() > 0) {
+    advanceOn(device, context);
+    sortAliveOn(device);
+  }
+  if (fluid->set().bound() == 0) return;
+  countBornOn(device, context);
+  int wanted = 0;
+  device.download(&wanted, sources_->before.data() + fluid->set().bound(), sizeof(int));
+  if (set_->bound() > 0) set_->refreshCount();
+  if (wanted > 0) bearOn(device, context, wanted);
+}
+
+template <class Backend>
+void WhiteWater::advanceOn(Backend& device, const StepContext& context) {
+  const float pull = length(context.gravity);
+  // Displaced water makes bubbles start with twice gravity, so this is the rate that ends at rise_speed.
+  const float rate = riseSpeed > 0 ? 2 * pull / riseSpeed : 0;
+  parallelForUneven(device, "white water", set_->count(),
+                    Advance{.fluid = grid_->view(),
+                            .walls = walls_->view(),
+                            .gravity = context.gravity,
+                            .rise = pull > 0 ? (-riseSpeed / pull) * context.gravity : Vec3f{},
+                            .airDrag = airDrag,
+                            .waterDrag = rate,
+                            .dt = static_cast<float>(context.dt),
+                            .all = elements()});
+}
+
+template <class Backend>
+void WhiteWater::sortAliveOn(Backend& device) {
+  const CellGrid grid = grid_->view().grid;
+  order_->sort(device, set_->count(), grid.cellCount(),
+               CellOfAlive{grid, std::as_const(*set_).positions().read(), std::as_const(left_).read()},
+               set_->counter());
+  set_->permute(order_->order());
+}
+
+template <class Backend>
+void WhiteWater::findNormalsOn(Backend& device) {
+  Sources& found = *sources_;
+  found.fast.resizeDiscarding(grid_->cells());
+  found.normals.resizeDiscarding(fluid->set().bound());
+  parallelFor(device, "fast cells", grid_->cells(),
+              MarkFast{grid_->view(), speedLimits->x * speedLimits->x, found.fast.view()});
+  parallelForUneven(
+      device, "normals", grid_->count(),
+      FindNormal{grid_->view(), walls_->view(), std::as_const(found.fast).view(), found.normals.view()});
+}
+
+template <class Backend>
+void WhiteWater::countBornOn(Backend& device, const StepContext& context) {
+  Sources& found = *sources_;
+  const std::int64_t all = fluid->set().bound();
+  for (Array<int>* array : {&found.born, &found.before}) array->resizeDiscarding(all + 1);
+  found.filled.resizeDiscarding(all);
+  found.born.fillZero();
+  if (waveCrests > 0) findNormalsOn(device);
+  const auto limits = [](const Vec2f& at) { return Ramp{at.x, at.y}; };
+  parallelForUneven(
+      device, "sources", grid_->count(),
+      CountBorn{.fluid = grid_->view(),
+                .order = grid_->order(),
+                .normals = waveCrests > 0 ? std::as_const(found.normals).view() : ArrayView<const Vec3f>{},
+                .ids = std::as_const(fluid->set()).ids().read(),
+                .energy = limits({speedLimits->x * speedLimits->x, speedLimits->y * speedLimits->y}),
+                .air = limits(airLimits),
+                .crest = limits(crestLimits),
+                .airRate = trappedAir,
+                .crestRate = waveCrests,
+                .dt = static_cast<float>(context.dt),
+                .max = static_cast<float>(std::numeric_limits<int>::max() / (all + 1)),
+                .seed = seed_,
+                .step = context.index,
+                .filled = found.filled.view(),
+                .born = found.born.view()});
+  exclusiveScan(device, std::as_const(found.born).view(), found.before.view(), all + 1);
+}
+
+template <class Backend>
+void WhiteWater::bearOn(Backend& device, const StepContext& context, std::int64_t wanted) {
+  const std::int64_t born = wanted < room() ? wanted : room();
+  made_ += born;
+  refused_ += wanted - born;
+  if (born < wanted) limitReached(context.log);
+  if (born <= 0) return;
+  makeRoomForBorn(born);
+  const ParticleSet& parents = fluid->set();
+  const float half = 0.5f * fluid->material.spacing;
+  parallelFor(device, "bear", born,
+              Bear{.born = born,
+                   .wanted = wanted,
+                   .seed = seed_,
+                   .step = context.index,
+                   .dt = static_cast<float>(context.dt),
+                   .spread = half,
+                   .lifetimes = lifetime,
+                   .radii = radius,
+                   .walls = walls_->view(),
+                   .before = std::as_const(sources_->before).view(),
+                   .filled = std::as_const(sources_->filled).view(),
+                   .positions = parents.positions().read(),
+                   .velocities = parents.velocities().read(),
+                   .ids = parents.ids().read(),
+                   .bornPositions = born_.positions.view(),
+                   .bornVelocities = born_.velocities.view(),
+                   .kinds = std::get<Array<int>>(born_.attributes[0].values).view(),
+                   .bornLifetimes = std::get<Array<float>>(born_.attributes[1].values).view(),
+                   .bornRadii = std::get<Array<float>>(born_.attributes[2].values).view()});
+  set_->append(born_);
+}
+
+template <class Backend>
+void WhiteWater::countKindsOn(Backend& device, Vec3i* counts) {
+  reduce(device, "count kinds", set_->count(), Vec3i{0, 0, 0}, OneOfKind{std::as_const(kind_).read()},
+         AddCounts{}, counts);
+}
+
+template void WhiteWater::stepOn(ThisBackend&, const StepContext&);
+template void WhiteWater::countKindsOn(ThisBackend&, Vec3i*);
+
+}  // namespace weir
