@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <new>
 
 #include "apps/weir/installed_scenes.h"
 #include "apps/weir/shown_run.h"
@@ -49,6 +51,26 @@ class StatisticsOutput final : public Observer {
   std::string file_;
   Log& log_;
 };
+
+/// What all ranks find wrong alike is told by the first one. Returns the exit code.
+int tellOfFailedRank(Log& log, const std::exception_ptr& error, int rank) {
+  const std::string where = fmt::format("rank {}: ", rank);
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& e) {
+    const bool ofAll = e.kind() == ErrorKind::kScene || e.kind() == ErrorKind::kUsage;
+    if (!ofAll || rank == 0) log.error(ofAll ? e.what() : where + e.what());
+    return exitCode(e.kind());
+  } catch (const Interrupted&) {
+    if (rank == 0) log.info("interrupted before the first step");
+    return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    log.error(where + "out of memory");
+  } catch (const std::exception& e) {
+    log.error(where + "a mistake in the program, please report it: " + e.what());
+  }
+  return kSimulationFailed;
+}
 
 std::string summaryOf(const Simulation& simulation) {
   const double steps = static_cast<double>(std::max<std::int64_t>(simulation.stepsDone(), 1));
@@ -189,19 +211,21 @@ void RunCommand::checkRanks() const {
                      "run without --ranks on a GPU");
   for (const auto& [option, value] : {std::pair{"--checkpoint", &checkpoint_}, {"--resume", &resume_}})
     if (!value->empty())
-      throw usageError(fmt::format("{} cannot be used with --ranks yet: each rank has a part of the state", option),
-                       {}, "run without --ranks");
+      throw usageError(
+          fmt::format("{} cannot be used with --ranks yet: each rank has a part of the state", option), {},
+          "run without --ranks");
+}
+
+std::unique_ptr<Scene> RunCommand::loadSilently() const {
+  std::vector<std::string> ignored;
+  return loadScene(scene_, program_.registry(), overrides(), ignored, program_.pluginLoader(scene_));
 }
 
 RunEnd RunCommand::runOnRanks() const {
   checkRanks();
   std::vector<std::unique_ptr<Scene>> scenes;
-  for (int rank = 0; rank < *ranks_; ++rank) {
-    std::vector<std::string> said;  // on rank 0
-    scenes.push_back(rank == 0 ? program_.load(scene_, overrides())
-                               : loadScene(scene_, program_.registry(), overrides(), said,
-                                           program_.pluginLoader(scene_)));
-  }
+  for (int rank = 0; rank < *ranks_; ++rank)
+    scenes.push_back(rank == 0 ? program_.load(scene_, overrides()) : loadSilently());
   const int all = threads_ > 0 ? threads_ : CpuDevice().threads();
   RunEnd end = RunEnd::kFailed;
   runOnThreads(*ranks_, [&](Communicator& ranks) {
@@ -215,9 +239,36 @@ RunEnd RunCommand::runOnRanks() const {
   return end;
 }
 
+int RunCommand::runLaunched(LaunchedRanks& launched) const {
+  RunEnd end = RunEnd::kFailed;
+  const auto work = [&](Communicator& ranks) {
+    if (ranks_)
+      throw usageError(
+          "--ranks is given, and a launcher has started " + std::to_string(ranks.size()) + " ranks already",
+          "one of them");
+    checkRanks();
+    const bool speaks = ranks.rank() == 0;
+    std::vector<OutputLock> locks;
+    if (speaks) locks = takeOutputPaths();
+    auto scene = speaks ? program_.load(scene_, overrides()) : loadSilently();
+    CpuDevice device(threads_ > 0 ? threads_ : std::max(1, CpuDevice().threads() / ranks.sizeHere()));
+    Log silent;
+    std::optional<Interruption> interruption;  // rank 0 makes its own
+    if (!speaks) interruption.emplace();
+    end = runScene(std::move(scene), device, speaks ? program_.log() : silent, &ranks);
+    if (speaks) printResults();
+  };
+  launched.run(work, [&](const std::exception_ptr& error, int rank) {
+    return tellOfFailedRank(program_.log(), error, rank);
+  });
+  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+}
+
 int RunCommand::run() {
   program_.setQuiet(quiet_);
   scene_ = sceneFile(scene_);
+  for (auto& [name, launched, source] : program_.registry().createServices<LaunchedRanks>())
+    if (launched->present()) return runLaunched(*launched);
   const std::vector<OutputLock> locks = takeOutputPaths();
   RunEnd end = RunEnd::kFailed;
   if (ranks_) {

@@ -9,7 +9,7 @@
 
 #include "apps/weir/output_options.h"
 #include "apps/weir/program.h"
-#include "framework/communication/communicator.h"
+#include "framework/communication/launched_ranks.h"
 #include "framework/run/checkpoint.h"
 
 namespace weir::app {
@@ -40,6 +40,10 @@ class RunCommand {
   RunEnd runScene(std::unique_ptr<Scene> scene, Device& device, Log& log, Communicator* ranks) const;
   RunEnd runOnRanks() const;
   void checkRanks() const;
+  /// This process as one of those that a launcher has started.
+  int runLaunched(LaunchedRanks& launched) const;
+  /// As rank 0 does, which says what is doubtful in it.
+  std::unique_ptr<Scene> loadSilently() const;
 
   Program& program_;
   CLI::App* command_;

@@ -35,6 +35,8 @@ class Communicator {
 
   virtual int rank() const = 0;  ///< from 0
   virtual int size() const = 0;  ///< how many there are
+  /// How many of them share this machine.
+  virtual int sizeHere() const = 0;
 
   /// Sends a message to a rank, which may be this one. Does not wait.
   virtual void post(int to, Message message) = 0;

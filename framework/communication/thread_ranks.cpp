@@ -79,6 +79,7 @@ class ThreadRank final : public Communicator {
 
   int rank() const override { return rank_; }
   int size() const override { return post_.ranks(); }
+  int sizeHere() const override { return post_.ranks(); }
   void post(int to, Message message) override { post_.put(rank_, to, std::move(message)); }
   Message receive(int from) override { return post_.take(from, rank_); }
 

@@ -19,11 +19,11 @@ struct ExactSum {
   WEIR_HD explicit ExactSum(double term) {
     constexpr double kMax = kUnits - 1;
     term = term > kMax ? kMax : (term < -kMax ? -kMax : (term == term ? term : 0.0));
-    const double whole = floor(term), rest = (term - whole) * kUnits;
-    const double middle = floor(rest);
+    const double whole = trunc(term), rest = (term - whole) * kUnits;
+    const double middle = trunc(rest);
     ones = static_cast<std::int64_t>(whole);
     fine = static_cast<std::int64_t>(middle);
-    finest = static_cast<std::int64_t>(floor((rest - middle) * kUnits));
+    finest = static_cast<std::int64_t>(trunc((rest - middle) * kUnits));
   }
 
   WEIR_HD ExactSum& operator+=(const ExactSum& other) {
@@ -32,9 +32,7 @@ struct ExactSum {
   }
   friend WEIR_HD ExactSum operator+(ExactSum a, const ExactSum& b) { return a += b; }
 
-  double value() const {
-    return double(ones) + (double(fine) + double(finest) / kUnits) / kUnits;
-  }
+  double value() const { return double(ones) + (double(fine) + double(finest) / kUnits) / kUnits; }
 
  private:
   static constexpr double kUnits = 2147483648.0;  // 2^31

@@ -63,8 +63,7 @@ std::int64_t DividedParticles::findLeavingOn(Backend& device) {
   compact(device, "leave", count, Leaves{ownerOf}, found_.view(), foundCount_.data());
   const std::int64_t leaving = foundCount_.toHost().front();
   owners_.resizeDiscarding(leaving);
-  parallelFor(device, "owners", leaving,
-              WriteOwner{ownerOf, std::as_const(found_).view(), owners_.view()});
+  parallelFor(device, "owners", leaving, WriteOwner{ownerOf, std::as_const(found_).view(), owners_.view()});
   return leaving;
 }
 

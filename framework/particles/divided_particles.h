@@ -53,8 +53,8 @@ class DividedParticles {
     constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
     refreshWords({reinterpret_cast<std::uint32_t*>(values.data), kWords * values.size}, kWords);
   }
-  /// Adds all particles of all ranks, with all attributes that are not derived, to a set that is there on rank
-  /// 0 only and null elsewhere, in no order.
+  /// Adds all particles of all ranks, with all attributes that are not derived, to a set that is there on
+  /// rank 0 only and null elsewhere, in no order.
   void gather(ParticleSet* all);
 
   /// How many particles all ranks own.

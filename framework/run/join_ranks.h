@@ -9,8 +9,8 @@
 
 namespace WEIR_API weir {
 
-/// Before the reset, on every rank with the same scene. Throws a scene Error that names the node if one of them
-/// cannot run on several ranks.
+/// Before the reset, on every rank with the same scene. Throws a scene Error that names the node if one of
+/// them cannot run on several ranks.
 void joinRanks(Simulation& simulation, Communicator& ranks);
 
 /// While it lives, the run with these options ends on all ranks at the same step once `asked` is true on one.

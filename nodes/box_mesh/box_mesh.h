@@ -2,8 +2,8 @@
 #pragma once
 
 #include "framework/base/api.h"
-#include "framework/geometry/triangle_mesh.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 
 namespace WEIR_API weir {

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/given_data.h"
-#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 
 namespace WEIR_API weir {

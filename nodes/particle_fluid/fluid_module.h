@@ -49,10 +49,10 @@ struct FluidStep {
   ParticleSet& particles;
   NeighborList& neighbors;
   const std::vector<const Boundary*>& boundaries;
-  Aabb domain;                       ///< particles outside are removed
-  ArrayView<const SinkPiece> sinks;  ///< particles inside are removed; on the device
-  WallField& walls;                  ///< what rigid meshes do; empty where there are none
-  WallFinder* wallFinder = nullptr;  ///< there wherever the fluid meets solids
+  Aabb domain;                          ///< particles outside are removed
+  ArrayView<const SinkPiece> sinks;     ///< particles inside are removed; on the device
+  WallField& walls;                     ///< what rigid meshes do; empty where there are none
+  WallFinder* wallFinder = nullptr;     ///< there wherever the fluid meets solids
   DividedParticles* divided = nullptr;  ///< there where several ranks share the particles
 
   /// Sorts the particles and lists the neighbours of each.

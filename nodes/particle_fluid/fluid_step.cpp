@@ -6,6 +6,7 @@ namespace weir {
 void FluidStep::findNeighbors() {
   if (divided == nullptr) return neighbors.build(particles, domain, sinks);
   divided->migrate();
+  neighbors.fitMore(divided->countOfAll());
   neighbors.sort(particles, domain, sinks);
   divided->showHalo();
   neighbors.list(particles);

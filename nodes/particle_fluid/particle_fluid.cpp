@@ -43,10 +43,10 @@ void ParticleFluid::join(Communicator& ranks) {
   pipeline_.forEachEnabled("join", [&](FluidModule& module) {
     auto* onRanks = dynamic_cast<OnRanks*>(&module);
     if (onRanks == nullptr)
-      throw sceneError(
-          fmt::format("the module '{}' of type {} cannot run on several ranks yet", module.name(),
-                      module.info().type),
-          {}, "run without --ranks, or use modules that can, such as SemiImplicitSolver and Xsph");
+      throw sceneError(fmt::format("the module '{}' of type {} cannot run on several ranks yet",
+                                   module.name(), module.info().type),
+                       {},
+                       "run without --ranks, or use modules that can, such as SemiImplicitSolver and Xsph");
     onRanks->join(ranks);
   });
   ranks_ = &ranks;
@@ -331,6 +331,7 @@ void ParticleFluid::runPipeline(FluidStep& step) {
 void ParticleFluid::give(const ParticleBatch& born, double time) {
   State& state = *state_;
   if (born.count == 0) return;
+  if (divided_) return divided_->append(born);
   if (state.walls.empty()) {
     state.particles.append(born);
     return;
@@ -354,7 +355,7 @@ void ParticleFluid::findWalls(const StepContext& context) {
 void ParticleFluid::refresh(const StepContext& context) {
   if (divided_) refreshOnRanks(context);
   refreshShown(context);
-  if (divided_) sumEventsOfRanks();
+  if (divided_) sumEventsOfRanks(), sumSinksOfRanks();
   checkEvents();
 }
 
@@ -408,6 +409,22 @@ void ParticleFluid::sumEventsOfRanks() {
                     .escaped = int(sums[1]),
                     .nonFinite = int(sums[2]),
                     .cutOffByOrder = int(sums[3])};
+}
+
+/// Counts of removed particles move to rank 0, which reports them.
+void ParticleFluid::sumSinksOfRanks() {
+  std::vector<int*> counters;  // pieces of one sink share theirs
+  for (std::size_t i = 0; i < sinks.size(); ++i)
+    for (const SinkPiece& piece : sinks[i].pieces)
+      if (counters.empty() || counters.back() != piece.removed) counters.push_back(piece.removed);
+  Device& device = state_->particles.device();
+  for (int* const counter : counters) {
+    int own = 0;
+    device.download(&own, counter, sizeof(own));
+    const auto all = static_cast<int>(ranks_->sum(own));
+    own = ranks_->rank() == 0 ? all : 0;
+    device.upload(counter, &own, sizeof(own));
+  }
 }
 
 void ParticleFluid::warnOfSettings(const SetupContext& context) {

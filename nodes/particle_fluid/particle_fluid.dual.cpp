@@ -117,8 +117,8 @@ void ParticleFluid::boundingBoxOn(Backend& device, State& of) {
 
 template <class Backend>
 void ParticleFluid::speedOn(Backend& device, State& of) {
-  reduce(device, "largest speed", of.particles.count(), 0.0f,
-         SpeedSquared{of.particles.velocities().read()}, Max{}, of.speedSquared.data());
+  reduce(device, "largest speed", of.particles.count(), 0.0f, SpeedSquared{of.particles.velocities().read()},
+         Max{}, of.speedSquared.data());
 }
 
 template <class Backend>

@@ -26,8 +26,8 @@ struct FluidExtent {
   Vec3f sum;
 };
 
-/// On several ranks each owns a part of the particles and takes all steps with it. At every frame rank 0 gathers
-/// all of them, and those are what it puts out and reports.
+/// On several ranks each owns a part of the particles and takes all steps with it. At every frame rank 0
+/// gathers all of them, and those are what it puts out and reports.
 class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
@@ -177,6 +177,7 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
   /// The box around the particles of all ranks; empty if there are none.
   Aabb boxOnRanks(Device& device);
   void sumEventsOfRanks();
+  void sumSinksOfRanks();
   void refreshShown(const StepContext& context);
 
   std::int64_t accept(std::span<const std::unique_ptr<Solid>> solids) override;

@@ -114,9 +114,7 @@ struct Release {
 
 struct SquareSpeed {
   ArrayView<const Vec3f> velocities;
-  WEIR_HD ExactSum operator()(std::int64_t i) const {
-    return ExactSum(dot(velocities[i], velocities[i]));
-  }
+  WEIR_HD ExactSum operator()(std::int64_t i) const { return ExactSum(dot(velocities[i], velocities[i])); }
 };
 
 /// Calls f(of, its ids) for all batches.

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "framework/base/api.h"
-#include "framework/geometry/triangle_mesh.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/solid.h"
 #include "nodes/static_boundary/boundary.h"

@@ -107,7 +107,8 @@ class FusedSubstitution {
     ByProducts& byProducts = particles.byProducts();
     const bool codes =
         byProducts.isRequested(kMotionCodes) && problem_.fluid.device.kind() == DeviceKind::kCuda;
-    if (found_.empty()) {
+    // A rank that has never had particles has no room for what the search finds, and does as the others.
+    if (found_.empty() && particles.capacity() > 0) {
       problem_.start(device_);
       problem_.fluid.exchange(state_);
     }

@@ -18,7 +18,8 @@ using Layers = std::vector<std::int64_t>;
 
 /// The least that the fullest of `slabs` slabs can have, by trying all cuts.
 std::int64_t leastWorst(const Layers& layers, std::size_t from, int slabs) {
-  if (slabs == 1) return std::accumulate(layers.begin() + std::ptrdiff_t(from), layers.end(), std::int64_t{0});
+  if (slabs == 1)
+    return std::accumulate(layers.begin() + std::ptrdiff_t(from), layers.end(), std::int64_t{0});
   std::int64_t best = std::numeric_limits<std::int64_t>::max(), first = 0;
   for (std::size_t end = from; end <= layers.size(); ++end) {
     best = std::min(best, std::max(first, leastWorst(layers, end, slabs - 1)));

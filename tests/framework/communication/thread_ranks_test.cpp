@@ -1,5 +1,5 @@
-// Ranks as threads of one process: what is posted arrives in its order, sums and gathers are those of all, and
-// whoever fails ends all.
+// Ranks as threads of one process: what is posted arrives in its order, sums and gathers are those of all,
+// and whoever fails ends all.
 #include <gtest/gtest.h>
 
 #include <atomic>

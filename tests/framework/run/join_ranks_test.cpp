@@ -1,5 +1,5 @@
-// A scene on several ranks: nodes that cannot are refused, all ranks stop at one step, and one that fails ends
-// all.
+// A scene on several ranks: nodes that cannot are refused, all ranks stop at one step, and one that fails
+// ends all.
 #include "framework/run/join_ranks.h"
 
 #include <gtest/gtest.h>
@@ -15,6 +15,8 @@
 
 namespace weir {
 namespace {
+
+using test::errorOf;
 
 /// Counts steps; fails in one of them on one rank, if told to.
 class Counter final : public Node, public OnRanks {
@@ -53,7 +55,8 @@ class JoinRanks : public testing::Test {
   }
   std::unique_ptr<Simulation> simulationOf(const std::string& nodes, Device& device) {
     const std::string text = R"({"weir": 1, "world": {"dt": 0.01, "frame_rate": 10, "duration": 1},
-                                 "nodes": {)" + nodes + "}}";
+                                 "nodes": {)" +
+                             nodes + "}}";
     std::vector<std::string> ignored;
     auto scene = buildScene(parseJson(text, "s.json"), {"s.json", "", "/"}, registry_, {}, ignored);
     return std::make_unique<Simulation>(std::move(scene), device, log_, registry_);
@@ -116,8 +119,8 @@ TEST_F(JoinRanks, OneThatFailsInAStepEndsAllWithItsError) {
   std::vector<std::unique_ptr<Simulation>> simulations;
   for (int rank = 0; rank < kRanks; ++rank) {
     devices.push_back(std::make_unique<CpuDevice>(1));
-    simulations.push_back(
-        simulationOf(R"("c": {"type": "Counter", "params": {"fails_at": 12, "fails_on": 2}})", *devices.back()));
+    simulations.push_back(simulationOf(
+        R"("c": {"type": "Counter", "params": {"fails_at": 12, "fails_on": 2}})", *devices.back()));
   }
   const Error error = errorOf([&] {
     runOnThreads(kRanks, [&](Communicator& ranks) {
