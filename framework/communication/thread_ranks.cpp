@@ -18,7 +18,8 @@ namespace {
 /// What the ranks share.
 class Post {
  public:
-  explicit Post(int ranks) : ranks_(ranks), boxes_(std::size_t(ranks) * std::size_t(ranks)) {}
+  explicit Post(int ranks)
+      : ranks_(ranks), boxes_(std::size_t(ranks) * std::size_t(ranks)), ended_(std::size_t(ranks)) {}
 
   int ranks() const { return ranks_; }
 
@@ -31,11 +32,20 @@ class Post {
   Message take(int from, int to) {
     std::unique_lock lock(mutex_);
     std::deque<Message>& messages = box(from, to);
-    arrived_.wait(lock, [&] { return failed_ || !messages.empty(); });
+    arrived_.wait(lock, [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; });
     if (failed_) throw RanksEnded();
+    const bool othersMakeTheSameCalls = !messages.empty();
+    WEIR_CHECK(othersMakeTheSameCalls);
     Message message = std::move(messages.front());
     messages.pop_front();
     return message;
+  }
+
+  /// The rank posts nothing any more.
+  void end(int rank) {
+    const std::lock_guard lock(mutex_);
+    ended_[std::size_t(rank)] = true;
+    arrived_.notify_all();
   }
 
   /// In a catch block.
@@ -69,6 +79,7 @@ class Post {
   std::mutex mutex_;  // of all below
   std::condition_variable arrived_;
   std::vector<std::deque<Message>> boxes_;
+  std::vector<bool> ended_;
   std::exception_ptr failed_;
   int failedRank_ = 0;
 };
@@ -97,6 +108,7 @@ void runOnThreads(int ranks, const std::function<void(Communicator&)>& work) {
     try {
       ThreadRank communicator(post, rank);
       work(communicator);
+      post.end(rank);
     } catch (...) {
       post.fail(rank);
     }

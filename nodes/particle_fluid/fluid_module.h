@@ -61,6 +61,7 @@ struct FluidStep {
   /// other ranks' particles up to date. One rank has nothing to do.
   void exchange(std::initializer_list<std::string_view> attributes);
   /// The same for scratch memory by particle.
+  void exchange(ArrayView<float> values);
   void exchange(ArrayView<Vec3f> values);
   void exchange(ArrayView<Vec4f> values);
   /// Brings `walls` up to date with the present positions.

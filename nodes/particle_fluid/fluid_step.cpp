@@ -16,6 +16,10 @@ void FluidStep::exchange(std::initializer_list<std::string_view> attributes) {
   if (divided != nullptr) divided->refresh(attributes);
 }
 
+void FluidStep::exchange(ArrayView<float> values) {
+  if (divided != nullptr) divided->refresh(values);
+}
+
 void FluidStep::exchange(ArrayView<Vec3f> values) {
   if (divided != nullptr) divided->refresh(values);
 }

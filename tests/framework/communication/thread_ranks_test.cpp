@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "framework/base/check.h"
 #include "framework/base/error.h"
 #include "framework/communication/thread_ranks.h"
 #include "tests/support/expect_error.h"
@@ -100,6 +101,14 @@ TEST(ThreadRanks, WhatWasPostedBeforeAFailureIsNotTakenForGood) {
                               for (;;) ranks.receive(1);
                             }),
                std::runtime_error);
+}
+
+TEST(ThreadRanks, WhoeverWaitsForARankThatHasEndedIsToldAndDoesNotHang) {
+  EXPECT_THROW(runOnThreads(2,
+                            [](Communicator& ranks) {
+                              if (ranks.rank() == 1) ranks.receive(0);
+                            }),
+               InternalError);
 }
 
 TEST(ThreadRanks, AMistakeInTheSceneNamesNoRankAsItIsThatOfAll) {

@@ -1,6 +1,7 @@
 // `weir run --ranks N`: the same files for any number of ranks, and a clear word where a scene cannot.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -99,6 +100,29 @@ TEST_F(RanksTest, SoIsOneWithVaryingStepsFrictionAndImplicitViscosity) {
   expectSameForAnyNumber({kCoarse, "world.cfl=0.4", "world.dt=0.004", "tank.friction=0.2",
                           "tank.restitution=0.3", "water.viscosity.form=implicit",
                           "water.solver.step_length=particle", "water.pressure=true"});
+}
+
+TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
+  const std::string scene = folder_.write("drop.json", R"({
+    "weir": 1,
+    "world": { "gravity": [0, -2, 0], "dt": 0.002, "frame_rate": 30, "duration": 0.3 },
+    "nodes": {
+      "drop": { "type": "SphereSampler", "params": { "center": [0, 0.3, 0], "radius": 0.2, "velocity": [1, 0, 0] } },
+      "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
+                 "modules": { "tension": { "type": "SurfaceTension", "after": "viscosity",
+                                           "params": { "coefficient": 0.1, "air_pressure": 1 } },
+                              "eddies": { "type": "VorticityConfinement", "after": "viscosity" },
+                              "drag": { "type": "Drag", "after": "tension" } } }
+    },
+    "links": ["drop.particles -> water.initial", "floor.boundary -> water.boundaries"]
+  })");
+  for (const std::string ranks : {"1", "2", "3", "8"}) {
+    const ChildResult result =
+        runWeir({"run", scene, "--quiet", "--ranks", ranks, "--export", folder_ / (ranks + ".vtkhdf")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
+  }
 }
 
 TEST_F(RanksTest, SoIsOneWhoseParticlesLeaveTheDomain) {
@@ -222,15 +246,30 @@ TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
     "nodes": {
       "block": { "type": "BoxSampler" },
       "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
-                 "modules": { "curl": { "type": "VorticityConfinement", "after": "viscosity" } } }
+                 "modules": { "thick": { "type": "ViscositySolver", "after": "viscosity" } } }
     },
     "links": ["block.particles -> water.initial"]
   })");
   const ChildResult refused = runWeir({"run", scene, "--ranks", "2", "--stats", folder_ / "s.stats.json"});
   EXPECT_EQ(refused.code, 3);
   EXPECT_CONTAINS(refused.err, "node 'water'");
-  EXPECT_CONTAINS(refused.err,
-                  "the module 'curl' of type VorticityConfinement cannot run on several ranks yet");
+  EXPECT_CONTAINS(refused.err, "the module 'thick' of type ViscositySolver cannot run on several ranks yet");
+}
+
+TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
+  ChildOptions options;
+  options.onStderr = [sent = false](int pid, const std::string& err) mutable {
+    // The line of progress is there once there are steps.
+    if (!sent && contains(err, "frame")) sent = true, ::kill(pid, SIGINT);
+  };
+  const ChildResult result =
+      runWeir({"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000",
+               "--set", kCoarse, "--stats", folder_ / "stats.json"},
+              options);
+  EXPECT_EQ(result.code, 130) << result.err;
+  const Value statistics = parseJson(readFile(folder_ / "stats.json"), "stats.json");
+  EXPECT_EQ(statistics.find("end")->asString(), "interrupted");
+  EXPECT_EQ(statistics.find("nodes")->find("water")->find("particles")->asInt(), 1000);
 }
 
 TEST_F(RanksTest, ARunThatDivergesEndsOnAllRanksWithOneMessage) {
