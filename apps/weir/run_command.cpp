@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <new>
 
 #include "apps/weir/installed_scenes.h"
 #include "apps/weir/shown_run.h"
 #include "apps/weir/standard_streams.h"
 #include "framework/base/file_output.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
+#include "framework/communication/thread_ranks.h"
 #include "framework/run/guarded_checkpoint.h"
+#include "framework/run/join_ranks.h"
 #include "framework/run/output_paths.h"
 #include "framework/run/progress.h"
 #include "framework/run/run.h"
@@ -23,6 +28,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr int kMaxRanks = 256;
 
 /// Writes --stats, and warns of what must stay rare.
 class StatisticsOutput final : public Observer {
@@ -45,6 +51,26 @@ class StatisticsOutput final : public Observer {
   std::string file_;
   Log& log_;
 };
+
+/// What all ranks find wrong alike is told by the first one. Returns the exit code.
+int tellOfFailedRank(Log& log, const std::exception_ptr& error, int rank) {
+  const std::string where = fmt::format("rank {}: ", rank);
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& e) {
+    const bool ofAll = e.kind() == ErrorKind::kScene || e.kind() == ErrorKind::kUsage;
+    if (!ofAll || rank == 0) log.error(ofAll ? e.what() : where + e.what());
+    return exitCode(e.kind());
+  } catch (const Interrupted&) {
+    if (rank == 0) log.info("interrupted before the first step");
+    return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    log.error(where + "out of memory");
+  } catch (const std::exception& e) {
+    log.error(where + "a mistake in the program, please report it: " + e.what());
+  }
+  return kSimulationFailed;
+}
 
 std::string summaryOf(const Simulation& simulation) {
   const double steps = static_cast<double>(std::max<std::int64_t>(simulation.stepsDone(), 1));
@@ -108,6 +134,12 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxThreads));
+  command_
+      ->add_option("--ranks", ranks_,
+                   "Divide the particles among this many ranks, as threads on the CPU; the results are the "
+                   "same for any number")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxRanks));
   command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
 }
 
@@ -173,18 +205,91 @@ void RunCommand::printResults() const {
     if (!path.empty()) print(path + "\n");
 }
 
+void RunCommand::checkRanks() const {
+  if (device_ != "auto" && device_ != "cpu")
+    throw usageError("--ranks runs on the CPU alone yet, and --device asks for " + device_, "cpu",
+                     "run without --ranks on a GPU");
+  for (const auto& [option, value] : {std::pair{"--checkpoint", &checkpoint_}, {"--resume", &resume_}})
+    if (!value->empty())
+      throw usageError(
+          fmt::format("{} cannot be used with --ranks yet: each rank has a part of the state", option), {},
+          "run without --ranks");
+}
+
+std::unique_ptr<Scene> RunCommand::loadSilently() const {
+  std::vector<std::string> ignored;
+  return loadScene(scene_, program_.registry(), overrides(), ignored, program_.pluginLoader(scene_));
+}
+
+RunEnd RunCommand::runOnRanks() const {
+  checkRanks();
+  std::vector<std::unique_ptr<Scene>> scenes;
+  for (int rank = 0; rank < *ranks_; ++rank)
+    scenes.push_back(rank == 0 ? program_.load(scene_, overrides()) : loadSilently());
+  const int all = threads_ > 0 ? threads_ : CpuDevice().threads();
+  RunEnd end = RunEnd::kFailed;
+  runOnThreads(*ranks_, [&](Communicator& ranks) {
+    const bool speaks = ranks.rank() == 0;
+    CpuDevice device(std::max(1, all / ranks.size()));
+    Log silent;
+    const RunEnd own = runScene(std::move(scenes[std::size_t(ranks.rank())]), device,
+                                speaks ? program_.log() : silent, &ranks);
+    if (speaks) end = own;
+  });
+  return end;
+}
+
+int RunCommand::runLaunched(LaunchedRanks& launched) const {
+  RunEnd end = RunEnd::kFailed;
+  const auto work = [&](Communicator& ranks) {
+    if (ranks_)
+      throw usageError(
+          "--ranks is given, and a launcher has started " + std::to_string(ranks.size()) + " ranks already",
+          "one of them");
+    checkRanks();
+    const bool speaks = ranks.rank() == 0;
+    std::vector<OutputLock> locks;
+    if (speaks) locks = takeOutputPaths();
+    auto scene = speaks ? program_.load(scene_, overrides()) : loadSilently();
+    CpuDevice device(threads_ > 0 ? threads_ : std::max(1, CpuDevice().threads() / ranks.sizeHere()));
+    Log silent;
+    std::optional<Interruption> interruption;  // rank 0 makes its own
+    if (!speaks) interruption.emplace();
+    end = runScene(std::move(scene), device, speaks ? program_.log() : silent, &ranks);
+    if (speaks) printResults();
+  };
+  launched.run(work, [&](const std::exception_ptr& error, int rank) {
+    return tellOfFailedRank(program_.log(), error, rank);
+  });
+  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+}
+
 int RunCommand::run() {
   program_.setQuiet(quiet_);
-  Log& log = program_.log();
   scene_ = sceneFile(scene_);
+  for (auto& [name, launched, source] : program_.registry().createServices<LaunchedRanks>())
+    if (launched->present()) return runLaunched(*launched);
   const std::vector<OutputLock> locks = takeOutputPaths();
-  auto scene = program_.load(scene_, overrides());
-  const std::unique_ptr<Device> device = openDevice(device_, threads_);
-  if (deterministic_) device->setDeterministic(true);
-  device->profiler().timeKernels(profileKernels_);
-  log.info(fmt::format("{} on {}", scene->title.empty() ? scene_ : printable(scene->title, 200),
-                       device->description()));
-  Simulation simulation(std::move(scene), *device, log, program_.registry());
+  RunEnd end = RunEnd::kFailed;
+  if (ranks_) {
+    end = runOnRanks();
+  } else {
+    auto scene = program_.load(scene_, overrides());
+    const std::unique_ptr<Device> device = openDevice(device_, threads_);
+    end = runScene(std::move(scene), *device, program_.log(), nullptr);
+  }
+  printResults();
+  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+}
+
+RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& log,
+                            Communicator* ranks) const {
+  if (deterministic_) device.setDeterministic(true);
+  device.profiler().timeKernels(profileKernels_);
+  log.info(fmt::format("{} on {}{}", scene->title.empty() ? scene_ : printable(scene->title, 200),
+                       device.description(),
+                       ranks != nullptr ? fmt::format(", on each of {} ranks", ranks->size()) : ""));
+  Simulation simulation(std::move(scene), device, log, program_.registry());
 
   const std::optional<Checkpoint> resumed = readCheckpoint(simulation);
   std::optional<Checkpoints> checkpoints = makeCheckpoints();
@@ -192,12 +297,17 @@ int RunCommand::run() {
   options.lastFrame = frames_;
   if (checkpoints) options.checkpoints = &*checkpoints;
   if (resumed) options.resume = &resumed->state;
+  std::optional<AgreedStop> stop;
+  if (ranks != nullptr) {
+    joinRanks(simulation, *ranks);
+    stop.emplace(*ranks, Interruption::asked(), options);
+    if (ranks->rank() > 0) return runSimulation(simulation, {}, options);
+  }
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
   const RunEnd end = runShown(program_, simulation, makeObservers(), options, quiet_,
                               [last](const Simulation& s) { return ProgressState::of(s, last); });
   log.info((end == RunEnd::kInterrupted ? "interrupted: " : "") + summaryOf(simulation));
-  printResults();
-  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+  return end;
 }
 
 }  // namespace weir::app

@@ -9,6 +9,7 @@
 
 #include "apps/weir/output_options.h"
 #include "apps/weir/program.h"
+#include "framework/communication/launched_ranks.h"
 #include "framework/run/checkpoint.h"
 
 namespace weir::app {
@@ -35,6 +36,14 @@ class RunCommand {
   /// What --resume names, if it belongs to the simulation.
   std::optional<Checkpoint> readCheckpoint(const Simulation& simulation) const;
   void printResults() const;
+  /// The run of one rank, or of a run that has none; `ranks` is null there.
+  RunEnd runScene(std::unique_ptr<Scene> scene, Device& device, Log& log, Communicator* ranks) const;
+  RunEnd runOnRanks() const;
+  void checkRanks() const;
+  /// This process as one of those that a launcher has started.
+  int runLaunched(LaunchedRanks& launched) const;
+  /// As rank 0 does, which says what is doubtful in it.
+  std::unique_ptr<Scene> loadSilently() const;
 
   Program& program_;
   CLI::App* command_;
@@ -52,6 +61,7 @@ class RunCommand {
   std::string stats_;
   std::string series_;
   int threads_ = 0;
+  std::optional<int> ranks_;
   bool deterministic_ = false;
   bool profileKernels_ = false;
   bool quiet_ = false;

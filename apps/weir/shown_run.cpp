@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "framework/base/interruption.h"
 
@@ -53,8 +54,11 @@ RunEnd runShown(Program& program, Simulation& simulation,
   Progress progress([](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
                     terminalWidth, monotonicSeconds);
   const Interruption interruption;
-  options.stop = &interruption.asked();
-  if (!quiet) options.onProgress = [&](const Simulation& s) { progress.update(state(s)); };
+  if (options.stop == nullptr) options.stop = &interruption.asked();
+  options.onProgress = [&, told = std::move(options.onProgress)](const Simulation& s) {
+    if (told) told(s);
+    if (!quiet) progress.update(state(s));
+  };
   const MessagesAboveLine messages(program, progress);
   return runSimulation(simulation, watching, options);
 }

@@ -68,7 +68,7 @@ void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<c
 
 void NeighborList::sort(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
   sortedRoom_ = {};
-  if (particles.bound() > 2 * fittedFor_) fitGrid(box_, particles.bound());
+  fitMore(particles.bound());
   makeRoom(particles.capacity());
   dispatch(particles.device(), [&](auto& device) { sortOn(device, particles, domain, sinks); });
 }

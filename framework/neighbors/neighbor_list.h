@@ -166,6 +166,12 @@ class NeighborList {
   /// many, build() makes it larger by itself. The mean of their positions helps where the box has many cells.
   void fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean = {});
 
+  /// The grid that build() makes where it finds so many particles; where several sets share them, all of
+  /// them.
+  void fitMore(std::int64_t particles) {
+    if (particles > 2 * fittedFor_) fitGrid(box_, particles);
+  }
+
   /// Searches as every back end can, in place of the way that is fastest on this one: the same neighbours, in
   /// lists of another order. Tests compare the two.
   void usePortableSearch() { usesPortableSearch_ = true; }

@@ -137,6 +137,8 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
     }
     if (options.checkpoints != nullptr) options.checkpoints->begin(simulation);
     end = runFrames(simulation, observers, outputs, options);
+    // What is reported is of the last step. Ranks must do that together.
+    if (end == RunEnd::kInterrupted) simulation.refresh();
   } catch (...) {
     outputs.errors.keepCurrent();
   }

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 
 namespace WEIR_API weir {
 
-class BoxMesh final : public Node {
+class BoxMesh final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{"BoxMesh", "A box as a mesh: a block, a wall, a paddle or a tank.",
                                   "cube, block, wall, paddle, tank"};

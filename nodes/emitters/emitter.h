@@ -15,12 +15,13 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 
 namespace WEIR_API weir {
 
-class Emitter : public Node {
+class Emitter : public Node, public OnRanks {
  public:
   Param<float> speed{*this,
                      "speed",

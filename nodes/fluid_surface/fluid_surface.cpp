@@ -33,6 +33,7 @@ void FluidSurface::reset(const SetupContext& context) {
 }
 
 void FluidSurface::frame(const StepContext& context) {
+  if (!isShown_) return;
   const ProfileScope scope(context.device.profiler(), name());
   mesher_->make(fluid->set(), *surface);
 }

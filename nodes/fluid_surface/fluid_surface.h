@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/dynamic_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
@@ -14,7 +15,8 @@
 
 namespace WEIR_API weir {
 
-class FluidSurface final : public Node {
+/// On several ranks, the first one makes it.
+class FluidSurface final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{
       "FluidSurface", "The surface of a fluid as a closed triangle mesh, for pictures and export.",
@@ -77,12 +79,14 @@ class FluidSurface final : public Node {
   FluidMeshSettings meshSettings() const;
 
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
+  void join(Communicator& ranks) override { isShown_ = ranks.rank() == 0; }
   void reset(const SetupContext& context) override;
   void frame(const StepContext& context) override;
   void report(NodeReport& report) override;
 
  private:
   std::optional<FluidMesher> mesher_;
+  bool isShown_ = true;
 };
 
 }  // namespace weir

@@ -62,6 +62,13 @@ void Gauge::validate() const {
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
 }
 
+void Gauge::join(Communicator&) {
+  if (shape == GaugeShape::kPlane)
+    throw sceneError("what passes a plane in a step cannot be counted on several ranks yet",
+                     "a point, a line or a box", "or run without --ranks")
+        .inParameter(shape.name());
+}
+
 void Gauge::reset(const SetupContext& context) {
   flow_ = Array<double>(context.device, 2);
   flow_->fillZero();

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particles.h"
 
@@ -29,7 +30,7 @@ struct EnumNames<GaugeShape> {
       EnumName{"box", "From min to max: particles, volume, mass, velocity, energy, density and pressure."}};
 };
 
-class Gauge final : public Node {
+class Gauge final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{
       "Gauge", "Measures particles at a point, along a line, through a plane or in a box.",
@@ -71,6 +72,7 @@ class Gauge final : public Node {
   Input<Particles> particles{*this, "particles", "The particles to measure, a fluid's or others."};
 
   void validate() const override;
+  void join(Communicator& ranks) override;
   void reset(const SetupContext& context) override;
   /// Counts what passes a plane.
   void step(const StepContext& context) override;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/given_data.h"
 #include "framework/graph/node.h"
@@ -26,7 +27,7 @@ struct EnumNames<MeshAnchor> {
       EnumName{"base", "The centre of the bottom of the mesh's bounds."}};
 };
 
-class MeshFile final : public Node, public GivenData {
+class MeshFile final : public Node, public OnRanks, public GivenData {
  public:
   static constexpr NodeInfo kInfo{"MeshFile", "Reads a triangle mesh from a file.",
                                   "import, load, obj, stl, ply, gltf, model, cad, geometry"};

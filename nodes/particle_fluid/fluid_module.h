@@ -8,6 +8,7 @@
 //   };
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,7 @@
 namespace WEIR_API weir {
 
 struct Boundary;
+class DividedParticles;
 struct FluidStep;
 struct WallField;
 
@@ -47,11 +49,21 @@ struct FluidStep {
   ParticleSet& particles;
   NeighborList& neighbors;
   const std::vector<const Boundary*>& boundaries;
-  Aabb domain;                       ///< particles outside are removed
-  ArrayView<const SinkPiece> sinks;  ///< particles inside are removed; on the device
-  WallField& walls;                  ///< what rigid meshes do; empty where there are none
-  WallFinder* wallFinder = nullptr;  ///< there wherever the fluid meets solids
+  Aabb domain;                          ///< particles outside are removed
+  ArrayView<const SinkPiece> sinks;     ///< particles inside are removed; on the device
+  WallField& walls;                     ///< what rigid meshes do; empty where there are none
+  WallFinder* wallFinder = nullptr;     ///< there wherever the fluid meets solids
+  DividedParticles* divided = nullptr;  ///< there where several ranks share the particles
 
+  /// Sorts the particles and lists the neighbours of each.
+  void findNeighbors();
+  /// Before kernels read these attributes of neighbours, once they have been written: brings what is known of
+  /// other ranks' particles up to date. One rank has nothing to do.
+  void exchange(std::initializer_list<std::string_view> attributes);
+  /// The same for scratch memory by particle.
+  void exchange(ArrayView<float> values);
+  void exchange(ArrayView<Vec3f> values);
+  void exchange(ArrayView<Vec4f> values);
   /// Brings `walls` up to date with the present positions.
   void findWalls();
 };

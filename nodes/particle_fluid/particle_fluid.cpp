@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "framework/particles/divided_particles.h"
 #include "framework/particles/flight.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
@@ -33,6 +35,21 @@ ParticleFluid::ParticleFluid() {
   pipeline_.add<BoundaryCollision>("boundary");
   pipeline_.add<SolidContact>("contact");
   pipeline_.markDefault();
+}
+
+ParticleFluid::~ParticleFluid() = default;
+
+void ParticleFluid::join(Communicator& ranks) {
+  pipeline_.forEachEnabled("join", [&](FluidModule& module) {
+    auto* onRanks = dynamic_cast<OnRanks*>(&module);
+    if (onRanks == nullptr)
+      throw sceneError(fmt::format("the module '{}' of type {} cannot run on several ranks yet",
+                                   module.name(), module.info().type),
+                       {},
+                       "run without --ranks, or use modules that can, such as SemiImplicitSolver and Xsph");
+    onRanks->join(ranks);
+  });
+  ranks_ = &ranks;
 }
 
 void ParticleFluid::validate() const {
@@ -137,8 +154,28 @@ void ParticleFluid::reset(const SetupContext& context) {
   constants_ = makeFluidConstants(spacing, supportRatio, restDensity,
                                   mu.get() ? *mu.get() / volume : stiffened * bulkModulus, calibration);
   constants_.stiffened = stiffened;
-  State& state = state_.emplace(context.device);
+  State& state = makeState(state_, context.device);
+  gathered_.reset();
+  divided_.reset();
+  if (ranks_ != nullptr) divideInitial();
+  if (maxParticles_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_));
+  fluid->material = {
+      .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
+  fluid->assign(shown().particles);
+
+  appendInitial();
+  const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
+  FluidStep step = fluidStep(start);
+  resetModules(step);
+  refresh(start);
+  warnOfSettings(context);
+  state.restDt = context.dt;
+}
+
+ParticleFluid::State& ParticleFluid::makeState(std::optional<State>& made, Device& device) {
+  State& state = made.emplace(device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
+  if (ranks_ != nullptr) state.neighbors.orderByIds();
   state.density = state.particles.add<float>({.name = "density",
                                               .type = AttributeType::kFloat,
                                               .unit = "kg/m^3",
@@ -156,18 +193,28 @@ void ParticleFluid::reset(const SetupContext& context) {
   for (std::size_t i = 0; i < sinks.size(); ++i)
     sinkPieces.insert(sinkPieces.end(), sinks[i].pieces.begin(), sinks[i].pieces.end());
   state.sinks.assign(sinkPieces);
-  if (maxParticles_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_));
-  fluid->material = {
-      .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
-  fluid->assign(state.particles);
+  return state;
+}
 
-  for (std::size_t i = 0; i < initial.size(); ++i) state.particles.append(initial[i]);
-  const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
-  FluidStep step = fluidStep(start);
-  resetModules(step);
-  refresh(start);
-  warnOfSettings(context);
-  state.restDt = context.dt;
+void ParticleFluid::appendInitial() {
+  for (std::size_t i = 0; i < initial.size(); ++i) {
+    if (divided_)
+      divided_->append(initial[i]);
+    else
+      state_->particles.append(initial[i]);
+  }
+}
+
+void ParticleFluid::divideInitial() {
+  State& state = *state_;
+  divided_ = std::make_unique<DividedParticles>(*ranks_, state.particles, constants_.supportRadius);
+  std::vector<Vec3f> all;
+  for (std::size_t i = 0; i < initial.size(); ++i) {
+    const std::vector<Vec3f> some = initial[i].positions.toHost(initial[i].count);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  divided_->cut(all);
+  if (ranks_->rank() == 0) makeState(gathered_, state.particles.device());
 }
 
 std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solids) {
@@ -247,24 +294,28 @@ FluidStep ParticleFluid::fluidStep(const StepContext& time) {
     throw sceneError("the fluid meets solids, but no enabled module of it finds what it feels of them",
                      "a pipeline with such a module, as WallIntegrals is");
   return {time,     time.device,        constants_,  state.particles, state.neighbors, state.boundaries,
-          domain(), state.sinks.view(), state.walls, finder};
+          domain(), state.sinks.view(), state.walls, finder,          divided_.get()};
 }
 
 double ParticleFluid::longestStep(const StepContext& next, double cfl) {
-  if (state_->particles.bound() == 0) return Node::longestStep(next, cfl);
-  return timeToFly(cfl * spacing, largestSpeed(next.device), length(next.gravity));
+  const bool empty = divided_ ? divided_->countOfAll() == 0 : state_->particles.bound() == 0;
+  if (empty) return Node::longestStep(next, cfl);
+  double fastest = largestSpeed(*state_);
+  if (ranks_ != nullptr) fastest = ranks_->max(fastest);
+  return timeToFly(cfl * spacing, fastest, length(next.gravity));
 }
 
-double ParticleFluid::largestSpeed(Device& onDevice) {
-  dispatch(onDevice, [&](auto& device) { speedOn(device); });
-  return std::sqrt(double(state_->speedSquared.toHost().front()));
+double ParticleFluid::largestSpeed(State& of) {
+  dispatch(of.particles.device(), [&](auto& device) { speedOn(device, of); });
+  return std::sqrt(double(of.speedSquared.toHost().front()));
 }
 
 void ParticleFluid::step(const StepContext& context) {
   if (state_->restDt) relaxInitialState(context);
   if (std::exchange(state_->resumed, false) && state_->particles.bound() > 0) findWalls(context);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
-  if (state_->particles.bound() == 0) return;
+  // A rank without particles may get some.
+  if (state_->particles.bound() == 0 && !divided_) return;
   FluidStep step = fluidStep(context);
   runPipeline(step);
 }
@@ -280,6 +331,7 @@ void ParticleFluid::runPipeline(FluidStep& step) {
 void ParticleFluid::give(const ParticleBatch& born, double time) {
   State& state = *state_;
   if (born.count == 0) return;
+  if (divided_) return divided_->append(born);
   if (state.walls.empty()) {
     state.particles.append(born);
     return;
@@ -301,13 +353,22 @@ void ParticleFluid::findWalls(const StepContext& context) {
 }
 
 void ParticleFluid::refresh(const StepContext& context) {
-  State& state = *state_;
+  if (divided_) refreshOnRanks(context);
+  refreshShown(context);
+  if (divided_) sumEventsOfRanks(), sumSinksOfRanks();
+  checkEvents();
+}
+
+void ParticleFluid::refreshShown(const StepContext& context) {
+  State& state = shown();
   state.gravity = context.gravity;
+  if (divided_ && !gathered_) return;  // another rank shows them
   if (state.particles.refreshCount() > 0) {
-    dispatch(context.device, [&](auto& device) { boundingBoxOn(device); });
+    dispatch(context.device, [&](auto& device) { boundingBoxOn(device, state); });
     const FluidExtent extent = state.extent.toHost().front();
-    state.neighbors.fitGrid(extent.box, state.particles.bound(),
-                            (1 / float(state.particles.bound())) * extent.sum);
+    std::optional<Vec3f> mean;  // which is the same bits for one order of the particles only
+    if (!divided_) mean = (1 / float(state.particles.bound())) * extent.sum;
+    state.neighbors.fitGrid(extent.box, state.particles.bound(), mean);
     state.neighbors.build(state.particles, domain(), state.sinks.view());
     state.particles.refreshCount();
     state.walls.pairs.waitForNumber();
@@ -317,14 +378,60 @@ void ParticleFluid::refresh(const StepContext& context) {
       if (pressure) pressureOn(device);
     });
   }
-  checkEvents();
+}
+
+Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
+  State& state = *state_;
+  dispatch(onDevice, [&](auto& device) { boundingBoxOn(device, state); });
+  Aabb all;
+  for (const Aabb& box : ranks_->allGather(state.extent.toHost().front().box))
+    if (!box.empty()) all.extend(box.lo), all.extend(box.hi);
+  return all;
+}
+
+void ParticleFluid::refreshOnRanks(const StepContext& context) {
+  if (const std::int64_t all = divided_->countOfAll(); all > 0) {
+    const Aabb box = boxOnRanks(context.device);
+    state_->neighbors.fitGrid(box, all);
+    divided_->cut(box);
+    FluidStep now = fluidStep(context);
+    now.findNeighbors();  // which removes what has left the domain
+  }
+  if (gathered_) gathered_->particles.clear();
+  divided_->gather(gathered_ ? &gathered_->particles : nullptr);
+}
+
+void ParticleFluid::sumEventsOfRanks() {
+  const NeighborEvents own = state_->neighbors.eventsOnHost();
+  std::array<std::int64_t, 4> sums{own.truncated, own.escaped, own.nonFinite, own.cutOffByOrder};
+  ranks_->sum(sums);
+  state_->events = {.truncated = int(sums[0]),
+                    .escaped = int(sums[1]),
+                    .nonFinite = int(sums[2]),
+                    .cutOffByOrder = int(sums[3])};
+}
+
+/// Counts of removed particles move to rank 0, which reports them.
+void ParticleFluid::sumSinksOfRanks() {
+  std::vector<int*> counters;  // pieces of one sink share theirs
+  for (std::size_t i = 0; i < sinks.size(); ++i)
+    for (const SinkPiece& piece : sinks[i].pieces)
+      if (counters.empty() || counters.back() != piece.removed) counters.push_back(piece.removed);
+  Device& device = state_->particles.device();
+  for (int* const counter : counters) {
+    int own = 0;
+    device.download(&own, counter, sizeof(own));
+    const auto all = static_cast<int>(ranks_->sum(own));
+    own = ranks_->rank() == 0 ? all : 0;
+    device.upload(counter, &own, sizeof(own));
+  }
 }
 
 void ParticleFluid::warnOfSettings(const SetupContext& context) {
-  State& state = *state_;
+  State& state = shown();
   InitialFluid there;
   if (state.particles.bound() > 0)
-    there = {.box = state.extent.toHost().front().box, .speed = largestSpeed(context.device)};
+    there = {.box = state.extent.toHost().front().box, .speed = largestSpeed(state)};
   const FluidOutlook outlook{.constants = constants_,
                              .dt = context.dt,
                              .pressure = hydrostaticPressure(there, context.gravity, restDensity),
@@ -339,8 +446,9 @@ void ParticleFluid::checkEvents() {
   // A few lost numbers are tolerated and reported; more means that the simulation has blown up.
   constexpr std::int64_t kMaxNonFinite = 10;
   constexpr double kMaxNonFiniteShare = 1e-3;
-  state.events = state.neighbors.eventsOnHost();
-  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(state.particles.bound()));
+  if (!divided_) state.events = state.neighbors.eventsOnHost();
+  if (divided_ && !gathered_) return;  // rank 0 knows all
+  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(shown().particles.bound()));
   if (state.events.nonFinite > max)
     throw simulationError(
         fmt::format(
@@ -367,8 +475,9 @@ void ParticleFluid::checkEvents() {
 void ParticleFluid::report(NodeReport& report) {
   if (!state_) return;
   State& state = *state_;
-  state.particles.refreshCount();
-  writeFluidStatistics(state.particles, state.neighbors, constants_, state.gravity, report.statistics);
+  State& all = shown();
+  all.particles.refreshCount();
+  writeFluidStatistics(all.particles, all.neighbors, constants_, all.gravity, report.statistics);
   report.statistics["rest_steps"] = state.restSteps;
   report.statistics["neighbors_truncated"] = state.events.truncated;
   report.statistics["particles_escaped"] = state.events.escaped;

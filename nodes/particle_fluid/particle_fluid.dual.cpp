@@ -110,22 +110,20 @@ void ParticleFluid::markInsideOn(Backend& device, const Array<SolidView>& solids
 }
 
 template <class Backend>
-void ParticleFluid::boundingBoxOn(Backend& device) {
-  State& state = *state_;
-  reduce(device, "bounding box", state.particles.count(), FluidExtent{},
-         PointExtent{state.particles.positions().read()}, UniteExtents{}, state.extent.data());
+void ParticleFluid::boundingBoxOn(Backend& device, State& of) {
+  reduce(device, "bounding box", of.particles.count(), FluidExtent{},
+         PointExtent{of.particles.positions().read()}, UniteExtents{}, of.extent.data());
 }
 
 template <class Backend>
-void ParticleFluid::speedOn(Backend& device) {
-  State& state = *state_;
-  reduce(device, "largest speed", state.particles.count(), 0.0f,
-         SpeedSquared{state.particles.velocities().read()}, Max{}, state.speedSquared.data());
+void ParticleFluid::speedOn(Backend& device, State& of) {
+  reduce(device, "largest speed", of.particles.count(), 0.0f, SpeedSquared{of.particles.velocities().read()},
+         Max{}, of.speedSquared.data());
 }
 
 template <class Backend>
 void ParticleFluid::densityOn(Backend& device) {
-  State& state = *state_;
+  State& state = shown();
   parallelFor(
       device, "density", state.particles.count(),
       Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
@@ -134,7 +132,7 @@ void ParticleFluid::densityOn(Backend& device) {
 
 template <class Backend>
 void ParticleFluid::pressureOn(Backend& device) {
-  State& state = *state_;
+  State& state = shown();
   const auto stiffness = static_cast<float>(settledResponse(supportRatio) * double(constants_.bulkModulus));
   parallelFor(device, "pressure", state.particles.count(),
               Pressure{bulkEnergy(), constants_.restDensity, stiffness, state.density.read(),
@@ -143,8 +141,8 @@ void ParticleFluid::pressureOn(Backend& device) {
 
 template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);
 template void ParticleFluid::markInsideOn(ThisBackend&, const Array<SolidView>&, Array<int>&);
-template void ParticleFluid::boundingBoxOn(ThisBackend&);
-template void ParticleFluid::speedOn(ThisBackend&);
+template void ParticleFluid::boundingBoxOn(ThisBackend&, State&);
+template void ParticleFluid::speedOn(ThisBackend&, State&);
 template void ParticleFluid::densityOn(ThisBackend&);
 template void ParticleFluid::pressureOn(ThisBackend&);
 

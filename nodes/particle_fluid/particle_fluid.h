@@ -1,10 +1,12 @@
 // A fluid made of particles: where all samplers, emitters and boundaries of one liquid meet.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
@@ -16,13 +18,17 @@
 
 namespace WEIR_API weir {
 
+class DividedParticles;
+
 /// The box around the particles of a fluid, and the sum of their positions.
 struct FluidExtent {
   Aabb box;
   Vec3f sum;
 };
 
-class ParticleFluid final : public Node, private SolidCoupling {
+/// On several ranks each owns a part of the particles and takes all steps with it. At every frame rank 0
+/// gathers all of them, and those are what it puts out and reports.
+class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
@@ -108,9 +114,11 @@ class ParticleFluid final : public Node, private SolidCoupling {
   Output<Particles> fluid{*this, "fluid", "The fluid's particles."};
 
   ParticleFluid();
+  ~ParticleFluid() override;
 
   PipelineBase* pipeline() override { return &pipeline_; }
   void validate() const override;
+  void join(Communicator& ranks) override;
   void configure(const SetupContext& context) override;
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
@@ -120,12 +128,12 @@ class ParticleFluid final : public Node, private SolidCoupling {
   void report(NodeReport& report) override;
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
-  std::int64_t particleCount() const override { return state_ ? state_->particles.bound() : 0; }
+  std::int64_t particleCount() const override { return state_ ? shown().particles.bound() : 0; }
 
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
   /// Those of the last search, from the reset on; null before it.
-  const NeighborList* neighbors() const { return state_ ? &state_->neighbors : nullptr; }
+  const NeighborList* neighbors() const { return state_ ? &shown().neighbors : nullptr; }
   /// Those that it meets, from the reset of the couplings on.
   const std::vector<Solid*>& solids() const { return state_->walls.solids; }
 
@@ -158,6 +166,20 @@ class ParticleFluid final : public Node, private SolidCoupling {
     bool resumed = false;          // and no step made since
   };
 
+  /// What is looked at and reported: all particles, where this rank has gathered them.
+  State& shown() { return gathered_ ? *gathered_ : *state_; }
+  const State& shown() const { return gathered_ ? *gathered_ : *state_; }
+  State& makeState(std::optional<State>& state, Device& device);
+  void appendInitial();
+  void divideInitial();
+  /// The frame on several ranks, before anyone looks.
+  void refreshOnRanks(const StepContext& context);
+  /// The box around the particles of all ranks; empty if there are none.
+  Aabb boxOnRanks(Device& device);
+  void sumEventsOfRanks();
+  void sumSinksOfRanks();
+  void refreshShown(const StepContext& context);
+
   std::int64_t accept(std::span<const std::unique_ptr<Solid>> solids) override;
   /// Removes the particles that have no room beside these; returns how many.
   std::int64_t carve(std::span<const std::unique_ptr<Solid>> solids);
@@ -182,15 +204,15 @@ class ParticleFluid final : public Node, private SolidCoupling {
   void checkEvents();
   void warnOfSettings(const SetupContext& context);
   void give(const ParticleBatch& born, double time);
-  double largestSpeed(Device& device);
+  double largestSpeed(State& of);
   template <class Backend>
   void selectOn(Backend& device, const ParticleBatch& born);
   template <class Backend>
   void markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside);
   template <class Backend>
-  void boundingBoxOn(Backend& device);
+  void boundingBoxOn(Backend& device, State& of);
   template <class Backend>
-  void speedOn(Backend& device);
+  void speedOn(Backend& device, State& of);
   template <class Backend>
   void densityOn(Backend& device);
   template <class Backend>
@@ -200,6 +222,10 @@ class ParticleFluid final : public Node, private SolidCoupling {
   FluidConstants constants_;
   double maxParticles_ = 0;  // particles, as estimated; 0 if nobody asked
   std::optional<State> state_;
+  // On several ranks.
+  Communicator* ranks_ = nullptr;
+  std::unique_ptr<DividedParticles> divided_;
+  std::optional<State> gathered_;  // on rank 0, from the reset on
 };
 
 }  // namespace weir

@@ -1,7 +1,10 @@
 #include "nodes/particle_fluid/rest_state.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "framework/particles/divided_particles.h"
 
 namespace weir {
 
@@ -14,6 +17,16 @@ RestState::RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& 
 bool RestState::wanted() const {
   return std::any_of(batches_.begin(), batches_.end(),
                      [](const Resting& b) { return b.batch->container != nullptr; });
+}
+
+double RestState::sumOfAll() {
+  ExactSum sum = sum_.toHost().front();
+  if (fluid_.divided != nullptr) {
+    std::array<std::int64_t, 3> parts{sum.ones, sum.fine, sum.finest};
+    fluid_.divided->ranks().sum(parts);
+    sum.ones = parts[0], sum.fine = parts[1], sum.finest = parts[2];
+  }
+  return sum.value();
 }
 
 bool RestState::liftUnheld(int steps) {

@@ -2,6 +2,7 @@
 
 #include "framework/compute/parallel.h"
 #include "framework/compute/reductions.h"
+#include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
 
@@ -82,10 +83,10 @@ struct Push {
   Container container;
   ArrayView<const Vec3f> positions;
 
-  WEIR_HD double operator()(std::int64_t i) const {
-    if (!batch.has(i)) return 0;
+  WEIR_HD ExactSum operator()(std::int64_t i) const {
+    if (!batch.has(i)) return ExactSum();
     const Container::Hit hit = container.of(i, positions[i]);
-    return container.isTop(hit.normal) ? 0 : hit.inside;
+    return ExactSum(container.isTop(hit.normal) ? 0 : hit.inside);
   }
 };
 
@@ -113,7 +114,7 @@ struct Release {
 
 struct SquareSpeed {
   ArrayView<const Vec3f> velocities;
-  WEIR_HD double operator()(std::int64_t i) const { return dot(velocities[i], velocities[i]); }
+  WEIR_HD ExactSum operator()(std::int64_t i) const { return ExactSum(dot(velocities[i], velocities[i])); }
 };
 
 /// Calls f(of, its ids) for all batches.
@@ -155,9 +156,9 @@ void RestState::findCarriedOn(Backend& device) {
   const double fall = length(fluid_.time.gravity) * fluid_.time.dt * fluid_.time.dt;
   forEachBatch(batches_, p, [&](Resting& of, const Batch& batch) {
     if (!of.batch->container || !of.undecided() || !(fall > 0)) return;
-    reduce(device, "carried", p.count(), 0.0, Push{batch, containerOf(of, fluid_), p.positions().read()},
-           Plus{}, sum_.data());
-    of.carried += sum_.toHost().front() / (fall * static_cast<double>(batch.size));
+    reduce(device, "carried", p.count(), ExactSum(),
+           Push{batch, containerOf(of, fluid_), p.positions().read()}, Plus{}, sum_.data());
+    of.carried += sumOfAll() / (fall * static_cast<double>(batch.size));
   });
 }
 
@@ -186,9 +187,9 @@ void RestState::releaseOn(Backend& device) {
 template <class Backend>
 double RestState::meanSquareSpeedOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
-  reduce(device, "speed", p.count(), 0.0, SquareSpeed{p.velocities().read()}, Plus{}, sum_.data());
-  const std::int64_t count = p.refreshCount();
-  return count > 0 ? sum_.toHost().front() / static_cast<double>(count) : 0;
+  reduce(device, "speed", p.count(), ExactSum(), SquareSpeed{p.velocities().read()}, Plus{}, sum_.data());
+  const std::int64_t count = fluid_.divided != nullptr ? fluid_.divided->countOfAll() : p.refreshCount();
+  return count > 0 ? sumOfAll() / static_cast<double>(count) : 0;
 }
 
 template void RestState::dampOn(ThisBackend&, float);

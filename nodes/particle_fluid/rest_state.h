@@ -14,6 +14,7 @@
 #include <functional>
 #include <vector>
 
+#include "framework/compute/exact_sum.h"
 #include "framework/particles/particle_batch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
@@ -54,7 +55,10 @@ class RestState {
 
   FluidStep& fluid_;
   std::vector<Resting> batches_;
-  Array<double> sum_;
+  /// Of all ranks.
+  double sumOfAll();
+
+  Array<ExactSum> sum_;
 };
 
 }  // namespace weir

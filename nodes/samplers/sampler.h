@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/arrangement.h"
 #include "framework/particles/particle_batch.h"
@@ -18,7 +19,7 @@
 
 namespace WEIR_API weir {
 
-class Sampler : public Node {
+class Sampler : public Node, public OnRanks {
  public:
   explicit Sampler(StartPressure usual = StartPressure::kAuto)
       : pressure(*this, "pressure", usual, {.doc = "Of a relaxed arrangement at the start."}) {}

@@ -7,13 +7,15 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/particles/sink_region.h"
 
 namespace WEIR_API weir {
 
-class Sink final : public Node {
+/// On several ranks, fluids move what they count there to rank 0 at every frame.
+class Sink final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{"Sink",
                                   "Removes the particles of fluids inside a box or inside closed meshes.",

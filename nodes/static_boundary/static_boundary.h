@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/solid.h"
@@ -27,7 +28,7 @@ struct EnumNames<BoundaryShape> {
       EnumName{"plane", "All that is below position, seen along normal."}};
 };
 
-class StaticBoundary final : public Node {
+class StaticBoundary final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{
       "StaticBoundary", "Solids or containers that do not move: shapes and meshes by signed distance.",
@@ -121,6 +122,7 @@ class StaticBoundary final : public Node {
   Output<Boundary> boundary{*this, "boundary", "All of these together."};
 
   void validate() const override;
+  void join(Communicator& ranks) override;
   void configure(const SetupContext& context) override;
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;

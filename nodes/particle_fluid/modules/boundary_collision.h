@@ -3,12 +3,13 @@
 // restitution and friction (boundary_contact.h).
 #pragma once
 
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
-class BoundaryCollision final : public FluidModule {
+class BoundaryCollision final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "BoundaryCollision", kFamily,

@@ -9,6 +9,7 @@
 // and splashes feel the air, a calm surface and the inside do not; "on": "all" sets e_i = 1.
 #pragma once
 
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
@@ -22,7 +23,7 @@ struct EnumNames<DragOn> {
       EnumName{"all", "Every particle as if it were alone."}};
 };
 
-class Drag final : public FluidModule {
+class Drag final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "Drag", kFamily,

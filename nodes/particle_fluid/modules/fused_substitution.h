@@ -107,16 +107,22 @@ class FusedSubstitution {
     ByProducts& byProducts = particles.byProducts();
     const bool codes =
         byProducts.isRequested(kMotionCodes) && problem_.fluid.device.kind() == DeviceKind::kCuda;
-    if (found_.empty()) problem_.start(device_);
+    // A rank that has never had particles has no room for what the search finds, and does as the others.
+    if (found_.empty() && particles.capacity() > 0) {
+      problem_.start(device_);
+      problem_.fluid.exchange(state_);
+    }
     for (int k = 0; k < iterations; ++k) {
       const bool begins = k == 0, ends = k + 1 == iterations;
       if (begins)
         sumFirstDensities();
       else
         sumDensities();
+      problem_.fluid.exchange(weighted_);
       auto update = substitute();
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
       parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
+      if (!ends) problem_.fluid.exchange(state_);
     }
     if (codes)
       byProducts.keep<Vec4f>(

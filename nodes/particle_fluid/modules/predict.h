@@ -1,11 +1,12 @@
 // v* = v + dt·g,  x* = x + dt·v*  (paper, Algorithm 1, first loop).
 #pragma once
 
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
 
-class Predict final : public FluidModule {
+class Predict final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{"Predict", kFamily,
                                     "Moves particles by their velocity and gravity alone.",

@@ -47,16 +47,19 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
                               .displacement = problem.displacement(),
                               .state = problem.state()};
   problem.start(device);
+  fluid.exchange(problem.state());
   if (recordObjective) objective_->begin(fluid, iterations + 1);
   record(problem);
   for (int k = 0; k < iterations; ++k) {
     parallelForEights(device, "density", count, launched<SumAfterSum>(density));
+    fluid.exchange(problem.weighted());
     if (searches()) parallelForEights(device, "propose", count, propose);
     if (stepLength == StepLength::kGlobal) {
       reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
       addBodyEnergy(device, problem, sums_.data());
     }
     parallelForEights(device, "update", count, substitute);
+    fluid.exchange(problem.state());
     moveBodies(device, problem, /*yields=*/true);
     record(problem);
   }

@@ -12,11 +12,12 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
 namespace WEIR_API weir {
 
-class SemiImplicitSolver final : public PressureSolver {
+class SemiImplicitSolver final : public PressureSolver, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "SemiImplicitSolver", kFamily,
@@ -32,6 +33,7 @@ class SemiImplicitSolver final : public PressureSolver {
                          .live = true,
                          .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
 
+  void join(Communicator& ranks) override;
   /// Of too few iterations for the step.
   void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {

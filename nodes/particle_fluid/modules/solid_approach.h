@@ -6,12 +6,13 @@
 // corner of a turning solid, but never changes on which side of its surface the particle ends.
 #pragma once
 
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
 
-class SolidApproach final : public FluidModule {
+class SolidApproach final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "SolidApproach", kFamily,

@@ -10,12 +10,13 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace WEIR_API weir {
 
-class SolidContact final : public FluidModule {
+class SolidContact final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "SolidContact", kFamily,

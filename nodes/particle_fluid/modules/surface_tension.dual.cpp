@@ -63,6 +63,7 @@ struct Contract {
 template <class Backend>
 void SurfaceTension::stepOn(Backend& device, FluidStep& fluid) {
   fitScratch(fluid, color_, stress_);
+  fluid.exchange({"position"});
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
   const NeighborView neighbors = fluid.neighbors.view();
@@ -71,9 +72,11 @@ void SurfaceTension::stepOn(Backend& device, FluidStep& fluid) {
   const float factor = static_cast<float>(fluid.time.dt) * c.particleVolume / c.restDensity;
   parallelFor(device, "color", count,
               ColorField{neighbors, kernel, c.particleVolume, positions, color_.view()});
+  fluid.exchange(color_.view());
   parallelFor(device, "surface stress", count,
               SurfaceStress{neighbors, kernel, c.particleVolume, coefficient, airPressure, positions,
                             color_.view(), stress_.view()});
+  fluid.exchange(stress_.view());
   parallelFor(
       device, "contract", count,
       Contract{neighbors, kernel, factor, positions, stress_.view(), fluid.particles.velocities().write()});

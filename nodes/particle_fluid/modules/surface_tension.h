@@ -15,11 +15,12 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace WEIR_API weir {
 
-class SurfaceTension final : public FluidModule {
+class SurfaceTension final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "SurfaceTension", kFamily,

@@ -65,10 +65,12 @@ void VorticityConfinement::stepOn(Backend& device, FluidStep& fluid) {
   constexpr float kMinSlope = 0.01f;  // per spacing
   const Count count = fluid.particles.count();
   const FluidConstants& c = fluid.constants;
+  fluid.exchange({"position", "velocity"});
   const auto positions = fluid.particles.positions().read();
   parallelFor(device, "vorticity", count,
               Vorticity{fluid.neighbors.view(), c.kernel, positions, fluid.particles.velocities().read(),
                         vorticity_.write()});
+  fluid.exchange({vorticity_.info().name});
   if (strength > 0)
     parallelFor(
         device, "confine", count,

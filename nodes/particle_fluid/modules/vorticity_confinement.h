@@ -12,11 +12,12 @@
 // effect, not physics.
 #pragma once
 
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
 
-class VorticityConfinement final : public FluidModule {
+class VorticityConfinement final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "VorticityConfinement", kFamily,

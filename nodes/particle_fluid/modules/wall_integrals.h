@@ -2,12 +2,13 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace WEIR_API weir {
 
-class WallIntegrals final : public FluidModule, public WallFinder {
+class WallIntegrals final : public FluidModule, public WallFinder, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "WallIntegrals", kFamily,

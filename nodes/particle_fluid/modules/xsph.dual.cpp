@@ -55,6 +55,7 @@ template <class Backend>
 void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const float weight = strength * c.particleVolume;
+  fluid.exchange({"position", "velocity"});
   const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
   withMotion(device, fluid.particles, c.supportRadius, [&]<class Motion>(const Motion& motion) {
     parallelForSums(
@@ -67,6 +68,7 @@ void Xsph::stepOn(Backend& device, FluidStep& fluid) {
 template <class Backend>
 void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   constexpr int kSweeps = 3;
+  fluid.exchange({"position", "velocity"});
   fitScratch(fluid, next_);
   const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
   const FluidConstants& c = fluid.constants;
@@ -81,6 +83,7 @@ void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
                     ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().read(),
                                  initial, present, next_.view()});
     smoothed.swap(next_);
+    if (sweep + 1 < kSweeps) fluid.exchange(smoothed.view());
   }
   velocities.swap(smoothed);
 }

@@ -22,6 +22,7 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace WEIR_API weir {
@@ -36,7 +37,7 @@ struct EnumNames<XsphForm> {
                "Differences decay at the rate viscosity / support radius; stable for any viscosity."}};
 };
 
-class Xsph final : public FluidModule {
+class Xsph final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{"Xsph", kFamily,
                                     "Smooths velocities between neighbours (artificial viscosity).",

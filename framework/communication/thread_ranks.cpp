@@ -1,0 +1,128 @@
+#include "framework/communication/thread_ranks.h"
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "framework/base/check.h"
+#include "framework/base/error.h"
+
+namespace weir {
+
+namespace {
+
+/// What the ranks share.
+class Post {
+ public:
+  explicit Post(int ranks)
+      : ranks_(ranks), boxes_(std::size_t(ranks) * std::size_t(ranks)), ended_(std::size_t(ranks)) {}
+
+  int ranks() const { return ranks_; }
+
+  void put(int from, int to, Message message) {
+    const std::lock_guard lock(mutex_);
+    box(from, to).push_back(std::move(message));
+    arrived_.notify_all();
+  }
+
+  Message take(int from, int to) {
+    std::unique_lock lock(mutex_);
+    std::deque<Message>& messages = box(from, to);
+    arrived_.wait(lock, [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; });
+    if (failed_) throw RanksEnded();
+    const bool othersMakeTheSameCalls = !messages.empty();
+    WEIR_CHECK(othersMakeTheSameCalls);
+    Message message = std::move(messages.front());
+    messages.pop_front();
+    return message;
+  }
+
+  /// The rank posts nothing any more.
+  void end(int rank) {
+    const std::lock_guard lock(mutex_);
+    ended_[std::size_t(rank)] = true;
+    arrived_.notify_all();
+  }
+
+  /// In a catch block.
+  void fail(int rank) {
+    const std::lock_guard lock(mutex_);
+    if (!failed_) failed_ = std::current_exception(), failedRank_ = rank;
+    arrived_.notify_all();
+  }
+
+  /// Once all ranks have ended.
+  void rethrowIfFailed() const {
+    if (!failed_) return;
+    try {
+      std::rethrow_exception(failed_);
+    } catch (const Error& e) {
+      const bool ofAll = e.kind() == ErrorKind::kScene || e.kind() == ErrorKind::kUsage;
+      if (ofAll || ranks_ == 1) throw;
+      throw Error(e.kind(), "rank " + std::to_string(failedRank_) + ": " + e.message(), e.allowed(), e.hint())
+          .at(e.location());
+    }
+  }
+
+ private:
+  std::deque<Message>& box(int from, int to) {
+    const bool areRanks = from >= 0 && from < ranks_ && to >= 0 && to < ranks_;
+    WEIR_CHECK(areRanks);
+    return boxes_[std::size_t(to) * std::size_t(ranks_) + std::size_t(from)];
+  }
+
+  int ranks_;
+  std::mutex mutex_;  // of all below
+  std::condition_variable arrived_;
+  std::vector<std::deque<Message>> boxes_;
+  std::vector<bool> ended_;
+  std::exception_ptr failed_;
+  int failedRank_ = 0;
+};
+
+class ThreadRank final : public Communicator {
+ public:
+  ThreadRank(Post& post, int rank) : post_(post), rank_(rank) {}
+
+  int rank() const override { return rank_; }
+  int size() const override { return post_.ranks(); }
+  int sizeHere() const override { return post_.ranks(); }
+  void post(int to, Message message) override { post_.put(rank_, to, std::move(message)); }
+  Message receive(int from) override { return post_.take(from, rank_); }
+
+ private:
+  Post& post_;
+  int rank_;
+};
+
+}  // namespace
+
+void runOnThreads(int ranks, const std::function<void(Communicator&)>& work) {
+  WEIR_CHECK(ranks > 0);
+  Post post(ranks);
+  const auto run = [&](int rank) {
+    try {
+      ThreadRank communicator(post, rank);
+      work(communicator);
+      post.end(rank);
+    } catch (...) {
+      post.fail(rank);
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    try {
+      for (int rank = 1; rank < ranks; ++rank) threads.emplace_back(run, rank);
+      run(0);
+    } catch (...) {
+      post.fail(0);  // the system gives no more threads
+    }
+  }
+  post.rethrowIfFailed();
+}
+
+}  // namespace weir

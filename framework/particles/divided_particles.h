@@ -1,0 +1,97 @@
+// A set of particles that several ranks share: each owns those in its slab of space (slabs.h).
+//
+//   divided.migrate();                           // to where they belong
+//   neighbors.sort(particles, …);
+//   divided.showHalo();                          // copies of what is beside each slab
+//   neighbors.list(particles);
+//   …
+//   divided.refresh({"position", "velocity"});   // of the copies, wherever neighbours are read next
+//
+// All ranks make the same calls in the same order. The other way round, whatever kernels only write to owned
+// particles needs no call.
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
+
+#include "framework/base/api.h"
+#include "framework/communication/communicator.h"
+#include "framework/communication/slabs.h"
+#include "framework/particles/particle_batch.h"
+#include "framework/particles/particle_set.h"
+
+namespace WEIR_API weir {
+
+class DividedParticles {
+ public:
+  /// Cells of that size, m; all particles belong to rank 0 at first.
+  DividedParticles(Communicator& ranks, ParticleSet& particles, float cellSize);
+
+  Communicator& ranks() const { return ranks_; }
+  const Slabs& slabs() const { return slabs_; }
+
+  /// Cuts space anew, for particles in this box of all ranks. Particles stay where they are until the next
+  /// migrate().
+  void cut(const Aabb& box);
+  /// The same for particles that every rank has.
+  void cut(const std::vector<Vec3f>& positions);
+  /// Adds those of a batch, which every rank has, that belong to this rank.
+  void append(const ParticleBatch& batch);
+
+  /// Owned particles go to the ranks that their positions belong to; those that are not finite stay.
+  void migrate();
+  /// Sends the particles beside other slabs to their ranks, with position and id, and takes those as halo.
+  void showHalo();
+  /// Replaces these attributes of the halo by what its owners have.
+  void refresh(std::initializer_list<std::string_view> attributes);
+  /// The same for an array that has an element for each particle of the set, the halo behind the others.
+  template <class T>
+  void refresh(ArrayView<T> values) {
+    static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
+    constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
+    refreshWords({reinterpret_cast<std::uint32_t*>(values.data), kWords * values.size}, kWords);
+  }
+  /// Adds all particles of all ranks, with all attributes that are not derived, to a set that is there on
+  /// rank 0 only and null elsewhere, in no order.
+  void gather(ParticleSet* all);
+
+  /// How many particles all ranks own.
+  std::int64_t countOfAll();
+
+ private:
+  /// What a neighbour sees of this rank, and where its particles are in the halo.
+  struct Neighbor {
+    explicit Neighbor(Device& device) : shown(device) {}
+    int rank = 0;
+    Array<int> shown;
+    HaloRange halo;
+  };
+
+  void cutLayersOf(const Aabb& box, const std::vector<Vec3f>& positions, bool ofAllRanks);
+  SlabsView onDevice() const;
+  Message packed(const PackLayout& layout, ArrayView<const int> indices);
+  /// On the device, until the next call.
+  ArrayView<const std::byte> uploaded(const Message& message);
+  void refreshWords(ArrayView<std::uint32_t> words, int wordsInOne);
+
+  // Both leave indices in `found_`; how many is returned, once the device has told.
+  template <class Backend>
+  std::int64_t findLeavingOn(Backend& device);
+  template <class Backend>
+  std::int64_t findShownOn(Backend& device, int rank);
+  template <class Backend>
+  void gatherWordsOn(Backend& device, ArrayView<const std::uint32_t> words, int wordsInOne,
+                     ArrayView<const int> indices);
+
+  Communicator& ranks_;
+  ParticleSet& particles_;
+  Slabs slabs_;
+  Array<int> cuts_;  // of the slabs, on the device
+  Array<int> found_, foundCount_, owners_;
+  Array<std::byte> buffer_;
+  std::vector<Neighbor> neighbors_;
+};
+
+}  // namespace weir

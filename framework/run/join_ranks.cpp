@@ -1,0 +1,31 @@
+#include "framework/run/join_ranks.h"
+
+#include <utility>
+
+#include "framework/communication/on_ranks.h"
+
+namespace weir {
+
+void joinRanks(Simulation& simulation, Communicator& ranks) {
+  for (const auto& node : simulation.scene().graph.nodes()) {
+    auto* const onRanks = dynamic_cast<OnRanks*>(node.get());
+    try {
+      if (onRanks == nullptr)
+        throw sceneError("a " + std::string(node->info().type) + " cannot run on several ranks yet", {},
+                         "run without --ranks");
+      onRanks->join(ranks);
+    } catch (Error& e) {
+      throw e.inNode(node->name()).at({.file = simulation.scene().file});
+    }
+  }
+}
+
+AgreedStop::AgreedStop(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {
+  options.stop = &stop_;
+  options.onProgress = [this, &ranks, &asked, told = std::move(options.onProgress)](const Simulation& run) {
+    if (ranks.any(asked)) stop_ = true;
+    if (told) told(run);
+  };
+}
+
+}  // namespace weir

@@ -1,0 +1,31 @@
+#include "framework/particles/divided_particles.h"
+#include "nodes/particle_fluid/fluid_module.h"
+
+namespace weir {
+
+void FluidStep::findNeighbors() {
+  if (divided == nullptr) return neighbors.build(particles, domain, sinks);
+  divided->migrate();
+  neighbors.fitMore(divided->countOfAll());
+  neighbors.sort(particles, domain, sinks);
+  divided->showHalo();
+  neighbors.list(particles);
+}
+
+void FluidStep::exchange(std::initializer_list<std::string_view> attributes) {
+  if (divided != nullptr) divided->refresh(attributes);
+}
+
+void FluidStep::exchange(ArrayView<float> values) {
+  if (divided != nullptr) divided->refresh(values);
+}
+
+void FluidStep::exchange(ArrayView<Vec3f> values) {
+  if (divided != nullptr) divided->refresh(values);
+}
+
+void FluidStep::exchange(ArrayView<Vec4f> values) {
+  if (divided != nullptr) divided->refresh(values);
+}
+
+}  // namespace weir

@@ -1,0 +1,17 @@
+// Ranks of an MPI launch. Messages travel by host memory, so any MPI does.
+#pragma once
+
+#include "framework/communication/launched_ranks.h"
+
+namespace weir {
+
+class MpiRanks final : public LaunchedRanks {
+ public:
+  /// By what Open MPI, MPICH and Slurm tell their processes; asks MPI nothing, which would fail without a
+  /// launcher.
+  bool present() const override;
+  void run(const std::function<void(Communicator&)>& work,
+           const std::function<int(std::exception_ptr, int rank)>& failed) override;
+};
+
+}  // namespace weir

@@ -1,0 +1,61 @@
+// Sums that depend on no order: compared with long double, with themselves in other orders and parts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "framework/compute/exact_sum.h"
+
+namespace weir::test {
+namespace {
+
+bool same(const ExactSum& a, const ExactSum& b) {
+  return a.ones == b.ones && a.fine == b.fine && a.finest == b.finest;
+}
+
+std::vector<double> terms() {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> mantissa(-1, 1), exponent(-40, 20);
+  std::vector<double> all;
+  for (int k = 0; k < 20000; ++k) all.push_back(std::ldexp(mantissa(random), int(exponent(random))));
+  return all;
+}
+
+TEST(ExactSum, IsTheSumToTheLastBitsThatATermIsReadTo) {
+  long double expected = 0;
+  ExactSum sum;
+  for (const double term : terms()) expected += term, sum += ExactSum(term);
+  EXPECT_NEAR(sum.value(), double(expected), 1e-9);
+  EXPECT_EQ(ExactSum(0.1).value(), 0.1);
+  EXPECT_EQ(ExactSum(-0.1).value(), -0.1);
+  EXPECT_EQ(ExactSum(123456.789).value(), 123456.789);
+  EXPECT_NEAR(ExactSum(1e-12).value(), 1e-12, std::ldexp(1, -62));
+}
+
+TEST(ExactSum, HasTheSameBitsInEveryOrderAndInAnyParts) {
+  std::vector<double> all = terms();
+  const auto sumOf = [](auto begin, auto end) {
+    ExactSum sum;
+    for (; begin != end; ++begin) sum += ExactSum(*begin);
+    return sum;
+  };
+  const ExactSum whole = sumOf(all.begin(), all.end());
+  std::mt19937 random(2);
+  for (int round = 0; round < 10; ++round) {
+    std::shuffle(all.begin(), all.end(), random);
+    const auto cut = all.begin() + std::ptrdiff_t(random() % all.size());
+    EXPECT_TRUE(same(sumOf(all.begin(), cut) + sumOf(cut, all.end()), whole));
+  }
+}
+
+TEST(ExactSum, NaNCountsAsNothingAndWhatIsTooLargeAsTheBound) {
+  EXPECT_TRUE(same(ExactSum(std::numeric_limits<double>::quiet_NaN()), ExactSum()));
+  EXPECT_EQ(ExactSum(std::numeric_limits<double>::infinity()).value(), 2147483647.0);
+  EXPECT_EQ(ExactSum(-1e300).value(), -2147483647.0);
+}
+
+}  // namespace
+}  // namespace weir::test

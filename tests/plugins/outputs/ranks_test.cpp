@@ -1,0 +1,285 @@
+// `weir run --ranks N`: the same files for any number of ranks, and a clear word where a scene cannot.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "framework/scene/scene_file.h"
+#include "tests/plugins/outputs/written_run.h"
+#include "tests/support/child_process.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/find_program.h"
+
+namespace weir::test {
+namespace {
+
+/// All that is written, by name.
+using Files = std::map<std::string, std::string>;
+
+struct Outcome {
+  ChildResult result;
+  Files files;
+  Value statistics;
+};
+
+class RanksTest : public testing::Test {
+ protected:
+  /// The dam break for 0.3 s, with what is changed.
+  Outcome run(const std::string& name, const std::vector<std::string>& changes,
+              const std::vector<std::string>& more, int processes = 1) const {
+    const std::string to = folder_ / name;
+    std::filesystem::create_directory(to);
+    std::vector<std::string> arguments{"run",
+                                       resourcesFolder() + "/scenes/dam_break.json",
+                                       "--quiet",
+                                       "--duration",
+                                       "0.3",
+                                       "--ply-particles",
+                                       to + "/ply",
+                                       "--stats",
+                                       to + "/stats.json",
+                                       "--series",
+                                       to + "/series.jsonl",
+                                       "--export",
+                                       to + "/export.vtkhdf"};
+    for (const std::string& change : changes) arguments.insert(arguments.end(), {"--set", change});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Outcome run{.result = processes == 1 ? runWeir(arguments) : runByMpi(processes, std::move(arguments))};
+    if (run.result.code != 0) return run;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(to + "/ply"))
+      if (entry.is_regular_file())
+        run.files[entry.path().filename().string()] = readFile(entry.path().string());
+    run.statistics = parseJson(readFile(to + "/stats.json"), "stats.json");
+    return run;
+  }
+
+  static ChildResult runByMpi(int processes, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"-n", std::to_string(processes), weirProgram()});
+    // Of Open MPI, which asks whether one knows what one does.
+    const std::map<std::string, std::string> asked{{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
+                                                   {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
+                                                   {"OMPI_MCA_rmaps_base_oversubscribe", "1"}};
+    return runChild(findProgram("mpirun"), arguments, {.environment = asked});
+  }
+  static bool hasMpi() {
+    return !findProgram("mpirun").empty() &&
+           std::filesystem::exists(buildFolder() + "/lib/weir/plugins/weir_mpi.so");
+  }
+
+  void expectSameForAnyNumber(const std::vector<std::string>& changes) const {
+    const Outcome one = run("1", changes, {"--ranks", "1"});
+    ASSERT_EQ(one.result.code, 0) << one.result.err;
+    ASSERT_GE(one.files.size(), 10u);
+    for (const std::string ranks : {"2", "3", "4", "8"}) {
+      const Outcome several = run(ranks, changes, {"--ranks", ranks});
+      ASSERT_EQ(several.result.code, 0) << several.result.err;
+      ASSERT_EQ(several.files.size(), one.files.size());
+      for (const auto& [file, bytes] : one.files)
+        EXPECT_TRUE(several.files.at(file) == bytes) << file << " with " << ranks << " ranks";
+      EXPECT_EQ(writeJson(fluidOf(several)), writeJson(fluidOf(one))) << ranks << " ranks";
+      expectSameSeries(folder_ / "1/series.jsonl", folder_ / (ranks + "/series.jsonl"));
+      expectSameExports(folder_ / "1/export.vtkhdf", folder_ / (ranks + "/export.vtkhdf"));
+    }
+  }
+
+  static const Value& fluidOf(const Outcome& run) { return *run.statistics.find("nodes")->find("water"); }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kCoarse = "water.spacing=0.05";
+
+TEST_F(RanksTest, ADamBreakIsTheSameForAnyNumberOfRanks) {
+  expectSameForAnyNumber({kCoarse});
+}
+
+TEST_F(RanksTest, SoIsOneWithVaryingStepsFrictionAndImplicitViscosity) {
+  expectSameForAnyNumber({kCoarse, "world.cfl=0.4", "world.dt=0.004", "tank.friction=0.2",
+                          "tank.restitution=0.3", "water.viscosity.form=implicit",
+                          "water.solver.step_length=particle", "water.pressure=true"});
+}
+
+TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
+  const std::string scene = folder_.write("drop.json", R"({
+    "weir": 1,
+    "world": { "gravity": [0, -2, 0], "dt": 0.002, "frame_rate": 30, "duration": 0.3 },
+    "nodes": {
+      "drop": { "type": "SphereSampler", "params": { "center": [0, 0.3, 0], "radius": 0.2, "velocity": [1, 0, 0] } },
+      "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
+                 "modules": { "tension": { "type": "SurfaceTension", "after": "viscosity",
+                                           "params": { "coefficient": 0.1, "air_pressure": 1 } },
+                              "eddies": { "type": "VorticityConfinement", "after": "viscosity" },
+                              "drag": { "type": "Drag", "after": "tension" } } }
+    },
+    "links": ["drop.particles -> water.initial", "floor.boundary -> water.boundaries"]
+  })");
+  for (const std::string ranks : {"1", "2", "3", "8"}) {
+    const ChildResult result =
+        runWeir({"run", scene, "--quiet", "--ranks", ranks, "--export", folder_ / (ranks + ".vtkhdf")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
+  }
+}
+
+TEST_F(RanksTest, SoIsOneWhoseParticlesLeaveTheDomain) {
+  expectSameForAnyNumber({kCoarse, "water.domain_max=[0.7, 5, 5]", "water.rest_steps=0"});
+}
+
+/// A jet that fills a tank with a hole, from nothing; gauges and a surface look at it.
+constexpr const char* kJet = R"({
+  "weir": 1,
+  "world": { "dt": 0.002, "frame_rate": 30, "duration": 0.6 },
+  "nodes": {
+    "jet": { "type": "CircleEmitter",
+             "params": { "position": [0.3, 0.6, 0.25], "rotation": [0, 0, 20], "radius": 0.11, "speed": 2 } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.5], "inverted": true } },
+    "hole": { "type": "Sink", "params": { "min": [0.8, 0, 0], "max": [1, 0.1, 0.5] } },
+    "point": { "type": "Gauge", "params": { "shape": "point", "position": [0.3, 0.5, 0.25] } },
+    "box": { "type": "Gauge", "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 1, 0.5] } },
+    "surface": { "type": "FluidSurface" },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5 } }
+  },
+  "links": ["jet.particles -> water.emitters", "tank.boundary -> water.boundaries", "hole.sink -> water.sinks",
+            "water.fluid -> point.particles", "water.fluid -> box.particles", "water.fluid -> surface.fluid"]
+})";
+
+TEST_F(RanksTest, SoIsAJetIntoATankWithAHole) {
+  const std::string scene = folder_.write("jet.json", kJet);
+  const auto nodesOf = [&](const std::string& ranks) {
+    const ChildResult result =
+        runWeir({"run", scene, "--quiet", "--ranks", ranks, "--stats", folder_ / (ranks + ".json"),
+                 "--export", folder_ / (ranks + ".vtkhdf")});
+    EXPECT_EQ(result.code, 0) << result.err;
+    return *parseJson(readFile(folder_ / (ranks + ".json")), "stats.json").find("nodes");
+  };
+  const Value one = nodesOf("1");
+  EXPECT_GT(one.find("hole")->find("particles_removed")->asInt(), 0);
+  EXPECT_GT(one.find("water")->find("particles")->asInt(), 500);
+  for (const std::string ranks : {"2", "3", "4", "8"}) {
+    EXPECT_EQ(writeJson(nodesOf(ranks)), writeJson(one)) << ranks << " ranks";
+    expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
+  }
+}
+
+TEST_F(RanksTest, RanksMayHaveNoParticles) {
+  // Four cells along x, where the block is a bit longer, so at least half of the ranks have none.
+  const std::vector<std::string> small{"water.spacing=0.05", "block.max=[0.2, 0.15, 0.15]"};
+  const Outcome one = run("one", small, {"--ranks", "1"}), many = run("many", small, {"--ranks", "16"});
+  ASSERT_EQ(one.result.code, 0) << one.result.err;
+  ASSERT_EQ(many.result.code, 0) << many.result.err;
+  EXPECT_TRUE(many.files == one.files);
+}
+
+TEST_F(RanksTest, ProcessesOfMpiWriteTheSameAsThreads) {
+  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
+  const Outcome threads = run("threads", {kCoarse}, {"--ranks", "2"}),
+                processes = run("mpi", {kCoarse}, {}, 3);
+  ASSERT_EQ(threads.result.code, 0) << threads.result.err;
+  ASSERT_EQ(processes.result.code, 0) << processes.result.err;
+  EXPECT_TRUE(processes.files == threads.files);
+  EXPECT_EQ(writeJson(fluidOf(processes)), writeJson(fluidOf(threads)));
+}
+
+TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
+  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
+  const Outcome refused = run("refused", {"tank.report_forces=true"}, {}, 3);
+  EXPECT_EQ(refused.result.code, 3);
+  const std::string words = "cannot be summed over several ranks yet";
+  EXPECT_CONTAINS(refused.result.err, words);
+  EXPECT_EQ(refused.result.err.find(words), refused.result.err.rfind(words));
+}
+
+TEST_F(RanksTest, TheyAreAsGoodAsARunWithoutThem) {
+  // The order of sums differs, so the two part in time; the water does not.
+  const Outcome with = run("with", {kCoarse}, {"--ranks", "3"}),
+                without = run("without", {kCoarse}, {"--device", "cpu"});
+  ASSERT_EQ(with.result.code, 0) << with.result.err;
+  ASSERT_EQ(without.result.code, 0) << without.result.err;
+  const auto number = [](const Outcome& run, const char* name) {
+    return fluidOf(run).find(name)->asDouble();
+  };
+  EXPECT_EQ(number(with, "particles"), number(without, "particles"));
+  EXPECT_NEAR(number(with, "kinetic_energy") / number(without, "kinetic_energy"), 1, 0.02);
+  EXPECT_NEAR(number(with, "potential_energy") / number(without, "potential_energy"), 1, 0.02);
+}
+
+TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
+  const auto errorOf = [&](const std::vector<std::string>& changes, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"--ranks", "2"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome refused = run("refused", changes, all);
+    EXPECT_NE(refused.result.code, 0);
+    EXPECT_CONTAINS(refused.result.err, "--ranks");
+    std::filesystem::remove_all(folder_ / "refused");
+    return refused.result.err;
+  };
+  EXPECT_CONTAINS(errorOf({"tank.report_forces=true"}, {}), "tank");
+  EXPECT_CONTAINS(errorOf({"water.solver.record_objective=true"}, {}), "record_objective");
+  EXPECT_CONTAINS(errorOf({"water.solver.step_length=global"}, {}), "step_length");
+  EXPECT_CONTAINS(errorOf({}, {"--checkpoint", folder_ / "c.h5"}), "--checkpoint");
+  EXPECT_CONTAINS(errorOf({}, {"--resume", folder_ / "c.h5"}), "--resume");
+  EXPECT_CONTAINS(errorOf({}, {"--device", "cuda"}), "cuda");
+  const std::string scene = folder_.write("s.json", R"({
+    "weir": 1,
+    "nodes": {
+      "block": { "type": "BoxSampler" },
+      "brick": { "type": "BoxMesh", "params": { "min": [1, 0, 0], "max": [1.2, 0.2, 0.2] } },
+      "solid": { "type": "SemiAnalyticalSFI" },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } }
+    },
+    "links": ["block.particles -> water.initial", "brick.surface -> solid.solids", "water.fluid -> solid.fluid"]
+  })");
+  const ChildResult meshWall = runWeir({"run", scene, "--ranks", "2", "--stats", folder_ / "s.stats.json"});
+  EXPECT_EQ(meshWall.code, 3);
+  EXPECT_CONTAINS(meshWall.err, "node 'solid'");
+  EXPECT_CONTAINS(meshWall.err, "a SemiAnalyticalSFI cannot run on several ranks yet");
+}
+
+TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
+  const std::string scene = folder_.write("s.json", R"({
+    "weir": 1,
+    "nodes": {
+      "block": { "type": "BoxSampler" },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
+                 "modules": { "thick": { "type": "ViscositySolver", "after": "viscosity" } } }
+    },
+    "links": ["block.particles -> water.initial"]
+  })");
+  const ChildResult refused = runWeir({"run", scene, "--ranks", "2", "--stats", folder_ / "s.stats.json"});
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_CONTAINS(refused.err, "node 'water'");
+  EXPECT_CONTAINS(refused.err, "the module 'thick' of type ViscositySolver cannot run on several ranks yet");
+}
+
+TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
+  ChildOptions options;
+  options.onStderr = [sent = false](int pid, const std::string& err) mutable {
+    // The line of progress is there once there are steps.
+    if (!sent && contains(err, "frame")) sent = true, ::kill(pid, SIGINT);
+  };
+  const ChildResult result =
+      runWeir({"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000",
+               "--set", kCoarse, "--stats", folder_ / "stats.json"},
+              options);
+  EXPECT_EQ(result.code, 130) << result.err;
+  const Value statistics = parseJson(readFile(folder_ / "stats.json"), "stats.json");
+  EXPECT_EQ(statistics.find("end")->asString(), "interrupted");
+  EXPECT_EQ(statistics.find("nodes")->find("water")->find("particles")->asInt(), 1000);
+}
+
+TEST_F(RanksTest, ARunThatDivergesEndsOnAllRanksWithOneMessage) {
+  const Outcome diverged =
+      run("diverged", {kCoarse, "water.solver.enabled=false", "block.velocity=[1e38, 1e38, 1e38]"},
+          {"--ranks", "4"});
+  EXPECT_EQ(diverged.result.code, 4);
+  EXPECT_CONTAINS(diverged.result.err, "rank 0");
+  EXPECT_CONTAINS(diverged.result.err, "diverged");
+}
+
+}  // namespace
+}  // namespace weir::test
