@@ -1,5 +1,7 @@
 #include "nodes/register_nodes.h"
 
+#include "nodes/body_contacts/body_contacts.h"
+#include "nodes/body_contacts/joint.h"
 #include "nodes/box_mesh/box_mesh.h"
 #include "nodes/emitters/circle_emitter.h"
 #include "nodes/emitters/mesh_emitter.h"
@@ -37,11 +39,13 @@
 namespace weir {
 
 void registerNodes(Registry& registry) {
+  registry.addNode<BodyContacts>();
   registry.addNode<BoxMesh>();
   registry.addNode<BoxSampler>();
   registry.addNode<CircleEmitter>();
   registry.addNode<FluidSurface>();
   registry.addNode<Gauge>();
+  registry.addNode<Joint>();
   registry.addNode<MeshEmitter>();
   registry.addNode<MeshFile>();
   registry.addNode<MeshSampler>();

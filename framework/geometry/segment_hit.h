@@ -179,6 +179,16 @@ WEIR_HD inline SegmentHit firstHit(const TriangleTreeView& tree, const Vec3f& p,
   return first;
 }
 
+/// Calls visit(hit) with each triangle that the segment meets, in an order that depends on the mesh and the
+/// segment alone: at an edge or a vertex with more than one. Ends when visit returns false.
+template <class Visit>
+WEIR_HD void forEachHit(const TriangleTreeView& tree, const Vec3f& p, const Vec3f& q, const Visit& visit) {
+  detail::forEachTriangleAlong(tree, detail::SegmentReach(tree, p, q, 0), [&](int i) {
+    const SegmentHit hit = detail::meet(tree, i, p, q);
+    return !hit.found() || visit(hit);
+  });
+}
+
 /// Whether a box of a triangle may be as near to the segment as `margin`: cheap, and false only if no
 /// triangle is.
 WEIR_HD inline bool mayComeNear(const TriangleTreeView& tree, const Vec3f& p, const Vec3f& q, float margin) {

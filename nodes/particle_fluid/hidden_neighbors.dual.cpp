@@ -8,6 +8,50 @@ namespace weir {
 
 namespace {
 
+/// Whether the way between two particles leads through a thin part of a solid, see the header.
+class Passage {
+ public:
+  WEIR_HD Passage(const SolidView& solid, const Vec3f& p, const Vec3f& q) {
+    const TriangleTreeView& tree = solid.tree;
+    forEachHit(tree, solid.end.toBody(p), solid.end.toBody(q), [&](const SegmentHit& hit) {
+      const bool front = dot(tree.normals[hit.triangle].normals[PseudoNormals::kFace], hit.normal) > 0;
+      return add({hit.normal, hit.fraction, front == (solid.kind != SolidKind::kContainer)});
+    });
+    // One end is within the solid.
+    if (count_ > 0 && (enters_ == 0 || enters_ == count_)) blocked_ = true;
+  }
+  WEIR_HD bool isBlocked() const { return blocked_; }
+
+ private:
+  static constexpr int kMax = 8;             // more triangles do block
+  static constexpr float kMinCosine = 0.9f;  // of the front and the back of a thin part
+
+  struct Crossing {
+    Vec3f against;  // the triangle's normal, against the segment
+    double fraction;
+    bool enters;
+  };
+
+  /// Whether there is need to go on.
+  WEIR_HD bool add(const Crossing& crossing) {
+    for (int k = 0; k < count_ && !blocked_; ++k) {
+      const Crossing& other = crossings_[k];
+      if (other.enters == crossing.enters) continue;
+      const Crossing &in = crossing.enters ? crossing : other, &out = crossing.enters ? other : crossing;
+      blocked_ = in.fraction <= out.fraction && dot(in.against, out.against) > kMinCosine;
+    }
+    if (count_ == kMax) blocked_ = true;
+    if (blocked_) return false;
+    crossings_[count_++] = crossing;
+    enters_ += crossing.enters;
+    return true;
+  }
+
+  Crossing crossings_[kMax];
+  int count_ = 0, enters_ = 0;
+  bool blocked_ = false;
+};
+
 struct TakeOutHidden {
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
@@ -32,11 +76,15 @@ struct TakeOutHidden {
       const int k = pairs.solid[pair], other = pairs.find(j, k);
       if (other < 0) continue;
       const SolidView& solid = solids[k];
-      if (mayHide(solid.kind, sides[pair], sides[other]) &&
-          firstHit(solid.tree, solid.end.toBody(positions[from]), solid.end.toBody(positions[to])).found())
+      if (mayHide(solid.kind, sides[pair], sides[other]) && hides(solid, positions[from], positions[to]))
         return false;
     }
     return true;
+  }
+
+  WEIR_HD static bool hides(const SolidView& solid, const Vec3f& p, const Vec3f& q) {
+    if (solid.kind != SolidKind::kSheet) return Passage(solid, p, q).isBlocked();
+    return firstHit(solid.tree, solid.end.toBody(p), solid.end.toBody(q)).found();
   }
 
   WEIR_HD static bool mayHide(SolidKind kind, int one, int other) {

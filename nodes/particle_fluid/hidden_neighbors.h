@@ -1,9 +1,16 @@
 // Particles that a solid hides from each other are not neighbours: water on one side of a thin wall must not
 // feel the water on the other.
 //
-// A pair is taken out of the neighbour lists if the straight segment between the two meets the surface of a
-// solid, at the predicted positions and with the solid as it stands at the end of the step. What the one
-// loses with the other is what the integrals count as solid behind a thin wall (solids/solid_integrals.h).
+// A pair is taken out of the neighbour lists if the straight segment between the two meets a sheet or passes
+// through a thin part of a solid, at the predicted positions and with the solid as it stands at the end of
+// the step. What the one loses with the other is what the integrals count as solid behind a thin wall
+// (solids/solid_integrals.h).
+//
+// A part is thin if the segment enters it through a triangle with normal n and leaves it through one with
+// normal m, and −n·m > 0.9. So pairs across an edge of a thick solid stay: water is on both its sides, and
+// there the integrals add nothing. If they came and went as particles pass the edge, each time with a jump of
+// the density, water would never rest there, and push 10 % too hard.
+//
 // Both of a pair ask about the same segment, from the lower index to the higher, with the same numbers: so
 // lists stay reciprocal.
 //

@@ -17,8 +17,8 @@ void BodyContact::reset(Device& device, const TriangleMesh& mesh, const std::vec
   material_ = material;
 }
 
-void BodyContact::step(Array<FreeBody>& body, const Vec3f& gravity, double dt) {
-  dispatch(body.device(), [&](auto& device) { stepOn(device, body, gravity, dt); });
+void BodyContact::step(Array<FreeBody>& body, const Vec3f& gravity, double dt, bool holds) {
+  dispatch(body.device(), [&](auto& device) { stepOn(device, body, gravity, dt, holds); });
 }
 
 double BodyContact::depthOf(const BodyMass& mass, const BodyState& at) {

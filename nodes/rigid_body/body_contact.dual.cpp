@@ -231,10 +231,11 @@ struct HoldBody {
 }  // namespace
 
 template <class Backend>
-void BodyContact::stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gravity, double dt) {
+void BodyContact::stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gravity, double dt,
+                         bool holds) {
   constexpr double kSteps = 2;  // of a fall
   parallelFor(device, "move on", 1, MoveOn{body.data(), doubleOf(gravity), dt});
-  if (pieces_.empty()) return;
+  if (!holds || pieces_.empty()) return;
   const Walls walls{std::as_const(pieces_).view()};
   const ArrayView<const Vec3f> vertices = std::as_const(vertices_).view();
   compactOnce(device, "near walls", vertices.size, NearWalls{walls, body.data(), vertices, dt}, marks_,
@@ -252,6 +253,6 @@ void BodyContact::depthOn(Backend& device, const BodyMass& mass, const BodyState
 }
 
 template void BodyContact::depthOn(ThisBackend&, const BodyMass&, const BodyState&);
-template void BodyContact::stepOn(ThisBackend&, Array<FreeBody>&, const Vec3f&, double);
+template void BodyContact::stepOn(ThisBackend&, Array<FreeBody>&, const Vec3f&, double, bool);
 
 }  // namespace weir

@@ -28,15 +28,16 @@ class BodyContact {
   /// For a body with that mesh.
   void reset(Device& device, const TriangleMesh& mesh, const std::vector<const Boundary*>& walls,
              const ContactMaterial& material);
-  /// The end of a step of `dt` s, whether or not a fluid has placed the body.
-  void step(Array<FreeBody>& body, const Vec3f& gravity, double dt);
+  /// The end of a step of `dt` s, whether or not a fluid has placed the body. If it `holds`, walls
+  /// keep the body out.
+  void step(Array<FreeBody>& body, const Vec3f& gravity, double dt, bool holds);
   /// How deep its deepest vertex is within a wall, in m; 0 if none is. Waits for the device.
   double depthOf(const BodyMass& mass, const BodyState& at);
   static double memoryFor(double vertices);
 
  private:
   template <class Backend>
-  void stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gravity, double dt);
+  void stepOn(Backend& device, Array<FreeBody>& body, const Vec3f& gravity, double dt, bool holds);
 
   template <class Backend>
   void depthOn(Backend& device, const BodyMass& mass, const BodyState& at);

@@ -117,17 +117,42 @@ void RigidBody::warnOfWalls(Log& log) const {
                       name(), boundary->node().name(), boundary->name(), walls.name()));
 }
 
+bool RigidBody::isHeld() const {
+  for (const InputPort* reader : body.links())
+    if (reader->many()) return true;  // a joint takes one
+  return false;
+}
+
+bool RigidBody::isHeldWith(const OutputPort& meshOrBody) const {
+  for (const InputPort* reader : body.links())
+    for (const InputPort* input : reader->node().inputs())
+      if (reader->many() && input->many() &&
+          std::find(input->links().begin(), input->links().end(), &meshOrBody) != input->links().end())
+        return true;
+  return false;
+}
+
+void RigidBody::place(const BodyState& to) {
+  FreeBody moved = body_->toHost().front();
+  moved.state = to;
+  moved.motion = twistOf(moved.mass, to);
+  body_->assign(std::vector<FreeBody>{moved});
+}
+
 void RigidBody::findOthers() {
   others_.clear();
   surface_.reset();
   for (const InputPort* reader : fluid.links()[0]->links()) {
     const Node& node = reader->node();
     if (&node == this || dynamic_cast<const RigidMotion*>(&node) == nullptr) continue;
+    const auto* other = dynamic_cast<const RigidBody*>(&node);
+    if (other != nullptr && isHeldWith(other->body)) continue;
     for (const InputPort* input : node.inputs())
       if (input->typeName() == mesh.typeName())
         for (const OutputPort* shape : input->links())
-          others_.push_back(
-              {&node, std::make_unique<CrossingMesh>(*static_cast<const Output<TriangleMesh>&>(*shape))});
+          if (other != nullptr || !isHeldWith(*shape))
+            others_.push_back(
+                {&node, std::make_unique<CrossingMesh>(*static_cast<const Output<TriangleMesh>&>(*shape))});
   }
   if (!others_.empty()) surface_ = std::make_unique<CrossingMesh>(*mesh);
 }
@@ -136,14 +161,14 @@ void RigidBody::checkOthers(double time) const {
   const Pose here = poseOf(start_.mass, shown_);
   for (const Other& other : others_) {
     // Another body may not know yet where it is at this frame.
-    const auto* body = dynamic_cast<const RigidBody*>(other.node);
-    const Pose there = body != nullptr ? poseOf(body->start_.mass, body->state())
+    const auto* free = dynamic_cast<const RigidBody*>(other.node);
+    const Pose there = free != nullptr ? poseOf(free->start_.mass, free->state())
                                        : dynamic_cast<const RigidMotion&>(*other.node).poseAt(time);
     if (!surface_->crosses(here, *other.mesh, there)) continue;
     const std::string found =
         fmt::format("the body has met '{}' at {:.3g} s, which does not hold it", other.node->name(), time);
     const std::string allowed = "bodies that stay apart from each other and from solids given by meshes";
-    const std::string hint = "link a StaticBoundary with the mesh to walls, or hold the body by \"fixed\"";
+    const std::string hint = "link both to a BodyContacts, or hold the body by \"fixed\"";
     throw time > 0 ? simulationError(found, allowed, hint) : sceneError(found, allowed, hint);
   }
 }
@@ -274,7 +299,7 @@ double RigidBody::longestStep(const StepContext& next, double cfl) {
 }
 
 void RigidBody::step(const StepContext& context) {
-  contact_.step(*body_, context.gravity, context.dt);
+  contact_.step(*body_, context.gravity, context.dt, /*holds=*/!isHeld());
 }
 
 void RigidBody::frame(const StepContext& context) {

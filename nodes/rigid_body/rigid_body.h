@@ -7,8 +7,9 @@
 //
 // Boundaries that are linked to `walls` hold the vertices of the mesh: where the body would reach into one at
 // the end of a step, impulses at these vertices change its velocity so that it does not, with Coulomb's
-// friction and a restitution. Bodies do not hold each other, nor do solids given by meshes: where one meets
-// another, the run ends with an error, and what the fluid's modules cannot do with a body is refused before.
+// friction and a restitution. By themselves bodies do not hold each other, nor do solids given by meshes:
+// where one meets another, the run ends with an error, unless a BodyContacts takes both. That holds the body
+// at its walls, too. What the fluid's modules cannot do with a body is refused before.
 #pragma once
 
 #include <memory>
@@ -28,6 +29,13 @@
 namespace WEIR_API weir {
 
 class ParticleFluid;
+class RigidBody;
+
+/// A body, as what holds it with others takes it.
+struct BodyLink {
+  static constexpr std::string_view kPortType = "RigidBody";
+  RigidBody* body = nullptr;
+};
 
 class RigidBody final : public Node, public RigidMotion {
  public:
@@ -36,6 +44,8 @@ class RigidBody final : public Node, public RigidMotion {
       "float, floating, sink, buoyancy, boat, ship, raft, box, crate, ball, wood, "
       "dynamic, buoy"};
   const NodeInfo& info() const override { return kInfo; }
+
+  RigidBody() { body->body = this; }
 
   Param<std::optional<double>> density{
       *this,
@@ -70,7 +80,10 @@ class RigidBody final : public Node, public RigidMotion {
       0,
       {.min = 0, .max = 1, .doc = "Of viscous fluid (ViscositySolver) along it, which takes 1 so far."}};
   Param<float> wallFriction{
-      *this, "wall_friction", 0.3f, {.min = 0, .softMax = 1, .doc = "Of the body at its walls."}};
+      *this,
+      "wall_friction",
+      0.3f,
+      {.min = 0, .softMax = 1, .doc = "Coulomb's, of the body at walls and other bodies."}};
   Param<float> restitution{
       *this,
       "restitution",
@@ -81,6 +94,7 @@ class RigidBody final : public Node, public RigidMotion {
   Input<TriangleMesh> mesh{*this, "mesh", "Its surface: closed, facing outwards."};
   Inputs<Boundary> walls{*this, "walls", "Boundaries that it does not enter."};
   Output<SolidForces> forces{*this, "forces", "What the fluid does to it, about its centre of mass."};
+  Output<BodyLink> body{*this, "body", "For BodyContacts, and joints."};
 
   void validate() const override;
   void configure(const SetupContext& context) override;
@@ -105,6 +119,10 @@ class RigidBody final : public Node, public RigidMotion {
   const BodyMass& massOf() const { return start_.mass; }
   /// As it is now. Waits for the device.
   BodyState state() const { return body_->toHost().front().state; }
+  /// Between steps.
+  void place(const BodyState& to);
+  /// Of the mesh about the centre of mass, m.
+  double radius() const { return radius_; }
 
  private:
   BodyMass massOfMesh(const TriangleMesh& shape) const;
@@ -120,7 +138,10 @@ class RigidBody final : public Node, public RigidMotion {
   void checkModules() const;
   /// Warns of boundaries of the fluid that do not hold the body.
   void warnOfWalls(Log& log) const;
-  /// The other solids in the same fluid.
+  /// What BodyContacts do with it.
+  bool isHeld() const;
+  bool isHeldWith(const OutputPort& meshOrBody) const;
+  /// The other solids in the same fluid that nothing holds apart from it.
   void findOthers();
   /// Throws an Error if the body is nowhere.
   void checkState(double time) const;

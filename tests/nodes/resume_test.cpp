@@ -9,6 +9,7 @@
 #include "framework/graph/plugin.h"
 #include "framework/run/resume_check.h"
 #include "framework/scene/scene_file.h"
+#include "nodes/body_contacts/body_contacts.h"
 #include "nodes/mesh_file/mesh_reader.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/register_nodes.h"
@@ -43,8 +44,10 @@ const std::map<std::string, std::string> kReaders{{"ParticleBatch", "water.initi
                                                   {"Boundary", "water.boundaries"},
                                                   {"SinkRegion", "water.sinks"}};
 /// Where an input of "it" gets its values from.
-const std::map<std::string, std::string> kSources{
-    {"ParticleBatch", "block.particles"}, {"TriangleMesh", "board.surface"}, {"Particles", "water.fluid"}};
+const std::map<std::string, std::string> kSources{{"ParticleBatch", "block.particles"},
+                                                  {"TriangleMesh", "board.surface"},
+                                                  {"Particles", "water.fluid"},
+                                                  {"RigidBody", "float.body"}};
 
 /// Parameters with which a type has something to do; those that are not named do with their defaults.
 const std::map<std::string, const char*> kParameters{
@@ -83,6 +86,17 @@ const std::map<std::string, const char*> kOwnSamplers{
     {"VortexTracers",
      R"({"type": "BoxSampler", "params": {"min": [0.1, 0.2, 0.1], "max": [0.2, 0.3, 0.2]}})"}};
 
+/// What types need beside the scene: a body that floats.
+constexpr const char* kBody = R"({
+  "nodes": {"float": {"type": "RigidBody", "params": {"density": 500, "position": [0, 0.1, 0], "fixed_rotation": "xyz"}}},
+  "links": ["board.surface -> float.mesh", "water.fluid -> float.fluid"]})";
+constexpr const char* kHeldBody = R"({
+  "nodes": {"float": {"type": "RigidBody", "params": {"density": 500, "position": [0, 0.1, 0], "fixed_rotation": "xyz"}},
+            "contacts": {"type": "BodyContacts"}},
+  "links": ["board.surface -> float.mesh", "water.fluid -> float.fluid", "float.body -> contacts.bodies",
+            "it.joint -> contacts.joints"]})";
+const std::map<std::string, const char*> kMoreNodes{{"BodyContacts", kBody}, {"Joint", kHeldBody}};
+
 /// Modules that take the place of another one; all others stand before "predict".
 const std::map<std::string, std::string> kInPlaceOf{
     {"Pbf", "solver"}, {"Dfsph", "solver"}, {"AcceleratedSolver", "solver"}};
@@ -96,6 +110,23 @@ class Tetrahedra final : public MeshReader {
     mesh.vertices = {{0.02f, 0.2f, 0.02f}, {0.06f, 0.2f, 0.02f}, {0.02f, 0.26f, 0.02f}, {0.02f, 0.2f, 0.06f}};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     return mesh;
+  }
+};
+
+/// Holds bodies back, whatever they touch.
+class Brake final : public BodyDynamics {
+ public:
+  Overlap set(std::vector<HeldBody>, const std::vector<const TriangleMesh*>&,
+              std::vector<HeldJoint>) override {
+    return {};
+  }
+  void step(std::vector<Motion>& motions, const std::vector<JointDrive>&, double dt, double) override {
+    for (Motion& motion : motions) {
+      const Vec3d lost = 0.5 * (motion.after.velocity - motion.before.velocity);
+      motion.held = true;
+      motion.after.velocity += -1.0 * lost;
+      motion.after.center += -dt * lost;
+    }
   }
 };
 
@@ -130,6 +161,8 @@ bool putOutput(const OutputPort& port, const StateWriter& to) {
   // The particles of a fluid are states, and the others do not change.
   return dynamic_cast<const Output<Particles>*>(&port) != nullptr ||
          dynamic_cast<const Output<Boundary>*>(&port) != nullptr ||
+         dynamic_cast<const Output<BodyLink>*>(&port) != nullptr ||
+         dynamic_cast<const Output<JointLink>*>(&port) != nullptr ||
          dynamic_cast<const Output<SinkRegion>*>(&port) != nullptr;
 }
 
@@ -137,6 +170,7 @@ class Resume : public testing::Test {
  protected:
   Resume() {
     registerNodes(registry);
+    registry.addService<BodyDynamics>("brake", [] { return std::make_unique<Brake>(); });
     registry.addService<MeshReader>("tetrahedra", [] { return std::make_unique<Tetrahedra>(); });
     for (const char* name : {"wave_paddle", "dfsph", "vortex_force", "tracers", "my_plugin"})
       plugins_.push_back(
@@ -150,6 +184,12 @@ class Resume : public testing::Test {
     return found == kParameters.end() ? Value::object() : parseJson(found->second, type);
   }
 
+  static void addMore(Value& scene, const char* nodes) {
+    Value more = parseJson(nodes, "more");
+    for (const auto& [name, node] : more["nodes"].asObject()) scene["nodes"][name] = node;
+    for (const Value& link : more["links"].asArray()) scene["links"].push(link);
+  }
+
   /// The scene with a node of that type.
   Value sceneWith(const Node& node, const std::string& type) const {
     Value scene = parseJson(kScene, "test");
@@ -160,9 +200,12 @@ class Resume : public testing::Test {
       scene["links"].push(Value(from + " -> " + to));
     };
     const auto sampler = kOwnSamplers.find(type);
+    if (const auto more = kMoreNodes.find(type); more != kMoreNodes.end()) addMore(scene, more->second);
     if (sampler != kOwnSamplers.end()) scene["nodes"]["sampler"] = parseJson(sampler->second, type);
     for (const InputPort* input : node.inputs())
-      if (const auto from = kSources.find(input->typeName()); from != kSources.end())
+      // A joint's other end is the world.
+      if (const auto from = kSources.find(input->typeName());
+          from != kSources.end() && (type != "Joint" || input->required()))
         link(sampler != kOwnSamplers.end() ? "sampler.particles" : from->second, "it." + input->name());
     for (const OutputPort* output : node.outputs()) {
       const auto to = kReaders.find(output->typeName());

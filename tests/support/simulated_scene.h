@@ -1,6 +1,7 @@
 // A scene with all nodes of the project, from text to a simulation, and what it warned of.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,9 +14,11 @@ namespace weir::test {
 
 class SimulatedScene {
  public:
-  /// `overrides` as for --set: "world.dt=0.01".
-  SimulatedScene(Device& device, const std::string& text, const std::vector<std::string>& overrides = {}) {
+  /// `overrides` as for --set: "world.dt=0.01"; `addMore` adds what plugins would.
+  SimulatedScene(Device& device, const std::string& text, const std::vector<std::string>& overrides = {},
+                 const std::function<void(Registry&)>& addMore = {}) {
     registerNodes(registry_);
+    if (addMore) addMore(registry_);
     std::vector<Override> changes;
     for (const std::string& change : overrides) changes.push_back(parseOverride(change));
     std::vector<std::string> ignored;

@@ -24,22 +24,46 @@ double volumeOf(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) 
   return dot(b - a, cross(c - a, d - a));
 }
 
-bool crosses(const TriangleMesh& mesh, const Vec3d& p, const Vec3d& q) {
+/// Where the segment from p to q meets a triangle.
+struct Crossing {
+  double fraction;
+  Vec3d normal;
+};
+
+std::vector<Crossing> crossings(const TriangleMesh& mesh, const Vec3d& p, const Vec3d& q) {
+  std::vector<Crossing> found;
   for (const Vec3i& t : mesh.triangles) {
     const Vec3d a = toDouble(mesh.vertices[std::size_t(t.x)]), b = toDouble(mesh.vertices[std::size_t(t.y)]),
                 c = toDouble(mesh.vertices[std::size_t(t.z)]);
-    if (volumeOf(p, a, b, c) * volumeOf(q, a, b, c) > 0) continue;
+    const double from = volumeOf(p, a, b, c), to = volumeOf(q, a, b, c);
+    if (from * to > 0) continue;
     const double u = volumeOf(p, q, a, b), v = volumeOf(p, q, b, c), w = volumeOf(p, q, c, a);
-    if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) return true;
+    const Vec3d normal = cross(b - a, c - a);
+    if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))
+      found.push_back({from / (from - to), normal / length(normal)});
   }
-  return false;
+  return found;
 }
 
 struct Case {
   const char* name;
   TriangleMesh mesh;
   SolidKind kind;
+  bool anyHidden = true;
 };
+
+/// A sheet hides what it cuts; a solid what is in front of and behind it, and not what is round a corner of
+/// more than 26°.
+bool hides(const Case& of, const Vec3d& p, const Vec3d& q) {
+  const std::vector<Crossing> met = crossings(of.mesh, p, q);
+  if (of.kind == SolidKind::kSheet) return !met.empty();
+  for (const Crossing& in : met)
+    for (const Crossing& out : met)
+      if (dot(in.normal, q - p) < 0 && dot(out.normal, q - p) > 0 && in.fraction <= out.fraction &&
+          dot(in.normal, out.normal) < -0.9)
+        return true;
+  return false;
+}
 
 std::vector<Case> cases() {
   TriangleMesh room = icosphere(2, 0.09f);
@@ -54,11 +78,13 @@ std::vector<Case> cases() {
           {"sheet", square, SolidKind::kSheet},
           {"shell", icosphere(1, 0.06f), SolidKind::kSheet},
           {"hollow box", bowl, SolidKind::kSolid},
-          {"ball", icosphere(2, 0.05f), SolidKind::kSolid},
-          {"room", room, SolidKind::kContainer}};
+          {"rod", boxMesh({-0.006f, -0.007f, -0.08f}, {0.006f, 0.007f, 0.08f}), SolidKind::kSolid},
+          {"block", boxMesh({-0.05f, -0.05f, -0.05f}, {0.05f, 0.05f, 0.05f}), SolidKind::kSolid, false},
+          {"ball", icosphere(2, 0.05f), SolidKind::kSolid, false},
+          {"room", room, SolidKind::kContainer, false}};
 }
 
-TEST(HiddenNeighbors, AreThosePairsThatTheMeshCuts) {
+TEST(HiddenNeighbors, AreThosePairsThatAThinPartCuts) {
   for (const std::string& name : availableDevices())
     for (const Case& of : cases()) {
       const auto device = openDevice(name);
@@ -97,16 +123,16 @@ TEST(HiddenNeighbors, AreThosePairsThatTheMeshCuts) {
           const Vec3f apart = positions[i] - positions[j];
           if (i == j || dot(apart, apart) >= constants.supportRadius * constants.supportRadius) continue;
           const bool cut =
-              crosses(of.mesh, toDouble(pose.toBody(positions[i])), toDouble(pose.toBody(positions[j])));
+              hides(of, toDouble(pose.toBody(positions[i])), toDouble(pose.toBody(positions[j])));
           ASSERT_EQ(found.count({int(i), int(j)}), cut ? 0u : 1u) << of.name << " " << i << " " << j;
           hidden += cut;
           ++pairs;
         }
-      // In a convex room all see each other.
-      if (of.kind == SolidKind::kContainer)
-        EXPECT_EQ(hidden, 0);
-      else
+      // In a convex room, and round what is thicker than the support, all see each other.
+      if (of.anyHidden)
         EXPECT_GT(hidden, 20) << of.name;
+      else
+        EXPECT_EQ(hidden, 0) << of.name;
       EXPECT_LT(hidden, pairs / 4) << of.name;
     }
 }

@@ -1,0 +1,106 @@
+#include "nodes/body_contacts/body_contacts.h"
+
+#include <fmt/format.h>
+
+#include "framework/graph/guard.h"
+
+namespace weir {
+
+void BodyContacts::configure(const SetupContext& context) {
+  if (context.registry.createServices<BodyDynamics>().empty())
+    throw sceneError(
+        "no plugin that holds bodies is loaded, so they cannot collide", {},
+        "'weir info' lists the plugins; build Weir with Bullet (./dev setup), which brings 'bodies'");
+}
+
+std::unique_ptr<BodyDynamics> BodyContacts::makeDynamics(const SetupContext& context) {
+  auto services = context.registry.createServices<BodyDynamics>();
+  source_ = services.front().source;
+  return std::move(services.front().implementation);
+}
+
+int BodyContacts::numberOf(const RigidBody& body, const Node& joint) const {
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    if (bodies[k].body == &body) return static_cast<int>(k);
+  throw sceneError(
+      fmt::format("the joint '{}' holds '{}', which is not among the bodies", joint.name(), body.name()),
+      fmt::format("the link {}.body -> {}.{}", body.name(), name(), bodies.name()));
+}
+
+HeldBody BodyContacts::heldBody(const SetupContext& context, std::size_t k) const {
+  const RigidBody& body = *bodies[k].body;
+  HeldBody held{.mesh = body.mesh.get(),
+                .mass = body.massOf(),
+                .start = body.state(),
+                .friction = body.wallFriction,
+                .restitution = body.restitution};
+  for (std::size_t i = 0; i < body.walls.size(); ++i)
+    for (const BoundaryPiece& piece : body.walls[i].pieces) {
+      if (piece.isMesh && context.device.kind() != DeviceKind::kCpu)
+        throw sceneError(fmt::format("'{}' is held by a mesh of '{}', which the host cannot ask with CUDA",
+                                     body.name(), body.walls.links()[i]->node().name()),
+                         fmt::format("the mesh linked to {}.{}", name(), solids.name()));
+      held.walls.push_back(piece);
+    }
+  return held;
+}
+
+HeldJoint BodyContacts::heldJoint(std::size_t k) const {
+  const Joint& joint = *joints[k].joint;
+  const int other = joint.other.linked() ? numberOf(*joint.other->body, joint) : -1;
+  return joint.between(numberOf(*joint.body->body, joint), other);
+}
+
+void BodyContacts::checkOverlap(const BodyDynamics::Overlap& overlap) const {
+  if (overlap.a < 0) return;
+  const RigidBody& body = *bodies[std::size_t(overlap.a)].body;
+  const double most = 0.02 * body.radius();
+  if (!(overlap.depth > most)) return;
+  const std::string other =
+      overlap.b < 0 ? "a solid" : "'" + bodies[std::size_t(overlap.b)].body->name() + "'";
+  throw sceneError(fmt::format("'{}' starts {:.3g} m deep within {}", body.name(), overlap.depth, other),
+                   fmt::format("bodies that start apart, or at most {:.1g} m within each other", most),
+                   "change the position of one of them");
+}
+
+void BodyContacts::reset(const SetupContext& context) {
+  dynamics_ = makeDynamics(context);
+  std::vector<HeldBody> held;
+  std::vector<const TriangleMesh*> still;
+  std::vector<HeldJoint> jointed;
+  before_->clear();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    held.push_back(heldBody(context, k));
+    before_->push_back(held.back().start);
+  }
+  for (std::size_t k = 0; k < solids.size(); ++k) still.push_back(&solids[k]);
+  for (std::size_t k = 0; k < joints.size(); ++k) jointed.push_back(heldJoint(k));
+  BodyDynamics::Overlap overlap;
+  callGuarded(
+      source_, [&] { return hookText("", "set", source_); },
+      [&] { overlap = dynamics_->set(std::move(held), still, std::move(jointed)); });
+  checkOverlap(overlap);
+}
+
+void BodyContacts::step(const StepContext& context) {
+  constexpr double kSteps = 2;  // of a fall: what is slower does not bounce
+  std::vector<BodyDynamics::Motion> motions;
+  std::vector<JointDrive> drives;
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    motions.push_back({.before = (*before_)[k], .after = bodies[k].body->state()});
+  for (std::size_t k = 0; k < joints.size(); ++k) drives.push_back(joints[k].joint->drive());
+  callGuarded(
+      source_, [&] { return hookText("", "step", source_); },
+      [&] { dynamics_->step(motions, drives, context.dt, kSteps * context.dt * length(context.gravity)); });
+  held_ = 0;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (motions[k].held) bodies[k].body->place(motions[k].after), ++held_;
+    (*before_)[k] = motions[k].after;
+  }
+}
+
+void BodyContacts::report(NodeReport& report) {
+  report.statistics["held"] = held_;
+}
+
+}  // namespace weir

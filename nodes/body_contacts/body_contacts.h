@@ -1,0 +1,50 @@
+// Lets bodies collide with each other, with walls and with meshes, and holds them by joints.
+//
+// Bodies move on by themselves, as forces lead them; then this node takes them all, and a library (a service,
+// body_dynamics.h) changes the motion of those that touch something. It does so on the host: with CUDA a step
+// waits for the device.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "framework/base/api.h"
+#include "framework/graph/node.h"
+#include "framework/graph/registry.h"
+#include "nodes/body_contacts/body_dynamics.h"
+#include "nodes/body_contacts/joint.h"
+#include "nodes/rigid_body/rigid_body.h"
+
+namespace WEIR_API weir {
+
+class BodyContacts final : public Node {
+ public:
+  static constexpr NodeInfo kInfo{
+      "BodyContacts", "Bodies collide and slide, with each other and with solids, and are held by joints.",
+      "collision, collide, contact, friction, stack, pile, restitution, bounce, constraint"};
+  const NodeInfo& info() const override { return kInfo; }
+
+  Inputs<BodyLink> bodies{*this, "bodies", "The bodies; they keep out of their walls as well.", true};
+  Inputs<TriangleMesh> solids{*this, "solids", "Meshes that do not move, where they stand."};
+  Inputs<JointLink> joints{*this, "joints", "What holds them."};
+
+  void configure(const SetupContext& context) override;
+  void reset(const SetupContext& context) override;
+  void step(const StepContext& context) override;
+  void report(NodeReport& report) override;
+
+ private:
+  int numberOf(const RigidBody& body, const Node& joint) const;
+  HeldBody heldBody(const SetupContext& context, std::size_t k) const;
+  HeldJoint heldJoint(std::size_t k) const;
+  std::unique_ptr<BodyDynamics> makeDynamics(const SetupContext& context);
+  /// Throws a scene Error if bodies start within each other or within solids.
+  void checkOverlap(const BodyDynamics::Overlap& overlap) const;
+
+  State<std::vector<BodyState>> before_{*this, "before"};  // of each body, at the beginning of the step
+  std::unique_ptr<BodyDynamics> dynamics_;
+  std::string source_;
+  std::int64_t held_ = 0;  // bodies, in the last step
+};
+
+}  // namespace weir

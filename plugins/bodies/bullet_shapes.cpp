@@ -1,0 +1,99 @@
+#include "plugins/bodies/bullet_shapes.h"
+
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <vector>
+
+namespace weir {
+
+namespace {
+
+constexpr double kFlat = 1e-5;            // of the size: how far a point may be off a plane
+constexpr double kMargin = 1e-4;          // of the size: Bullet's skin around shapes
+constexpr std::size_t kMaxFeatures = 64;  // vertices of hulls of which whole faces are in contact
+
+std::vector<btVector3> verticesOf(const TriangleMesh& mesh, const btTransform& frame) {
+  std::set<std::tuple<float, float, float>> seen;
+  std::vector<btVector3> vertices;
+  for (const Vec3f& v : mesh.vertices)
+    if (seen.emplace(v.x, v.y, v.z).second) vertices.push_back(frame * btVector3(v.x, v.y, v.z));
+  return vertices;
+}
+
+struct Extent {
+  btVector3 lo, hi;
+  btScalar size() const { return (hi - lo).length(); }
+};
+
+Extent extentOf(const std::vector<btVector3>& vertices) {
+  Extent of{vertices.front(), vertices.front()};
+  for (const btVector3& v : vertices) of.lo.setMin(v), of.hi.setMax(v);
+  return of;
+}
+
+bool isConvex(const TriangleMesh& mesh, double size) {
+  for (const Vec3i& t : mesh.triangles) {
+    const auto at = [&](int k) {
+      const Vec3f& v = mesh.vertices[std::size_t(k)];
+      return btVector3(v.x, v.y, v.z);
+    };
+    const btVector3 a = at(t.x), normal = (at(t.y) - a).cross(at(t.z) - a);
+    if (!(normal.length2() > 0)) continue;
+    const btVector3 n = normal.normalized();
+    for (int k = 0; k < int(mesh.vertices.size()); ++k)
+      if (n.dot(at(k) - a) > kFlat * size) return false;
+  }
+  return true;
+}
+
+std::unique_ptr<btTriangleMesh> trianglesOf(const TriangleMesh& mesh, const btTransform& frame) {
+  auto triangles = std::make_unique<btTriangleMesh>();
+  const auto at = [&](int k) {
+    const Vec3f& v = mesh.vertices[std::size_t(k)];
+    return frame * btVector3(v.x, v.y, v.z);
+  };
+  for (const Vec3i& t : mesh.triangles) triangles->addTriangle(at(t.x), at(t.y), at(t.z));
+  return triangles;
+}
+
+std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices) {
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const btVector3& v : vertices) hull->addPoint(v, false);
+  hull->recalcLocalAabb();
+  if (vertices.size() <= kMaxFeatures) hull->initializePolyhedralFeatures();
+  return hull;
+}
+
+}  // namespace
+
+BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame) {
+  const std::vector<btVector3> vertices = verticesOf(mesh, frame);
+  const Extent of = extentOf(vertices);
+  BulletShape made;
+  if (isConvex(mesh, of.size())) {
+    made.shape = hullOf(vertices);
+  } else {
+    made.triangles = trianglesOf(mesh, frame);
+    auto shape = std::make_unique<btGImpactMeshShape>(made.triangles.get());
+    shape->setMargin(kMargin * of.size());
+    shape->updateBound();
+    made.shape = std::move(shape);
+  }
+  made.shape->setMargin(kMargin * of.size());
+  return made;
+}
+
+BulletShape shapeOfSolid(const TriangleMesh& mesh) {
+  const double size = double(length(mesh.bounds().size()));
+  if (isConvex(mesh, size)) return shapeOfBody(mesh, btTransform::getIdentity());
+  BulletShape made;
+  made.triangles = trianglesOf(mesh, btTransform::getIdentity());
+  made.shape = std::make_unique<btBvhTriangleMeshShape>(made.triangles.get(), true);
+  made.shape->setMargin(kMargin * size);
+  return made;
+}
+
+}  // namespace weir

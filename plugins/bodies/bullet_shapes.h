@@ -1,0 +1,32 @@
+// Bullet's shapes for meshes.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+
+#include "framework/base/vec.h"
+#include "framework/geometry/triangle_mesh.h"
+
+namespace weir {
+
+inline btVector3 toBullet(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+inline Vec3d fromBullet(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// With the triangles that it refers to.
+struct BulletShape {
+  std::unique_ptr<btTriangleMesh> triangles;
+  std::unique_ptr<btCollisionShape> shape;
+};
+
+/// Of a body: a convex hull, or else the triangles themselves. `frame` takes points of the mesh to
+/// points of the shape.
+BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame);
+/// Of a solid that does not move.
+BulletShape shapeOfSolid(const TriangleMesh& mesh);
+
+}  // namespace weir

@@ -1,0 +1,410 @@
+// Contacts and joints of bodies without a fluid, against closed forms.
+#include "plugins/bodies/bullet_dynamics.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <numeric>
+
+#include "framework/run/resume_check.h"
+#include "nodes/body_contacts/body_contacts.h"
+#include "nodes/rigid_body/rigid_body.h"
+#include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir::test {
+namespace {
+
+constexpr double kGravity = 10, kDt = 0.002;
+
+void addBullet(Registry& registry) {
+  registry.addService<BodyDynamics>("bullet", [] { return makeBulletDynamics(); });
+}
+
+/// Boxes with BodyContacts, above a floor if it is given.
+struct Boxes {
+  double gravity = kGravity, dt = kDt;
+  std::string floor = R"("shape": "plane")";
+  std::string nodes, links;
+  int count = 0;
+
+  /// Of those half sides.
+  void add(const Vec3d& half, const std::string& params) {
+    nodes += fmt::format(
+        R"("mesh{0}": {{"type": "BoxMesh", "params": {{"min": [{1}, {2}, {3}], "max": [{4}, {5}, {6}]}}}},
+           "b{0}": {{"type": "RigidBody", "params": {{{7}}}}}, )",
+        count, -half.x, -half.y, -half.z, half.x, half.y, half.z, params);
+    links += fmt::format(R"("mesh{0}.surface -> b{0}.mesh", "b{0}.body -> contacts.bodies", )", count);
+    if (!floor.empty()) links += fmt::format(R"("floor.boundary -> b{}.walls", )", count);
+    ++count;
+  }
+  void join(const std::string& params, const std::string& other = "") {
+    nodes += fmt::format(R"("joint": {{"type": "Joint", "params": {{{}}}}}, )", params);
+    links += R"("b0.body -> joint.body", "joint.joint -> contacts.joints", )";
+    if (!other.empty()) links += fmt::format(R"("{}.body -> joint.other", )", other);
+  }
+  std::string text() const {
+    const std::string ground =
+        floor.empty() ? ""
+                      : fmt::format(R"("floor": {{"type": "StaticBoundary", "params": {{{}}}}}, )", floor);
+    std::string all = links.substr(0, links.rfind(','));
+    return fmt::format(
+        R"({{"weir": 1, "world": {{"gravity": [0, {}, 0], "dt": {}, "frame_rate": 20, "duration": 20}},
+                          "nodes": {{{}{}"contacts": {{"type": "BodyContacts"}}}}, "links": [{}]}})",
+        -gravity, dt, ground, nodes, all);
+  }
+};
+
+struct Trial {
+  explicit Trial(const Boxes& boxes, int threads = 1, const std::string& device = "cpu")
+      : device_(openDevice(device, threads)), scene(*device_, boxes.text(), {}, addBullet) {
+    scene->reset();
+  }
+  BodyState state(int k = 0) { return body(k).state(); }
+  const RigidBody& body(int k = 0) { return scene.node<RigidBody>(fmt::format("b{}", k).c_str()); }
+  Twist motion(int k = 0) { return twistOf(body(k).massOf(), state(k)); }
+  void advance(int frames) {
+    const std::atomic<bool> stop = false;
+    for (int k = 0; k < frames; ++k) scene->advanceFrame(stop);
+  }
+
+ private:
+  std::unique_ptr<Device> device_;
+
+ public:
+  SimulatedScene scene;
+};
+
+Boxes stack(int count) {
+  Boxes boxes;
+  for (int k = 0; k < count; ++k)
+    boxes.add({0.05, 0.05, 0.05}, fmt::format(R"("density": 500, "wall_friction": 0.5, "restitution": 0,
+                                                "position": [{}, {}, 0])",
+                                              k % 2 == 0 ? 0.005 : -0.005, 0.0501 + 0.1001 * k));
+  return boxes;
+}
+
+TEST(BulletDynamics, AStackOfBoxesStands) {
+  constexpr int kCount = 10;
+  Trial run(stack(kCount));
+  run.advance(200);
+  double fastest = 0, off = 0, deepest = 0;
+  for (int k = 0; k < kCount; ++k) {
+    fastest = std::max(fastest, length(run.state(k).velocity));
+    off = std::max(off, std::abs(run.state(k).center.x - (k % 2 == 0 ? 0.005 : -0.005)));
+    deepest = std::max(deepest, std::abs(run.state(k).center.y - (0.05 + 0.1 * k)));
+  }
+  std::printf("stack after 10 s: %.2g m/s, %.2g m aside, %.2g m off its height\n", fastest, off, deepest);
+  EXPECT_LT(fastest, 2e-3);
+  EXPECT_LT(off, 3e-3);
+  EXPECT_LT(deepest, 1e-4);
+}
+
+/// How far a box slides in a second on a slope of that tangent, m; gravity stands upright to it.
+double slideOn(double tangent, double friction, bool onBox) {
+  const double angle = std::atan(tangent) * 180 / std::numbers::pi;
+  Boxes boxes;
+  boxes.floor = fmt::format(R"("shape": "plane", "normal": [{}, {}, 0])", std::sin(std::atan(tangent)),
+                            std::cos(std::atan(tangent)));
+  const auto above = [&](double height) {
+    return fmt::format("[{}, {}, 0]", height * std::sin(std::atan(tangent)),
+                       height * std::cos(std::atan(tangent)));
+  };
+  if (onBox)
+    boxes.add({0.5, 0.05, 0.5},
+              fmt::format(R"("density": 1000, "restitution": 0, "wall_friction": {}, "fixed": "xyz",
+        "fixed_rotation": "xyz", "rotation": [0, 0, {}], "position": {})",
+                          friction, -angle, above(0.05)));
+  boxes.add({0.1, 0.03, 0.1}, fmt::format(R"("density": 500, "restitution": 0, "wall_friction": {},
+        "rotation": [0, 0, {}], "position": {})",
+                                          friction, -angle, above(onBox ? 0.13 : 0.03)));
+  Trial run(boxes);
+  const int k = onBox ? 1 : 0;
+  const Vec3d from = run.state(k).center;
+  run.advance(20);
+  return length(run.state(k).center - from);
+}
+
+/// Sliding from rest, ½·g·(sin α − μ·cos α) in a second.
+TEST(BulletDynamics, SlidingBeginsAtTheFrictionsAngle) {
+  for (const bool onBox : {false, true})
+    for (const double friction : {0.2, 0.5}) {
+      const double below = slideOn(0.99 * friction, friction, onBox);
+      const double tangent = 1.2 * friction, angle = std::atan(tangent);
+      const double above = slideOn(tangent, friction, onBox),
+                   atOnce = slideOn(1.01 * friction, friction, onBox);
+      const auto expected = [&](double of) {
+        return 0.5 * kGravity * (std::sin(std::atan(of)) - friction * std::cos(std::atan(of)));
+      };
+      std::printf("mu %g: %.2g m below, %.4f of %.4f m just above, %.4f of %.4f m above\n", friction, below,
+                  atOnce, expected(1.01 * friction), above, expected(tangent));
+      EXPECT_LT(below, 1e-3);
+      EXPECT_NEAR(atOnce, expected(1.01 * friction), 0.002);
+      EXPECT_NEAR(above / expected(tangent), 1, 0.03) << angle;
+    }
+}
+
+TEST(BulletDynamics, ACollisionKeepsMomentumAndRestitution) {
+  for (const double restitution : {0.0, 0.5, 1.0}) {
+    Boxes boxes{.gravity = 0, .floor = ""};
+    const std::string material = fmt::format(R"("restitution": {}, "wall_friction": 0.3)", restitution);
+    boxes.add({0.05, 0.05, 0.05},
+              R"("mass": 2, "velocity": [1.5, 0, 0], "position": [-0.2, 0, 0], )" + material);
+    boxes.add({0.05, 0.05, 0.05},
+              R"("mass": 3, "velocity": [-0.5, 0, 0], "position": [0.2, 0, 0], )" + material);
+    Trial run(boxes);
+    run.advance(10);
+    const Vec3d one = run.state(0).velocity, two = run.state(1).velocity;
+    EXPECT_NEAR(2 * one.x + 3 * two.x, 1.5, 1e-9) << restitution;
+    EXPECT_NEAR(two.x - one.x, 2 * restitution, 0.02) << restitution;
+  }
+}
+
+/// Off centre, turned: momentum and angular momentum are kept, with friction.
+TEST(BulletDynamics, ASkewCollisionKeepsAngularMomentum) {
+  Boxes boxes{.gravity = 0, .floor = ""};
+  boxes.add({0.05, 0.08, 0.04}, R"("mass": 2, "velocity": [1.5, 0.2, 0], "position": [-0.2, 0.03, 0.02],
+      "rotation": [10, 20, 30], "wall_friction": 0.4)");
+  boxes.add({0.03, 0.05, 0.05}, R"("mass": 3, "velocity": [-0.5, 0, 0], "angular_velocity": [1, 2, 3],
+      "position": [0.2, 0, 0], "wall_friction": 0.4)");
+  Trial run(boxes);
+  const auto momentum = [&] {
+    SolidImpulse sum;
+    for (int k = 0; k < 2; ++k) {
+      const Vec3d p = run.body(k).massOf().mass * run.state(k).velocity;
+      sum += {p, cross(run.state(k).center, p) + run.state(k).spin};
+    }
+    return sum;
+  };
+  const SolidImpulse before = momentum();
+  const Vec3d velocity = run.state(0).velocity;
+  run.advance(10);
+  EXPECT_GT(length(run.state(0).velocity - velocity), 0.5);
+  EXPECT_NEAR(length(momentum().linear - before.linear), 0, 1e-9);
+  EXPECT_NEAR(length(momentum().angular - before.angular), 0, 2e-3);
+}
+
+TEST(BulletDynamics, ABallOfGroundBouncesToTheSquareOfItsRestitution) {
+  Boxes boxes;
+  boxes.add({0.05, 0.05, 0.05}, R"("density": 500, "restitution": 0.8, "position": [0, 0.55, 0])");
+  Trial run(boxes);
+  double highest = 0;
+  bool hit = false;
+  const std::atomic<bool> stop = false;
+  double last = 0;
+  for (int frame = 0; frame < 14; ++frame)
+    run.scene->advanceFrame(stop, [&] {
+      const BodyState now = run.state();
+      hit = hit || now.velocity.y > 1;
+      if (hit && last >= 0) highest = std::max(highest, now.center.y - 0.05);
+      if (hit && now.velocity.y < 0) last = -1;
+    });
+  std::printf("bounced to %.4f m of %.4f m\n", highest, 0.64 * 0.5);
+  EXPECT_NEAR(highest, 0.64 * 0.5, 0.03 * 0.5);
+}
+
+/// T = 2π·√(I/(m·g·l)) at small angles, I about the hinge.
+TEST(BulletDynamics, APendulumHasItsPeriod) {
+  Boxes boxes{.floor = ""};
+  boxes.add({0.02, 0.1, 0.03}, R"("density": 500, "position": [0.03, -0.5, 0])");
+  boxes.join(R"("kind": "hinge", "anchor": [0, 0, 0], "axis": [0, 0, 1])");
+  Trial run(boxes);
+  std::vector<double> crossings;
+  double last = 0.03, time = 0;
+  const std::atomic<bool> stop = false;
+  for (int frame = 0; frame < 160; ++frame)
+    run.scene->advanceFrame(stop, [&] {
+      time += kDt;
+      const double x = run.state().center.x;
+      if (last > 0 && x <= 0) crossings.push_back(time - kDt * x / (x - last));
+      last = x;
+    });
+  ASSERT_GE(crossings.size(), 4u);
+  const double l = std::hypot(0.03, 0.5);
+  const double amplitude = std::atan2(0.03, 0.5), inertia = (0.04 * 0.04 + 0.2 * 0.2) / 12 + l * l;
+  const double expected =
+      2 * std::numbers::pi * std::sqrt(inertia / (kGravity * l)) * (1 + amplitude * amplitude / 16);
+  const double period = (crossings.back() - crossings.front()) / double(crossings.size() - 1);
+  std::printf("period %.5f of %.5f s\n", period, expected);
+  EXPECT_NEAR(period / expected, 1, 0.005);
+  EXPECT_NEAR(length(run.state().center), l, 1e-4);
+}
+
+TEST(BulletDynamics, AMotorTurnsAHinge) {
+  Boxes boxes{.floor = ""};
+  boxes.add({0.1, 0.02, 0.1}, R"("density": 500)");
+  boxes.join(R"("axis": [0, 1, 0], "motor": true, "speed": 3, "max_effort": 5)");
+  Trial run(boxes);
+  run.advance(10);
+  EXPECT_NEAR(run.motion().angular.y, 3, 1e-3);
+  EXPECT_NEAR(length(run.state().center), 0, 1e-4);
+}
+
+/// Angular acceleration torque/inertia.
+TEST(BulletDynamics, AnEffortTurnsAHinge) {
+  Boxes boxes{.floor = ""};
+  boxes.add({0.1, 0.02, 0.1}, R"("mass": 3)");
+  boxes.join(R"("axis": [0, 1, 0], "effort": 0.1)");
+  Trial run(boxes);
+  run.advance(10);
+  EXPECT_NEAR(run.motion().angular.y, 0.5 * 0.1 / (3 * (0.2 * 0.2 + 0.2 * 0.2) / 12), 1e-3);
+}
+
+TEST(BulletDynamics, ASliderFallsAlongItsAxisAlone) {
+  Boxes boxes{.floor = ""};
+  boxes.add({0.1, 0.02, 0.1}, R"("mass": 3)");
+  boxes.join(R"("kind": "slider", "axis": [1, -1, 0])");
+  Trial run(boxes);
+  run.advance(10);
+  const double way = 0.5 * kGravity * std::sqrt(0.5) * 0.25;
+  const BodyState now = run.state();
+  EXPECT_NEAR(now.center.x, way * std::sqrt(0.5), 0.01 * way);
+  EXPECT_NEAR(now.center.y, -now.center.x, 1e-3);
+  EXPECT_NEAR(length(run.motion().angular), 0, 1e-6);
+}
+
+TEST(BulletDynamics, AFixedJointHoldsTwoBodiesTogether) {
+  Boxes boxes{.gravity = 0, .floor = ""};
+  boxes.add({0.05, 0.05, 0.05}, R"("mass": 1, "position": [-0.06, 0, 0], "velocity": [0, 1, 0])");
+  boxes.add({0.05, 0.05, 0.05}, R"("mass": 1, "position": [0.06, 0, 0], "velocity": [0, -1, 0])");
+  boxes.join(R"("kind": "fixed")", "b1");
+  Trial run(boxes);
+  run.advance(20);
+  EXPECT_NEAR(length(run.state(0).center - run.state(1).center), 0.12, 1e-3);
+  EXPECT_NEAR(length(run.motion(0).angular - run.motion(1).angular), 0, 1e-3);
+  EXPECT_LT(run.motion(0).angular.z, -5);
+}
+
+/// 2π·√(m/k).
+TEST(BulletDynamics, ASpringHasItsPeriod) {
+  Boxes boxes{.gravity = 0, .floor = ""};
+  boxes.add({0.05, 0.05, 0.05}, R"("mass": 2, "position": [0.25, 0, 0])");
+  boxes.join(
+      R"("kind": "spring", "anchor": [0.25, 0, 0], "other_anchor": [0, 0, 0], "length": 0.2, "stiffness": 50)");
+  Trial run(boxes);
+  const double period = 2 * std::numbers::pi * std::sqrt(2.0 / 50);
+  double last = 0.05, time = 0;
+  std::vector<double> crossings;
+  const std::atomic<bool> stop = false;
+  for (int frame = 0; frame < 60; ++frame)
+    run.scene->advanceFrame(stop, [&] {
+      time += kDt;
+      const double x = run.state().center.x - 0.2;
+      if (last > 0 && x <= 0) crossings.push_back(time - kDt * x / (x - last));
+      last = x;
+    });
+  ASSERT_GE(crossings.size(), 2u);
+  EXPECT_NEAR((crossings.back() - crossings.front()) / double(crossings.size() - 1), period, 0.005 * period);
+}
+
+/// A block, and two beside each other, which are not convex together.
+TEST(BulletDynamics, MeshesThatDoNotMoveHoldBodies) {
+  for (const bool convex : {true, false}) {
+    Boxes boxes{.floor = ""};
+    boxes.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0], "restitution": 0)");
+    boxes.nodes +=
+        convex ? R"("ground": {"type": "BoxMesh", "params": {"min": [-1, -0.3, -1], "max": [1, 0, 1]}}, )"
+               : R"("ground": {"type": "TurningModel", "params": {"segments": 16, "position": [0.1, 0, 0],
+                            "profile": [[0, -0.3], [1, -0.3], [1, 0.2], [0.8, 0.2], [0.8, 0], [0, 0]]}}, )";
+    boxes.links += R"("ground.surface -> contacts.solids", )";
+    Trial run(boxes);
+    run.advance(40);
+    std::printf("at rest on a mesh: %.2g m/s, %.2g m off\n", length(run.state().velocity),
+                run.state().center.y - 0.05);
+    EXPECT_NEAR(run.state().center.y, 0.05, 5e-4);
+    EXPECT_LT(length(run.state().velocity), convex ? 1e-3 : 1e-2);
+  }
+}
+
+TEST(BulletDynamics, TheSameBitsForAnyNumberOfThreadsAndOnResume) {
+  Boxes boxes = stack(3);
+  boxes.add({0.04, 0.03, 0.05}, R"("density": 700, "rotation": [10, 20, 30], "position": [0.03, 0.5, 0.01])");
+  Trial one(boxes, 1), four(boxes, 4);
+  one.advance(10);
+  four.advance(10);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(one.state(k).center, four.state(k).center);
+    EXPECT_EQ(one.state(k).rotation, four.state(k).rotation);
+    EXPECT_EQ(one.state(k).velocity, four.state(k).velocity);
+  }
+  const auto device = openDevice("cpu", 2);
+  Log log;
+  Registry registry;
+  registerNodes(registry);
+  addBullet(registry);
+  const auto make = [&] {
+    std::vector<std::string> ignored;
+    auto built = buildScene(parseJson(boxes.text(), "test"), {"test", "", "/"}, registry, {}, ignored);
+    return std::make_unique<Simulation>(std::move(built), *device, log, registry);
+  };
+  EXPECT_EQ(resumeDifferences(make, {.savedAt = 8, .comparedFor = 4}), std::vector<std::string>{});
+}
+
+/// A light box on water, and one that falls onto it and slides off.
+std::string bathed() {
+  return R"({"weir": 1, "world": {"gravity": [0, -9.8, 0], "dt": 0.004, "frame_rate": 25, "duration": 5},
+    "nodes": {
+      "block": {"type": "BoxSampler", "params": {"min": [-0.1, 0, -0.1], "max": [0.1, 0.12, 0.1]}},
+      "tank": {"type": "StaticBoundary",
+               "params": {"shape": "box", "inverted": true, "min": [-0.1, 0, -0.1], "max": [0.1, 2, 0.1]}},
+      "mesh": {"type": "BoxMesh", "params": {"min": [-0.05, -0.03, -0.05], "max": [0.05, 0.03, 0.05]}},
+      "b0": {"type": "RigidBody", "params": {"density": 300, "position": [0, 0.16, 0]}},
+      "b1": {"type": "RigidBody", "params": {"density": 300, "position": [0.01, 0.26, 0], "rotation": [5, 10, 0]}},
+      "contacts": {"type": "BodyContacts"},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 20}}},
+    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+              "mesh.surface -> b0.mesh", "mesh.surface -> b1.mesh", "water.fluid -> b0.fluid",
+              "water.fluid -> b1.fluid", "tank.boundary -> b0.walls", "tank.boundary -> b1.walls",
+              "b0.body -> contacts.bodies", "b1.body -> contacts.bodies"]})";
+}
+
+TEST(BulletDynamics, BoxesInWaterStayApartWithTheSameBitsForAnyNumberOfThreads) {
+  const auto one = openDevice("cpu", 1), three = openDevice("cpu", 3);
+  SimulatedScene first(*one, bathed(), {}, addBullet), second(*three, bathed(), {}, addBullet);
+  const std::atomic<bool> stop = false;
+  for (SimulatedScene* scene : {&first, &second}) {
+    (*scene)->reset();
+    for (int k = 0; k < 20; ++k) (*scene)->advanceFrame(stop);
+  }
+  const BodyState below = first.node<RigidBody>("b0").state(), above = first.node<RigidBody>("b1").state();
+  EXPECT_EQ(above.center, second.node<RigidBody>("b1").state().center);
+  EXPECT_EQ(above.velocity, second.node<RigidBody>("b1").state().velocity);
+  std::printf("boxes at %.4f and %.4f m\n", above.center.y, below.center.y);
+  EXPECT_GT(length(above.center - below.center), 0.055);
+  EXPECT_LT(above.center.y, 0.25);
+  EXPECT_GT(below.center.y, 0.05);
+}
+
+TEST(BulletDynamics, RefusesBadInput) {
+  const auto refusalOf = [](const Boxes& boxes) {
+    return std::string(errorOf([&] { Trial run(boxes); }).what());
+  };
+  Boxes within;
+  within.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  within.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0.05, 0.1, 0])");
+  EXPECT_CONTAINS(refusalOf(within), "m deep within 'b");
+  Boxes still;
+  still.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  still.nodes += R"("ground": {"type": "BoxMesh", "params": {"min": [-1, -0.3, -1], "max": [1, 0.07, 1]}}, )";
+  still.links += R"("ground.surface -> contacts.solids", )";
+  EXPECT_CONTAINS(refusalOf(still), "'b0' starts 0.02 m deep within a solid");
+  Boxes lonely;
+  lonely.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  lonely.join(R"("axis": [0, 0, 0])");
+  EXPECT_CONTAINS(refusalOf(lonely), "the axis has no length");
+  Boxes stranger;
+  stranger.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  stranger.join(R"("kind": "fixed")");
+  const std::string link = R"("b0.body -> contacts.bodies", )";
+  stranger.links.erase(stranger.links.find(link), link.size());
+  stranger.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [1, 0.1, 0])");
+  EXPECT_CONTAINS(refusalOf(stranger), "the joint 'joint' holds 'b0', which is not among the bodies");
+}
+
+}  // namespace
+}  // namespace weir::test
