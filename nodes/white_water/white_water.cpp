@@ -8,6 +8,7 @@
 #include "framework/compute/profiler.h"
 #include "framework/graph/memory_estimate.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/white_water/white_particles.h"
 
 namespace weir {
 
@@ -97,6 +98,14 @@ void WhiteWater::step(const StepContext& context) {
 
 void WhiteWater::frame(const StepContext&) {
   grid_->fit(*fluid);
+}
+
+WhiteParticles WhiteWater::elements() {
+  return {.positions = set_->positions().write(),
+          .velocities = set_->velocities().write(),
+          .kinds = kind_.write(),
+          .ages = age_.write(),
+          .lifetimes = left_.write()};
 }
 
 void WhiteWater::limitReached(Log& log) {

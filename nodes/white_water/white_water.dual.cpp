@@ -122,14 +122,6 @@ struct AddCounts {
 
 }  // namespace
 
-WhiteParticles WhiteWater::elements() {
-  return {.positions = set_->positions().write(),
-          .velocities = set_->velocities().write(),
-          .kinds = kind_.write(),
-          .ages = age_.write(),
-          .lifetimes = left_.write()};
-}
-
 template <class Backend>
 void WhiteWater::stepOn(Backend& device, const StepContext& context) {
   grid_->sort(device, *fluid);
