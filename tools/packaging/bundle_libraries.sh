@@ -1,6 +1,6 @@
 #!/bin/sh
 # Copies all shared libraries that an installation needs and that a bare system may lack into its lib/weir/bundled,
-# and their licences into share/doc/weir/bundled.
+# and their licences into share/doc/weir/bundled. The plugin of MPI is taken out.
 #
 # usage: bundle_libraries.sh PREFIX
 set -eu
@@ -32,6 +32,8 @@ copy_licence() { # of the Debian package that a library belongs to
 }
 
 mkdir -p "$bundled" "$licences"
+# An MPI works with the launcher of its own cluster only, so what needs it is built there.
+rm -f "$tree/lib/weir/plugins/weir_mpi.so"
 # ldd names what those libraries need in turn, too.
 find "$tree" -type f \( -name '*.so' -o -perm -u+x \) | while read -r file; do
   ldd "$file" | while read -r library arrow path rest; do
