@@ -19,17 +19,20 @@ mkdir -p "$build/coverage"
 objects=
 for corpus in "$here"/corpus/*; do
   target=$(basename "$corpus")
+  if [ ! -x "$build/bin/weir_fuzz_$target" ]; then
+    echo "left out, as it was not built: $target"
+    continue
+  fi
   set -- "$corpus"
   if [ -n "$more" ] && [ -d "$more/$target" ]; then set -- "$@" "$more/$target"; fi
-  # libFuzzer merges in processes of its own: only what the inputs reach is wanted here, so none are generated.
   LLVM_PROFILE_FILE="$build/coverage/$target.profraw" "$build/bin/weir_fuzz_$target" -runs=0 -max_len=65536 \
     -detect_leaks=0 "$@" >"$build/coverage/$target.log" 2>&1 || { cat "$build/coverage/$target.log"; exit 1; }
-  objects="$objects -object $build/bin/weir_fuzz_$target"
+  objects="$objects ${objects:+-object }$build/bin/weir_fuzz_$target"
 done
 "llvm-profdata$llvm" merge -o "$build/coverage/all.profdata" "$build"/coverage/*.profraw
 # shellcheck disable=SC2086  # lists of words
-"llvm-cov$llvm" export -summary-only -instr-profile "$build/coverage/all.profdata" $objects \
-  "$root/framework/scene" "$root/framework/base/text_encoding.cpp" "$root/framework/geometry/ply_header.cpp" \
+"llvm-cov$llvm" export -summary-only -instr-profile "$build/coverage/all.profdata" $objects -sources \
+  "$root/framework/scene" "$root/framework/geometry/ply_header.cpp" \
   "$root/nodes/particle_file" "$root/nodes/mesh_file" "$root/plugins/vtkhdf" "$root/apps/studio" \
   >"$build/coverage/summary.json"
 python3 - "$build/coverage/summary.json" "$root" <<'PYTHON'
