@@ -43,7 +43,7 @@ class WhiteWater final : public Node {
  public:
   static constexpr NodeInfo kInfo{
       "WhiteWater", "Spray, foam and bubbles of a fluid, as particles of their own.",
-      "whitewater, foam, spray, bubbles, splash, droplets, mist, air, surf, wave, secondary"};
+      "whitewater, foam, spray, bubbles, splash, mist, air, surf, wave, secondary"};
   const NodeInfo& info() const override { return kInfo; }
 
   Param<float> trappedAir{
