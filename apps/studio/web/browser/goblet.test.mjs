@@ -225,6 +225,7 @@ step("a mesh that is dropped is asked about, and is linked as an obstacle", asyn
   await drop(".viewport", "rock.obj", kCorner);
   await page.getByRole("dialog", { name: "What shall it be?" }).getByRole("button", { name: "Obstacle" }).click();
   await page.getByLabel("Name", { exact: true }).and(page.locator('[value="rock_obstacle"]')).waitFor();
+  await hands.pressInGraph("f");  // links are drawn where they can be seen
   for (const link of ["rock.surface -> rock_obstacle.meshes", "rock_obstacle.boundary -> water.boundaries"]) await hands.edge(link).waitFor({ state: "attached" });
   await hands.pressInGraph("Control+z");
   await hands.node("rock_obstacle").waitFor({ state: "detached" });
