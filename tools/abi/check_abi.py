@@ -6,14 +6,14 @@ usage: check_abi.py [--update] BUILD BASELINE
 Of what lib/libweir_framework.so and lib/libweir_nodes.so in BUILD export, functions and variables count that public headers
 declare (include/weir and what it includes), with all types that they lead to. These are read from the debug information of
 interface/libweir_framework_interface.so and the like (tools/abi/CMakeLists.txt). BASELINE is a folder: an abixml file of
-each library, and `version`, the version of the interface that it stands for. A change that is no mere addition fails,
+each library (packed by xz: they are megabytes of text), and `version`, the version of the interface that it stands for. A change that is no mere addition fails,
 unless WEIR_INTERFACE_VERSION in CMakeLists.txt has a greater first number than the baseline; --update then writes the
 baseline anew. Needs abidw and abidiff (Debian: abigail-tools).
 """
 
 import argparse
+import lzma
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -137,17 +137,21 @@ def differences(before, after):
     return done.stdout if done.returncode & DIFFERS else None
 
 
-def stored_description(baseline, library):
-    file = baseline / f"{library}.abi"
-    if not file.exists():
-        raise Failure(f"there is no {file}: ./dev check-abi --update writes it")
+def stored_description(baseline, library, folder):
+    packed, file = baseline / f"{library}.abi.xz", folder / f"{library}_before.abi"
+    if not packed.exists():
+        raise Failure(f"there is no {packed}: ./dev check-abi --update writes it")
+    try:
+        file.write_bytes(lzma.decompress(packed.read_bytes()))
+    except lzma.LZMAError as error:
+        raise Failure(f"{packed} is damaged: {error}") from error
     return file
 
 
 def write_baseline(baseline, version, described):
     baseline.mkdir(parents=True, exist_ok=True)
     for library, file in described.items():
-        shutil.copyfile(file, baseline / f"{library}.abi")
+        (baseline / f"{library}.abi.xz").write_bytes(lzma.compress(file.read_bytes()))
     (baseline / "version").write_text("{}.{}\n".format(*version))
 
 
@@ -165,7 +169,7 @@ def check(build, baseline, update):
                      described[library])
             print(f"libweir_{library}.so: {len(symbols)} symbols of public headers")
             if before is not None:
-                changed[library] = differences(stored_description(baseline, library), described[library])
+                changed[library] = differences(stored_description(baseline, library, folder), described[library])
         broken = "".join(f"\nlibweir_{library}.so:\n{text}" for library, text in changed.items() if text)
         if broken and version[0] <= before[0]:
             raise Failure(f"{broken}\nPlugins of interface {before[0]}.{before[1]} would break by what stands above. Take it back, or "
