@@ -16,13 +16,17 @@ constexpr std::uint64_t hashOf(std::string_view text) {
   return h;
 }
 
-/// A number in [-1, 1), by SplitMix64.
-WEIR_HD inline double noise(std::uint64_t seed, std::uint64_t index) {
+/// The index-th number of SplitMix64 from this seed, counted from 0: any 64 bits.
+WEIR_HD inline std::uint64_t splitMix64(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t x = seed + (index + 1) * 0x9E3779B97F4A7C15ull;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  x ^= x >> 31;
-  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+  return x ^ (x >> 31);
+}
+
+/// A number in [-1, 1), by SplitMix64.
+WEIR_HD inline double noise(std::uint64_t seed, std::uint64_t index) {
+  return static_cast<double>(splitMix64(seed, index) >> 11) * 0x1p-52 - 1;
 }
 
 }  // namespace weir

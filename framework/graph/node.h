@@ -139,4 +139,11 @@ class Node : public Configurable, public Stateful {
 std::uint64_t randomSeed(const Node& node, const SetupContext& context,
                          const std::optional<std::int64_t>& own);
 
+/// What a node's parameter `seed` for randomSeed() says of itself.
+inline constexpr ParamSpec kSeedSpec{
+    .min = 0,
+    .doc =
+        "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its place "
+        "among nodes of that type decide."};
+
 }  // namespace weir

@@ -42,13 +42,7 @@ class Emitter : public Node, public OnRanks {
                        .max = 0.5,
                        .doc = "Moves each particle at random by up to this share of the spacing along each "
                               "axis."}};
-  Param<std::optional<std::int64_t>> seed{
-      *this,
-      "seed",
-      std::nullopt,
-      {.min = 0,
-       .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
-              "place among nodes of that type decide."}};
+  Param<std::optional<std::int64_t>> seed{*this, "seed", std::nullopt, kSeedSpec};
 
   Output<ParticleBatch> particles{*this, "particles", "The particles born in this step."};
 

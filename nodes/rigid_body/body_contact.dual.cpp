@@ -2,7 +2,7 @@
 
 #include "framework/compute/compact_once.h"
 #include "framework/compute/reductions.h"
-#include "nodes/particle_fluid/modules/viscous_walls.h"
+#include "nodes/static_boundary/boundary.h"
 
 namespace weir {
 

@@ -37,13 +37,7 @@ class Sampler : public Node, public OnRanks {
       "arrangement",
       std::nullopt,
       {.doc = "If it is left out: relaxed for fluids with the calibration `packing`, else lattice."}};
-  Param<std::optional<std::int64_t>> seed{
-      *this,
-      "seed",
-      std::nullopt,
-      {.min = 0,
-       .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
-              "place among nodes of that type decide."}};
+  Param<std::optional<std::int64_t>> seed{*this, "seed", std::nullopt, kSeedSpec};
   Param<StartPressure> pressure;
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};

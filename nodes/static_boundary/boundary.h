@@ -67,6 +67,26 @@ WEIR_HD inline BoundaryHit boundaryQuery(const BoundaryView& boundary, const Vec
   return hit;
 }
 
+/// Calls f(distance, normal) for the walls of a piece near p: the nearest point of a solid, or the faces of a
+/// container.
+template <class F>
+WEIR_HD void forEachWall(const BoundaryPiece& piece, const Vec3f& p, const F& f) {
+  const Shape& shape = piece.shape;
+  if (piece.isMesh || shape.kind != ShapeKind::kBox || !shape.inverted) {
+    const SignedDistance at = piece.query(p);
+    return f(at.distance, at.normal);
+  }
+  const Vec3f local = rotate(conjugate(shape.rotation), p - shape.position), half = shape.halfSize;
+  const auto faces = [&](float x, float h, const Vec3f& axis) {
+    const Vec3f normal = rotate(shape.rotation, axis);
+    f(h - x, -normal);
+    f(h + x, normal);
+  };
+  faces(local.x, half.x, {1, 0, 0});
+  faces(local.y, half.y, {0, 1, 0});
+  faces(local.z, half.z, {0, 0, 1});
+}
+
 /// What travels along links. Pieces may be shared: a boundary that combines others holds their pieces too.
 struct Boundary {
   static constexpr std::string_view kPortType = "Boundary";

@@ -59,13 +59,7 @@ class Terrain final : public Node {
       "rock_range",
       std::nullopt,
       {.unit = "m", .doc = "Least and largest x of rocks; anywhere if it is left out."}};
-  Param<std::optional<std::int64_t>> seed{
-      *this,
-      "seed",
-      std::nullopt,
-      {.min = 0,
-       .doc = "Of the bumps and the rocks. If it is left out, the scene's seed, the node's type and its "
-              "place among nodes of that type decide."}};
+  Param<std::optional<std::int64_t>> seed{*this, "seed", std::nullopt, kSeedSpec};
   Param<float> thickness{
       *this,
       "thickness",

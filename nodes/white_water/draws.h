@@ -20,12 +20,8 @@ class Draws {
   WEIR_HD float within(const Vec2f& range) { return range.x + next() * (range.y - range.x); }
 
  private:
-  /// SplitMix64's finaliser.
   WEIR_HD static std::uint64_t mixed(std::uint64_t seed, std::int64_t by) {
-    std::uint64_t x = seed + (static_cast<std::uint64_t>(by) + 2) * 0x9E3779B97F4A7C15ull;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-    return x ^ (x >> 31);
+    return splitMix64(seed, static_cast<std::uint64_t>(by) + 1);
   }
 
   std::uint64_t seed_, drawn_ = 0;

@@ -116,13 +116,7 @@ class WhiteWater final : public Node {
       "max_particles",
       1000000,
       {.min = 0, .max = 2e9, .doc = "No more at a time than this; while there are so many, fewer are made."}};
-  Param<std::optional<std::int64_t>> seed{
-      *this,
-      "seed",
-      std::nullopt,
-      {.min = 0,
-       .doc = "Of this node's random numbers. If it is left out, the scene's seed, the node's type and its "
-              "place among nodes of that type decide."}};
+  Param<std::optional<std::int64_t>> seed{*this, "seed", std::nullopt, kSeedSpec};
 
   Input<Particles> fluid{
       *this, "fluid",

@@ -7,7 +7,7 @@
 #include <functional>
 #include <utility>
 
-#include "nodes/particle_fluid/modules/viscous_walls.h"
+#include "nodes/static_boundary/boundary.h"
 
 namespace weir {
 

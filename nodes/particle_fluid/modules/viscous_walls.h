@@ -72,26 +72,6 @@ WEIR_HD inline float planeOf(float behind) {
   return high;
 }
 
-/// Calls f(distance, normal) for the walls of a piece near p: the nearest point of a solid, or the faces of a
-/// container.
-template <class F>
-WEIR_HD void forEachWall(const BoundaryPiece& piece, const Vec3f& p, const F& f) {
-  const Shape& shape = piece.shape;
-  if (piece.isMesh || shape.kind != ShapeKind::kBox || !shape.inverted) {
-    const SignedDistance at = piece.query(p);
-    return f(at.distance, at.normal);
-  }
-  const Vec3f local = rotate(conjugate(shape.rotation), p - shape.position), half = shape.halfSize;
-  const auto faces = [&](float x, float h, const Vec3f& axis) {
-    const Vec3f normal = rotate(shape.rotation, axis);
-    f(h - x, -normal);
-    f(h + x, normal);
-  };
-  faces(local.x, half.x, {1, 0, 0});
-  faces(local.y, half.y, {0, 1, 0});
-  faces(local.z, half.z, {0, 0, 1});
-}
-
 /// Σ B over the walls of each particle, B = dt·ν·β·(1 − slip)·(1 − n·nᵀ), by its diagonal and the rest (yz,
 /// zx, xy); and Σ B·v of the walls. Empty where no wall drags.
 struct WallDrag {
