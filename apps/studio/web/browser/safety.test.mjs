@@ -49,15 +49,7 @@ async function open(name, reached = "paused") {
   await hands.arrange();
 }
 
-/** Waits until a file holds what it should. */
-async function written(name, isRight) {
-  for (let i = 0; i < 200; ++i) {
-    const text = await readFile(join(server.folder, name), "utf8").catch(() => "null");
-    if (isRight(JSON.parse(text))) return;
-    await new Promise((resolve) => setTimeout(resolve, 100));
-  }
-  assert.fail(`${name} is not as it should be: ${await readFile(join(server.folder, name), "utf8")}`);
-}
+const written = (name, isRight) => server.written(name, isRight);
 
 step("what is edited after a number of 1e20 still reaches the server", async () => {
   await open("blocks");

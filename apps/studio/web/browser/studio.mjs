@@ -29,7 +29,8 @@ async function addressOf(server) {
 
 /**
  * Starts a server in a folder, or in one of its own. `close` ends it and removes the folder; `crash` ends it at once, and
- * leaves the folder. `read` gives back what a JSON file in it holds. `meanwhile` does something while the server stands still.
+ * leaves the folder. `read` gives back what a JSON file in it holds; `written` waits until that is as it
+ * should be. `meanwhile` does something while the server stands still.
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
@@ -47,6 +48,13 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
   };
   try {
     const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
+    const written = async (name, isRight) => {
+      for (let i = 0; i < 200; ++i) {
+        if (isRight(await read(name).catch(() => null))) return;
+        await new Promise((resolve) => setTimeout(resolve, 100));
+      }
+      throw new Error(`${name} is not as it should be: ${JSON.stringify(await read(name))}`);
+    };
     const meanwhile = async (f) => {
       server.kill("SIGSTOP");
       try {
@@ -55,7 +63,7 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
         server.kill("SIGCONT");
       }
     };
-    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read, meanwhile };
+    return { folder: own, address: await addressOf(server), close, crash: () => end("SIGKILL"), read, written, meanwhile };
   } catch (e) {
     await close();
     throw e;
