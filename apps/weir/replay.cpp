@@ -83,6 +83,23 @@ Replay::Replay(Simulation& simulation, const Recording& recording)
   }
   names_ = std::move(wanted);
   simulation.replay();
+  findFollowers();
+}
+
+void Replay::findFollowers() {
+  for (const auto& node : simulation_.scene().graph.nodes()) {
+    const bool recorded = std::ranges::any_of(
+        targets_, [&](const Target& target) { return &target.output->node() == node.get(); });
+    if (!recorded && node->followsRecordings()) followers_.push_back(node.get());
+  }
+  if (followers_.empty() || recording_.times().empty()) return;
+  const std::vector<RecordedFluid> fluids = recording_.read(0);
+  for (std::size_t i = 0; i < fluids.size(); ++i)
+    for (const char* needed : {"velocity", "id"})
+      if (!has(fluids[i], needed))
+        throw ioError(fmt::format("the file has no attribute '{}' of the fluid {}, which {} needs", needed,
+                                  inQuotes(names_[i]), inQuotes(followers_.front()->name())),
+                      "an export with velocities and ids");
 }
 
 void Replay::showOnly(std::int64_t frame) {
@@ -96,16 +113,25 @@ void Replay::showOnly(std::int64_t frame) {
 
 bool Replay::next() {
   if (frame_ == end_) return false;
-  const std::vector<RecordedFluid> fluids = recording_.read(frame_);
+  // What follows the recording has come here from its first frame.
+  if (followers_.empty()) loaded_ = frame_;
+  while (loaded_ <= frame_) load();
+  ++frame_;
+  return true;
+}
+
+void Replay::load() {
+  const std::vector<RecordedFluid> fluids = recording_.read(loaded_);
   WEIR_CHECK(fluids.size() == targets_.size());
   particles_ = 0;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     fill(targets_[i], fluids[i]);
     particles_ += static_cast<std::int64_t>(fluids[i].positions.size());
   }
-  simulation_.showAt(static_cast<std::int64_t>(frame_), recording_.times()[frame_]);
-  ++frame_;
-  return true;
+  const std::vector<double>& times = recording_.times();
+  simulation_.showAt(static_cast<std::int64_t>(loaded_), times[loaded_]);
+  simulation_.follow(followers_, times[loaded_ == 0 ? 0 : loaded_ - 1]);
+  ++loaded_;
 }
 
 void Replay::fill(Target& target, const RecordedFluid& from) const {

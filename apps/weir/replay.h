@@ -1,4 +1,6 @@
-// Shows a recording in its scene: puts the particles of each recorded frame into the scene's fluids.
+// Shows a recording in its scene: puts the particles of each recorded frame into the scene's fluids. Nodes
+// that follow recordings (Node::followsRecordings), and are not in it themselves, are made anew of its
+// frames.
 #pragma once
 
 #include <cstdint>
@@ -37,11 +39,15 @@ class Replay {
   };
 
   void fill(Target& target, const RecordedFluid& from) const;
+  void findFollowers();
+  void load();
 
   Simulation& simulation_;
   const Recording& recording_;
   std::vector<Target> targets_;
   std::vector<std::string> names_;
+  std::vector<Node*> followers_;             // which go on as the frames of the recording do
+  std::size_t loaded_ = 0;                   // frames so far
   std::size_t first_ = 0, frame_ = 0, end_;  // the next one, and which are shown
   std::int64_t particles_ = 0;
 };

@@ -65,6 +65,7 @@ struct StepContext {
   double time = 0;
   double dt = 0;
   std::int64_t index = 0;  ///< from 0
+  double untilFrame = 0;   ///< from its end to the next frame, s; 0 if it ends there
 };
 
 /// Something tolerated that must stay rare, such as a truncated neighbour list.
@@ -116,6 +117,9 @@ class Node : public Configurable, public Stateful {
     return std::numeric_limits<double>::infinity();
   }
   virtual void step(const StepContext&) {}
+  /// Whether the frames of a recording can take the place of its inputs: then each is a step of it, as long as
+  /// they are apart. Throws a scene Error where that cannot be for reasons of the scene.
+  virtual bool followsRecordings() const { return false; }
   /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks
   /// what is too costly for every step. May wait for the device.
   virtual void frame(const StepContext&) {}

@@ -251,11 +251,24 @@ double SceneGraph::longestStep(const StepContext& next, double cfl) {
   return longest;
 }
 
+void SceneGraph::stepNode(Node& node, const StepContext& context) {
+  const ProfileScope scope(context.device.profiler(), node.name());
+  call(node, "step", context.device, [&] { node.step(context); });
+}
+
 void SceneGraph::step(const StepContext& context) {
   animate(context.time);
+  for (Node* node : order_) stepNode(*node, context);
+}
+
+void SceneGraph::follow(const std::vector<Node*>& nodes, const StepContext& context) {
+  StepContext after = context;
+  after.time += context.dt;
+  animate(after.time);
   for (Node* node : order_) {
-    const ProfileScope scope(context.device.profiler(), node->name());
-    call(*node, "step", context.device, [&] { node->step(context); });
+    if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) continue;
+    if (context.dt > 0) stepNode(*node, context);
+    call(*node, "frame", context.device, [&] { node->frame(after); });
   }
 }
 

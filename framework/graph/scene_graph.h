@@ -58,6 +58,8 @@ class SceneGraph {
   /// The least of all nodes' Node::longestStep; infinite if none asks for anything.
   double longestStep(const StepContext& next, double cfl);
   void step(const StepContext& context);
+  /// A step and then a frame of these nodes alone, in the order of the graph.
+  void follow(const std::vector<Node*>& nodes, const StepContext& context);
   void frame(const StepContext& context);
 
   /// What a node and its modules hold on the device, in bytes: what was allocated and not released again
@@ -67,6 +69,7 @@ class SceneGraph {
  private:
   void animate(double time);
   void configure(const SetupContext& context);
+  void stepNode(Node& node, const StepContext& context);
   template <class F>
   void call(Node& node, std::string_view hook, Device& device, F&& f);
 

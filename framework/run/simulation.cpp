@@ -169,6 +169,14 @@ void Simulation::showAt(std::int64_t frame, double time) {
   scene_->animate(time);
 }
 
+void Simulation::follow(const std::vector<Node*>& nodes, double before) {
+  WEIR_CHECK(isReplay());
+  StepContext context = stepContext();
+  context.time = before;
+  context.dt = time() - before;
+  scene_->graph.follow(nodes, context);
+}
+
 bool Simulation::stepIsLeft() const {
   return stepsVary() ? time_ < clock_.endAfterFrame(frame_) : stepInFrame_ < clock_.stepsAfterFrame(frame_);
 }
@@ -184,6 +192,11 @@ double Simulation::chooseStep(const StepContext& next) {
     longest = world.shortestStep();
   }
   return evenStep(clock_.endAfterFrame(frame_) - time_, longest);
+}
+
+double Simulation::untilFrameAfter(double dt) const {
+  if (stepsVary()) return std::max(0.0, clock_.endAfterFrame(frame_) - time_ - dt);
+  return static_cast<double>(clock_.stepsAfterFrame(frame_) - stepInFrame_ - 1) * dt;
 }
 
 void Simulation::passStep(double dt) {
@@ -212,6 +225,7 @@ void Simulation::step() {
   profiler.beginStep(detailed);
   StepContext context = stepContext();
   if (stepsVary()) context.dt = chooseStep(context);
+  context.untilFrame = untilFrameAfter(context.dt);
   std::optional<LaunchBatch> batch;
   if (!detailed && stepsDone_ > 0) batch.emplace(device_);
   scene_->graph.step(context);

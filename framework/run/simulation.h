@@ -78,6 +78,8 @@ class Simulation {
   /// Of a replay: the frame and its time in s, for whoever looks. What the fluids hold is the caller's
   /// affair.
   void showAt(std::int64_t frame, double time);
+  /// Of a replay: these nodes go on by a step, from `before`, in s, to the frame that is shown.
+  void follow(const std::vector<Node*>& nodes, double before);
   void step();  ///< one step; there must be one left
   /// In the next step modules are timed, as they are now and then.
   void timeModulesNext() { timesModulesNext_ = true; }
@@ -134,6 +136,7 @@ class Simulation {
   bool stepIsLeft() const;
   /// The length of the next step, where that follows the motion.
   double chooseStep(const StepContext& next);
+  double untilFrameAfter(double dt) const;
   void passStep(double dt);
   /// Whether modules are timed in a step that begins at `start`.
   bool timesModules(WallClock::time_point start);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,6 +14,9 @@
 namespace weir {
 
 namespace {
+
+/// By which sums of steps may be off.
+constexpr double kRounding = 1e-6;
 
 void checkAscending(const Param<Vec2f>& limits, bool apart) {
   const Vec2f& at = limits.get();
@@ -63,7 +67,8 @@ void WhiteWater::reset(const SetupContext& context) {
       .density = {},
       .volume = {.value = static_cast<float>(4 / 3.0 * std::numbers::pi * mean * mean * mean)}};
   particles->assign(*set_);
-  made_ = refused_ = 0;
+  made_ = refused_ = steps_ = 0;
+  waited_ = 0;
   removed_ = Array<int>(device, 1);
   removed_->fillZero();
   warned_ = false;
@@ -91,13 +96,40 @@ void WhiteWater::restore(const StateReader& from) {
   grid_->fit(*fluid);  // as at the frame where it was saved, as the order of particles follows from it
 }
 
+std::optional<StepContext> WhiteWater::ownStep(const StepContext& context) {
+  const double passed = waited_ + context.dt, untilFrame = passed + context.untilFrame;
+  // Even parts of the time until the next frame.
+  const double wanted = maxDt > 0 ? untilFrame / std::ceil(untilFrame / maxDt * (1 - kRounding)) : 0;
+  waited_ = passed;
+  if (context.untilFrame > 0 && passed + context.dt <= wanted * (1 + kRounding)) return {};
+  waited_ = 0;
+  StepContext own = context;
+  own.time = context.time + context.dt - passed;
+  own.dt = passed;
+  own.index = steps_;
+  steps_ += 1;
+  return own;
+}
+
 void WhiteWater::step(const StepContext& context) {
+  const std::optional<StepContext> own = ownStep(context);
+  if (!own) return;
   const ProfileScope scope(context.device.profiler(), name());
-  dispatch(context.device, [&](auto& device) { stepOn(device, context); });
+  dispatch(context.device, [&](auto& device) { stepOn(device, *own); });
 }
 
 void WhiteWater::frame(const StepContext&) {
   grid_->fit(*fluid);
+}
+
+bool WhiteWater::followsRecordings() const {
+  const auto* source = dynamic_cast<const ParticleFluid*>(&fluid.links().front()->node());
+  if (source != nullptr &&
+      std::ranges::any_of(source->solids(), [](const Solid* s) { return s->isMovedByForces(); }))
+    throw sceneError("it meets bodies that the fluid moves, and a recording does not hold where they were",
+                     "white water of such a fluid in the run itself")
+        .inNode(name());
+  return true;
 }
 
 WhiteParticles WhiteWater::elements() {

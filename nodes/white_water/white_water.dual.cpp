@@ -34,7 +34,7 @@ struct Advance {
     const float open = 1 - walls.hidden(ahead, fluid.radius);
     const WhiteKind kind = kindOf(here.filled > 0 ? here.filled / open : 0.0f);
     Motion moved = kind == WhiteKind::kSpray  ? flown
-                   : kind == WhiteKind::kFoam ? Motion{start.position + dt * here.velocity, here.velocity}
+                   : kind == WhiteKind::kFoam ? drifted(start, here.velocity, all.kinds[i])
                                               : risen(start, here.velocity);
     walls.stop(start.position, false, moved);
     all.positions[i] = moved.position;
@@ -43,6 +43,12 @@ struct Advance {
     all.ages[i] += dt;
     if (kind != WhiteKind::kBubble) all.lifetimes[i] -= dt;
     if (!isFinite(moved.position) || walls.removes(moved.position)) all.lifetimes[i] = 0;
+  }
+
+  /// By Heun's method, where it had the fluid's velocity.
+  WEIR_HD Motion drifted(const Motion& start, const Vec3f& flow, int before) const {
+    const bool was = before == static_cast<int>(WhiteKind::kFoam);
+    return {start.position + dt * (was ? 0.5f * (start.velocity + flow) : flow), flow};
   }
 
   WEIR_HD Motion risen(const Motion& start, const Vec3f& flow) const {

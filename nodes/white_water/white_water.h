@@ -22,7 +22,9 @@
 //   bubble   dv/dt = (v_fluid + u − v)/τ, where u is rise_speed against gravity and τ = rise_speed/(2·|g|),
 //            as what displaces water, whose mass it has to move, starts with twice gravity
 //
-// Steps are exact for a fluid that does not change in them. Lifetimes run while a particle is spray or foam.
+// White water goes in steps of its own, of as many of the fluid's as last no longer than max_dt; one ends at
+// each frame. They are exact for a fluid that does not change in them, and of second order for foam in one
+// that does. Lifetimes run while a particle is spray or foam.
 #pragma once
 
 #include <optional>
@@ -116,6 +118,15 @@ class WhiteWater final : public Node {
       "max_particles",
       1000000,
       {.min = 0, .max = 2e9, .doc = "No more at a time than this; while there are so many, fewer are made."}};
+  Param<double> maxDt{*this,
+                      "max_dt",
+                      0.01,
+                      {.unit = "s",
+                       .min = 0,
+                       .softMax = 0.05,
+                       .doc = "Longest step of white water; the fluid's own if they are longer. Long ones "
+                              "cost less, and short ones follow violent fluid more closely.",
+                       .also = "substeps, time step"}};
   Param<std::optional<std::int64_t>> seed{*this, "seed", std::nullopt, kSeedSpec};
 
   Input<Particles> fluid{
@@ -129,6 +140,9 @@ class WhiteWater final : public Node {
   void reset(const SetupContext& context) override;
   void step(const StepContext& context) override;
   void frame(const StepContext& context) override;
+  /// As max_dt were the time between frames. Not where forces move solids, as recordings do not hold where
+  /// they were.
+  bool followsRecordings() const override;
   /// How many there are of each kind, were made, and were not made for want of room.
   void report(NodeReport& report) override;
   void save(const StateWriter& to) const override;
@@ -151,6 +165,8 @@ class WhiteWater final : public Node {
   void makeRoomForBorn(std::int64_t count);
   std::int64_t room() const { return maxParticles - set_->bound(); }
   void limitReached(Log& log);
+  /// The step of its own that ends with this one of the fluid, if one does.
+  std::optional<StepContext> ownStep(const StepContext& context);
   template <class Backend>
   void stepOn(Backend& device, const StepContext& context);
   template <class Backend>
@@ -176,7 +192,8 @@ class WhiteWater final : public Node {
   ParticleBatch born_;
   std::uint64_t seed_ = 0;
   bool warned_ = false;
-  State<std::int64_t> made_{*this, "made"}, refused_{*this, "refused"};
+  State<double> waited_{*this, "waited"};  // since its last step, s
+  State<std::int64_t> steps_{*this, "steps"}, made_{*this, "made"}, refused_{*this, "refused"};
   State<Array<int>> removed_{*this, "removed"};  // by sinks; one number
   State<Array<Pose>> poses_{*this, "poses"};     // of the solids, see WallsOfFluid
 };
