@@ -61,8 +61,11 @@ void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::o
   fittedFor_ = particles;
 }
 
-void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks) {
+void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks,
+                         PeriodicImages* images) {
+  if (images != nullptr) images->wrap();
   sort(particles, domain, sinks);
+  if (images != nullptr) images->show();
   list(particles);
 }
 

@@ -11,6 +11,7 @@
 #include "framework/neighbors/packed_lists.h"
 #include "framework/particles/fine_cell.h"
 #include "framework/particles/particle_set.h"
+#include "framework/particles/periodic_images.h"
 #include "framework/particles/sink_region.h"
 
 namespace WEIR_API weir {
@@ -183,8 +184,10 @@ class NeighborList {
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or
   /// not finite, sorts the rest by cell, and finds for each all others closer than the radius. Lists are
-  /// reciprocal unless truncated. Takes all scratch memory of the particles meanwhile.
-  void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
+  /// reciprocal unless truncated. Takes all scratch memory of the particles meanwhile. With images, particles
+  /// are wrapped into the box before, and neighbours are found through its faces, as a halo.
+  void build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {},
+             PeriodicImages* images = nullptr);
 
   // The two halves of that, for those who put a halo behind the particles in between.
   /// Removes and sorts, owned particles alone.

@@ -12,6 +12,7 @@
 #include "framework/compute/array.h"
 #include "framework/graph/param_types.h"
 #include "framework/particles/attribute_types.h"
+#include "framework/particles/period.h"
 
 namespace WEIR_API weir {
 
@@ -44,6 +45,7 @@ struct ParticleBatch {
     float spacing = 0;        ///< m
     float supportRatio = 0;   ///< H/d
     bool disordered = false;  ///< settled fluid has rest density, not a cubic lattice
+    Period period;            ///< of the space in which they live
     friend bool operator==(const Request&, const Request&) = default;
   };
 

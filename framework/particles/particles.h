@@ -14,6 +14,7 @@
 
 #include "framework/base/api.h"
 #include "framework/particles/particle_set.h"
+#include "framework/particles/period.h"
 
 namespace WEIR_API weir {
 
@@ -45,6 +46,7 @@ class Particles {
 
   Material material;    ///< its spacing is told in estimate() already
   double maxCount = 0;  ///< particles that there will be at any time; told in estimate(), 0 if nobody asked
+  Period period;        ///< of the space in which they live, if it repeats itself; told in configure()
 
   /// Whether there are particles to look at: from the reset of their node on.
   bool exist() const { return set_ != nullptr; }

@@ -28,6 +28,9 @@ FluidMeshSettings FluidSurface::meshSettings() const {
 }
 
 void FluidSurface::reset(const SetupContext& context) {
+  if (fluid->period.any())
+    throw sceneError("a surface is not closed through the faces of a periodic domain yet",
+                     "a fluid with \"periodic\": \"none\"");
   mesher_.emplace(context.device, meshSettings(), fluid->material.spacing);
   *surface = {Array<Vec3f>(context.device), Array<Vec3f>(context.device), Array<Vec3i>(context.device)};
 }

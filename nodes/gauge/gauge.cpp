@@ -1,5 +1,7 @@
 #include "nodes/gauge/gauge.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "framework/base/vec_value.h"
@@ -69,7 +71,26 @@ void Gauge::join(Communicator&) {
         .inParameter(shape.name());
 }
 
+/// What passes the plane close to a face would be seen from one side of it only.
+void Gauge::checkPlane() const {
+  constexpr float kReach = 2;  // spacings
+  const Period& period = particles->period;
+  const Vec3f along = (1 / length(normal.get())) * normal.get();
+  const float reach = kReach * particles->material.spacing;
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr float kStraight = 1e-4f;
+    if (!period.along(axis) || std::abs(along[axis]) < kStraight) continue;
+    const float from = position.get()[axis] - period.lo[axis];
+    if (std::abs(along[axis]) < 1 - kStraight || from < reach || from > period.size[axis] - reach)
+      throw sceneError(
+          "the plane meets the joined faces of a periodic domain",
+          fmt::format("a plane along these faces, at least {:.4g} m from them, or across them", reach))
+          .inParameter(position.name());
+  }
+}
+
 void Gauge::reset(const SetupContext& context) {
+  if (shape == GaugeShape::kPlane && particles.linked()) checkPlane();
   flow_ = Array<double>(context.device, 2);
   flow_->fillZero();
 }

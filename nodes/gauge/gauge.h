@@ -83,6 +83,7 @@ class Gauge final : public Node, public OnRanks {
   template <class Backend>
   void flowOn(Backend& device, double dt);
   void measureFlow(double dt);
+  void checkPlane() const;
 
   // The flow in m³/s, and the volume that has passed, in m³.
   State<Array<double>> flow_{*this, "flow"};

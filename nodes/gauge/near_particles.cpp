@@ -47,7 +47,12 @@ NearParticles::NearParticles(Device& device, const Particles& particles, const V
       length_(length(direction_)),
       reach_(kReach * particles.material.spacing) {
   if (length_ > 0) direction_ = (1 / length_) * direction_;
-  const std::vector<ParticleMatter> all = toHost(device, particles, a, b, static_cast<float>(reach_));
+  std::vector<ParticleMatter> all;
+  forEachImage(particles.period, [&](const Vec3i& turns) {
+    const Vec3f by = particles.period.shift(turns);
+    for (ParticleMatter p : toHost(device, particles, a - by, b - by, static_cast<float>(reach_)))
+      p.position += by, all.push_back(p);
+  });
   std::vector<double> along(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) along[i] = dot(wide(all[i].position) - a_, direction_);
   std::vector<std::size_t> order(all.size());

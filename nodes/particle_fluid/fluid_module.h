@@ -26,6 +26,7 @@ namespace WEIR_API weir {
 
 struct Boundary;
 class DividedParticles;
+class PeriodicImages;
 struct FluidStep;
 struct WallField;
 
@@ -38,6 +39,13 @@ class WallFinder {
 
  protected:
   ~WallFinder() = default;
+};
+
+/// The role of modules that work in a periodic domain, for those that have not the role OnRanks, which do so,
+/// too: they call FluidStep::exchange as is told there. All others are refused in such a domain.
+class InPeriodicDomain {
+ public:
+  virtual ~InPeriodicDomain() = default;
 };
 
 /// The state of a fluid within one step. Between the modules `predict` and the solver, positions are
@@ -54,13 +62,15 @@ struct FluidStep {
   WallField& walls;                     ///< what rigid meshes do; empty where there are none
   WallFinder* wallFinder = nullptr;     ///< there wherever the fluid meets solids
   DividedParticles* divided = nullptr;  ///< there where several ranks share the particles
+  PeriodicImages* images = nullptr;     ///< there where the domain is periodic
 
   /// Sorts the particles and lists the neighbours of each.
   void findNeighbors();
   /// Before kernels read these attributes of neighbours, once they have been written: brings what is known of
-  /// other ranks' particles up to date. One rank has nothing to do.
+  /// other ranks' particles, and of images beyond the faces of a periodic domain, up to date. Without these
+  /// there is nothing to do.
   void exchange(std::initializer_list<std::string_view> attributes);
-  /// The same for scratch memory by particle.
+  /// The same for scratch memory by particle. Of four numbers, the first three are a position.
   void exchange(ArrayView<float> values);
   void exchange(ArrayView<Vec3f> values);
   void exchange(ArrayView<Vec4f> values);

@@ -4,7 +4,7 @@
 namespace weir {
 
 void FluidStep::findNeighbors() {
-  if (divided == nullptr) return neighbors.build(particles, domain, sinks);
+  if (divided == nullptr) return neighbors.build(particles, domain, sinks, images);
   divided->migrate();
   neighbors.fitMore(divided->countOfAll());
   neighbors.sort(particles, domain, sinks);
@@ -14,18 +14,22 @@ void FluidStep::findNeighbors() {
 
 void FluidStep::exchange(std::initializer_list<std::string_view> attributes) {
   if (divided != nullptr) divided->refresh(attributes);
+  if (images != nullptr) images->refresh(attributes);
 }
 
 void FluidStep::exchange(ArrayView<float> values) {
   if (divided != nullptr) divided->refresh(values);
+  if (images != nullptr) images->refresh(values);
 }
 
 void FluidStep::exchange(ArrayView<Vec3f> values) {
   if (divided != nullptr) divided->refresh(values);
+  if (images != nullptr) images->refresh(values);
 }
 
 void FluidStep::exchange(ArrayView<Vec4f> values) {
   if (divided != nullptr) divided->refresh(values);
+  if (images != nullptr) images->refresh(values);
 }
 
 }  // namespace weir

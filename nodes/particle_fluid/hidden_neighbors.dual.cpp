@@ -56,6 +56,7 @@ struct TakeOutHidden {
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
   ArrayView<const int> near, sides;  // of pairs
+  ImageOwners ownerOf;
   ArrayView<const Vec3f> positions;
   NeighborEditor neighbors;
 
@@ -71,9 +72,10 @@ struct TakeOutHidden {
   }
 
   WEIR_HD bool sees(std::int64_t i, std::int64_t j) const {
-    const std::int64_t from = i < j ? i : j, to = i < j ? j : i;
+    const std::int64_t owner = ownerOf(j);
+    const std::int64_t from = i < owner ? i : j, to = i < owner ? j : i;
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
-      const int k = pairs.solid[pair], other = pairs.find(j, k);
+      const int k = pairs.solid[pair], other = pairs.find(owner, k);
       if (other < 0) continue;
       const SolidView& solid = solids[k];
       if (mayHide(solid.kind, sides[pair], sides[other]) && hides(solid, positions[from], positions[to]))
@@ -103,6 +105,7 @@ void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   parallelForUneven<kPlan>(device, "hidden neighbours", walls.pairs.nearCount(),
                            TakeOutHidden{walls.views.view(), walls.pairs.view(), walls.pairs.near(),
                                          std::as_const(walls.sides).view(),
+                                         fluid.images != nullptr ? fluid.images->owners() : ImageOwners{},
                                          fluid.particles.positions().read(), fluid.neighbors.editor()});
 }
 

@@ -40,6 +40,9 @@ ParticleFluid::ParticleFluid() {
 ParticleFluid::~ParticleFluid() = default;
 
 void ParticleFluid::join(Communicator& ranks) {
+  if (period().any())
+    throw sceneError("a periodic domain cannot be on several ranks yet", "\"none\"", "run without --ranks")
+        .inParameter(periodic.name());
   pipeline_.forEachEnabled("join", [&](FluidModule& module) {
     auto* onRanks = dynamic_cast<OnRanks*>(&module);
     if (onRanks == nullptr)
@@ -56,18 +59,53 @@ void ParticleFluid::validate() const {
   if (mu.get() && bulkModulus.isSet())
     throw sceneError("both bulk_modulus and mu are given",
                      "one of them: they say the same in different units");
+  try {
+    period();
+  } catch (Error& e) {
+    throw e.inParameter(periodic.name());
+  }
   const Aabb box = domain();
   if (box.empty()) throw sceneError("domain_min is above domain_max", "a box that is not empty");
 }
 
 Aabb ParticleFluid::domain() const {
   constexpr float kFar = std::numeric_limits<float>::max();
-  return {domainMin.get().value_or(Vec3f{-kFar, -kFar, -kFar}),
-          domainMax.get().value_or(Vec3f{kFar, kFar, kFar})};
+  Aabb box{domainMin.get().value_or(Vec3f{-kFar, -kFar, -kFar}),
+           domainMax.get().value_or(Vec3f{kFar, kFar, kFar})};
+  // Nothing leaves through faces that are joined.
+  for (int axis = 0; axis < 3; ++axis)
+    if (period().along(axis)) box.lo[axis] = -kFar, box.hi[axis] = kFar;
+  return box;
+}
+
+Period ParticleFluid::period() const {
+  return periodOf(periodic, domainMin.get(), domainMax.get(), supportRatio * spacing);
+}
+
+/// Refuses what does not know of images.
+void ParticleFluid::checkPeriodic(Device& device) {
+  const Period repeated = period();
+  if (!repeated.any()) return;
+  if (device.kind() == DeviceKind::kCuda)
+    throw sceneError("a periodic domain runs on the CPU only", "\"none\"", "run with --device cpu")
+        .inParameter(periodic.name());
+  pipeline_.forEachEnabled("reset", [&](FluidModule& module) {
+    if (dynamic_cast<InPeriodicDomain*>(&module) == nullptr && dynamic_cast<OnRanks*>(&module) == nullptr)
+      throw sceneError(fmt::format("the module '{}' of type {} does not work in a periodic domain yet",
+                                   module.name(), module.info().type),
+                       "modules that do, such as SemiImplicitSolver, Xsph and ViscositySolver");
+  });
+  for (std::size_t i = 0; i < boundaries.size(); ++i)
+    for (const BoundaryPiece& piece : boundaries[i].pieces)
+      checkSolid(repeated, piece, supportRatio * spacing,
+                 "the solid of '" + boundaries.links()[i]->node().name() + "'");
+  for (std::size_t i = 0; i < initial.size(); ++i)
+    checkBatch(repeated, initial[i], initial.links()[i]->node().name());
 }
 
 void ParticleFluid::configure(const SetupContext&) {
-  const ParticleBatch::Request request{spacing, supportRatio, calibration == Calibration::kPacking};
+  const ParticleBatch::Request request{spacing, supportRatio, calibration == Calibration::kPacking, period()};
+  fluid->period = period();
   initial.request(request);
   emitters.request(request);
   const WallKernel wall = wallKernel(supportRatio, calibration.get());
@@ -75,7 +113,8 @@ void ParticleFluid::configure(const SetupContext&) {
   sinks.request({spacing});
 }
 
-double ParticleFluid::memoryFor(Device& device, double particles) const {
+double ParticleFluid::memoryFor(Device& device, double owned) const {
+  const double particles = owned * (1 + PeriodicImages::shareOf(period(), supportRatio * spacing));
   FluidRoom room{.particles = particles};
   for (const Particles::Request& request : fluid.requests()) room.solids += request.solids;
   room.wallShares = room.solids > 0;
@@ -141,7 +180,7 @@ void ParticleFluid::restore(const StateReader& from) {
   state.neighbors.restore(from.in("neighbors"));
   if (state.particles.bound() > 0) {
     // The order is that of this grid already, so only the lists are new; what they count has been counted.
-    state.neighbors.build(state.particles, domain(), state.sinks.view());
+    search(state);
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
@@ -158,7 +197,10 @@ void ParticleFluid::reset(const SetupContext& context) {
   gathered_.reset();
   divided_.reset();
   if (ranks_ != nullptr) divideInitial();
-  if (maxParticles_ > 0) state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_));
+  checkPeriodic(context.device);
+  const double images = PeriodicImages::shareOf(period(), constants_.supportRadius);
+  if (maxParticles_ > 0)
+    state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_ * (1 + images)));
   fluid->material = {
       .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
   fluid->assign(shown().particles);
@@ -176,6 +218,7 @@ ParticleFluid::State& ParticleFluid::makeState(std::optional<State>& made, Devic
   State& state = made.emplace(device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   if (ranks_ != nullptr) state.neighbors.orderByIds();
+  if (period().any()) state.images.emplace(state.particles, period(), constants_.supportRadius);
   state.density = state.particles.add<float>({.name = "density",
                                               .type = AttributeType::kFloat,
                                               .unit = "kg/m^3",
@@ -218,6 +261,8 @@ void ParticleFluid::divideInitial() {
 }
 
 std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solids) {
+  for (const auto& solid : solids)
+    checkSolid(period(), solid->view(0, 0), constants_.supportRadius, "a solid of the fluid");
   const std::int64_t removed = carve(solids);
   for (const auto& solid : solids) state_->walls.solids.push_back(solid.get());
   return removed;
@@ -271,9 +316,13 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
   Log silent;  // the modules have been reset before, and have said what they had to say
   // Regions act only after the solver, so in long steps gravity would press fluid through their sides.
   constexpr double kLongestFall = 0.05;  // spacings, g·dt²
-  const double pull = length(context.gravity);
+  // Along a period nothing holds fluid.
+  Vec3f gravity = context.gravity;
+  for (int axis = 0; axis < 3; ++axis)
+    if (period().along(axis)) gravity[axis] = 0;
+  const double pull = length(gravity);
   const double longest = pull > 0 ? std::sqrt(kLongestFall * spacing / pull) : *state_->restDt;
-  const StepContext start{context.device, silent, context.gravity, 0, std::min(*state_->restDt, longest), 0};
+  const StepContext start{context.device, silent, gravity, 0, std::min(*state_->restDt, longest), 0};
   state_->restDt.reset();
   FluidStep step = fluidStep(start);
   std::vector<const ParticleBatch*> batches;
@@ -293,8 +342,22 @@ FluidStep ParticleFluid::fluidStep(const StepContext& time) {
   if (!state.walls.empty() && finder == nullptr)
     throw sceneError("the fluid meets solids, but no enabled module of it finds what it feels of them",
                      "a pipeline with such a module, as WallIntegrals is");
-  return {time,     time.device,        constants_,  state.particles, state.neighbors, state.boundaries,
-          domain(), state.sinks.view(), state.walls, finder,          divided_.get()};
+  return {time,
+          time.device,
+          constants_,
+          state.particles,
+          state.neighbors,
+          state.boundaries,
+          domain(),
+          state.sinks.view(),
+          state.walls,
+          finder,
+          divided_.get(),
+          state.images ? &*state.images : nullptr};
+}
+
+void ParticleFluid::search(State& of) {
+  of.neighbors.build(of.particles, domain(), of.sinks.view(), of.images ? &*of.images : nullptr);
 }
 
 double ParticleFluid::longestStep(const StepContext& next, double cfl) {
@@ -369,7 +432,7 @@ void ParticleFluid::refreshShown(const StepContext& context) {
     std::optional<Vec3f> mean;  // which is the same bits for one order of the particles only
     if (!divided_) mean = (1 / float(state.particles.bound())) * extent.sum;
     state.neighbors.fitGrid(extent.box, state.particles.bound(), mean);
-    state.neighbors.build(state.particles, domain(), state.sinks.view());
+    search(state);
     state.particles.refreshCount();
     state.walls.pairs.waitForNumber();
     findWalls(context);

@@ -10,9 +10,11 @@
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
+#include "framework/particles/periodic_images.h"
 #include "framework/solids/solid_coupling.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/periodic_domain.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
 
@@ -106,6 +108,13 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
       "domain_max",
       std::nullopt,
       {.unit = "m", .doc = "Upper corner of that box. Particles outside are removed and counted."}};
+  Param<PeriodicAxes> periodic{
+      *this,
+      "periodic",
+      PeriodicAxes::kNone,
+      {.doc = "Axes along which the opposite faces of that box are joined: what leaves through one comes in "
+              "through the other. A box of few spacings along one of them makes a flow in two dimensions.",
+       .also = "cyclic, wrap, two dimensions, 2d, slab, channel"}};
 
   Inputs<ParticleBatch> initial{*this, "initial", "Particles that are there from the start."};
   Inputs<ParticleBatch> emitters{*this, "emitters", "Particles that are born in each step."};
@@ -150,6 +159,7 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
           born(device),
           bornCount(device, 1) {}
     ParticleSet particles;
+    std::optional<PeriodicImages> images;
     NeighborList neighbors;
     WallField walls;
     Array<FluidExtent> extent;
@@ -201,6 +211,9 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
   void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;
+  Period period() const;
+  void checkPeriodic(Device& device);
+  void search(State& of);
   void checkEvents();
   void warnOfSettings(const SetupContext& context);
   void give(const ParticleBatch& born, double time);

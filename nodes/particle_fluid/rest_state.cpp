@@ -39,7 +39,13 @@ bool RestState::liftUnheld(int steps) {
 
 int RestState::reach(int max, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
-  const double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
+  if (atRest == 0 && fluid_.images != nullptr) {
+    // Fluid that fills a period is under pressure without weight: no particle has far to go then.
+    constexpr double kWay = 1e-4;  // spacings in a step
+    const double speed = kWay * fluid_.constants.spacing / fluid_.time.dt;
+    atRest = speed * speed;
+  }
   // Between two stops; sooner, an implicit step that has just begun to carry pressure looks like the peak.
   constexpr int kMinMotion = 8;
   double last = 0;

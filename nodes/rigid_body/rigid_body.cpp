@@ -245,6 +245,10 @@ void RigidBody::checkPlace() const {
 }
 
 void RigidBody::reset(const SetupContext& context) {
+  for (std::size_t i = 0; i < fluid.size(); ++i)
+    if (fluid[i].period.any())
+      throw sceneError("a body does not pass the faces of a periodic domain yet",
+                       "a fluid with \"periodic\": \"none\"");
   parts_->clear();
   forces->solids.clear();
   carved_ = 0;

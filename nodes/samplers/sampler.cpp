@@ -17,12 +17,38 @@ float Sampler::requestedSpacing() const {
   return request->spacing;
 }
 
+Period Sampler::filledPeriod(const Aabb& box) const {
+  constexpr float kRounding = 1e-3f;  // spacings
+  Period filled = particles.requested()->period;
+  const float near = kRounding * requestedSpacing();
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = filled.lo[axis], high = low + filled.size[axis];
+    if (std::abs(box.lo[axis] - low) > near || std::abs(box.hi[axis] - high) > near) filled.size[axis] = 0;
+  }
+  return filled;
+}
+
 bool Sampler::relaxed() const {
   return isRelaxed(arrangement, *particles.requested());
 }
 
+namespace {
+
+void fitInto(const Period& filled, const Lattice& lattice, std::vector<Vec3f>& positions) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!filled.along(axis)) continue;
+    const double length = lattice.spacing * double(lattice.count[axis]),
+                 low = lattice.first[axis] - 0.5 * lattice.spacing;
+    for (Vec3f& p : positions)
+      p[axis] = float(filled.lo[axis] + (double(p[axis]) - low) * double(filled.size[axis]) / length);
+  }
+  for (Vec3f& p : positions) p = filled.wrapped(p);
+}
+
+}  // namespace
+
 void Sampler::fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
-                   const std::function<bool(const Vec3f&)>& inside) {
+                   const std::function<bool(const Vec3f&)>& inside, const Period& filled) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
   const int threads = cpu ? cpu->threads() : 0;
   const std::uint64_t number = randomSeed(*this, context, seed);
@@ -34,11 +60,11 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
       return tile->displacement(x, y, z);
     };
   }
-  const std::vector<Vec3f> positions =
-      sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
+  std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
   if (positions.empty())
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
                      "a region that is several spacings thick");
+  fitInto(filled, lattice, positions);
   particles->assign(context.device, positions, velocity.get());
   particles->container.reset();
   if (relaxed()) putInside(context, region());
@@ -69,6 +95,22 @@ void Sampler::warnOfRounding(const SetupContext& context, double volume, float s
         fmt::format("node '{}': its {} particles of {:.6g} m fill {:.3g} m³, {:+.0f} % of the "
                     "region's {:.3g} m³",
                     name(), particles->count, spacing, filled, 100 * (filled / volume - 1), volume));
+}
+
+void Sampler::warnOfStretch(const SetupContext& context, const Lattice& lattice, const Period& filled) const {
+  constexpr double kNoticeable = 0.003;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!filled.along(axis)) continue;
+    const double size = filled.size[axis], count = double(lattice.count[axis]),
+                 stretch = size / (count * lattice.spacing) - 1;
+    if (std::abs(stretch) > kNoticeable)
+      warnOfSetting(context.log, fmt::format("node '{}'", name()),
+                    fmt::format("{:.0f} spacings are stretched by {:+.2g} % to fill the period of {:.4g} m, "
+                                "and the fluid is that far from rest density",
+                                count, 100 * stretch, size),
+                    fmt::format("a spacing of {:.6g} m, or a period of {:.6g} m", size / count,
+                                count * lattice.spacing));
+  }
 }
 
 void Sampler::warnOfThinness(const SetupContext& context, double thickness, float spacing) const {

@@ -62,13 +62,19 @@ class Sampler : public Node, public OnRanks {
   virtual double regionMemory() const { return 0; }
   /// What the fluid below asks for; throws a scene Error if there is none.
   float requestedSpacing() const;
+  /// The fluid's periodic domain along the axes along which the box fills it; along no other.
+  Period filledPeriod(const Aabb& box) const;
   bool relaxed() const;
   /// Puts out the particles of the nodes that are inside; throws a scene Error if there are none. `region` is
-  /// asked for a relaxed arrangement alone.
+  /// asked for a relaxed arrangement alone. Along a period that it fills, the lattice is stretched such that
+  /// it goes on through the faces.
   void fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
-            const std::function<bool(const Vec3f&)>& inside = {});
+            const std::function<bool(const Vec3f&)>& inside = {}, const Period& filled = {});
   /// The region of a shape, whose particles are half a spacing from its surface.
   Region regionOf(const SetupContext& context, Shape shape) const;
+  /// Warns if the fluid in a period that it fills is not at rest density, as that is no whole number of
+  /// spacings long.
+  void warnOfStretch(const SetupContext& context, const Lattice& lattice, const Period& filled) const;
   /// Warns if the particles put out fill much more or less than `volume` m³.
   void warnOfRounding(const SetupContext& context, double volume, float spacing) const;
 

@@ -52,6 +52,9 @@ void WhiteWater::estimate(const SetupContext&, MemoryNeeds& needs) {
 }
 
 void WhiteWater::reset(const SetupContext& context) {
+  if (fluid->period.any())
+    throw sceneError("white water does not pass the faces of a periodic domain yet",
+                     "a fluid with \"periodic\": \"none\"");
   Device& device = context.device;
   seed_ = randomSeed(*this, context, seed);
   set_.emplace(device);

@@ -182,6 +182,10 @@ nb::tuple Particles::neighbors() const {
   const auto* fluid = dynamic_cast<const ParticleFluid*>(&scene_->node(node_));
   if (fluid == nullptr)
     throw usageError("the particles have no lists of neighbours", "those of a ParticleFluid").inNode(node_);
+  if (set().haloCount() > 0)
+    throw usageError("neighbours of particles in a periodic domain may be images, which have no index",
+                     "a fluid with \"periodic\": \"none\"")
+        .inNode(node_);
   const std::int64_t particles = set().refreshCount();
   const NeighborList* lists = fluid->neighbors();
   const auto& running = scene_->running;

@@ -16,6 +16,7 @@ import at_rest
 import in_motion
 import program
 import report
+import without_ends
 
 
 MARKER = "<!-- The rest is made by ./dev validate --docs -->"
@@ -46,6 +47,9 @@ CHECKS = [
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("drop", "A drop", in_motion.drop),
     Check("momentum", "Momentum", in_motion.momentum),
+    Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
+    Check("couette", "Couette flow", without_ends.couette),
+    Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green),
 ]
 
 

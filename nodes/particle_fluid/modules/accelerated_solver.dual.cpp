@@ -117,6 +117,7 @@ void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
   beginStep(device, fluid);
   problem.start(device);
   contain(device, problem);
+  fluid.exchange(problem.state());
   if (recordObjective) objective_->begin(fluid, maxPasses() * maxIterations + 1);
   record(problem);
   for (int pass = 0; pass < maxPasses() && !over_; ++pass) {
@@ -169,6 +170,7 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     // iterations come until the host hears of the end must not.
     if (controlled() && k > 0) density.done = &control_->data()->done;
     parallelForEights(device, "density", count, density);
+    problem.fluid.exchange(problem.weighted());
     if (searches())
       parallelForEights(device, "propose", count,
                         Propose{step.pushOf, problem.displacement(), proposal_.view()});
@@ -183,11 +185,13 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     const int* done = !controlled() ? nullptr : k > 0 ? &control->done : &control->surplus;
     moveBodies(device, problem, /*yields=*/true, done);
     contain(device, problem, done);
+    problem.fluid.exchange(problem.state());
     record(problem);
     if (!accelerated()) continue;
     accelerate(device, problem);
     moveBodies(device, problem, /*yields=*/false, done);
     contain(device, problem, done);
+    problem.fluid.exchange(problem.state());
   }
   endPass(pass);
 }
@@ -209,6 +213,7 @@ void AcceleratedSolver::iterateConjugate(Backend& device, const PressureProblem&
 
 template <class Backend>
 void AcceleratedSolver::settle(Backend& device, const PressureProblem& problem, bool first) {
+  problem.fluid.exchange(problem.state());
   parallelForEights(device, "density", problem.fluid.particles.count(),
                     detail::Settle{.density = detail::RelativeExcess::of(problem),
                                    .control = control_->data(),
@@ -218,6 +223,7 @@ void AcceleratedSolver::settle(Backend& device, const PressureProblem& problem, 
                                    .first = first,
                                    .displacement = problem.displacement(),
                                    .weighted = problem.weighted()});
+  problem.fluid.exchange(problem.weighted());
 }
 
 template <class Backend>
@@ -251,6 +257,7 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
   controlSeen_->request(control_->data());
   parallelFor(device, "try", count, detail::Try{conjugate});
   contain(device, problem, of.tried, done);
+  problem.fluid.exchange(problem.state());
   parallelForEights(device, "try density", count,
                     detail::SumTrial{detail::RelativeExcess::of(problem), control_->data(), of});
   reduce(device, "measure line", count, LineSums{}, detail::MeasureLine{conjugate}, AddLineSums{},
@@ -331,7 +338,7 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
                               .carried = carried_.write(),
                               .positions = fluid.particles.positions().write()});
   searchAtBodies(device, fluid.walls);
-  problem.withoutRooms([&] { fluid.neighbors.build(fluid.particles, fluid.domain, fluid.sinks); });
+  problem.withoutRooms([&] { fluid.findNeighbors(); });
   fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),
@@ -339,6 +346,7 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
                                .displacement = problem.displacement(),
                                .positions = fluid.particles.positions().write(),
                                .state = problem.state()});
+  fluid.exchange(problem.state());
   if (fluid.walls.empty()) return;
   fluid.walls.base = carried_.read();
   fluid.walls.keepLegal(fluid.particles.positions().read());

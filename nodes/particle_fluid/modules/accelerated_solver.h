@@ -44,7 +44,7 @@ struct EnumNames<Acceleration> {
                "Conjugate gradients, with a search for the length of each step: the fewest iterations."}};
 };
 
-class AcceleratedSolver final : public PressureSolver {
+class AcceleratedSolver final : public PressureSolver, public InPeriodicDomain {
  public:
   static constexpr ModuleInfo kInfo{
       "AcceleratedSolver", kFamily,

@@ -392,6 +392,7 @@ void ViscositySolver::stepOn(Backend& device, FluidStep& fluid) {
     walls = {wallDiagonal_.view(), wallRest_.view(), wallPush_.view()};
     sumWalls(device, fluid, plane, places, walls);
   }
+  fluid.exchange(places);
   const PairDrag drag{fluid.neighbors.view(), SpikyKernel(c.supportRadius, 1), rateOf(fluid, viscosity),
                       kShortest * c.spacing, places};
   solveOn(device, fluid, drag, walls, change);
@@ -410,6 +411,7 @@ void ViscositySolver::solveOn(Backend& device, FluidStep& fluid, const Drag& dra
   const auto sum = [&](std::string_view name, const auto& of) {
     reduce(device, name, count, ViscositySums{}, of, AddViscositySums{}, sums);
   };
+  fluid.exchange(direction);
   parallelForSums(device, "residual", count, FirstResidual{drag, walls, direction, change, residual});
   sum("measure", SumAtFirst{residual, change, fluid.particles.velocities().read()});
   parallelFor(device, "decide", 1, DecideAtFirst{control, sums, tolerance});
@@ -417,6 +419,7 @@ void ViscositySolver::solveOn(Backend& device, FluidStep& fluid, const Drag& dra
   controlSeen_->request(control);
   for (int k = 0; k < maxIterations && !isDone(); ++k) {
     parallelFor(device, "turn", count, Turn{control, residual, direction});
+    fluid.exchange(direction);
     parallelForSums(device, "image", count, Image{drag, walls, control, direction, image});
     sum("curvature", SumCurvature{direction, image});
     parallelFor(device, "decide", 1, DecideWay{control, sums});

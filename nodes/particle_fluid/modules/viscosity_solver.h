@@ -58,7 +58,7 @@ struct ViscosityControl {
   int max = 0, notConverged = 0;
 };
 
-class ViscositySolver final : public FluidModule {
+class ViscositySolver final : public FluidModule, public InPeriodicDomain {
  public:
   static constexpr ModuleInfo kInfo{
       "ViscositySolver", kFamily,

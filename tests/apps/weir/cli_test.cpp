@@ -97,6 +97,28 @@ TEST_F(Cli, RunsASceneAndWritesStatistics) {
     EXPECT_NE(water.find(key), nullptr) << key << " is missing in " << writeJson(water);
 }
 
+TEST_F(Cli, RefusesPeriodicDomainsThatCannotBe) {
+  const auto run = [&](const std::string& params, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"run", sceneWith("\"spacing\": 0.02", "\"spacing\": 0.02, " + params)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runWeir(arguments);
+  };
+  const std::string box = "\"domain_min\": [0, 0, 0], \"domain_max\": [0.5, 0.5, 0.2]";
+  expectFailure(run("\"periodic\": \"z\""), 2, {"domain_min and domain_max", "periodic"});
+  expectFailure(run("\"periodic\": \"w\", " + box), 2, {"\"w\"", "xyz"});
+  expectFailure(run("\"periodic\": \"z\", \"domain_min\": [0, 0, 0], \"domain_max\": [0.5, 0.5, 0.05]"), 2,
+                {"0.05 m long along z", "at least 0.08 m"});
+  expectFailure(run("\"periodic\": \"z\", " + box), 2, {"solid of 'tank'", "along z", "both faces"});
+  const std::string open = "tank.min=[0, 0, -1]", ends = "tank.max=[0.5, 0.5, 1]";
+  const std::string wide = "\"domain_min\": [0, 0, 0.1], \"domain_max\": [0.5, 0.5, 0.3]";
+  expectFailure(run("\"periodic\": \"z\", " + wide, {"--set", open, "--set", ends}), 2,
+                {"'block'", "outside of the periodic domain"});
+  expectFailure(run("\"periodic\": \"z\", " + box, {"--set", open, "--set", ends, "--ranks", "2"}), 2,
+                {"periodic domain", "ranks"});
+  const ChildResult runs = run("\"periodic\": \"z\", " + box, {"--set", open, "--set", ends, "--quiet"});
+  EXPECT_EQ(runs.code, 0) << runs.err;
+}
+
 TEST_F(Cli, WritesASeriesOfFrames) {
   const std::string series = folder / "series.jsonl";
   ASSERT_EQ(runWeir({"run", scene(), "--series", series, "--set", "water.spacing=0.05"}).code, 0);
