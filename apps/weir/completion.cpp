@@ -9,7 +9,7 @@ namespace {
 
 /// Whether its argument may be the name of a scene that comes with Weir.
 bool takesScene(const CLI::App& command) {
-  for (const std::string name : {"run", "validate", "explain", "scenes"})
+  for (const std::string name : {"run", "sweep", "validate", "explain", "scenes"})
     if (command.get_name() == name) return true;
   return false;
 }

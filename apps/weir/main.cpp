@@ -21,6 +21,7 @@
 #include "apps/weir/scenes_command.h"
 #include "apps/weir/standard_streams.h"
 #include "apps/weir/studio_command.h"
+#include "apps/weir/sweep/sweep_command.h"
 #include "apps/weir/upgrade_command.h"
 #include "apps/weir/validate_command.h"
 #include "framework/base/build_info.h"
@@ -100,6 +101,7 @@ int runProgram(Program& program, int argc, char** argv) {
   app.set_version_flag("--version", std::string(version()));
   app.require_subcommand(1);
   RunCommand run(app, program);
+  SweepCommand sweep(app, program);
   RenderCommand render(app, program);
   BenchCommand bench(app, program);
   StudioCommand studio(app, program);
@@ -161,6 +163,7 @@ int runProgram(Program& program, int argc, char** argv) {
                      "from plugins, see 'weir info'");
   }
   if (run.command().parsed()) return run.run();
+  if (sweep.command().parsed()) return sweep.run();
   if (render.command().parsed()) return render.run();
   if (bench.command().parsed()) return bench.run(commandLine(argc, argv));
   if (studio.command().parsed()) return studio.run();

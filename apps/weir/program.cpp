@@ -1,12 +1,11 @@
 #include "apps/weir/program.h"
 
-#include <sys/auxv.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <string_view>
 
+#include "apps/weir/program_file.h"
 #include "framework/base/text.h"
 #include "framework/graph/plugin_probe.h"
 #include "nodes/register_nodes.h"
@@ -19,11 +18,7 @@ namespace {
 
 /// The installation or build tree that the program runs from: the folder above bin/.
 fs::path prefix() {
-  std::error_code error;
-  fs::path executable = fs::read_symlink("/proc/self/exe", error);
-  // Where /proc is not mounted, as in some containers: the path that the program was started by.
-  if (error) executable = fs::canonical(reinterpret_cast<const char*>(getauxval(AT_EXECFN)), error);
-  return executable.parent_path().parent_path();
+  return programFile().parent_path().parent_path();
 }
 
 bool isInPluginFolder(const fs::path& file) {

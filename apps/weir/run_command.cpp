@@ -29,6 +29,7 @@ namespace {
 
 constexpr int kMaxThreads = 1024;
 constexpr int kMaxRanks = 256;
+constexpr std::string_view kNewest = "auto";  // of --resume
 
 /// Writes --stats, and warns of what must stay rare.
 class StatisticsOutput final : public Observer {
@@ -80,6 +81,11 @@ std::string summaryOf(const Simulation& simulation) {
                      groupedText(simulation.particleCount()));
 }
 
+std::string howItEnded(RunEnd end) {
+  const int code = exitCodeOf(end);
+  return code == kInterrupted ? "interrupted: " : code == kSavedForLater ? "saved, to go on later: " : "";
+}
+
 }  // namespace
 
 RunCommand::RunCommand(CLI::App& app, Program& program)
@@ -124,9 +130,11 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->type_name("N|Ns")
       ->capture_default_str();
   command_
-      ->add_option("--resume", resume_,
-                   "Go on from a checkpoint of the same scene; outputs go on behind what they have")
-      ->type_name("FILE.h5");
+      ->add_option(
+          "--resume", resume_,
+          "Go on from a checkpoint of the same scene; outputs go on behind what they have. auto: from "
+          "the newest whole one of --checkpoint, or from the start where there is none")
+      ->type_name("FILE.h5|auto");
   command_->add_flag("--profile-kernels", profileKernels_, "Time every kernel, not only every module");
   command_->add_flag(
       "--deterministic", deterministic_,
@@ -196,6 +204,8 @@ std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
 
 std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation) const {
   if (resume_.empty()) return std::nullopt;
+  if (resume_ == kNewest)
+    return readNewestCheckpoint(*checkpointStore("checkpoint", checkpoint_), checkpoint_, simulation);
   return weir::readCheckpoint(*checkpointStore("resume", resume_), resume_, simulation);
 }
 
@@ -261,12 +271,15 @@ int RunCommand::runLaunched(LaunchedRanks& launched) const {
   launched.run(work, [&](const std::exception_ptr& error, int rank) {
     return tellOfFailedRank(program_.log(), error, rank);
   });
-  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+  return exitCodeOf(end);
 }
 
 int RunCommand::run() {
   program_.setQuiet(quiet_);
   scene_ = sceneFile(scene_);
+  if (resume_ == kNewest && checkpoint_.empty())
+    throw usageError("--resume auto is given without --checkpoint, whose file it looks for",
+                     "--checkpoint FILE.h5 --resume auto");
   for (auto& [name, launched, source] : program_.registry().createServices<LaunchedRanks>())
     if (launched->present()) return runLaunched(*launched);
   const std::vector<OutputLock> locks = takeOutputPaths();
@@ -279,7 +292,7 @@ int RunCommand::run() {
     end = runScene(std::move(scene), *device, program_.log(), nullptr);
   }
   printResults();
-  return end == RunEnd::kInterrupted ? kInterrupted : kDone;
+  return exitCodeOf(end);
 }
 
 RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& log,
@@ -306,7 +319,7 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
   const RunEnd end = runShown(program_, simulation, makeObservers(), options, quiet_,
                               [last](const Simulation& s) { return ProgressState::of(s, last); });
-  log.info((end == RunEnd::kInterrupted ? "interrupted: " : "") + summaryOf(simulation));
+  log.info(howItEnded(end) + summaryOf(simulation));
   return end;
 }
 

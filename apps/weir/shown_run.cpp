@@ -46,6 +46,11 @@ class MessagesAboveLine {
 
 }  // namespace
 
+int exitCodeOf(RunEnd end) {
+  if (end != RunEnd::kInterrupted) return kDone;
+  return Interruption::warned() && !Interruption::asked() ? kSavedForLater : int{kInterrupted};
+}
+
 RunEnd runShown(Program& program, Simulation& simulation,
                 const std::vector<std::unique_ptr<Observer>>& observers, RunOptions options, bool quiet,
                 const std::function<ProgressState(const Simulation&)>& state) {
@@ -53,8 +58,9 @@ RunEnd runShown(Program& program, Simulation& simulation,
   for (const auto& observer : observers) watching.push_back(observer.get());
   Progress progress([](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
                     terminalWidth, monotonicSeconds);
-  const Interruption interruption;
+  const Interruption interruption(options.checkpoints != nullptr ? OnWarning::kSave : OnWarning::kEnd);
   if (options.stop == nullptr) options.stop = &interruption.asked();
+  options.saveAndStop = &interruption.warned();
   options.onProgress = [&, told = std::move(options.onProgress)](const Simulation& s) {
     if (told) told(s);
     if (!quiet) progress.update(state(s));

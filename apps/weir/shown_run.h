@@ -1,4 +1,4 @@
-// A run whose progress is shown on stderr, and which Ctrl-C ends.
+// A run whose progress is shown on stderr, and which Ctrl-C and the warnings of queues end.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,15 @@
 
 namespace weir::app {
 
-/// runSimulation, with `stop` and `onProgress` of the options set: shows what `state` says, unless `quiet`.
+/// What a run ends with that a warning (SIGUSR1) has ended, once its checkpoint was saved: EX_TEMPFAIL of
+/// sysexits.h, by which programs ask to be run again later.
+inline constexpr int kSavedForLater = 75;
+
+/// The exit code of such a run.
+int exitCodeOf(RunEnd end);
+
+/// runSimulation, with `stop`, `saveAndStop` and `onProgress` of the options set: shows what `state` says,
+/// unless `quiet`.
 RunEnd runShown(Program& program, Simulation& simulation,
                 const std::vector<std::unique_ptr<Observer>>& observers, RunOptions options, bool quiet,
                 const std::function<ProgressState(const Simulation&)>& state);

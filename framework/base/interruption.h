@@ -1,4 +1,4 @@
-// Ending a run early: Ctrl-C, a polite kill, or a terminal that is closed.
+// Ending a run early: Ctrl-C, a polite kill, a terminal that is closed, or the warning of a queue.
 #pragma once
 
 #include <atomic>
@@ -8,19 +8,28 @@
 
 namespace WEIR_API weir {
 
+/// What SIGUSR1 asks for, which queues send some time before they end a job.
+enum class OnWarning {
+  kEnd,   ///< the same as SIGTERM
+  kSave,  ///< to save, and then to end: warned()
+};
+
 /// While it lives, SIGINT, SIGTERM and SIGHUP ask the run to end at its next step. A second SIGINT or SIGTERM
 /// ends the program at once, as it would have without this. A SIGHUP that nohup has switched off stays so,
 /// and a second one, which many terminals send, changes nothing. A file that may not grow any more (SIGXFSZ)
 /// ends nothing: the write to it fails, and whoever writes says so.
 class Interruption {
  public:
-  Interruption();
+  Interruption();  ///< whose warnings end
+  explicit Interruption(OnWarning onWarning);
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
   /// Of the last one that was made; those who wait for another program look at it, too.
   static const std::atomic<bool>& asked();
+  /// Whether SIGUSR1 has come to the last one that was made, if that saves.
+  static const std::atomic<bool>& warned();
 };
 
 /// What ends an InterruptibleWork.

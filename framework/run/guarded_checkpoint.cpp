@@ -1,6 +1,10 @@
 #include "framework/run/guarded_checkpoint.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "framework/base/text.h"
@@ -35,6 +39,29 @@ class GuardedStore final : public CheckpointStore {
   std::string extension_;
 };
 
+void throwIfForbidden(const fs::path& file) {
+  if (::access(file.c_str(), R_OK) == 0 || errno == ENOENT) return;
+  throw ioError("cannot read the checkpoint: " + std::generic_category().message(errno))
+      .at({.file = file.string()});
+}
+
+std::optional<Checkpoint> readWhole(const CheckpointStore& store, const fs::path& file, Log& log) {
+  try {
+    return store.read(file);
+  } catch (const Error& e) {
+    log.warn(std::string("going on without a checkpoint: ") + e.what());
+    return std::nullopt;
+  }
+}
+
+void throwUnlessBelongs(const Checkpoint& checkpoint, const fs::path& file, const Simulation& simulation) {
+  try {
+    checkBelongs(checkpoint, simulation);
+  } catch (Error& e) {
+    throw e.at({.file = file.string()});
+  }
+}
+
 }  // namespace
 
 std::vector<std::unique_ptr<CheckpointStore>> guardedCheckpointStores(const Registry& registry) {
@@ -59,12 +86,23 @@ std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, con
 
 Checkpoint readCheckpoint(const CheckpointStore& store, const fs::path& file, const Simulation& simulation) {
   Checkpoint checkpoint = store.read(file);
-  try {
-    checkBelongs(checkpoint, simulation);
-  } catch (Error& e) {
-    throw e.at({.file = file.string()});
-  }
+  throwUnlessBelongs(checkpoint, file, simulation);
   return checkpoint;
+}
+
+std::optional<Checkpoint> readNewestCheckpoint(const CheckpointStore& store, const fs::path& file,
+                                               const Simulation& simulation) {
+  for (const fs::path& candidate : {file, Checkpoints::previousOf(file)}) {
+    throwIfForbidden(candidate);
+    if (std::error_code ignored; !fs::exists(candidate, ignored)) continue;
+    std::optional<Checkpoint> found = readWhole(store, candidate, simulation.log());
+    if (!found) continue;
+    throwUnlessBelongs(*found, candidate, simulation);
+    simulation.log().info("going on from " + printable(candidate.string(), 200));
+    return found;
+  }
+  simulation.log().info("there is no whole checkpoint yet: from the start");
+  return std::nullopt;
 }
 
 }  // namespace weir

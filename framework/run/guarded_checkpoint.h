@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "framework/base/api.h"
@@ -22,5 +23,12 @@ std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, con
 /// What the file holds. Throws an io Error that names the file if it does not belong to the simulation.
 Checkpoint readCheckpoint(const CheckpointStore& store, const std::filesystem::path& file,
                           const Simulation& simulation);
+
+/// The same for the newest checkpoint that is whole: what stands at the path, or else the one before it, or
+/// none. The log is told which, and what is wrong with those that are not whole. Throws as readCheckpoint
+/// for one that does not belong to the simulation, and an io Error for one that may not be read.
+std::optional<Checkpoint> readNewestCheckpoint(const CheckpointStore& store,
+                                               const std::filesystem::path& file,
+                                               const Simulation& simulation);
 
 }  // namespace weir

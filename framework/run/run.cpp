@@ -92,11 +92,14 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
     outputs.errors.rethrowIfAny();
     showProgress();
   };
+  bool saved = false;
   const auto showFrame = [&] {
     outputs.showFrame(simulation);
-    if (options.checkpoints != nullptr && options.checkpoints->isDue(simulation)) {
+    const bool ends = options.saveAndStop != nullptr && *options.saveAndStop;
+    if (options.checkpoints != nullptr && (ends || options.checkpoints->isDue(simulation))) {
       outputs.wait();
       options.checkpoints->write(simulation, observers);
+      saved = ends;
     }
     showProgress();
   };
@@ -116,6 +119,7 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
     showFrame();
   }
   while (simulation.frame() < last) {
+    if (saved) return RunEnd::kInterrupted;
     if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
     showFrame();
   }

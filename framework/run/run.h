@@ -18,6 +18,9 @@ struct RunOptions {
   std::optional<std::int64_t> lastFrame;
   /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
   const std::atomic<bool>* stop = nullptr;
+  /// Looked at at each frame: a checkpoint is made at the next one, and the run ends there as interrupted.
+  /// Null: never set. Only with `checkpoints`.
+  const std::atomic<bool>* saveAndStop = nullptr;
   /// Null: no checkpoints are made. The outputs write all that they captured before one is written.
   Checkpoints* checkpoints = nullptr;
   /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.

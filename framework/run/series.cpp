@@ -11,6 +11,7 @@
 
 #include "framework/base/error.h"
 #include "framework/base/file_output.h"
+#include "framework/run/numbers_of.h"
 #include "framework/run/statistics.h"
 #include "framework/scene/scene_file.h"
 
@@ -42,7 +43,7 @@ class SeriesOutput::Table {
   Row rowOf(const Value& frame) {
     constexpr double kMsPerSecond = 1000;
     Row row;
-    addNumbers(row, "", frame);
+    for (auto& [column, number] : numbersOf(frame)) put(row, column, std::move(number));
     const double steps = frame.find("steps")->asDouble(),
                  seconds = frame.find("stepping_seconds")->asDouble();
     if (steps > steps_)
@@ -94,23 +95,6 @@ class SeriesOutput::Table {
   void put(Row& row, const std::string& column, std::string number) {
     add(column);
     row[column] = std::move(number);
-  }
-
-  /// Adds the numbers below a value.
-  void addNumbers(Row& row, const std::string& path, const Value& value) {
-    const auto below = [&](const std::string& name) { return path.empty() ? name : path + "." + name; };
-    if (value.isObject()) {
-      // The nodes' names are enough to tell their numbers apart.
-      for (const auto& [name, member] : value.asObject())
-        addNumbers(row, path.empty() && name == "nodes" ? "" : below(name), member);
-    } else if (value.isInt()) {
-      put(row, path, fmt::format("{}", value.asInt()));
-    } else if (value.isNumber()) {
-      put(row, path, fmt::format("{}", value.asDouble()));
-    } else if (value.isArray() && value.asArray().size() == 3 && value.asArray()[0].isNumber()) {
-      for (std::size_t i = 0; i < 3; ++i)
-        addNumbers(row, below(std::string(1, "xyz"[i])), value.asArray()[i]);
-    }
   }
 
   std::vector<std::string> columns_;
