@@ -16,10 +16,13 @@ void Joint::validate() const {
   if (!(weir::length(axis.get()) > 0))
     throw sceneError("the axis has no length", "an axis such as [0, 1, 0]").inParameter(axis.name());
   checkLimits();
-  if (other.linked() && other.links().front() == body.links().front())
-    throw sceneError("both ends are the same body", "two bodies, or one and the world");
   if (motor && effort.get() != 0)
     throw sceneError("both a motor and an effort are given", "one of them").inParameter(effort.name());
+}
+
+void Joint::configure(const SetupContext&) {
+  if (other.linked() && other.links().front() == body.links().front())
+    throw sceneError("both ends are the same body", "two bodies, or one and the world");
 }
 
 void Joint::checkLimits() const {

@@ -98,6 +98,7 @@ class Joint final : public Node {
   Output<JointLink> joint{*this, "joint", "For the BodyContacts of these bodies."};
 
   void validate() const override;
+  void configure(const SetupContext& context) override;
   void reset(const SetupContext&) override {}
 
   /// Between bodies with these numbers.
