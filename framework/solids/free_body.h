@@ -4,11 +4,12 @@
 // The state holds the centre of mass c, its velocity v, the rotation R of the mesh and the angular momentum L
 // about c. Between forces, with ω = (R·I·Rᵀ)⁻¹·L,
 //
-//   v ← v + dt·g,   c ← c + dt·v,   dR/dt = ω × R,   L constant
+//   v ← v + dt·(g + F/m),   c ← c + dt·v,   dR/dt = ω × R,   L ← L + dt·T
 //
-// as particles of a fluid fly, so that a body falls with the water around it. R follows by Runge-Kutta's
-// fourth-order method in steps of at most kLongestTurn; L is exact. What is held by a lock, a component of
-// v or ω along an axis of the world, is 0, and so are its forces: whatever holds it takes them up.
+// as particles of a fluid fly, so that a body falls with the water around it. F and T are what the user
+// applies. R follows by Runge-Kutta's fourth-order method in steps of at most kLongestTurn; L is exact. What
+// is held by a lock, a component of v or ω along an axis of the world, is 0, and so are its forces: whatever
+// holds it takes them up.
 #pragma once
 
 #include <cmath>
@@ -179,6 +180,13 @@ struct BodyMass {
   }
 };
 
+/// What a user does to a body: a force [N] at its centre of mass, and a torque [N·m], both along the axes of
+/// the world.
+struct AppliedForce {
+  Vec3d force, torque;
+  friend bool operator==(const AppliedForce&, const AppliedForce&) = default;
+};
+
 struct BodyState {
   Vec3d center;    ///< m
   Quatd rotation;  ///< of the mesh
@@ -226,10 +234,12 @@ WEIR_HD inline Quatd spun(const BodyMass& mass, Quatd q, const Vec3d& spin, doub
   return q;
 }
 
-/// Where a body is after `dt` s by gravity (m/s²) alone.
-WEIR_HD inline BodyState flown(const BodyMass& mass, BodyState state, const Vec3d& gravity, double dt) {
-  const SolidImpulse push = mass.taken({dt * gravity, {}});
+/// Where a body is after `dt` s by gravity (m/s²) and what is applied alone.
+WEIR_HD inline BodyState flown(const BodyMass& mass, BodyState state, const Vec3d& gravity, double dt,
+                               const AppliedForce& applied = {}) {
+  const SolidImpulse push = mass.taken({dt * (gravity + applied.force / mass.mass), dt * applied.torque});
   state.velocity += push.linear;
+  state.spin += push.angular;
   state.center += dt * state.velocity;
   if (dot(state.spin, state.spin) > 0) state.rotation = spun(mass, state.rotation, state.spin, dt);
   return state;
@@ -241,12 +251,15 @@ struct FreeBody {
 
   // Within a step, from where a fluid places the body until its node moves it on.
   std::int64_t placed = 0;  ///< whether a fluid has placed it in this step
-  BodyState predicted;      ///< at the end of the step by gravity alone
+  BodyState predicted;      ///< at the end of the step by gravity and what is applied alone
   Twist displacement;       ///< from there, by what the fluid's pressure does, as far as the solver has come
   Twist searched;           ///< the displacement at which the solids near particles were found
   Twist change;             ///< of the displacement, in this iteration
   Twist motion;             ///< its velocities, as far as they are known
   SolidImpulse received;    ///< from fluids, about the centre of mass
+
+  BodyState before;      ///< at the beginning of the last step
+  AppliedForce applied;  ///< by the user, in steps to come
 };
 
 }  // namespace weir

@@ -19,10 +19,12 @@ double Solid::maxMemory(const TriangleMesh& mesh) {
 }
 
 SolidView Solid::view(double time, double dt) {
-  const Pose end = motion_->poseAt(time + dt);
+  if (body_ != nullptr) prepare_();
+  // Where a body is, is known on the device.
+  const Pose end = body_ != nullptr ? Pose{} : motion_->poseAt(time + dt);
   return {.tree = tree_.view(),
           .clearance = clearance_.view(),
-          .begin = dt > 0 ? motion_->poseAt(time) : end,
+          .begin = dt > 0 && body_ == nullptr ? motion_->poseAt(time) : end,
           .end = end,
           .predicted = end,
           .inverseDt = dt > 0 ? static_cast<float>(1 / dt) : 0.0f,
@@ -32,7 +34,7 @@ SolidView Solid::view(double time, double dt) {
           .carved = carved_->data(),
           .noSlip = surface_.noSlip,
           .slip = surface_.slip,
-          .pivot = motion_->pivotAt(time + dt),
+          .pivot = body_ != nullptr ? Vec3f{} : motion_->pivotAt(time + dt),
           .impulse = impulse_->data(),
           .body = body_};
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "framework/base/api.h"
 #include "framework/geometry/clearance_grid.h"
@@ -72,8 +74,11 @@ class Solid final : public Stateful {
   Vec3f pivotAt(double time) const { return motion_->pivotAt(time); }
   const SolidSurface& surface() const { return surface_; }
   /// From now on forces move it: the body, on the device, which must outlive the solid. The motion then says
-  /// where it is at frames.
-  void follow(FreeBody& body) { body_ = &body; }
+  /// where it is at frames. `prepare` is called before each step, and whenever the solid is placed.
+  void follow(FreeBody& body, std::function<void()> prepare) {
+    body_ = &body;
+    prepare_ = std::move(prepare);
+  }
   bool isMovedByForces() const { return body_ != nullptr; }
 
   /// One sum, on the device, to which fluids add what they do in each step.
@@ -89,6 +94,7 @@ class Solid final : public Stateful {
   FreeBody* body_ = nullptr;
   State<Array<SolidImpulse>> impulse_;
   State<Array<int>> carved_;  // one
+  std::function<void()> prepare_;
 };
 
 }  // namespace weir

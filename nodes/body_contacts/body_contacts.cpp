@@ -33,7 +33,8 @@ HeldBody BodyContacts::heldBody(const SetupContext& context, std::size_t k) cons
                 .mass = body.massOf(),
                 .start = body.state(),
                 .friction = body.wallFriction,
-                .restitution = body.restitution};
+                .restitution = body.restitution,
+                .shape = body.contactShape};
   for (std::size_t i = 0; i < body.walls.size(); ++i)
     for (const BoundaryPiece& piece : body.walls[i].pieces) {
       if (piece.isMesh && context.device.kind() != DeviceKind::kCpu)
@@ -43,6 +44,20 @@ HeldBody BodyContacts::heldBody(const SetupContext& context, std::size_t k) cons
       held.walls.push_back(piece);
     }
   return held;
+}
+
+const RigidMotion* BodyContacts::motionOfSolid(std::size_t k) const {
+  for (const InputPort* input : solids.links()[k]->links()) {
+    const Node* const node = &input->node();
+    if (dynamic_cast<const RigidBody*>(node) != nullptr) continue;  // its mesh elsewhere
+    if (const auto* motion = dynamic_cast<const RigidMotion*>(node)) return motion;
+  }
+  return nullptr;
+}
+
+Pose BodyContacts::poseOfSolid(std::size_t k, double time) const {
+  const RigidMotion* const motion = motionOfSolid(k);
+  return motion != nullptr ? motion->poseAt(time) : Pose{};
 }
 
 HeldJoint BodyContacts::heldJoint(std::size_t k) const {
@@ -66,37 +81,39 @@ void BodyContacts::checkOverlap(const BodyDynamics::Overlap& overlap) const {
 void BodyContacts::reset(const SetupContext& context) {
   dynamics_ = makeDynamics(context);
   std::vector<HeldBody> held;
-  std::vector<const TriangleMesh*> still;
+  std::vector<HeldSolid> solid;
   std::vector<HeldJoint> jointed;
-  before_->clear();
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    held.push_back(heldBody(context, k));
-    before_->push_back(held.back().start);
-  }
-  for (std::size_t k = 0; k < solids.size(); ++k) still.push_back(&solids[k]);
+  for (std::size_t k = 0; k < bodies.size(); ++k) held.push_back(heldBody(context, k));
+  for (std::size_t k = 0; k < solids.size(); ++k)
+    solid.push_back({.mesh = &solids[k], .start = poseOfSolid(k, 0)});
   for (std::size_t k = 0; k < joints.size(); ++k) jointed.push_back(heldJoint(k));
   BodyDynamics::Overlap overlap;
   callGuarded(
       source_, [&] { return hookText("", "set", source_); },
-      [&] { overlap = dynamics_->set(std::move(held), still, std::move(jointed)); });
+      [&] { overlap = dynamics_->set(std::move(held), std::move(solid), std::move(jointed)); });
   checkOverlap(overlap);
 }
 
 void BodyContacts::step(const StepContext& context) {
   constexpr double kSteps = 2;  // of a fall: what is slower does not bounce
   std::vector<BodyDynamics::Motion> motions;
+  std::vector<SolidWay> ways;
   std::vector<JointDrive> drives;
-  for (std::size_t k = 0; k < bodies.size(); ++k)
-    motions.push_back({.before = (*before_)[k], .after = bodies[k].body->state()});
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const FreeBody body = bodies[k].body->stepped();
+    motions.push_back({.before = body.before, .after = body.state});
+  }
+  for (std::size_t k = 0; k < solids.size(); ++k)
+    ways.push_back({poseOfSolid(k, context.time), poseOfSolid(k, context.time + context.dt)});
   for (std::size_t k = 0; k < joints.size(); ++k) drives.push_back(joints[k].joint->drive());
   callGuarded(
       source_, [&] { return hookText("", "step", source_); },
-      [&] { dynamics_->step(motions, drives, context.dt, kSteps * context.dt * length(context.gravity)); });
+      [&] {
+        dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity));
+      });
   held_ = 0;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
+  for (std::size_t k = 0; k < bodies.size(); ++k)
     if (motions[k].held) bodies[k].body->place(motions[k].after), ++held_;
-    (*before_)[k] = motions[k].after;
-  }
 }
 
 void BodyContacts::report(NodeReport& report) {

@@ -25,7 +25,8 @@ class BodyContacts final : public Node {
   const NodeInfo& info() const override { return kInfo; }
 
   Inputs<BodyLink> bodies{*this, "bodies", "The bodies; they keep out of their walls as well.", true};
-  Inputs<TriangleMesh> solids{*this, "solids", "Meshes that do not move, where they stand."};
+  Inputs<TriangleMesh> solids{*this, "solids",
+                              "Meshes that bodies do not enter: at rest, or moved by a SemiAnalyticalSFI."};
   Inputs<JointLink> joints{*this, "joints", "What holds them."};
 
   void configure(const SetupContext& context) override;
@@ -37,11 +38,13 @@ class BodyContacts final : public Node {
   int numberOf(const RigidBody& body, const Node& joint) const;
   HeldBody heldBody(const SetupContext& context, std::size_t k) const;
   HeldJoint heldJoint(std::size_t k) const;
+  /// What moves a solid; null if it is at rest.
+  const RigidMotion* motionOfSolid(std::size_t k) const;
+  Pose poseOfSolid(std::size_t k, double time) const;
   std::unique_ptr<BodyDynamics> makeDynamics(const SetupContext& context);
   /// Throws a scene Error if bodies start within each other or within solids.
   void checkOverlap(const BodyDynamics::Overlap& overlap) const;
 
-  State<std::vector<BodyState>> before_{*this, "before"};  // of each body, at the beginning of the step
   std::unique_ptr<BodyDynamics> dynamics_;
   std::string source_;
   std::int64_t held_ = 0;  // bodies, in the last step

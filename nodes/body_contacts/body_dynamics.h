@@ -6,6 +6,7 @@
 // do not enter each other or solids, bounce and rub; the body then stands where the changed velocities lead.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -13,11 +14,12 @@
 #include "framework/base/api.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/solids/free_body.h"
+#include "nodes/rigid_body/body_contact.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace WEIR_API weir {
 
-enum class JointKind { kFixed, kHinge, kSlider, kSpring };
+enum class JointKind { kFixed, kHinge, kSlider, kSpring, kBall };
 
 /// A body as it starts. Mesh and pieces must outlive the library's use of them.
 struct HeldBody {
@@ -25,7 +27,19 @@ struct HeldBody {
   BodyMass mass;
   BodyState start;
   double friction = 0, restitution = 0;
+  ContactShape shape = ContactShape::kMesh;
   std::vector<BoundaryPiece> walls;  ///< by signed distance, on the host
+};
+
+/// A mesh that bodies do not enter; it must outlive the library's use of it.
+struct HeldSolid {
+  const TriangleMesh* mesh = nullptr;
+  Pose start;
+};
+
+/// Of a solid in a step, whatever hits it.
+struct SolidWay {
+  Pose begin, end;
 };
 
 /// Between bodies a and b, or a and the world where b is -1. All places are those at the start.
@@ -35,6 +49,8 @@ struct HeldJoint {
   Vec3d anchor, otherAnchor;                      ///< m; the other is the spring's end on b
   Vec3d axis{0, 1, 0};                            ///< of a hinge or a slider, of length 1
   double stiffness = 0, damping = 0, length = 0;  ///< of a spring: N/m, N·s/m, m
+  /// Of a hinge or a slider: how far a may turn or move relative to b, from the start; rad or m.
+  std::optional<std::array<double, 2>> limits;
 };
 
 /// What a joint's motor does in a step.
@@ -57,14 +73,14 @@ class BodyDynamics {
     double depth = 0;    ///< m
   };
 
-  /// What there is from now on. Solids are meshes that do not move; a body has its own friction and
-  /// restitution at them. Returns the deepest overlap at the start.
-  virtual Overlap set(std::vector<HeldBody> bodies, const std::vector<const TriangleMesh*>& solids,
+  /// What there is from now on. A body has its own friction and restitution at solids. Returns the deepest
+  /// overlap at the start.
+  virtual Overlap set(std::vector<HeldBody> bodies, std::vector<HeldSolid> solids,
                       std::vector<HeldJoint> joints) = 0;
-  /// Motions in the order of the bodies, drives in that of the joints. What comes out depends on the
-  /// arguments and on set() alone. Velocities below `slow` m/s do not bounce.
-  virtual void step(std::vector<Motion>& motions, const std::vector<JointDrive>& drives, double dt,
-                    double slow) = 0;
+  /// Motions in the order of the bodies, ways in that of the solids, drives in that of the joints. What comes
+  /// out depends on the arguments and on set() alone. Velocities below `slow` m/s do not bounce.
+  virtual void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
+                    const std::vector<JointDrive>& drives, double dt, double slow) = 0;
 };
 
 }  // namespace weir

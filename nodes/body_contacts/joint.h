@@ -12,10 +12,11 @@ namespace WEIR_API weir {
 
 template <>
 struct EnumNames<JointKind> {
-  static constexpr std::array<EnumName, 4> kNames{
+  static constexpr std::array<EnumName, 5> kNames{
       EnumName{"fixed", "Nothing moves."}, EnumName{"hinge", "Turns about the axis alone."},
       EnumName{"slider", "Moves along the axis alone."},
-      EnumName{"spring", "Pulls the two ends together, and pushes them apart."}};
+      EnumName{"spring", "Pulls the two ends together, and pushes them apart."},
+      EnumName{"ball", "Turns about the anchor in any way."}};
 };
 
 class Joint;
@@ -28,8 +29,9 @@ struct JointLink {
 
 class Joint final : public Node {
  public:
-  static constexpr NodeInfo kInfo{"Joint", "Holds a body to another one or to the world.",
-                                  "hinge, slider, spring, motor, constraint, axle, wheel, pendulum, weld"};
+  static constexpr NodeInfo kInfo{
+      "Joint", "Holds a body to another one or to the world.",
+      "hinge, slider, spring, ball, socket, motor, constraint, axle, wheel, pendulum, weld"};
   const NodeInfo& info() const override { return kInfo; }
 
   Joint() { joint->joint = this; }
@@ -40,6 +42,14 @@ class Joint final : public Node {
                     "axis",
                     {0, 1, 0},
                     {.doc = "At the start; of any length but 0.", .onlyFor = "kind: hinge, slider"}};
+  Param<std::optional<Vec2f>> limits{
+      *this,
+      "limits",
+      std::nullopt,
+      {.doc =
+           "How far the body may turn (degrees) or move (m) relative to the other, from its start: the least "
+           "and the most, with 0 between them. Without limits if it is left out.",
+       .onlyFor = "kind: hinge, slider"}};
   Param<Vec3f> otherAnchor{
       *this,
       "other_anchor",
@@ -88,11 +98,15 @@ class Joint final : public Node {
   Output<JointLink> joint{*this, "joint", "For the BodyContacts of these bodies."};
 
   void validate() const override;
+  void configure(const SetupContext& context) override;
   void reset(const SetupContext&) override {}
 
   /// Between bodies with these numbers.
   HeldJoint between(int a, int b) const;
   JointDrive drive() const;
+
+ private:
+  void checkLimits() const;
 };
 
 }  // namespace weir

@@ -15,7 +15,7 @@ struct PlaceBody {
     FreeBody& body = *solid.body;
     const bool moves = dt > 0;
     body.placed = moves ? 1 : 0;
-    body.predicted = moves ? flown(body.mass, body.state, gravity, dt) : body.state;
+    body.predicted = moves ? flown(body.mass, body.state, gravity, dt, body.applied) : body.state;
     body.displacement = body.searched = body.change = {};
     // While it only stands there, fluid that meets it must not be carried along.
     body.motion = moves ? twistOf(body.mass, body.predicted) : Twist{};

@@ -16,8 +16,9 @@ struct MoveOn {
 
   WEIR_HD void operator()(std::int64_t) const {
     FreeBody& b = *body;
+    b.before = b.state;
     if (!b.placed) {
-      b.predicted = flown(b.mass, b.state, gravity, dt);
+      b.predicted = flown(b.mass, b.state, gravity, dt, b.applied);
       b.displacement = {};
       b.received = {};
     }

@@ -19,6 +19,9 @@
 
 namespace WEIR_API weir {
 
+/// What of a body others touch.
+enum class ContactShape { kMesh, kHull };
+
 struct ContactMaterial {
   double friction = 0, restitution = 0;
 };

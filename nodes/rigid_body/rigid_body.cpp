@@ -20,6 +20,10 @@ namespace weir {
 
 namespace {
 
+bool isFinite(const Vec3d& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 Value toValue(const Vec3d& v) {
   return Value::Array{v.x, v.y, v.z};
 }
@@ -139,6 +143,27 @@ void RigidBody::place(const BodyState& to) {
   body_->assign(std::vector<FreeBody>{moved});
 }
 
+void RigidBody::placeMesh(const Quatd& turn, const Vec3d& translation, const Twist& motion) {
+  const double length = std::sqrt(turn.w * turn.w + turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+  if (!isFinite(translation) || !isFinite(motion.linear) || !isFinite(motion.angular) ||
+      !(std::abs(length - 1) < 1e-3))
+    throw usageError("found a place or a velocity that is not finite, or a rotation that is none",
+                     "finite numbers, and a quaternion w, x, y, z of length 1")
+        .inNode(name());
+  BodyState to;
+  to.rotation = normalized(turn);
+  to.center = translation + rotate(to.rotation, start_.mass.center);
+  setMotion(to, start_.mass, motion);
+  place(to);
+  shown_ = earlier_ = to;
+}
+
+void RigidBody::setMotion(BodyState& of, const BodyMass& mass, const Twist& motion) {
+  const SolidImpulse allowed = mass.taken({motion.linear, motion.angular});
+  of.velocity = allowed.linear;
+  of.spin = mass.taken({{}, product(mass.matrix(of.rotation), {{}, allowed.angular}).angular}).angular;
+}
+
 void RigidBody::findOthers() {
   others_.clear();
   surface_.reset();
@@ -214,12 +239,7 @@ BodyState RigidBody::stateAtStart(const BodyMass& of) const {
   BodyState state;
   state.center = of.center + doubleOf(position);
   state.rotation = normalized(Quatd{turned.w, turned.x, turned.y, turned.z});
-  const SolidImpulse moved = of.taken({doubleOf(velocity), {}});
-  state.velocity = moved.linear;
-  Twist spin{{}, doubleOf(angularVelocity)};
-  for (int k = 0; k < 3; ++k)
-    if (of.locked >> (k + 3) & 1) spin.angular[k] = 0;
-  state.spin = of.taken({{}, product(of.matrix(state.rotation), spin).angular}).angular;
+  setMotion(state, of, {doubleOf(velocity), doubleOf(angularVelocity)});
   return state;
 }
 
@@ -260,6 +280,7 @@ void RigidBody::reset(const SetupContext& context) {
   start_.state = start_.predicted = stateAtStart(start_.mass);
   start_.motion = twistOf(start_.mass, start_.state);
   shown_ = earlier_ = start_.state;
+  told_ = {};
   shownTime_ = 0;
   checkPlace();
   radius_ = 0;
@@ -283,7 +304,7 @@ void RigidBody::meetFluid(const SetupContext& context, const TriangleMesh& shape
   const SolidSurface surface{.kind = SolidKind::kSolid, .friction = friction, .noSlip = noSlip, .slip = slip};
   parts_->push_back(std::make_unique<Solid>(
       context.device, simplified(shape, kDeviation * double(spacing())).mesh, surface, *this, spacing()));
-  parts_->front()->follow(*body_->data());
+  parts_->front()->follow(*body_->data(), [this] { tellApplied(); });
   forces->solids.push_back({from, {}, {}});
   findOthers();
   if (water() != nullptr) warnOfWalls(context.log);
@@ -302,7 +323,15 @@ double RigidBody::longestStep(const StepContext& next, double cfl) {
                    length(next.gravity));
 }
 
+void RigidBody::tellApplied() {
+  const AppliedForce now{doubleOf(appliedForce), doubleOf(appliedTorque)};
+  if (now == told_) return;
+  told_ = now;
+  body_->device().upload(&body_->data()->applied, &now, sizeof now);
+}
+
 void RigidBody::step(const StepContext& context) {
+  tellApplied();
   contact_.step(*body_, context.gravity, context.dt, /*holds=*/!isHeld());
 }
 
@@ -323,9 +352,6 @@ void RigidBody::frame(const StepContext& context) {
 }
 
 void RigidBody::checkState(double time) const {
-  const auto isFinite = [](const Vec3d& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-  };
   const Quatd& q = shown_.rotation;
   if (isFinite(shown_.center) && isFinite(shown_.velocity) && isFinite(shown_.spin) &&
       std::isfinite(q.w + q.x + q.y + q.z))
@@ -343,9 +369,16 @@ void RigidBody::save(const StateWriter& to) const {
 void RigidBody::restore(const StateReader& from) {
   shown_ = earlier_ = state();
   shownTime_ = lastFrame_;
+  told_ = stepped().applied;
   if (forces->solids.empty()) return;
   from.in("forces").get("force", forces->solids.front().force);
   from.in("forces").get("torque", forces->solids.front().torque);
+}
+
+BodyState RigidBody::shownAt(double time) const {
+  if (time > shownTime_) return state();
+  if (!(time > 0) && shownTime_ > 0) return start_.state;
+  return time < shownTime_ ? earlier_ : shown_;
 }
 
 Pose RigidBody::poseAt(double time) const {

@@ -31,6 +31,13 @@ namespace WEIR_API weir {
 class ParticleFluid;
 class RigidBody;
 
+template <>
+struct EnumNames<ContactShape> {
+  static constexpr std::array<EnumName, 2> kNames{
+      EnumName{"mesh", "Its mesh."},
+      EnumName{"hull", "About its convex hull, of some 40 points, which is faster; hollows are filled."}};
+};
+
 /// A body, as what holds it with others takes it.
 struct BodyLink {
   static constexpr std::string_view kPortType = "RigidBody";
@@ -90,6 +97,22 @@ class RigidBody final : public Node, public RigidMotion {
       0.2f,
       {.min = 0, .max = 1, .doc = "Share of its speed with which it bounces off its walls."}};
 
+  Param<ContactShape> contactShape{*this,
+                                   "contact_shape",
+                                   ContactShape::kMesh,
+                                   {.doc = "What of it other bodies and solids touch, by BodyContacts."}};
+  Param<Vec3f> appliedForce{*this,
+                            "applied_force",
+                            {},
+                            {.unit = "N",
+                             .animated = true,
+                             .doc = "A force on its centre of mass, besides those of fluids.",
+                             .also = "thrust, propeller, push, pull, control, actuator"}};
+  Param<Vec3f> appliedTorque{*this,
+                             "applied_torque",
+                             {},
+                             {.unit = "N*m", .animated = true, .doc = "A torque, besides those of fluids."}};
+
   Inputs<Particles> fluid{*this, "fluid", "The fluid that moves it."};
   Input<TriangleMesh> mesh{*this, "mesh", "Its surface: closed, facing outwards."};
   Inputs<Boundary> walls{*this, "walls", "Boundaries that it does not enter."};
@@ -109,8 +132,8 @@ class RigidBody final : public Node, public RigidMotion {
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
 
-  /// At the last frame; for earlier times at the one before, as far as that is known; at time 0, at the
-  /// start.
+  /// At the last frame; for earlier times at the one before, as far as that is known; for later ones as it is
+  /// now, for which it waits for the device; at time 0, at the start.
   Pose poseAt(double time) const override;
   /// The centre of mass.
   Vec3f pivotAt(double time) const override;
@@ -118,9 +141,14 @@ class RigidBody final : public Node, public RigidMotion {
   /// From its reset on.
   const BodyMass& massOf() const { return start_.mass; }
   /// As it is now. Waits for the device.
-  BodyState state() const { return body_->toHost().front().state; }
+  BodyState state() const { return stepped().state; }
+  /// With what the last step has begun from.
+  FreeBody stepped() const { return body_->toHost().front(); }
   /// Between steps.
   void place(const BodyState& to);
+  /// The same by a user, who puts its mesh there and gives it velocities, in m/s and rad/s. What is fixed of
+  /// them stays 0. Throws a usage Error if a number is not finite, or the rotation is none.
+  void placeMesh(const Quatd& turn, const Vec3d& translation, const Twist& motion);
   /// Of the mesh about the centre of mass, m.
   double radius() const { return radius_; }
 
@@ -129,6 +157,8 @@ class RigidBody final : public Node, public RigidMotion {
   /// Throws a scene Error if the mesh encloses nothing, or nothing that is certain.
   void checkMesh(const TriangleMesh& shape) const;
   BodyState stateAtStart(const BodyMass& mass) const;
+  /// Without what is locked.
+  static void setMotion(BodyState& of, const BodyMass& mass, const Twist& motion);
   /// Throws a scene Error if the body starts outside the fluid's domain or in a wall.
   void checkPlace() const;
   void meetFluid(const SetupContext& context, const TriangleMesh& shape);
@@ -148,9 +178,9 @@ class RigidBody final : public Node, public RigidMotion {
   /// Throws an Error if it has met one of them.
   void checkOthers(double time) const;
   std::int64_t lockedAxes() const;
-  const BodyState& shownAt(double time) const {
-    return !(time > 0) ? start_.state : time < shownTime_ ? earlier_ : shown_;
-  }
+  BodyState shownAt(double time) const;
+  /// Brings what is applied to the body, if it has changed.
+  void tellApplied();
   float spacing() const;
 
   State<Array<FreeBody>> body_{*this, "body"};                        // one
@@ -166,6 +196,7 @@ class RigidBody final : public Node, public RigidMotion {
   };
   std::unique_ptr<CrossingMesh> surface_;
   std::vector<Other> others_;
+  AppliedForce told_;          // what the body on the device has
   BodyState shown_, earlier_;  // at the last frame and the one before
   double shownTime_ = 0;       // s
   double radius_ = 0;          // of the mesh about the centre of mass, m

@@ -26,7 +26,7 @@ BulletBody::BulletBody(const HeldBody& of) {
   inertia_ = {inertia[0][0], inertia[1][1], inertia[2][2]};
   const btMatrix3x3 back = axes_.transpose();
   const btTransform frame(back, back * -weir::toBullet(of.mass.center));
-  shape_ = shapeOfBody(*of.mesh, frame);
+  shape_ = shapeOfBody(*of.mesh, frame, of.shape == ContactShape::kHull);
   std::set<std::tuple<float, float, float>> seen;
   for (const Vec3f& v : of.mesh->vertices)
     if (seen.emplace(v.x, v.y, v.z).second) vertices_.push_back(frame * btVector3(v.x, v.y, v.z));

@@ -1,5 +1,6 @@
 #include "plugins/bodies/bullet_shapes.h"
 
+#include <BulletCollision/CollisionShapes/btShapeHull.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
 #include <algorithm>
@@ -59,6 +60,17 @@ std::unique_ptr<btTriangleMesh> trianglesOf(const TriangleMesh& mesh, const btTr
   return triangles;
 }
 
+/// Those farthest along Bullet's 42 directions, which are spread evenly.
+std::vector<btVector3> fewOf(const std::vector<btVector3>& vertices) {
+  btConvexHullShape hull;
+  for (const btVector3& v : vertices) hull.addPoint(v, false);
+  hull.recalcLocalAabb();
+  hull.setMargin(0);  // it would be added
+  btShapeHull few(&hull);
+  if (!few.buildHull(0)) return vertices;
+  return {few.getVertexPointer(), few.getVertexPointer() + few.numVertices()};
+}
+
 std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices) {
   auto hull = std::make_unique<btConvexHullShape>();
   for (const btVector3& v : vertices) hull->addPoint(v, false);
@@ -69,12 +81,12 @@ std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices)
 
 }  // namespace
 
-BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame) {
+BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool asHull) {
   const std::vector<btVector3> vertices = verticesOf(mesh, frame);
   const Extent of = extentOf(vertices);
   BulletShape made;
-  if (isConvex(mesh, of.size())) {
-    made.shape = hullOf(vertices);
+  if (asHull || isConvex(mesh, of.size())) {
+    made.shape = hullOf(asHull && vertices.size() > kMaxFeatures ? fewOf(vertices) : vertices);
   } else {
     made.triangles = trianglesOf(mesh, frame);
     auto shape = std::make_unique<btGImpactMeshShape>(made.triangles.get());

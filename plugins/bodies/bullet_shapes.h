@@ -23,9 +23,9 @@ struct BulletShape {
   std::unique_ptr<btCollisionShape> shape;
 };
 
-/// Of a body: a convex hull, or else the triangles themselves. `frame` takes points of the mesh to
-/// points of the shape.
-BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame);
+/// Of a body: a convex hull, or else the triangles themselves; if `asHull`, a coarse hull of any mesh.
+/// `frame` takes points of the mesh to points of the shape.
+BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool asHull = false);
 /// Of a solid that does not move.
 BulletShape shapeOfSolid(const TriangleMesh& mesh);
 

@@ -28,6 +28,8 @@ class World final : public btDiscreteDynamicsWorld {
     btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
     if (whenDetected) whenDetected();
   }
+  /// Velocities of what is moved as told are given.
+  void saveKinematicState(btScalar) override {}
 };
 
 btTransform frameAt(const Vec3d& origin, const Vec3d& axis, int column) {
@@ -41,6 +43,21 @@ btTransform frameAt(const Vec3d& origin, const Vec3d& axis, int column) {
     for (int row = 0; row < 3; ++row) basis[row][k] = v[row];
   }
   return btTransform(basis, toBullet(origin));
+}
+
+btTransform toBullet(const Pose& pose) {
+  const auto& [q, t] = pose;
+  return btTransform(btQuaternion(q.x, q.y, q.z, q.w), btVector3(t.x, t.y, t.z));
+}
+
+/// rad, about its direction.
+btVector3 turnBetween(const btTransform& begin, const btTransform& end) {
+  btQuaternion q;
+  (end.getBasis() * begin.getBasis().transpose()).getRotation(q);
+  if (q.w() < 0) q = -q;
+  const btVector3 part(q.x(), q.y(), q.z());
+  const btScalar sine = part.length();
+  return sine > 0 ? part * (2 * std::atan2(sine, q.w()) / sine) : btVector3(0, 0, 0);
 }
 
 /// A point of two bodies.
@@ -76,9 +93,38 @@ struct BulletWorld::Parts {
   std::vector<std::unique_ptr<btTypedConstraint>> constraints;  // null for springs
   std::vector<btPersistentManifold*> atWalls;
   std::vector<char> isHeld;
+  // Angular momenta, as Bullet keeps angular velocities, which change as a body turns; and what they were
+  // computed from before impulses.
+  std::vector<Vec3d> spins;
+  std::vector<BodyState> begun;
   double dt = 0, slow = 0;
 
+  BodyState placeOf(std::size_t k) const {
+    BodyState at;
+    bodies[k].setPlace(at, moving[k]->getWorldTransform());
+    return at;
+  }
+
+  void beginBodies() {
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      begun[k] = placeOf(k);
+      begun[k].spin = spins[k];
+      moving[k]->setAngularVelocity(toBullet(twistOf(held[k].mass, begun[k]).angular));
+    }
+  }
+
+  void endBodies() {
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const BodyMass& mass = held[k].mass;
+      const Vec3d change = fromBullet(moving[k]->getAngularVelocity()) - twistOf(mass, begun[k]).angular;
+      const Twist impulse = product(mass.matrix(begun[k].rotation), {{}, change});
+      spins[k] += mass.taken({{}, impulse.angular}).angular;
+    }
+  }
+
   void addBodies() {
+    spins.resize(held.size());
+    begun.resize(held.size());
     for (std::size_t k = 0; k < held.size(); ++k) {
       const BodyMass& mass = held[k].mass;
       moving.push_back(
@@ -89,6 +135,7 @@ struct BulletWorld::Parts {
       body.setAngularFactor({isFree(3), isFree(4), isFree(5)});
       body.setActivationState(DISABLE_DEACTIVATION);
       body.setUserIndex(int(k));
+      body.setFlags(0);  // its spin is ours
       body.setWorldTransform(bodies[k].transformOf(held[k].start));
       world.addRigidBody(&body);
     }
@@ -98,6 +145,8 @@ struct BulletWorld::Parts {
     for (const BulletShape& solid : solids) {
       still.push_back(std::make_unique<btRigidBody>(0, nullptr, solid.shape.get()));
       still.back()->setUserIndex(kSolid);
+      still.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+      still.back()->setActivationState(DISABLE_DEACTIVATION);
       world.addRigidBody(still.back().get());
     }
   }
@@ -108,16 +157,28 @@ struct BulletWorld::Parts {
   }
   btRigidBody& bodyOf(int k) { return k < 0 ? fixed : *moving[std::size_t(k)]; }
 
+  static void limit(btHingeConstraint& hinge, const std::array<double, 2>& to) {
+    constexpr btScalar kSoftness = 1, kBias = 0.3, kBounce = 0;
+    hinge.setLimit(to[0], to[1], kSoftness, kBias, kBounce);
+  }
+
   std::unique_ptr<btTypedConstraint> constraintOf(const HeldJoint& joint) {
     if (joint.kind == JointKind::kSpring) return nullptr;
     btRigidBody &a = bodyOf(joint.a), &b = bodyOf(joint.b);
     const btTransform frame = frameAt(joint.anchor, joint.axis, joint.kind == JointKind::kSlider ? 0 : 2);
     const btTransform inA = startOf(joint.a).inverse() * frame, inB = startOf(joint.b).inverse() * frame;
-    if (joint.kind == JointKind::kHinge) return std::make_unique<btHingeConstraint>(a, b, inA, inB);
+    if (joint.kind == JointKind::kHinge) {
+      auto hinge = std::make_unique<btHingeConstraint>(a, b, inA, inB);
+      if (joint.limits) limit(*hinge, *joint.limits);
+      return hinge;
+    }
+    if (joint.kind == JointKind::kBall)
+      return std::make_unique<btPoint2PointConstraint>(a, b, inA.getOrigin(), inB.getOrigin());
     if (joint.kind == JointKind::kFixed) return std::make_unique<btFixedConstraint>(a, b, inA, inB);
     auto slider = std::make_unique<btSliderConstraint>(a, b, inA, inB, true);
-    slider->setLowerLinLimit(1);
-    slider->setUpperLinLimit(-1);  // none
+    // Bullet counts how far b is from a; 1 and -1 are none.
+    slider->setLowerLinLimit(joint.limits ? -(*joint.limits)[1] : 1);
+    slider->setUpperLinLimit(joint.limits ? -(*joint.limits)[0] : -1);
     slider->setLowerAngLimit(0);
     slider->setUpperAngLimit(0);
     return slider;
@@ -282,7 +343,7 @@ struct BulletWorld::Parts {
 
   void driveSlider(btSliderConstraint& slider, const HeldJoint& joint, const JointDrive& drive) {
     slider.setPoweredLinMotor(drive.speed.has_value());
-    slider.setTargetLinMotorVelocity(drive.speed.value_or(0));
+    slider.setTargetLinMotorVelocity(-drive.speed.value_or(0));  // Bullet's is that of b
     slider.setMaxLinMotorForce(drive.effort);
     if (drive.speed) return;
     const btVector3 push = drive.effort * dt * axisOf(joint);
@@ -328,11 +389,28 @@ BulletWorld::~BulletWorld() {
   parts_->world.removeRigidBody(&parts_->fixed);
 }
 
-void BulletWorld::place(std::size_t k, const BodyState& at, const Twist& motion) {
+void BulletWorld::place(std::size_t k, const BodyState& at) {
   btRigidBody& body = *parts_->moving[k];
   body.setCenterOfMassTransform(parts_->bodies[k].transformOf(at));
-  body.setLinearVelocity(toBullet(motion.linear));
-  body.setAngularVelocity(toBullet(motion.angular));
+  body.setLinearVelocity(toBullet(at.velocity));
+  parts_->spins[k] = at.spin;
+}
+
+void BulletWorld::moveSolids(const std::vector<SolidWay>& ways, double share, double dt) {
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const btTransform begin = toBullet(ways[k].begin), end = toBullet(ways[k].end);
+    const btVector3 way = end.getOrigin() - begin.getOrigin();
+    const btVector3 turn = turnBetween(begin, end);
+    btRigidBody& solid = *parts_->still[k];
+    btTransform at = begin;
+    at.setOrigin(begin.getOrigin() + share * way);
+    if (turn.length2() > 0)
+      at.setBasis(btMatrix3x3(btQuaternion(turn.normalized(), share * turn.length())) * begin.getBasis());
+    solid.setWorldTransform(at);
+    solid.setInterpolationWorldTransform(at);
+    solid.setLinearVelocity(way / dt);
+    solid.setAngularVelocity(turn / dt);
+  }
 }
 
 void BulletWorld::doNotBounceBelow(double slow) {
@@ -342,8 +420,10 @@ void BulletWorld::doNotBounceBelow(double slow) {
 
 void BulletWorld::step(const std::vector<JointDrive>& drives, double dt) {
   parts_->dt = dt;
+  parts_->beginBodies();
   for (std::size_t k = 0; k < drives.size(); ++k) parts_->drive(k, drives[k]);
   parts_->world.stepSimulation(dt, 0);
+  parts_->endBodies();
   parts_->markHeld();
   parts_->forgetWalls();
 }
@@ -353,14 +433,11 @@ bool BulletWorld::isHeld(std::size_t k) const {
 }
 
 BodyState BulletWorld::stateOf(std::size_t k) const {
-  const btRigidBody& body = *parts_->moving[k];
-  const BodyMass& mass = parts_->held[k].mass;
-  BodyState state;
-  parts_->bodies[k].setPlace(state, body.getWorldTransform());
-  const SolidImpulse moved = mass.taken({fromBullet(body.getLinearVelocity()), {}});
+  BodyState state = parts_->placeOf(k);
+  const SolidImpulse moved =
+      parts_->held[k].mass.taken({fromBullet(parts_->moving[k]->getLinearVelocity()), parts_->spins[k]});
   state.velocity = moved.linear;
-  const Twist spin = product(mass.matrix(state.rotation), {{}, fromBullet(body.getAngularVelocity())});
-  state.spin = mass.taken({{}, spin.angular}).angular;
+  state.spin = moved.angular;
   return state;
 }
 

@@ -15,7 +15,10 @@ class BulletWorld {
               const std::vector<BulletShape>& solids, const std::vector<HeldJoint>& joints);
   ~BulletWorld();
 
-  void place(std::size_t k, const BodyState& at, const Twist& motion);
+  /// There, with its velocities.
+  void place(std::size_t k, const BodyState& at);
+  /// To where they are after that share of a step of `dt` s, with their velocities.
+  void moveSolids(const std::vector<SolidWay>& ways, double share, double dt);
   /// Speeds below this, in m/s.
   void doNotBounceBelow(double slow);
   /// Bodies move without forces but for those of contacts and joints.

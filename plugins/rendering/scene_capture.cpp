@@ -84,7 +84,7 @@ std::shared_ptr<const StillScene> SceneCapture::collectStill(const Simulation& s
   checkNames(simulation);
   auto still = std::make_shared<StillScene>();
   for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
-    addSurface(**output, node, motionOf(*output), *still);
+    for (const MovedMesh& moved : movedMeshes(*output)) addSurface(**output, node, moved, *still);
   for (const auto& node : simulation.scene().graph.nodes()) {
     const auto* boundary = dynamic_cast<const StaticBoundary*>(node.get());
     if (boundary != nullptr && boundary->shape != BoundaryShape::kNone)
@@ -116,6 +116,9 @@ void SceneCapture::checkFollowed(const Simulation& simulation, const std::string
   };
   const SceneGraph& graph = simulation.scene().graph;
   if (puts(outputsOf<Particles>(graph)) || puts(outputsOf<TriangleMesh>(graph))) return;
+  for (const auto& [_, output] : outputsOf<TriangleMesh>(graph))
+    for (const MovedMesh& moved : movedMeshes(*output))
+      if (moved.name == followed) return;
   throw sceneError("the node " + inQuotes(followed) + " cannot be followed: it has no particles and no mesh",
                    "a node that puts out Particles or a mesh")
       .at({.file = simulation.scene().file, .pointer = pointer});
@@ -142,15 +145,18 @@ const SurfaceSettings* SceneCapture::settingsOf(const std::string& node) const {
   return nullptr;
 }
 
-void SceneCapture::addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
+void SceneCapture::addSurface(const TriangleMesh& mesh, const std::string& node, const MovedMesh& moved,
                               StillScene& still) {
-  const SurfaceSettings* own = settingsOf(node);
+  const RigidMotion* const motion = moved.motion;
+  const SurfaceSettings* own = settingsOf(moved.name);
+  if (own == nullptr) own = settingsOf(node);
   if (mesh.empty() || (own != nullptr && !own->visible)) return;
   const Pose start = motion != nullptr ? motion->poseAt(0) : Pose{};
   for (const Vec3f& vertex : mesh.vertices) still.bounds.extend(start.toWorld(vertex));
   static const SurfaceSettings kUsual;
   const SurfaceSettings& look = own != nullptr ? *own : kUsual;
-  still.surfaces.push_back({.node = node, .mesh = mesh, .look = look.look, .color = look.shownColor()});
+  still.surfaces.push_back(
+      {.node = moved.name, .from = node, .mesh = mesh, .look = look.look, .color = look.shownColor()});
   if (look.look == SurfaceLook::kWater) still.surfaces.back().water = waterView(*look.water, 0, 0);
   motions_.push_back(motion);
 }
@@ -166,7 +172,7 @@ void SceneCapture::addShape(const Shape& shape, const std::string& node, StillSc
     return;
   }
   if (!shape.inverted) {
-    addSurface(meshOfShape(shape), node, nullptr, still);
+    addSurface(meshOfShape(shape), node, {node, nullptr}, still);
     return;
   }
   for (const Line& line : outlineOfShape(shape)) {

@@ -15,7 +15,7 @@
 #include "framework/particles/particle_set.h"
 #include "framework/particles/particles.h"
 #include "framework/run/observer.h"
-#include "framework/solids/solid.h"
+#include "framework/solids/motion_of.h"
 #include "nodes/fluid_surface/fluid_mesher.h"
 #include "plugins/rendering/render_settings.h"
 #include "plugins/rendering/view.h"
@@ -26,7 +26,8 @@ namespace weir::rendering {
 struct StillScene {
   /// A mesh in the frame of its node; where that is at a frame, the snapshot's poses say.
   struct Surface {
-    std::string node;  ///< that puts the mesh out
+    std::string node;  ///< its name (movedMeshes())
+    std::string from;  ///< the node that puts the mesh out
     TriangleMesh mesh;
     SurfaceLook look = SurfaceLook::kMatt;
     Color color;
@@ -112,7 +113,7 @@ class SceneCapture {
  private:
   std::shared_ptr<const StillScene> collectStill(const Simulation& simulation);
   void addShape(const Shape& shape, const std::string& node, StillScene& still);
-  void addSurface(const TriangleMesh& mesh, const std::string& node, const RigidMotion* motion,
+  void addSurface(const TriangleMesh& mesh, const std::string& node, const MovedMesh& moved,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
   void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot);

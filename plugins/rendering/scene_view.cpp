@@ -108,7 +108,9 @@ void SceneView::takeStill(const StillScene& still) {
     if (surface.water) surfaceWaters_.push_back(*surface.water);
   }
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
-    if (still.surfaces[i].node != *camera_.follow || followedSurface_) continue;
+    const bool isFollowed =
+        still.surfaces[i].node == *camera_.follow || still.surfaces[i].from == *camera_.follow;
+    if (!isFollowed || followedSurface_) continue;
     followedSurface_ = i;
     Aabb box;
     for (const Vec3f& vertex : still.surfaces[i].mesh.vertices) box.extend(vertex);

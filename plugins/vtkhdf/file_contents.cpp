@@ -107,10 +107,12 @@ FileContents contentsOf(const VtkHdfReader& reader) {
   const auto text = [&](const char* name) {
     return reader.hasText(name) ? reader.text(name) : std::string();
   };
-  FileContents contents{
-      .kind = reader.hasText("surfaces") ? "an export of surfaces" : "an export of particles",
-      .entries = {},
-      .scene = text("scene")};
+  const bool ofMeshes = reader.hasText("surfaces") || reader.hasText("solids");
+  FileContents contents{.kind = !ofMeshes                  ? "an export of particles"
+                                : reader.hasText("solids") ? "an export of solids"
+                                                           : "an export of surfaces",
+                        .entries = {},
+                        .scene = text("scene")};
   const auto add = [&](std::string name, std::string value) {
     if (!value.empty()) contents.entries.push_back({std::move(name), std::move(value)});
   };
@@ -120,12 +122,13 @@ FileContents contentsOf(const VtkHdfReader& reader) {
   add("frames", groupedText(static_cast<std::int64_t>(times.size())));
   add("fluids", commaList(text("fluids")));
   add("surfaces", commaList(text("surfaces")));
+  add("solids", commaList(text("solids")));
   if (!times.empty()) {
     add("times", fmt::format("{:.6g} s to {:.6g} s", times.front(), times.back()));
     const FrameCounts first = countsOf(reader, 0);
     FrameCounts last = first;
     for (std::size_t frame = 1; frame < times.size(); ++frame) last = countsOf(reader, frame);
-    add(own && !reader.hasText("surfaces") ? "particles" : "points", range(first.points, last.points));
+    add(own && !ofMeshes ? "particles" : "points", range(first.points, last.points));
     if (first.triangles + last.triangles > 0) add("triangles", range(first.triangles, last.triangles));
     std::vector<std::string> attributes;
     for (const VtkHdfArray& array : reader.readLast().arrays)
@@ -133,7 +136,7 @@ FileContents contentsOf(const VtkHdfReader& reader) {
     add("attributes", joinNames(attributes, ", "));
   }
   // An export of particles has the statistics once its run has ended.
-  if (own && !reader.hasText("surfaces"))
+  if (own && !ofMeshes)
     add("run", reader.hasText("statistics") ? "has ended" : "goes on, or was stopped before its end");
   if (!contents.scene.empty()) add("nodes", nodesOf(contents.scene));
   return contents;

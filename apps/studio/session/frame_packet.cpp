@@ -174,9 +174,9 @@ Packet FrameMaker::make(const Simulation& simulation, const FrameView& view) {
     if (!fluid) fluid = std::make_unique<FluidFrame>(device_);
     fluids.push(fluid->make(node, **output, view, writer_));
   }
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
-    if (const RigidMotion* motion = motionOf(*output))
-      poses[node] = poseValue(motion->poseAt(simulation.time()));
+  for (const auto& [_, output] : outputsOf<TriangleMesh>(simulation.scene().graph))
+    for (const auto& [name, motion] : movedMeshes(*output))
+      if (motion != nullptr) poses[name] = poseValue(motion->poseAt(simulation.time()));
   header["fluids"] = std::move(fluids);
   header["poses"] = std::move(poses);
   return writer_.finish(header);
@@ -187,15 +187,19 @@ Packet geometryPacket(const Simulation& simulation) {
   Value header = Value::object();
   header["kind"] = "geometry";
   Value meshes = Value::array();
-  for (const auto& [node, output] : outputsOf<TriangleMesh>(simulation.scene().graph)) {
+  for (const auto& [_, output] : outputsOf<TriangleMesh>(simulation.scene().graph)) {
     const TriangleMesh& mesh = **output;
-    Value v = Value::object();
-    v["node"] = node;
-    v["vertexCount"] = static_cast<std::int64_t>(mesh.vertices.size());
-    v["triangleCount"] = static_cast<std::int64_t>(mesh.triangles.size());
-    v["vertices"] = writer.add(std::span<const Vec3f>(mesh.vertices));
-    v["triangles"] = writer.add(std::span<const Vec3i>(mesh.triangles));
-    meshes.push(std::move(v));
+    const std::int64_t vertices = writer.add(std::span<const Vec3f>(mesh.vertices));
+    const std::int64_t triangles = writer.add(std::span<const Vec3i>(mesh.triangles));
+    for (const MovedMesh& moved : movedMeshes(*output)) {
+      Value v = Value::object();
+      v["node"] = moved.name;
+      v["vertexCount"] = static_cast<std::int64_t>(mesh.vertices.size());
+      v["triangleCount"] = static_cast<std::int64_t>(mesh.triangles.size());
+      v["vertices"] = vertices;
+      v["triangles"] = triangles;
+      meshes.push(std::move(v));
+    }
   }
   header["meshes"] = std::move(meshes);
   return writer.finish(header);

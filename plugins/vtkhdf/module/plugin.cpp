@@ -6,6 +6,7 @@
 #include "plugins/vtkhdf/file_contents.h"
 #include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/particle_export.h"
+#include "plugins/vtkhdf/solid_export.h"
 #include "plugins/vtkhdf/surface_export.h"
 #include "plugins/vtkhdf/vtkhdf_mesh_reader.h"
 #include "plugins/vtkhdf/vtkhdf_particle_reader.h"
@@ -35,6 +36,7 @@ WEIR_PLUGIN("vtkhdf",
   registry.addSection<ExportSettings>("export", "What --export writes: attributes, frames, precision.");
   registry.addService<OutputKind>("vtkhdf", [] { return std::make_unique<ParticleExportKind>(); });
   registry.addService<OutputKind>("vtkhdf surfaces", [] { return std::make_unique<SurfaceExportKind>(); });
+  registry.addService<OutputKind>("vtkhdf solids", [] { return std::make_unique<SolidExportKind>(); });
   registry.addService<MeshReader>("vtkhdf", [] { return std::make_unique<VtkHdfMeshReader>(); });
   registry.addService<ParticleReader>("vtkhdf", [] { return std::make_unique<VtkHdfParticleReader>(); });
   registry.addService<RecordingReader>("vtkhdf", [] { return std::make_unique<VtkHdfRecordingReader>(); });

@@ -80,6 +80,53 @@ TEST(RigidBody, TumblesAsATopWithoutTorque) {
   EXPECT_GT(length(twistOf(body.massOf(), after).angular - twistOf(body.massOf(), before).angular), 0.01);
 }
 
+/// F/m and I⁻¹·T, besides gravity, as keyframes say.
+TEST(RigidBody, AppliedForcesMoveIt) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SimulatedScene scene(*device, bodyScene(R"("mass": 3, "applied_force": [1.5, 30, 0],
+        "applied_torque": {"keyframes": [[0, [0, 0.2, 0]], [1, [0, 0.2, 0]], [1.0001, [0, 0, 0]]]})"));
+    scene->reset();
+    const BodyState state = stateAfter(scene, 40);
+    EXPECT_NEAR(state.velocity.x, 2 * 0.5, 1e-9);
+    EXPECT_NEAR(state.velocity.y, 0, 1e-9);
+    EXPECT_NEAR(state.center.x, 0.5 * 0.5 * 4 + 0.5 * 0.5 * 2 * 0.005, 1e-9);
+    EXPECT_NEAR(state.spin.y, 0.2, 0.2 * 0.01);  // a step more or less
+  }
+}
+
+TEST(RigidBody, FixedAxesTakeUpAppliedForces) {
+  const auto device = openDevice("cpu");
+  SimulatedScene scene(*device, bodyScene(R"("mass": 3, "fixed": "xy", "fixed_rotation": "y",
+      "applied_force": [1, 1, 3], "applied_torque": [0, 5, 0])"));
+  scene->reset();
+  const BodyState state = stateAfter(scene, 20);
+  EXPECT_EQ(state.velocity.x, 0);
+  EXPECT_EQ(state.velocity.y, 0);
+  EXPECT_NEAR(state.velocity.z, 1, 1e-9);
+  EXPECT_EQ(state.spin.y, 0);
+}
+
+TEST(RigidBody, IsPlacedBetweenSteps) {
+  const auto device = openDevice("cpu");
+  SimulatedScene scene(*device, bodyScene(R"("mass": 3, "fixed": "z")"));
+  scene->reset();
+  auto& body = const_cast<RigidBody&>(scene.node<RigidBody>("body"));
+  stateAfter(scene, 3);
+  const double half = std::sqrt(0.5);
+  body.placeMesh({half, 0, half, 0}, {1, 2, 3}, {{4, 5, 6}, {0, 7, 0}});
+  EXPECT_EQ(body.state().center, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(body.state().velocity, (Vec3d{4, 5, 0}));
+  EXPECT_NEAR(twistOf(body.massOf(), body.state()).angular.y, 7, 1e-12);
+  EXPECT_EQ(body.poseAt(0.15).translation, (Vec3f{1, 2, 3}));
+  EXPECT_NEAR(stateAfter(scene, 20).center.x, 5, 1e-9);
+  EXPECT_CONTAINS(errorOf([&] {
+                    body.placeMesh({2, 0, 0, 0}, {}, {});
+                  }).what(),
+                  "a quaternion w, x, y, z of length 1");
+  EXPECT_CONTAINS(errorOf([&] { body.placeMesh({}, {NAN, 0, 0}, {}); }).what(), "not finite");
+}
+
 TEST(RigidBody, FixedAxesHoldIt) {
   const auto device = openDevice("cpu");
   SimulatedScene scene(*device, bodyScene(R"("mass": 3, "fixed": "yz", "fixed_rotation": "xyz",

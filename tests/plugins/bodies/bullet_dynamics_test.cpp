@@ -321,6 +321,171 @@ TEST(BulletDynamics, MeshesThatDoNotMoveHoldBodies) {
   }
 }
 
+/// A few particles far away, as what moves solids needs a fluid.
+void addFarFluid(Boxes& boxes) {
+  boxes.nodes +=
+      R"("drop": {"type": "BoxSampler", "params": {"min": [50, 50, 50], "max": [50.2, 50.2, 50.2]}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.1, "rest_steps": 0}}, )";
+  boxes.links += R"("drop.particles -> water.initial", "water.fluid -> moved.fluid", )";
+}
+
+TEST(BulletDynamics, AMovingSolidPushesABodyAtItsSpeed) {
+  Boxes boxes;
+  boxes.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0.2, 0.05, 0], "restitution": 0)");
+  addFarFluid(boxes);
+  boxes.nodes +=
+      R"("pusher": {"type": "BoxMesh", "params": {"min": [-0.1, 0.01, -0.2], "max": [0, 0.2, 0.2]}},
+      "moved": {"type": "SemiAnalyticalSFI", "params": {"velocity": [0.5, 0, 0]}}, )";
+  boxes.links += R"("pusher.surface -> moved.solids", "pusher.surface -> contacts.solids", )";
+  Trial run(boxes);
+  run.advance(20);
+  const BodyState state = run.state();
+  std::printf("pushed to %.5f m, at %.5f m/s\n", state.center.x, state.velocity.x);
+  EXPECT_NEAR(state.center.x, 0.5 + 0.05, 1e-3);
+  EXPECT_NEAR(state.velocity.x, 0.5, 0.01);
+}
+
+/// Friction carries it along on a circle, as ω²·r < μ·g.
+TEST(BulletDynamics, ATurntableCarriesABody) {
+  Boxes boxes{.floor = ""};
+  boxes.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0.3, 0.05, 0], "wall_friction": 0.5,
+                                    "velocity": [0, 0, -0.3], "angular_velocity": [0, 1, 0])");
+  addFarFluid(boxes);
+  boxes.nodes += R"("table": {"type": "TurningModel", "params": {"segments": 32,
+                              "profile": [[0, -0.1], [0.5, -0.1], [0.5, 0], [0, 0]]}},
+      "moved": {"type": "SemiAnalyticalSFI", "params": {"angular_velocity": [0, 1, 0]}}, )";
+  boxes.links += R"("table.surface -> moved.solids", "table.surface -> contacts.solids", )";
+  Trial run(boxes);
+  run.advance(40);
+  const BodyState state = run.state();
+  const double angle = std::atan2(-state.center.z, state.center.x);
+  const Vec3d side = rotate(state.rotation, Vec3d{1, 0, 0});
+  std::printf("carried to %.4f rad at %.4f m, turned by %.4f rad\n", angle,
+              std::hypot(state.center.x, state.center.z), std::atan2(-side.z, side.x));
+  EXPECT_NEAR(angle, 2, 0.01);
+  EXPECT_NEAR(std::hypot(state.center.x, state.center.z), 0.3, 3e-3);
+  EXPECT_NEAR(std::atan2(-side.z, side.x), 2, 0.05);
+}
+
+/// The rod would fall to hang down; it stops 30 degrees below the horizontal.
+TEST(BulletDynamics, AHingeStopsAtItsLimit) {
+  for (const bool turned : {false, true}) {
+    Boxes boxes{.floor = ""};
+    boxes.add({0.1, 0.01, 0.01}, turned ? R"("density": 500, "position": [-0.1, 0, 0])"
+                                        : R"("density": 500, "position": [0.1, 0, 0])");
+    boxes.join(turned ? R"("axis": [0, 0, 1], "limits": [-10, 30])"
+                      : R"("axis": [0, 0, 1], "limits": [-30, 10])");
+    Trial run(boxes);
+    run.advance(60);
+    const Vec3d center = run.state().center;
+    const double below = std::atan2(-center.y, std::abs(center.x)) * 180 / std::numbers::pi;
+    std::printf("hangs %.3f degrees below the horizontal, turns by %.2g rad/s\n", below,
+                length(run.motion().angular));
+    EXPECT_NEAR(below, 30, 0.5);
+    EXPECT_LT(length(run.motion().angular), 0.02);
+  }
+}
+
+TEST(BulletDynamics, ASliderStopsAtItsLimits) {
+  for (const double way : {1, -1}) {
+    Boxes boxes{.floor = ""};
+    boxes.add({0.05, 0.05, 0.05}, R"("density": 500)");
+    boxes.join(fmt::format(R"("kind": "slider", "axis": [0, {}, 0], "limits": [{}, {}])", way,
+                           way > 0 ? -0.3 : -0.1, way > 0 ? 0.1 : 0.3));
+    Trial run(boxes);
+    run.advance(60);
+    EXPECT_NEAR(run.state().center.y, -0.3, 1e-3);
+    EXPECT_LT(length(run.state().velocity), 1e-2);
+  }
+}
+
+/// Of the body relative to the world, along the axis.
+TEST(BulletDynamics, AMotorMovesASlider) {
+  Boxes boxes{.gravity = 0, .floor = ""};
+  boxes.add({0.05, 0.05, 0.05}, R"("density": 500)");
+  boxes.join(R"("kind": "slider", "axis": [1, 0, 0], "motor": true, "speed": 0.2, "max_effort": 50)");
+  Trial run(boxes);
+  run.advance(20);
+  EXPECT_NEAR(run.state().velocity.x, 0.2, 2e-3);
+  EXPECT_NEAR(run.state().center.x, 0.2, 5e-3);
+}
+
+/// A top precesses steadily, its axis level, at Ω = m·g·l/(I₃·ω): level, this is exact at any rate.
+TEST(BulletDynamics, ATopPrecesses) {
+  Boxes boxes{.floor = ""};
+  constexpr double kRate = 60, kArm = 0.1, kRadius = 0.05, kSide = 0.1;
+  // Along x, of square section; two moments of a square prism are equal, so it is a symmetric top.
+  const double mass = 1, inertia = mass * (kSide * kSide) / 6,
+               precession = mass * kGravity * kArm / (inertia * kRate);
+  boxes.add({0.02, kRadius, kRadius}, fmt::format(R"("mass": 1, "position": [{}, 0, 0],
+      "angular_velocity": [{}, {}, 0], "velocity": [0, 0, {}])",
+                                                  kArm, kRate, precession, -precession * kArm));
+  boxes.join(R"("kind": "ball", "anchor": [0, 0, 0])");
+  Trial run(boxes);
+  double turned = 0, last = 0, lowest = 0;
+  for (int frame = 0; frame < 20; ++frame) {
+    run.advance(1);
+    const Vec3d c = run.state().center;
+    const double angle = std::atan2(-c.z, c.x);
+    turned += std::remainder(angle - last, 2 * std::numbers::pi);
+    last = angle;
+    lowest = std::min(lowest, c.y);
+  }
+  std::printf("a top precesses by %.5f of %.5f rad, and sinks by %.2g m\n", turned, precession, -lowest);
+  EXPECT_NEAR(turned / precession, 1, 0.005);
+  EXPECT_NEAR(lowest, 0, 0.002);
+  EXPECT_NEAR(length(run.state().center), kArm, 1e-4);
+}
+
+/// A bowl that stands on its rim over a box, whose hollow it would fill as a hull; and one that is a hull.
+TEST(BulletDynamics, HollowBodiesKeepTheirHollow) {
+  for (const bool hull : {false, true}) {
+    Boxes boxes;
+    boxes.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.0501, 0], "restitution": 0)");
+    boxes.nodes += fmt::format(R"("cup": {{"type": "TurningModel", "params": {{"segments": 24,
+          "profile": [[0, 0.23], [0.15, 0.23], [0.15, 0], [0.12, 0], [0.12, 0.2], [0, 0.2]]}}}},
+        "b1": {{"type": "RigidBody", "params": {{"density": 500, "restitution": 0, "position": [0, {}, 0],
+                "contact_shape": "{}"}}}}, )",
+                               hull ? 0.11 : 0.01, hull ? "hull" : "mesh");
+    boxes.links +=
+        R"("cup.surface -> b1.mesh", "b1.body -> contacts.bodies", "floor.boundary -> b1.walls", )";
+    Trial run(boxes);
+    run.advance(30);
+    const double rim = run.state(1).center.y - run.body(1).massOf().center.y;
+    std::printf("the rim is at %.5f m, the box at %.5f m; the cup moves at %.2g m/s\n", rim,
+                run.state().center.y, length(run.state(1).velocity));
+    EXPECT_NEAR(rim, hull ? 0.1 : 0, 2e-3);
+    EXPECT_NEAR(run.state().center.y, 0.05, 2e-3);
+    EXPECT_LT(length(run.state(1).velocity), 0.02);
+  }
+}
+
+/// The friction is √(μ₁·μ₂): of three boxes on a fourth that is tilted, those slide whose own is too little.
+TEST(BulletDynamics, BodiesOfSeveralMaterialsHaveTheirOwnFriction) {
+  const double slope = 0.3, angle = std::atan(slope), degrees = angle * 180 / std::numbers::pi;
+  Boxes boxes{.floor = ""};
+  boxes.add({0.5, 0.05, 0.5}, fmt::format(R"("density": 500, "rotation": [0, 0, {}], "wall_friction": 0.4,
+                                             "fixed": "xyz", "fixed_rotation": "xyz")",
+                                          degrees));
+  const double frictions[] = {0.1, 0.2, 0.4};  // √(0.4·μ): 0.2, 0.283, 0.4
+  for (int k = 0; k < 3; ++k)
+    boxes.add({0.04, 0.04, 0.04}, fmt::format(R"("density": 500, "rotation": [0, 0, {}], "wall_friction": {},
+        "restitution": 0, "position": [{}, {}, {}])",
+                                              degrees, frictions[k], -0.09 * std::sin(angle),
+                                              0.09 * std::cos(angle), 0.2 * (k - 1)));
+  Trial run(boxes);
+  run.advance(10);
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d start{-0.09 * std::sin(angle), 0.09 * std::cos(angle), 0.2 * (k - 1)};
+    const double friction = std::sqrt(0.4 * frictions[k]);
+    const double way =
+        friction > slope ? 0 : 0.125 * kGravity * (std::sin(angle) - friction * std::cos(angle));
+    const double slid = length(run.state(1 + k).center - start);
+    std::printf("friction %.3f at a slope of %.3f: slid by %.5f of %.5f m\n", friction, slope, slid, way);
+    EXPECT_NEAR(slid, way, 0.05 * way + 1e-3);
+  }
+}
+
 TEST(BulletDynamics, TheSameBitsForAnyNumberOfThreadsAndOnResume) {
   Boxes boxes = stack(3);
   boxes.add({0.04, 0.03, 0.05}, R"("density": 700, "rotation": [10, 20, 30], "position": [0.03, 0.5, 0.01])");
@@ -397,6 +562,14 @@ TEST(BulletDynamics, RefusesBadInput) {
   lonely.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
   lonely.join(R"("axis": [0, 0, 0])");
   EXPECT_CONTAINS(refusalOf(lonely), "the axis has no length");
+  lonely.nodes.clear(), lonely.links.clear(), lonely.count = 0;
+  lonely.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  lonely.join(R"("kind": "slider", "limits": [0.1, 0.2])");
+  EXPECT_CONTAINS(refusalOf(lonely), "found limits of 0.1 and 0.2");
+  lonely.nodes.clear(), lonely.links.clear(), lonely.count = 0;
+  lonely.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
+  lonely.join(R"("limits": [-200, 0])");
+  EXPECT_CONTAINS(refusalOf(lonely), "both between -175 and 175 degrees");
   Boxes stranger;
   stranger.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [0, 0.1, 0])");
   stranger.join(R"("kind": "fixed")");
