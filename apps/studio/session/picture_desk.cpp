@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/studio/session/carried_scene.h"
 #include "framework/graph/guard.h"
 
 namespace weir::studio {
@@ -76,11 +77,12 @@ void PictureDesk::forget(ClientId client) {
   seen_.erase(client);
 }
 
-void PictureDesk::startVideo(std::filesystem::path file, const LivePictureOptions& options) {
+void PictureDesk::startVideo(std::filesystem::path file, const LivePictureOptions& options,
+                             std::string scene) {
   if (!pictures_) throw noPictures();
   const std::lock_guard lock(mutex_);
   if (video_) throw usageError("a video is being made already", "one at a time", "stop it first");
-  video_ = Video{.file = std::move(file), .options = options};
+  video_ = Video{.file = std::move(file), .options = options, .scene = std::move(scene)};
   status_ = {.state = VideoState::kRecording};
   tell(true);
 }
@@ -260,7 +262,11 @@ void PictureDesk::paintVideo(Lock& lock) {
   Video& video = *video_;
   std::optional<Error> problem;
   if (video.frames.empty()) {
-    if (video.started) problem = outside(lock, "finishVideo", [&] { renderer_->finishVideo(); });
+    if (video.started)
+      problem = outside(lock, "finishVideo", [&] {
+        renderer_->finishVideo();
+        carryScene(video.file, video.scene);
+      });
     return endVideo(problem ? VideoState::kFailed : VideoState::kDone, problem);
   }
   const HeldPointer held = video.frames.front();

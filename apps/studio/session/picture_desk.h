@@ -66,7 +66,8 @@ class PictureDesk {
   void forget(ClientId client);
   /// A video has a picture of each frame from now on; serve() must follow. Throws problem(), or a usage Error
   /// if there is a video that is not complete.
-  void startVideo(std::filesystem::path file, const LivePictureOptions& options);
+  /// `scene`, as JSON text, is put into the file where that can carry one, see carryScene.
+  void startVideo(std::filesystem::path file, const LivePictureOptions& options, std::string scene);
   void moveCamera(const LiveCamera& camera);
   void stopVideo();
   VideoStatus video() const;
@@ -98,6 +99,7 @@ class PictureDesk {
   struct Video {
     std::filesystem::path file;
     LivePictureOptions options;
+    std::string scene;
     bool hasFrames = false, started = false, ending = false;
     std::deque<HeldPointer> frames;
   };

@@ -18,6 +18,9 @@ struct RunOrders {
   struct Load {
     std::unique_ptr<Scene> scene;
     std::string device;
+    /// To go on from this frame of the run that is there, or the last one before it that is kept; none: from
+    /// time 0.
+    std::optional<std::int64_t> from = {};
   };
 
   bool serveFirst = false;  ///< the simulation that is there is to be shown to those who asked, see serve

@@ -16,6 +16,7 @@ constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
 constexpr int kNumbersShare = 100;  // they take at most one part in kNumbersShare of the time
 constexpr int kAnswersShare = 40;   // and so do the answers to questions
+constexpr int kStatesShare = 50;    // and the states to go on from
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {
   const SteadyClock::time_point now = SteadyClock::now();
@@ -44,8 +45,15 @@ std::string_view nameOf(HostState state) {
   return "failed";
 }
 
-SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener& listener, int threads)
-    : registry_(registry), log_(log), listener_(listener), threads_(threads), thread_([this] { work(); }) {}
+SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener& listener, int threads,
+                               std::int64_t maxStateBytes)
+    : registry_(registry),
+      log_(log),
+      listener_(listener),
+      threads_(threads),
+      maxStateBytes_(maxStateBytes),
+      states_(maxStateBytes),
+      thread_([this] { work(); }) {}
 
 SimulationHost::~SimulationHost() {
   quit_ = true;
@@ -65,6 +73,12 @@ void SimulationHost::order(const std::function<void(RunOrders&)>& add) {
 void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
   order([&](RunOrders& orders) {
     orders.addLoad({std::move(scene), std::move(device)});
+    replaced_ = true;
+  });
+}
+void SimulationHost::goOn(std::unique_ptr<Scene> scene, std::string device, std::int64_t frame) {
+  order([&](RunOrders& orders) {
+    orders.addLoad({std::move(scene), std::move(device), frame});
     replaced_ = true;
   });
 }
@@ -124,7 +138,7 @@ RunOrders SimulationHost::takeOrders() {
 void SimulationHost::obey(RunOrders orders) {
   if (orders.serveFirst) listener_.serve(simulation_.get());
   if (orders.view) view_ = *orders.view;
-  if (orders.load) takeScene(std::move(orders.load->scene), orders.load->device);
+  if (orders.load) takeScene(std::move(*orders.load));
   if (simulation_)
     for (const LiveChange& change : orders.changes) apply(change, simulation_->scene());
   if (orders.view && !orders.load && simulation_ && simulation_->atFrame()) tellFrame();
@@ -179,25 +193,29 @@ void SimulationHost::guarded(const std::function<void()>& f) {
   tell(HostState::kFailed);
 }
 
-void SimulationHost::takeScene(std::unique_ptr<Scene> scene, const std::string& device) {
+void SimulationHost::takeScene(RunOrders::Load load) {
+  const RunState from = load.from ? states_.lastUpTo(*load.from) : nullptr;
   // The old simulation gives its memory back first.
   listener_.leaving();
   frames_.reset();
   simulation_.reset();
   problem_.reset();
   pauseAt_.reset();
-  if (!scene) return tell(HostState::kEmpty);
+  if (!from) states_.clear();
+  if (!load.scene) return tell(HostState::kEmpty);
   tell(HostState::kBuilding);
-  if (!device_ || device != deviceName_) device_ = openDevice(device, threads_);
-  deviceName_ = device;
+  if (!device_ || load.device != deviceName_) device_ = openDevice(load.device, threads_);
+  deviceName_ = load.device;
   deviceDescription_ = device_->description();  // which it asks the system for
-  build(std::move(scene));
-  listener_.geometry(geometryPacket(*simulation_));
+  build(std::move(load.scene), from);
+  if (!from) listener_.geometry(geometryPacket(*simulation_));
+  states_.forgetAfter(simulation_->frame());
+  if (from) listener_.wentBack(simulation_->frame());
   tell(HostState::kPaused);
   frameReached();
 }
 
-void SimulationHost::build(std::unique_ptr<Scene> scene) {
+void SimulationHost::build(std::unique_ptr<Scene> scene, const RunState& from) {
   const InterruptibleWork work(&replaced_);
   simulation_ = std::make_unique<Simulation>(std::move(scene), *device_, log_, registry_);
   simulation_->onSetUp([this](std::string_view node, std::size_t done, std::size_t all) {
@@ -208,7 +226,10 @@ void SimulationHost::build(std::unique_ptr<Scene> scene) {
     listener_.status(status());
   });
   try {
-    simulation_->reset();
+    if (from)
+      simulation_->resume(StateReader(*from));
+    else
+      simulation_->reset();
     building_.reset();
   } catch (...) {
     building_.reset();
@@ -243,10 +264,25 @@ void SimulationHost::advanceNow() {
 void SimulationHost::frameReached() {
   tellFrame();
   listener_.reached(*simulation_);
+  keepState();
   if (SteadyClock::now() - counted_ >=
       std::max<SteadyClock::duration>(kNumbersEvery, kNumbersShare * counting_))
     tellNumbers();
   if (isTime(told_, kStatusEvery)) listener_.status(status());
+}
+
+void SimulationHost::keepState() {
+  constexpr std::int64_t kLeastBytes = 36;  // of a particle: its position, velocity, id and two more numbers
+  const SteadyClock::time_point start = SteadyClock::now();
+  if (start - kept_ < kStatesShare * keeping_) return;
+  if (simulation_->particleCount() > maxStateBytes_ / kLeastBytes) return;
+  auto state = std::make_shared<StateArrays>();
+  simulation_->save(StateWriter(*state));
+  // One alone that is too large would be kept for want of another.
+  if (RunState kept = std::move(state); bytesOf(kept) <= maxStateBytes_)
+    states_.add(simulation_->frame(), std::move(kept));
+  kept_ = SteadyClock::now();
+  keeping_ = kept_ - start;
 }
 
 void SimulationHost::tellFrame() {

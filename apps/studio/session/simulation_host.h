@@ -14,6 +14,7 @@
 
 #include "apps/studio/session/busy_share.h"
 #include "apps/studio/session/question_queue.h"
+#include "apps/studio/session/recording.h"
 #include "apps/studio/session/run_orders.h"
 #include "framework/run/simulation.h"
 
@@ -40,6 +41,8 @@ class HostListener {
   virtual void geometry(const Packet& packet) = 0;
   /// The simulation has reached a frame. It waits meanwhile.
   virtual void reached(Simulation& simulation) = 0;
+  /// The run goes on from one of its frames: what it came to after that is not of it any more.
+  virtual void wentBack(std::int64_t frame) = 0;
   /// What serve() has asked for; null if there is no simulation.
   virtual void serve(Simulation* simulation) = 0;
   /// It will be gone when this returns.
@@ -48,8 +51,10 @@ class HostListener {
 
 class SimulationHost {
  public:
-  /// `threads` as for openDevice. Log, registry and listener must outlive it.
-  SimulationHost(const Registry& registry, Log& log, HostListener& listener, int threads);
+  /// `threads` as for openDevice. Log, registry and listener must outlive it. `maxStateBytes` is what the
+  /// states of frames may take that a run can go on from.
+  SimulationHost(const Registry& registry, Log& log, HostListener& listener, int threads,
+                 std::int64_t maxStateBytes);
   /// Ends the simulation within a step.
   ~SimulationHost();
   SimulationHost(const SimulationHost&) = delete;
@@ -60,6 +65,9 @@ class SimulationHost {
   /// Takes another scene and brings it to time 0 on a device, "auto", "cpu", "cuda:0". What was before is
   /// gone, and a scene that was still waiting for its turn or being built is passed over. Null for no scene.
   void load(std::unique_ptr<Scene> scene, std::string device);
+  /// The same from a frame of the run that is there, or the last one before it that is kept, in place of time
+  /// 0. The scene differs from that run's in no more than what may change during a run.
+  void goOn(std::unique_ptr<Scene> scene, std::string device, std::int64_t frame);
   void play();
   void pause();
   void advance(std::int64_t frames);  ///< that many more than were asked for, and then pauses
@@ -86,8 +94,10 @@ class SimulationHost {
   bool mayAnswer() const;
   /// Runs f; what it throws ends the simulation's run, and is told.
   void guarded(const std::function<void()>& f);
-  void takeScene(std::unique_ptr<Scene> scene, const std::string& device);
-  void build(std::unique_ptr<Scene> scene);
+  void takeScene(RunOrders::Load load);
+  /// From a state, or to time 0 where that is null.
+  void build(std::unique_ptr<Scene> scene, const RunState& from);
+  void keepState();
   void advanceBy(std::int64_t frames);
   void advanceNow();
   void frameReached();
@@ -119,10 +129,14 @@ class SimulationHost {
   std::optional<Value> problem_;
   std::optional<Value> building_;
   std::optional<std::int64_t> pauseAt_;  // a frame
+  const std::int64_t maxStateBytes_;
+  KeptStates states_;
   FrameView view_;
   BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
   std::chrono::steady_clock::duration counting_{};            // how long the numbers took then
+  std::chrono::steady_clock::time_point kept_{};              // when a state was kept last
+  std::chrono::steady_clock::duration keeping_{};             // how long that took
   std::chrono::steady_clock::time_point nextAnswer_{};  // no question is answered before, while it plays
 
   std::atomic<bool> quit_ = false;

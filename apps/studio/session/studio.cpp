@@ -67,7 +67,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
             [this](const VideoStatus& video) {
               server_.post([this, video] { tell("video", videoValue(video)); });
             }),
-      host_(registry, log, *this, options_.threads) {
+      host_(registry, log, *this, options_.threads, options_.maxRecordedBytes / 2) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
   saved_ = scene_;
@@ -124,6 +124,7 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
                                                                      {"run.cancel", &Studio::cancel},
                                                                      {"run.step", &Studio::step},
                                                                      {"run.reset", &Studio::reset},
+                                                                     {"run.go_on", &Studio::goOn},
                                                                      {"run.seek", &Studio::seek},
                                                                      {"view.set", &Studio::setView},
                                                                      {"frame.seen", &Studio::confirm},
@@ -256,17 +257,17 @@ void Studio::readScene(const ServedFolder& folder, const std::string& path) {
   lossWarning_ = std::move(opened.warning);
 }
 
-CheckedScene Studio::check() const {
+CheckedScene Studio::check(const Value& scene) const {
   const fs::path folder = folder_.root() / fs::path(path_).parent_path();
-  return checkScene(scene_, path_, folder.string(), registry_,
-                    [&](const Scene& scene) { sceneFiles_.check(scene, folder); });
+  return checkScene(scene, path_, folder.string(), registry_,
+                    [&](const Scene& built) { sceneFiles_.check(built, folder); });
 }
 
 void Studio::takeScene(Value scene, std::string path, ClientId from) {
   scene_ = std::move(scene);
   path_ = std::move(path);
   ++revision_;
-  CheckedScene checked = check();
+  CheckedScene checked = check(scene_);
   problem_ = std::move(checked.problem);
   warnings_ = std::move(checked.warnings);
   if (!lossWarning_.empty()) warnings_.insert(warnings_.begin(), lossWarning_);

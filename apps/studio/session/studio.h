@@ -25,12 +25,13 @@ struct StudioOptions {
   int port = 0;
   std::string device = "auto";
   int threads = 0;
-  std::filesystem::path folder;                               ///< whose files may be read and written
-  std::vector<std::filesystem::path> sceneFolders;            ///< that scenes may read files of, too
-  std::filesystem::path page;                                 ///< the built web page
-  std::filesystem::path templates;                            ///< scenes to start from
-  std::string types;                                          ///< what `weir nodes --json` prints
-  std::int64_t maxRecordedBytes = std::int64_t{1} << 30;      ///< bytes of frames that are kept
+  std::filesystem::path folder;                     ///< whose files may be read and written
+  std::vector<std::filesystem::path> sceneFolders;  ///< that scenes may read files of, too
+  std::filesystem::path page;                       ///< the built web page
+  std::filesystem::path templates;                  ///< scenes to start from
+  std::string types;                                ///< what `weir nodes --json` prints
+  std::int64_t maxRecordedBytes = std::int64_t{1}
+                                  << 30;  ///< bytes of frames that are kept; half as much of states
   std::int64_t largestUpload = ServedFolder::kLargestUpload;  ///< bytes
   std::int64_t maxWaitingBytes = std::int64_t{64} << 20;      ///< bytes for a client before it is closed
 };
@@ -71,6 +72,7 @@ class Studio final : private ServerEvents, private HostListener {
   void frame(std::int64_t frame, const Packet& packet) override;
   void geometry(const Packet& packet) override;
   void reached(Simulation& simulation) override;
+  void wentBack(std::int64_t frame) override;
   void serve(Simulation* simulation) override;
   void leaving() override;
 
@@ -90,6 +92,7 @@ class Studio final : private ServerEvents, private HostListener {
   void cancel(ClientId client, const Value& message, Value& result);
   void step(ClientId client, const Value& message, Value& result);
   void reset(ClientId client, const Value& message, Value& result);
+  void goOn(ClientId client, const Value& message, Value& result);
   void seek(ClientId client, const Value& message, Value& result);
   void setView(ClientId client, const Value& message, Value& result);
   void confirm(ClientId client, const Value& message, Value& result);
@@ -105,8 +108,9 @@ class Studio final : private ServerEvents, private HostListener {
   void stopVideo(ClientId client, const Value& message, Value& result);
   static const std::map<std::string, Command, std::less<>>& commands();
 
-  /// The scene as it is edited.
-  CheckedScene check() const;
+  CheckedScene check(const Value& scene) const;
+  /// Gives a scene to the simulation, which then is that one's.
+  void run(const Value& scene);
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
   /// Whether the simulation has last told that it is in a state.

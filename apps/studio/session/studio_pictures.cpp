@@ -87,7 +87,7 @@ void Studio::startVideo(ClientId client, const Value& message, Value& result) {
     throw usageError("there is no folder for " + inQuotes(path), "a folder that exists");
   if (fs::is_directory(file, error)) throw usageError(inQuotes(path) + " is a folder", "the name of a file");
   requireNew(path);
-  desk_.startVideo(file, options);
+  desk_.startVideo(file, options, writeJsonLine(scene_));
   videoPath_ = path;
   host_.serve();
   result = videoValue(desk_.video());

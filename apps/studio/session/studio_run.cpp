@@ -6,6 +6,7 @@
 #include "apps/studio/session/message.h"
 #include "apps/studio/session/particle_values.h"
 #include "apps/studio/session/studio.h"
+#include "framework/base/text.h"
 #include "framework/compute/device.h"
 
 namespace weir::studio {
@@ -25,17 +26,29 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
     if (device != device_) (void)openDevice(device, options_.threads);
     device_ = device;
   }
-  CheckedScene checked = check();
+  const std::optional<std::string> before = reset_;
+  const Value* other = message.find("scene");
+  if (other != nullptr && !other->isObject()) throw usageError("'scene' is " + other->brief(), "an object");
+  run(other != nullptr ? *other : scene_);
+  if (reset_ != before) tell("scene", sceneValue(), client);
+  result = sceneState();
+  result["device"] = device_;
+}
+
+void Studio::run(const Value& scene) {
+  CheckedScene checked = check(scene);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
-  running_ = check().scene;
-  const bool differed = reset_.has_value();
+  running_ = check(scene).scene;
   reset_.reset();
+  // Where it is another one than is edited.
+  if (!(scene == scene_))
+    if (const CheckedScene edited = check(scene_); edited.scene)
+      reset_ = differenceOf(*running_, *edited.scene).reset;
   recording_.clear();
   geometry_.reset();
   host_.load(std::move(checked.scene), device_);
-  if (differed) tell("scene", sceneValue(), client);
-  result = sceneState();
-  result["device"] = device_;
+  // Before the simulation tells so: it is not as it was any more.
+  status_["state"] = nameOf(HostState::kBuilding);
 }
 
 bool Studio::isState(HostState state) const {
@@ -75,6 +88,23 @@ void Studio::step(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
   if (needsReset()) reset(client, message, result);
   host_.advance(frames);
+}
+
+void Studio::goOn(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
+  if (!running_ || recording_.size() == 0)
+    throw usageError("there is no run to go on from", {}, "play it first");
+  CheckedScene checked = check(scene_);
+  if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
+  if (const auto reset = differenceOf(*running_, *checked.scene).reset)
+    throw usageError(
+        inQuotes(*reset) + " has changed since the run began, so it cannot go on from a frame of it",
+        "changes of what may change during a run", "reset to see the others");
+  running_ = check(scene_).scene;
+  host_.goOn(std::move(checked.scene), device_, frame);
+  status_["state"] = nameOf(HostState::kBuilding);
+  result = sceneState();
 }
 
 void Studio::seek(ClientId client, const Value& message, Value& result) {
@@ -178,6 +208,10 @@ void Studio::frame(std::int64_t frame, const Packet& packet) {
 
 void Studio::reached(Simulation& simulation) {
   desk_.frame(simulation);
+}
+
+void Studio::wentBack(std::int64_t frame) {
+  server_.post([this, frame] { recording_.forgetAfter(frame); });
 }
 
 void Studio::serve(Simulation* simulation) {

@@ -30,6 +30,25 @@ TEST(Packets, HoldHeaderAndArraysWhereTheyAreSaidToBe) {
   EXPECT_EQ(read.find("floats")->asInt() % 8, 0);
 }
 
+TEST(Recordings, GoBackToAFrame) {
+  KeptStates states(1 << 20);
+  EXPECT_EQ(states.lastUpTo(5), nullptr);
+  for (const std::int64_t frame : {0, 3, 6}) states.add(frame, std::make_shared<const StateArrays>());
+  const auto at = [&](std::int64_t frame) { return states.lastUpTo(frame); };
+  EXPECT_EQ(at(5), at(3));
+  EXPECT_NE(at(6), at(3));
+  EXPECT_EQ(at(100), at(6));
+  states.forgetAfter(3);
+  EXPECT_EQ(at(100), at(3));
+  EXPECT_EQ(states.size(), 2u);
+  const std::int64_t bytes = states.bytes();
+  states.add(9, std::make_shared<const StateArrays>(
+                    StateArrays{{"nodes/a", StateArray{.data = std::vector<std::byte>(500)}}}));
+  EXPECT_GT(states.bytes(), bytes + 500);
+  states.forgetAfter(8);
+  EXPECT_EQ(states.bytes(), bytes);
+}
+
 TEST(Recordings, ForgetEverySecondFrameWhereTheyGrowTooLarge) {
   Recording recording(2000);
   const Packet packet = std::make_shared<const std::string>(100, 'x');

@@ -26,6 +26,16 @@ std::string stateOf(const Simulation& simulation, std::int64_t count) {
   return text;
 }
 
+std::string stateOf(const Socket& socket, std::int64_t count) {
+  std::string state;
+  for (std::int64_t id = 0; id < count; ++id) {
+    Value request = parseJson(R"({"id": 8, "do": "particle", "node": "water"})", "request");
+    request["particle"] = id;
+    state += writeJsonLine(*socket.ask(request).find("result")) + "\n";
+  }
+  return state;
+}
+
 TEST(StudioParity, TheRunIsThatOfTheCommandLine) {
   const test::TemporaryFolder folder;
   folder.write("scene.json", kScene);
@@ -55,13 +65,60 @@ TEST(StudioParity, TheRunIsThatOfTheCommandLine) {
   }
   socket.sendText(R"({"id": 7, "do": "run.play"})");
   ASSERT_FALSE(socket.state("finished").isNull());
-  std::string state;
-  for (std::int64_t id = 0; id < count; ++id) {
-    Value request = parseJson(R"({"id": 8, "do": "particle", "node": "water"})", "request");
-    request["particle"] = id;
-    state += writeJsonLine(*socket.ask(request).find("result")) + "\n";
-  }
-  EXPECT_EQ(state, stateOf(simulation, count));
+  EXPECT_EQ(stateOf(socket, count), stateOf(simulation, count));
+}
+
+Value edited(const Socket& socket, const std::function<void(Value& scene)>& change) {
+  Value set = parseJson(R"({"id": 10, "do": "scene.set"})", "request");
+  set["scene"] = parseJson(kScene, "scene");
+  change(set["scene"]);
+  return socket.ask(set);
+}
+
+/// Goes on from a frame, or an earlier one that is kept, and to the end, with a strength of viscosity where
+/// one is given.
+std::string stateAfter(const Socket& socket, std::int64_t frame, std::optional<double> strength,
+                       std::int64_t count) {
+  const Value set = edited(socket, [&](Value& scene) {
+    Value params = Value::object(), module = Value::object(), modules = Value::object();
+    params["strength"] = strength.value_or(0);
+    module["params"] = params;
+    modules["viscosity"] = module;
+    if (strength) scene["nodes"]["water"]["modules"] = modules;
+  });
+  EXPECT_EQ(set.find("result")->find("problem"), nullptr);
+  Value goOn = parseJson(R"({"id": 11, "do": "run.go_on"})", "request");
+  goOn["frame"] = frame;
+  EXPECT_NE(socket.ask(goOn).find("result"), nullptr);
+  EXPECT_LE(socket.state("paused").find("frame")->asInt(), frame);
+  socket.ask(R"({"id": 12, "do": "run.play"})");
+  EXPECT_FALSE(socket.state("finished").isNull());
+  return stateOf(socket, count);
+}
+
+TEST(StudioParity, ARunThatGoesOnFromAFrameIsTheRunItWas) {
+  const test::TemporaryFolder folder;
+  folder.write("scene.json", kScene);
+  StudioOptions options;
+  options.folder = folder.path();
+  options.threads = 1;
+  const RunningStudio studio(options, "scene.json");
+  const Socket socket = studio.socket();
+  EXPECT_NE(socket.ask(R"({"id": 1, "do": "run.go_on", "frame": 0})").find("error"), nullptr);
+  socket.ask(R"({"id": 2, "do": "run.play"})");
+  const Value end = socket.state("finished");
+  ASSERT_FALSE(end.isNull());
+  const std::int64_t count = end.find("particles")->asInt();
+  ASSERT_GT(count, 100);
+  const std::string once = stateOf(socket, count);
+  const std::int64_t middle = 3;
+  EXPECT_EQ(stateAfter(socket, middle, {}, count), once);
+  EXPECT_NE(stateAfter(socket, middle, 0.5, count), once);
+  // What came after that frame of another branch leaves nothing behind.
+  EXPECT_EQ(stateAfter(socket, middle, {}, count), once);
+  edited(socket, [](Value& scene) { scene["nodes"]["water"]["params"]["spacing"] = 0.05; });
+  const Value refused = socket.ask(R"({"id": 21, "do": "run.go_on", "frame": 1})");
+  EXPECT_NE(refused.find("error")->find("message")->asString().find("water.spacing"), std::string::npos);
 }
 
 }  // namespace

@@ -221,6 +221,29 @@ TEST_F(StudioTest, AfterAResetNothingAsksForOne) {
   viewer.event("scene", [](const Value& data) { return data.find("reset") == nullptr; });
 }
 
+TEST_F(StudioTest, AnotherSceneThanTheEditedOneIsRunAndNotKept) {
+  const Socket socket = studio->socket();
+  const Value before = socket.ask(R"({"id": 1, "do": "hello"})");
+  Value reset = parseJson(R"({"id": 2, "do": "run.reset"})", "message");
+  reset["scene"] = parseJson(kBriefScene, "scene");
+  reset["scene"]["nodes"]["water"]["params"]["spacing"] = 0.02;
+  const Value answer = socket.ask(reset);
+  EXPECT_EQ(answer.find("result")->find("reset")->asString(), "water.spacing");
+  EXPECT_EQ(socket.state("paused").find("particles")->asInt(), 1000);
+  const Value after = socket.ask(R"({"id": 3, "do": "hello"})");
+  const auto sceneOf = [](const Value& hello) { return *hello.find("result")->find("scene")->find("scene"); };
+  EXPECT_TRUE(sceneOf(after) == sceneOf(before));
+  EXPECT_EQ(socket.ask(R"({"id": 4, "do": "run.reset"})").find("result")->find("reset"), nullptr);
+  socket.event("status", [](const Value& s) {
+    const Value* particles = s.find("particles");
+    return particles != nullptr && particles->asInt() == 125;
+  });
+  for (const char* scene : {"7", R"({"weir": 1, "nodes": {"x": {"type": "Nothing"}}})"})
+    EXPECT_NE(
+        socket.ask(std::string(R"({"id": 5, "do": "run.reset", "scene": )") + scene + "}").find("error"),
+        nullptr);
+}
+
 TEST_F(StudioTest, ADeviceThatCannotBeUsedIsRefusedAndTheLastOneStays) {
   const Socket socket = studio->socket();
   for (const char* device : {R"("cpw")", R"("")", R"("cuda:99999")", "7", "null"}) {

@@ -183,13 +183,22 @@ export class Hands {
     }, [kRestMs, kRestFrames]);
   }
 
+  /** Shows the whole graph where a node lies outside of what is seen: there it is not drawn at all. */
+  async bringIntoView(name) {
+    if ((await this.node(name).count()) > 0) return;
+    await this.pressInGraph("f");
+    await this.stillness();
+  }
+
   async select(name) {
+    await this.bringIntoView(name);
     await this.node(name).locator("strong").click();
     await this.page.getByLabel("Name", { exact: true }).and(this.page.locator(`[value="${name}"]`)).waitFor();
   }
 
   async link(text) {
     const [, from, output, to, input] = /^(\w+)\.(\w+) -> (\w+)\.(\w+)$/.exec(text);
+    for (const name of [from, to]) await this.bringIntoView(name);
     await this.drag(this.node(from).locator(`.source[data-handleid="${output}"]`), this.node(to).locator(`.target[data-handleid="${input}"]`));
     await this.edge(text).waitFor({ state: "attached" });
   }

@@ -6,12 +6,15 @@ import { takeFiles } from "./files/dropped";
 import { DropDialog } from "./files/DropDialog";
 import { FileBar, save } from "./files/FileBar";
 import { Offer } from "./files/Offer";
+import { Reference, referenceFor } from "./files/Reference";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
 import { askRun, client, problemOf, resetRun, useStudio } from "./model/store";
+import { SweepDialog } from "./sweep/SweepDialog";
 import { Modules } from "./properties/Modules";
 import { PropertyPanel } from "./properties/PropertyPanel";
+import { Tour } from "./Tour";
 import { Timeline } from "./transport/Timeline";
 import { Transport } from "./transport/Transport";
 import { Viewport } from "./viewport/Viewport";
@@ -31,6 +34,10 @@ function useGlobalKeys(): void {
       if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "k") {
         e.preventDefault();
         return useStudio.setState({ dialog: "find" });
+      }
+      if (e.key === "F1") {
+        e.preventDefault();
+        return useStudio.setState((s) => ({ reference: s.reference === null ? referenceFor() : null }));
       }
       const at = e.target as Element;
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -173,6 +180,9 @@ export function App() {
       <div className="bottom"><Problem /><Timeline /><Transport /></div>
       <Inside />
       <DropDialog />
+      <SweepDialog />
+      <Tour />
+      <Reference />
       <Offer />
       <Lost />
       <Message />

@@ -11,7 +11,10 @@ import { afterChoice, isUsed, labelOf } from "../src/model/parameters";
 import { menuOf } from "../src/Menu";
 import { shorterSteps } from "../src/model/remedy";
 import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
-import { pointAt } from "../src/insight/Plot";
+import { differencesOf, frameAt, lean, pointAt, strideFor, type Run } from "../src/model/runs";
+import { evenly, firstValues, readOff, readValues, tableOf } from "../src/model/sweep";
+import { kBox, sceneIn, withScene } from "../src/share/carried";
+import { inPage, replayPage } from "../src/share/replay";
 import { titleOf, unitOf } from "../src/model/quantities";
 import { distance, search } from "../src/model/search";
 import { hostOf, nodesToAdd } from "../src/graph/addable";
@@ -24,8 +27,9 @@ import { roleOf } from "../src/model/roles";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
 import { fileNameOf, pathProblem, withNumber } from "../src/model/names";
+import css from "../src/style.css?raw";
 import { shortText } from "../src/model/numbers";
-import { readPacket } from "../src/protocol/packets";
+import { readPacket, type FramePacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
 const fluid: NodeType = {
@@ -579,4 +583,135 @@ test("steps of half the length help: by CFL where the scene has it, or else by d
   ]);
   expect(remedy({ cfl: 1 }).change(emptyScene())["world"]).toEqual({ cfl: 0.5 });
   expect(shorterSteps(emptyScene(), [])).toBeNull();
+});
+
+/** A frame of two particles of one fluid. */
+const frameOf = (frame: number, time: number): FramePacket => ({
+  kind: "frame", frame, time, poses: {},
+  fluids: [{
+    node: "water", total: 16, count: 2, spacing: 0.1, low: [0, 0, 0], high: [1, 2, 3], positions: Uint16Array.of(0, 0, 0, 65535, 65535, 65535), ids: Float64Array.of(1, 2), attributes: ["speed"],
+    attribute: { name: "speed", unit: "m/s", low: 0, high: 4, values: Uint16Array.of(0, 65535) },
+  }],
+});
+const runOf = (values: number[]): Run => ({
+  label: "A", scene: emptyScene(), frames: [], geometry: null, samples: values.map((v, i) => ({ time: i / 10, values: { "water.kinetic_energy": v, "water.compression.mean": v / 100 } })),
+});
+
+describe("runs that are kept", () => {
+  test("show the frame nearest to a time", () => {
+    const frames = [frameOf(0, 0), frameOf(5, 0.5), frameOf(10, 1)];
+    expect([-1, 0.2, 0.3, 0.76, 9].map((t) => frameAt(frames, t)!.frame)).toEqual([0, 0, 5, 10, 10]);
+    expect(frameAt([], 1)).toBeNull();
+  });
+  test("have own copies of what is seen, and no more frames than there is room for", () => {
+    const frame = frameOf(0, 0), kept = lean(frame);
+    frame.fluids[0]!.positions.fill(7);
+    expect([...kept.fluids[0]!.positions]).toEqual([0, 0, 0, 65535, 65535, 65535]);
+    expect(kept.fluids[0]!.ids.length).toBe(0);
+    // 16 bytes a frame.
+    expect([strideFor(frame, 10, 160), strideFor(frame, 10, 159), strideFor(frame, 10, 16), strideFor(frame, 10, Infinity)]).toEqual([1, 2, 10, 1]);
+  });
+  test("differ in what decides a run, and in nothing else", () => {
+    const a: Scene = {
+      weir: 1, title: "A", world: { dt: 0.001 }, links: ["a.x -> b.y"], layout: { nodes: { water: { x: 0, y: 0 } } },
+      nodes: { water: { type: "ParticleFluid", params: { spacing: 0.1, rest: { steps: 3 } }, modules: { viscosity: { params: { strength: 0.1 } } } }, tap: { type: "Emitter" } },
+    };
+    const b: Scene = {
+      weir: 1, title: "B", world: { dt: 0.001, gravity: [0, -1, 0] }, links: ["a.x -> b.z"],
+      nodes: { water: { type: "ParticleFluid", params: { rest: { steps: 4 } }, modules: { viscosity: { enabled: false, params: { strength: 0.2 } } } }, wall: { type: "StaticBoundary" } },
+    };
+    expect(differencesOf(a, a)).toEqual([]);
+    const found = differencesOf(a, b);
+    expect(found.map((d) => [d.name, d.before, d.after])).toEqual([
+      ["water: Spacing", 0.1, undefined], ["water: Rest / Steps", 3, 4], ["water / viscosity: Strength", 0.1, 0.2], ["water / viscosity: enabled", undefined, false],
+      ["tap", "Emitter", undefined], ["wall", undefined, "StaticBoundary"], ["link", "a.x -> b.y", undefined], ["link", undefined, "a.x -> b.z"], ["World: Gravity", undefined, [0, -1, 0]],
+    ]);
+    expect(found[2]).toMatchObject({ node: "water", module: "viscosity", path: ["strength"] });
+    expect(found.at(-1)!.path).toEqual(["world", "gravity"]);
+  });
+});
+
+describe("sweeps", () => {
+  const strength: Parameter = { name: "strength", kind: "float", doc: "", default: 0.1, live: true, animated: false, min: 0, max: 0.3 };
+  test("begin around the value that there is, within what is allowed", () => {
+    expect(firstValues(strength, 0.1)).toEqual([0.05, 0.07071, 0.1, 0.1414, 0.2]);
+    expect(firstValues(strength, 0.2)).toEqual([0.1, 0.1414, 0.2, 0.2828]);
+    expect(firstValues({ ...strength, kind: "int", min: 1, max: 9 }, 2)).toEqual([1, 2, 3, 4]);
+    expect(firstValues({ ...strength, kind: "enum", choices: { a: "", b: "" } }, "a")).toEqual(["a", "b"]);
+    expect(evenly(0, 1, 3, true)).toEqual([0, 0.5, 1]);  // no ratio leads away from 0
+    expect(evenly(1, 100, 3, true)).toEqual([1, 10, 100]);
+  });
+  test("take values as they are typed, and say what is wrong with them", () => {
+    expect(readValues(strength, "0.1, 2*0.1; 0.1 0")).toEqual({ values: [0.1, 0.2, 0], problem: null });
+    expect(readValues(strength, "0.1, 7").problem).toMatch(/7 cannot be.*at most 0.3/);
+    expect(readValues(strength, "0.1, wide").problem).toMatch(/wide cannot be/);
+    expect(readValues(strength, "0.1").problem).toMatch(/Two/);
+    expect(readValues({ ...strength, kind: "enum", choices: { a: "", b: "" } }, "a, c").problem).toMatch(/c cannot be.*a, b/);
+  });
+  test("are read off, and make a table", () => {
+    const { samples } = runOf([1, 5, 3]);
+    expect((["last", "mean", "most", "least"] as const).map((r) => readOff(samples, "water.kinetic_energy", r))).toEqual([3, 3, 5, 1]);
+    expect(readOff(samples, "nothing", "last")).toBeNull();
+    // As it is shown: percent.
+    expect(readOff(samples, "water.compression.mean", "last")).toBeCloseTo(3);
+    expect(tableOf("strength", [{ value: 0.1, run: runOf([1]) }, { value: 0.2, run: null, problem: "no" }])).toBe(
+      "strength,water.kinetic_energy,water.compression.mean\n0.1,1,0.01\n0.2,,\n");
+  });
+});
+
+describe("scenes in other files", () => {
+  const scene = JSON.stringify({ weir: 1, title: "Wässer </script> & <b>", nodes: {} });
+  // One black pixel, by another program (Python's zlib and struct).
+  const png = Uint8Array.from(atob("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="), (c) => c.charCodeAt(0));
+  const bytes = (text: string) => Uint8Array.from(text, (c) => c.charCodeAt(0));
+  test("are found in a PNG, before its end", () => {
+    expect(sceneIn(png)).toBeNull();
+    const carrying = withScene(png, scene);
+    expect(sceneIn(carrying)).toBe(scene);
+    expect([...carrying.slice(-12)]).toEqual([...png.slice(-12)]);
+    expect(sceneIn(carrying.slice(0, -30))).toBeNull();
+  });
+  test("are found in a box of an MP4, wherever it stands", () => {
+    const box = (kind: string, body: Uint8Array) => [...bytes("\0\0"), (body.length + 8) >> 8, (body.length + 8) & 255, ...bytes(kind), ...body];
+    const own = box("uuid", Uint8Array.of(...bytes(kBox), ...new TextEncoder().encode(scene)));
+    const video = Uint8Array.of(...box("ftyp", bytes("isom")), ...box("uuid", bytes("another program.")), ...box("mdat", new Uint8Array(300)), ...own);
+    expect(sceneIn(video)).toBe(scene);
+    expect(sceneIn(video.slice(0, -1))).toBeNull();
+  });
+  test("are found in a page that replays a run, which has its numbers as they were", async () => {
+    const run: Run = { ...runOf([]), frames: [frameOf(0, 0), frameOf(1, 0.1)], geometry: { kind: "geometry", meshes: [{ node: "m", vertices: Float32Array.of(1, 2, 3), triangles: Uint32Array.of(0, 0, 0) }] } };
+    const page = await (await replayPage(run, JSON.parse(scene) as Scene, { colors: ["#000000", "#ffffff"], range: null, camera: { eye: [1, 1, 1], target: [0, 0, 0], fov: 40 }, dark: true, lines: Float32Array.of(0, 0, 0, 1, 1, 1) })).text();
+    expect(JSON.parse(sceneIn(bytes(unescape(encodeURIComponent(page))))!)).toEqual(JSON.parse(scene));
+    const told = JSON.parse(/const RUN = (.*);\n/.exec(page)![1]!) as { frames: { time: number; fluids: { count: number; radius: number; positions: number; values: number }[] }[]; range: number[] };
+    expect(told.range).toEqual([0, 4]);
+    expect(told.frames.map((f) => f.time)).toEqual([0, 0.1]);
+    const { count, radius, positions, values } = told.frames[1]!.fluids[0]!;
+    expect(radius).toBeCloseTo(0.1);  // 2 of 16 particles fill the space of all
+    const packed = bytes(atob(/id="weir-data">([^<]*)</.exec(page)![1]!));
+    const data = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+    expect([...new Uint16Array(data, positions, 3 * count)]).toEqual([0, 0, 0, 65535, 65535, 65535]);
+    expect([...new Uint16Array(data, values, count)]).toEqual([0, 65535]);
+    expect(page.match(/<\/script>/g)!.length).toBe(3);
+    expect(page).toContain("<title>Wässer &#60;/script&#62; &#38; &#60;b&#62;</title>");
+  });
+  test("end no script", () => expect(inPage({ a: "</script>" })).toBe('{"a":"\\u003c/script>"}'));
+});
+
+/** By WCAG 2, of two colours "#rrggbb". */
+function contrast(a: string, b: string): number {
+  const light = (hex: string) => {
+    const [r, g, b] = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255).map((c) => (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r! + 0.7152 * g! + 0.0722 * b!;
+  };
+  const [dark, bright] = [light(a), light(b)].sort((x, y) => x - y);
+  return (bright! + 0.05) / (dark! + 0.05);
+}
+
+test.each([["light", /:root \{([^}]*)\}/], ["dark", /:root\[data-theme="dark"\] \{([^}]*)\}/]] as const)("borders of fields and texts stand out in the %s", (_, sheet) => {
+  const colors = Object.fromEntries([...sheet.exec(css)![1]!.matchAll(/--([a-z-]+): (#[0-9a-f]{6});/g)].map(([, name, hex]) => [name, hex!]));
+  for (const ground of ["panel", "back"]) {
+    expect(contrast(colors["edge"]!, colors[ground]!)).toBeGreaterThanOrEqual(3);
+    for (const text of ["text", "soft", "accent", "wrong", "other"]) expect(contrast(colors[text]!, colors[ground]!), `${text} on ${ground}`).toBeGreaterThanOrEqual(4.5);
+  }
+  expect(contrast(colors["accent-text"]!, colors["accent"]!)).toBeGreaterThanOrEqual(4.5);
 });

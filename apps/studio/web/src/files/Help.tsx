@@ -8,7 +8,7 @@ type Keys = [keys: string, what: string][];
 const kGroups: { name: string; keys: Keys }[] = [
   { name: "Run", keys: [["Space", "play, pause"], [".", "one frame"], ["R", "reset"]] },
   { name: "Page", keys: [
-    ["Ctrl+K", "find anything: nodes, modules, parameters, templates, commands"], ["Ctrl+S", "save"], ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo"], ["right click, menu key", "what can be done there"], ["?", "this sheet"],
+    ["Ctrl+K", "find anything: nodes, modules, parameters, templates, commands"], ["Ctrl+S", "save"], ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo"], ["right click, menu key", "what can be done there"], ["F1", "the reference of what is selected"], ["?", "this sheet"],
   ] },
   { name: "Graph: look", keys: [
     ["drag, wheel", "move the graph, zoom"], ["F", "show the whole graph"], ["Page up, page down", "select the node before, the next one"], ["Escape", "select nothing: the scene's settings"],

@@ -7,9 +7,10 @@ import { takeModule } from "../graph/takeModule";
 import { kModuleRole, kOther, roleOf, type Role } from "../model/roles";
 import { labelOf } from "../model/parameters";
 import { addNode, pipelineOf, type Scene } from "../model/scene";
-import { askRun, edit, newScene, openScene, redo, resetRun, say, undo, useStudio, type Wanted } from "../model/store";
+import { askRun, edit, newScene, openScene, pinRun, redo, resetRun, say, undo, useStudio, type Wanted } from "../model/store";
 import type { Parameter, Types } from "../model/types";
 import { fetchTemplates, type Template } from "../protocol/client";
+import { startTour } from "../Tour";
 import { Dialog } from "./Dialog";
 import { save } from "./FileBar";
 
@@ -52,10 +53,12 @@ function commands(onDark: () => void): Found[] {
   const all: [name: string, beside: string, synonyms: string[], take: () => void][] = [
     ["Play", "Space", ["run", "start"], () => void askRun("play")], ["Pause", "Space", ["stop"], () => void askRun("pause")], ["One frame", ".", ["step"], () => void askRun("step")],
     ["Reset", "R", ["restart", "build", "time 0"], () => void resetRun(useStudio.getState().device)],
+    ["Compare with the next run", "", ["pin", "keep", "A B", "side by side"], () => void pinRun()],
     ["Save", "Ctrl+S", ["write"], save], ["Save as", "", ["copy"], () => useStudio.setState({ dialog: "save" })],
     ["Open", "", ["load", "file"], () => useStudio.setState({ dialog: "open" })], ["New", "", ["empty", "clear"], () => void newScene()],
     ["Templates", "", ["examples", "gallery"], () => useStudio.setState({ dialog: "templates" })], ["Undo", "Ctrl+Z", ["back"], undo], ["Redo", "Ctrl+Shift+Z", [], redo],
     ["Show the whole graph", "F", ["fit", "zoom"], surface.fit], ["Light or dark", "", ["theme", "colours"], onDark], ["Keys", "?", ["help", "shortcuts"], () => useStudio.setState({ dialog: "help" })],
+    ["Water in a minute: the tour", "", ["help", "first", "learn", "tutorial"], startTour],
     ["Scene settings", "Escape", ["world", "title"], () => show([], null)],
   ];
   return all.map(([name, beside, synonyms, take]) => ({ id: `do ${name}`, name, beside, synonyms, role: kCommand, group: kCommand.name, take }));

@@ -5,6 +5,7 @@ import type { Scene } from "../model/scene";
 import { edit, openScene, resetRun, say, useStudio } from "../model/store";
 import type { Types } from "../model/types";
 import { freePath, upload } from "../protocol/client";
+import { sceneIn } from "../share/carried";
 import { isScene, kindOfFile, stemOf } from "./kinds";
 
 type Place = { x: number; y: number };
@@ -47,10 +48,15 @@ async function take(file: File, at: Place): Promise<void> {
     return add((s, types) => withParticles(s, types, path, stemOf(file.name), at));
   }
   if (kind === "scene" && isScene(await file.text())) return openScene({ path: await put(file.name, file) });
+  if (kind === "carrier") {
+    const scene = sceneIn(new Uint8Array(await file.arrayBuffer()));
+    if (scene !== null && isScene(scene)) return openScene({ path: await put(`${stemOf(file.name)}.json`, new File([scene], "scene.json")) });
+    throw new Error(`${file.name} carries no scene: pictures, videos and replays that the studio writes do`);
+  }
   throw new Error(
     kind === "scene"
       ? `${file.name} is not a scene of Weir: it has no "weir" and "nodes"`
-      : `${file.name} is neither a scene (.json) nor a mesh (.obj, .stl, .ply, .gltf and others) nor particles (.csv, .vtkhdf)`,
+      : `${file.name} is neither a scene (.json, or a picture, video or replay of the studio) nor a mesh (.obj, .stl, .ply, .gltf and others) nor particles (.csv, .vtkhdf)`,
   );
 }
 

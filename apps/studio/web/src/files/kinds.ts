@@ -1,8 +1,8 @@
 // What a file that was dropped may be, by its name.
 
-export type FileKind = "scene" | "mesh" | "particles" | "other";
+export type FileKind = "scene" | "mesh" | "particles" | "carrier" | "other";
 
-const kEndings: { [ending: string]: FileKind } = { json: "scene", csv: "particles", vtkhdf: "particles" };
+const kEndings: { [ending: string]: FileKind } = { json: "scene", csv: "particles", vtkhdf: "particles", html: "carrier", png: "carrier", mp4: "carrier" };
 for (const mesh of ["obj", "stl", "ply", "off", "gltf", "glb", "fbx", "dae", "3ds", "3mf"]) kEndings[mesh] = "mesh";
 
 export const kindOfFile = (name: string): FileKind => kEndings[/\.([^./]+)$/.exec(name.toLowerCase())?.[1] ?? ""] ?? "other";

@@ -10,6 +10,7 @@ import {
   addGroupAround, addLink, addNode, freeNoteId, linkProblem, type LinkEnds, type Scene,
 } from "../model/scene";
 import { showMenu } from "../Menu";
+import { Welcome } from "../Tour";
 import { edit, say, useStudio } from "../model/store";
 import type { Types } from "../model/types";
 import { AddMenu, type Dangling } from "./AddMenu";
@@ -248,7 +249,7 @@ export function GraphEditor() {
         <Controls showInteractive={false} />
       </ReactFlow>
       </FarLinks.Provider>
-      {nodes.length === 0 && types && <p className="empty-hint">Tab or a double click adds a node. Templates, above, are scenes to start from.</p>}
+      {nodes.length === 0 && types && <Welcome />}
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onModule={module} onNote={note} onClose={close} />}
       {linking && <LinkMenu node={linking.node} at={linking} onClose={closeLinking} />}
     </div>

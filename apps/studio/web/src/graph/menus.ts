@@ -16,6 +16,7 @@ export function nodeMenu(asked: Asked): MenuItems {
   return menuOf(
     one !== null && { name: isNode ? "Rename" : "Write", keys: "F2", take: isNode ? focusName : focusNote },
     type?.modules !== undefined && { name: "Modules", keys: "Enter", take: () => useStudio.setState({ inside: one }) },
+    type !== undefined && { name: "Reference", keys: "F1", take: () => useStudio.setState({ reference: scene.nodes[one!]!.type }) },
     nodes.length === 1 && { name: "Link to…", keys: "K", take: asked.link },
     isNode && { name: "Disconnect", off: linksAt(scene, nodes).length === 0, take: disconnect },
     null,

@@ -32,13 +32,15 @@ function Times() {
 function Plots() {
   const samples = useStudio((s) => s.samples);
   const cursor = useStudio((s) => (s.looking === null ? null : s.shown?.time ?? null));
+  const pinned = useStudio((s) => s.pinned);
+  const others = useMemo(() => (pinned ? [pinned] : []), [pinned]);
   const [filter, setFilter] = useState("");
   const names = useMemo(() => Object.keys(samples.at(-1)?.values ?? {}), [samples]);
   const shown = names.filter((n) => (filter ? `${n} ${titleOf(n)}`.includes(filter) : kUsual.test(n))).slice(0, 24);
   return (
     <>
       <input aria-label="Filter plots" placeholder="Filter, such as momentum" value={filter} onChange={(e) => setFilter(e.target.value)} />
-      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} cursor={cursor} />)}</div>
+      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} cursor={cursor} others={others} />)}</div>
     </>
   );
 }

@@ -2,42 +2,31 @@
 import { useMemo, useState } from "react";
 import { shortText } from "../model/numbers";
 import { ticks } from "../model/playback";
-import { inUnit, titleOf, unitOf } from "../model/quantities";
-import type { Sample } from "../model/store";
-
-type Point = readonly [time: number, value: number];
+import { titleOf, unitOf } from "../model/quantities";
+import { pointAt, pointsOf, type Point, type Run, type Sample } from "../model/runs";
 
 /** Share of the height that is left free above and below. */
 const kMargin = 0.06;
 const kTicks = 4;
+/** Colours of other runs, which repeat. */
+const kColors = 6;
 /** Percent of the height below which a label stands above its line. */
 const kLow = 75;
 
-/** The last point that is not after a time, or else the first one. */
-export function pointAt(points: Point[], time: number): Point {
-  let low = 0, high = points.length - 1;
-  while (low < high) {
-    const middle = Math.ceil((low + high) / 2);
-    if (points[middle]![0] <= time + 1e-9) low = middle;
-    else high = middle - 1;
-  }
-  return points[low]!;
-}
-
-export function Plot({ name, samples, cursor }: { name: string; samples: Sample[]; cursor: number | null }) {
-  const points = useMemo(
-    () => samples.flatMap((s): Point[] => (Number.isFinite(s.values[name]) ? [[s.time, inUnit(name, s.values[name]!)]] : [])),
-    [name, samples],
-  );
+/** `others`: what the same quantity was in other runs. */
+export function Plot({ name, samples, cursor, others = [] }: { name: string; samples: Sample[]; cursor: number | null; others?: Pick<Run, "label" | "samples">[] }) {
+  const points = useMemo(() => pointsOf(name, samples), [name, samples]);
+  const beside = useMemo(() => others.map((r) => ({ label: r.label, points: pointsOf(name, r.samples) })).filter((r) => r.points.length > 0), [name, others]);
   const [pointed, setPointed] = useState<number | null>(null);
   const [large, setLarge] = useState(false);
   if (points.length === 0) return null;
-  const ys = points.map((p) => p[1]);
-  const [least, most] = [Math.min(...ys), Math.max(...ys)];
+  const all = [points, ...beside.map((r) => r.points)];
+  const ends = (of: (ps: Point[]) => number, which: (...ns: number[]) => number) => which(...all.map(of));
+  const least = ends((ps) => Math.min(...ps.map((p) => p[1])), Math.min), most = ends((ps) => Math.max(...ps.map((p) => p[1])), Math.max);
   // A constant is drawn in the middle.
   const half = most > least ? 0 : Math.abs(most) || 1;
   const [low, high] = [least - half, most + half];
-  const start = points[0]![0], end = Math.max(points.at(-1)![0], start + 1e-9);
+  const start = ends((ps) => ps[0]![0], Math.min), last = ends((ps) => ps.at(-1)![0], Math.max), end = last > start ? last : start + 1;
   const x = (t: number) => (100 * (t - start)) / (end - start);
   const y = (v: number) => 100 * (1 - kMargin - ((v - low) / (high - low)) * (1 - 2 * kMargin));
   const read = pointed ?? cursor;
@@ -46,7 +35,7 @@ export function Plot({ name, samples, cursor }: { name: string; samples: Sample[
   const vertical = ticks(low, high, 3);
   return (
     <figure className={large ? "plot large" : "plot"} data-quantity={name}>
-      <figcaption><span title={name}>{titleOf(name)}</span><b>{shortText(value)} {unit}</b></figcaption>
+      <figcaption><span title={name}>{titleOf(name)}</span><span className="values">{beside.map((r, i) => <b key={r.label} className={`other n${i % kColors}`} title={r.label}>{shortText(pointAt(r.points, time)[1])}</b>)} <b>{shortText(value)} {unit}</b></span></figcaption>
       <div
         className="field" role="img" aria-label={`${titleOf(name)}, ${shortText(value)} ${unit} at ${shortText(time)} s, from ${shortText(least)} to ${shortText(most)}`}
         title="A click makes it large, and small again" onClick={() => setLarge(!large)}
@@ -58,6 +47,7 @@ export function Plot({ name, samples, cursor }: { name: string; samples: Sample[
       >
         {vertical.map((v) => <i key={v} className={y(v) > kLow ? "line low" : "line"} style={{ top: `${y(v)}%` }}><span>{shortText(v)}</span></i>)}
         <svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden>
+          {beside.map((r, i) => <polyline key={r.label} className={`other n${i % kColors}`} points={r.points.map(([t, v]) => `${x(t)},${y(v)}`).join(" ")} />)}
           {points.length > 1 && <polyline points={points.map(([t, v]) => `${x(t)},${y(v)}`).join(" ")} />}
         </svg>
         {read !== null && read >= start && read <= end && <i className="cursor" style={{ left: `${x(read)}%` }} />}

@@ -1,5 +1,6 @@
 // Whether a run can be trusted: lights, each with what it means and what helps.
-import type { LogLine, Sample } from "./store";
+import type { Sample } from "./runs";
+import type { LogLine } from "./store";
 import type { JsonObject } from "./types";
 
 export type Level = "unknown" | "good" | "watch" | "bad";

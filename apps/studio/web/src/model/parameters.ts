@@ -35,3 +35,19 @@ export function afterChoice(all: Parameter[], values: JsonObject, left: JsonObje
   const part = (of: JsonObject, out: boolean) => Object.fromEntries(Object.entries(of).filter(([name]) => isLeft(name) === out));
   return { values: { ...part(left, false), ...part(values, false) }, left: { ...part(left, true), ...part(values, true) } };
 }
+
+/** Why a number is refused, or null. */
+export function rangeProblem(p: Parameter, v: number): string | null {
+  if (p.kind === "int" && !Number.isInteger(v)) return "a whole number";
+  if (p.min !== undefined && v < p.min) return `at least ${p.min}`;
+  if (p.above !== undefined && v <= p.above) return `above ${p.above}`;
+  if (p.max !== undefined && v > p.max) return `at most ${p.max}`;
+  return null;
+}
+
+/** "kg/m³" of "kg/m^3". */
+export const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit).replaceAll("^2", "²").replaceAll("^3", "³");
+
+/** "at least 0, at most 1", or "". */
+export const limitsOf = (p: Parameter): string =>
+  [p.min !== undefined && `at least ${p.min}`, p.above !== undefined && `above ${p.above}`, p.max !== undefined && `at most ${p.max}`].filter(Boolean).join(", ");

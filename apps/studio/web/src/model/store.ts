@@ -4,9 +4,11 @@ import { create, useStore } from "zustand";
 import { Client, fetchTypes, isKnown, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
-import { emptyScene, type Clip, type Scene } from "./scene";
+import { emptyScene, type Clip, type Owner, type Scene } from "./scene";
+import { recordedFrames } from "./playback";
+import { lean, strideFor, type Run, type Sample } from "./runs";
 import { forRunner, fromFile } from "./switchedOff";
-import type { JsonObject, Problem, Types } from "./types";
+import type { JsonObject, Parameter, Problem, Types } from "./types";
 
 export interface Status {
   state: "empty" | "building" | "paused" | "playing" | "finished" | "failed";
@@ -44,12 +46,6 @@ export interface LogLine {
   level: "debug" | "info" | "warning" | "error";
   text: string;
   at: number;
-}
-
-/** Some numbers of a run over simulated time, for plots. */
-export interface Sample {
-  time: number;
-  values: { [name: string]: number };
 }
 
 interface SceneState {
@@ -114,10 +110,31 @@ export interface Studio {
   looking: number | null;
   /** When the run was begun to be built, in ms: what the log said before is of another one. */
   built: number;
+  /** How many runs were begun to be built, or to go on from a frame. */
+  builds: number;
+  /** The scene as it was when that began. */
+  ran: Scene | null;
+  /** A run that is looked at beside the present one. */
+  pinned: Run | null;
+  /** How far it is that frames are gathered, of how many; null while none are. */
+  gathering: { done: number; all: number } | null;
+  /** Whether the server draws what is seen. */
+  rendered: boolean;
+  /** The type whose reference is shown. */
+  reference: string | null;
+  /** The parameter whose values are to be tried one after another. */
+  sweeping: Sweepable | null;
   /** Meshes that were dropped, and where; each is asked about. */
   dropped: { file: File; at: { x: number; y: number } }[];
   /** What the panel of properties shall show and give the keyboard to. */
   wanted: Wanted | null;
+}
+
+/** A parameter, and where it is. */
+export interface Sweepable {
+  owner: Owner;
+  path: string[];
+  parameter: Parameter;
 }
 
 /** A module, or a parameter of the node that is selected, of its module, or of the scene where none is. */
@@ -175,6 +192,13 @@ export const useStudio = create<Studio>()(
       wanted: null,
       dropped: [],
       built: 0,
+      builds: 0,
+      ran: null,
+      pinned: null,
+      gathering: null,
+      rendered: false,
+      reference: null,
+      sweeping: null,
     }),
     { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
   ),
@@ -208,6 +232,10 @@ export const client = new Client({
   },
   event: receive,
   frame: (packet) => {
+    if (gatherer) {
+      gatherer(packet);
+      return client.frameSeen();
+    }
     if (!isWanted(packet.frame)) return client.frameSeen();
     last.frame = packet;
     set({ shown: { frame: packet.frame, time: packet.time } });
@@ -250,6 +278,74 @@ export async function lookAt(frame: number, stay = false): Promise<void> {
   set({ looking: to < present || stay ? to : null });
   come.newest = Math.max(come.newest, to);
   await request("run.seek", { frame: to });
+}
+
+/** What takes the frames that come, in place of the view. */
+let gatherer: ((packet: FramePacket) => void) | null = null;
+
+const kMostKept = 256 * 2 ** 20;
+
+/** The frames of the run that are recorded, from the server, at most that many bytes: where there are more, some are left out. The run must stand still. */
+export async function gatherFrames(most = kMostKept): Promise<FramePacket[]> {
+  const { status, rendered } = get();
+  const wanted = recordedFrames(status.frame ?? 0, status.recorded_every ?? 1);
+  const found = new Map<number, FramePacket>();
+  gatherer = (packet) => void found.set(packet.frame, lean(packet));
+  try {
+    if (rendered) await client.ask("stream.set", { particles: true });
+    await client.ask("run.seek", { frame: 0 });
+    const first = found.get(0);
+    const stride = first ? strideFor(first, wanted.length, most) : 1;
+    const some = wanted.filter((_, i) => i % stride === 0 || i === wanted.length - 1);
+    for (const [i, frame] of some.entries()) {
+      await client.ask("run.seek", { frame });
+      set({ gathering: { done: i + 1, all: some.length } });
+    }
+    return [...found.values()].sort((a, b) => a.frame - b.frame);
+  } finally {
+    gatherer = null;
+    set({ gathering: null });
+    if (rendered) void client.ask("stream.set", { particles: false }).catch(say);
+  }
+}
+
+/** The scene of the present run: as it is edited, but for what asks for a reset. */
+export const sceneOfRun = (): Scene => forRunner((get().sceneState.reset && get().ran) || get().scene, get().types);
+
+/** Where the run stands still its last numbers come soon after: waits for them, but not for ever. */
+function numbersAreThere(): Promise<void> {
+  const kNear = 1e-6, kPatienceMs = 3000;
+  const there = () => get().status.state === "failed" || (get().samples.at(-1)?.time ?? -1) >= (get().status.time ?? 0) - kNear;
+  return new Promise((resolve) => {
+    if (there()) return resolve();
+    const done = () => (leave(), clearTimeout(timer), resolve());
+    const leave = useStudio.subscribe(() => there() && done());
+    const timer = setTimeout(done, kPatienceMs);
+  });
+}
+
+/** The present run, as it is kept. */
+export async function gatherRun(label: string, most?: number): Promise<Run> {
+  const frames = await gatherFrames(most);
+  await numbersAreThere();
+  return { label, scene: sceneOfRun(), geometry: last.geometry, samples: get().samples, frames };
+}
+
+/** Keeps the present run beside the ones that come, or lets it go. */
+export async function pinRun(): Promise<void> {
+  if (get().pinned) return set({ pinned: null });
+  if (get().status.state === "playing" && !(await askRun("pause"))) return;
+  try {
+    set({ pinned: await gatherRun("A") });
+  } catch (e) {
+    say(e);
+  }
+}
+
+/** Has the run go on from a recorded frame, with the scene as it is edited. */
+export async function goOnFrom(frame: number): Promise<void> {
+  set({ looking: null });
+  if (!(await request("run.go_on", { frame }))) return void lookAt(frame);
 }
 
 export function say(error: unknown): void {
@@ -384,7 +480,8 @@ function takeStatus(status: Status): void {
   const { state: before } = get().status;
   if (status.state === "failed" && before !== "failed") set({ failed: get().scene });
   if (status.state === "empty" && before !== "empty") clearView();
-  set({ status, ...(status.state === "building" && before !== "building" && { built: Date.now() }) });
+  const begins = status.state === "building" && before !== "building";
+  set({ status, ...(begins && { built: Date.now(), builds: get().builds + 1, ran: get().scene }) });
 }
 
 /** There is no run any more: nothing of it is shown. */

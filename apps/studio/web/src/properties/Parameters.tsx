@@ -2,7 +2,8 @@
 import { Icon } from "../Icon";
 import { copyText, menuOf, showMenu } from "../Menu";
 import { isKeyframes } from "../model/keyframes";
-import { afterChoice, isUsed, labelOf } from "../model/parameters";
+import { afterChoice, isUsed, labelOf, limitsOf, unitText } from "../model/parameters";
+import { canSweep } from "../model/sweep";
 import { paramsOf, setParam, setParams, type Owner, type Scene } from "../model/scene";
 import { edit, problemOf, useStudio } from "../model/store";
 import type { Json, JsonObject, Parameter } from "../model/types";
@@ -28,14 +29,9 @@ const valueAt = (params: JsonObject, path: string[]): Json | undefined =>
     params,
   );
 
-/** "kg/m³" of "kg/m^3". */
-const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit).replaceAll("^2", "²").replaceAll("^3", "³");
-
 /** What a parameter is, what is allowed, and its default. */
 function tipOf(p: Parameter): string {
-  const bounds = [
-    p.min !== undefined && `at least ${p.min}`, p.above !== undefined && `above ${p.above}`, p.max !== undefined && `at most ${p.max}`,
-  ].filter(Boolean).join(", ");
+  const bounds = limitsOf(p);
   return [p.doc, bounds && `Allowed: ${bounds}${p.unit ? ` ${unitText(p.unit)}` : ""}.`, `Default: ${p.default === null ? "not set" : JSON.stringify(p.default)}.`]
     .concat(`In the scene's file: ${p.name}`).filter(Boolean).join("\n");
 }
@@ -106,6 +102,7 @@ function Row({ owner, parameter, siblings, path }: { owner: Owner; parameter: Pa
       { name: "Copy the value", take: () => ((copied = { kind: parameter.kind, value }), void copyText(text)) },
       { name: "Paste the value", off: copied?.kind !== parameter.kind || !writer, take: () => copied && change(copied.value) },
       { name: "Copy as JSON", take: () => void copyText(`${JSON.stringify(parameter.name)}: ${text}`) }, null,
+      canSweep(parameter) && !keyed && { name: "Sweep this value…", off: !writer, take: () => useStudio.setState({ sweeping: { owner, path, parameter } }) },
       parameter.animated && { name: keyed ? "One value for all times" : "Change over time", off: !writer, take: animate },
       { name: "Back to the default", off: set === undefined || !writer, take: () => edit(put(undefined)) },
     ));

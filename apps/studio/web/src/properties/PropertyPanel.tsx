@@ -117,7 +117,7 @@ function Shown() {
     <>
       <NameField name={name} />
       <StateField names={[name]} />
-      <p className="doc"><strong>{typeName}</strong> {type?.doc ?? "No plugin here knows this type."}</p>
+      <p className="doc"><button className="link" title="Its reference (F1)" onClick={() => useStudio.setState({ reference: typeName })}>{typeName}</button> {type?.doc ?? "No plugin here knows this type."}</p>
       {type && <Parameters key={name} owner={{ node: name }} parameters={type.parameters} />}
       <Modules key={`${name} modules`} node={name} />
     </>

@@ -1,6 +1,7 @@
 // One editor for each kind of parameter value, made from the parameter's description alone.
 import { useRef, useState } from "react";
 import { evaluate, numberText } from "../model/expression";
+import { rangeProblem } from "../model/parameters";
 import { fetchFiles, type ServedFile } from "../protocol/client";
 import type { Json, Parameter } from "../model/types";
 import { CurveField } from "./CurveField";
@@ -15,15 +16,6 @@ export interface FieldProps {
 }
 
 const isInt = (p: Parameter) => p.kind === "int";
-
-/** Why a number is refused, or null. */
-export function rangeProblem(p: Parameter, v: number): string | null {
-  if (isInt(p) && !Number.isInteger(v)) return "a whole number";
-  if (p.min !== undefined && v < p.min) return `at least ${p.min}`;
-  if (p.above !== undefined && v <= p.above) return `above ${p.above}`;
-  if (p.max !== undefined && v > p.max) return `at most ${p.max}`;
-  return null;
-}
 
 /** Pixels that a hand may tremble in a click. */
 const kTremble = 3;

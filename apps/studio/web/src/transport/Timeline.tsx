@@ -2,7 +2,7 @@
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
 import { advance, recordedFrames, ticks } from "../model/playback";
-import { lookAt, useStudio } from "../model/store";
+import { goOnFrom, lookAt, useStudio } from "../model/store";
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 const kTicks = 12;
@@ -54,6 +54,8 @@ function usePlayback(speed: number, loop: boolean) {
 export function Timeline() {
   const status = useStudio((s) => s.status);
   const looking = useStudio((s) => s.looking);
+  const writer = useStudio((s) => s.role === "writer");
+  const reset = useStudio((s) => s.sceneState.reset);
   const [speed, setSpeed] = useState(1);
   const [loop, setLoop] = useState(true);
   const { way, play, stop } = usePlayback(speed, loop);
@@ -72,6 +74,12 @@ export function Timeline() {
       <button aria-label="Recorded backwards" aria-pressed={way < 0} title="Play what is recorded, backwards" disabled={idle} onClick={() => void play(-1)}><Icon name={way < 0 ? "pause" : "back"} /></button>
       <button aria-label="Recorded forwards" aria-pressed={way > 0} title="Play what is recorded" disabled={idle} onClick={() => void play(1)}><Icon name={way > 0 ? "pause" : "play"} /></button>
       <button aria-label="Follow the run" title="The present frame: follow the run" disabled={looking === null} onClick={() => go(frame)}><Icon name="last" /></button>
+      <button
+        aria-label="Go back to this frame" disabled={!writer || looking === null || reset !== undefined} onClick={() => (stop(), void goOnFrom(at))}
+        title={reset ? `${reset} has changed, which asks for a reset` : "The run goes back to the frame that is shown: from there it goes on with the values as they are now"}
+      >
+        <Icon name="branch" />
+      </button>
       <button aria-label="Loop" aria-pressed={loop} title="Begin anew at the end" onClick={() => setLoop(!loop)}><Icon name="loop" /></button>
       <select aria-label="Speed of playback" title="Of playback, against real time" value={speed} onChange={(e) => setSpeed(Number(e.target.value))}>
         {kSpeeds.map((s) => <option key={s} value={s}>{s}×</option>)}

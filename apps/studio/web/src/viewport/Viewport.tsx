@@ -2,18 +2,22 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { setParam } from "../model/scene";
-import { edit, last, lookAt, request, useStudio, viewers } from "../model/store";
+import { edit, last, lookAt, pinRun, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
 import type { JsonObject } from "../model/types";
 import { gradient, isColorMap, kColorMaps, type Ramp } from "./colorMaps";
 import { hexOf } from "../properties/fields";
+import { Icon } from "../Icon";
+import { savePicture } from "../share/picture";
+import { ShareDialog } from "../share/ShareDialog";
 import { Building } from "./Building";
+import { Compared, Differences } from "./Compared";
 import { handleOf, outlinesOf } from "./outlines";
 import { PickedParticle } from "./PickedParticle";
 import { Recorder } from "./Recorder";
 import { Rendered } from "./Rendered";
-import { kPresets, View, type Preset, type ViewEvents } from "./view";
+import { kPresets, mainView, View, type Preset, type ViewEvents } from "./view";
 
 const kMaxChoices = [50_000, 200_000, 1_000_000];
 
@@ -34,9 +38,14 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [key, setKey] = useState<Key | null>(null);
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
   const [noView, setNoView] = useState(false);
-  const [rendered, setRendered] = useState(false);
+  const [sharing, setSharing] = useState(false);
+  const rendered = useStudio((s) => s.rendered);
+  const setRendered = (on: boolean) => useStudio.setState({ rendered: on });
+  const pinned = useStudio((s) => s.pinned);
+  const gathering = useStudio((s) => s.gathering);
+  const canPin = useStudio((s) => (s.status.frame ?? 0) > 0 && s.status.state !== "building");
   const noPictures = useStudio((s) => s.pictures.problem?.message);
-  const stopRendered = useCallback(() => setRendered(false), []);
+  const stopRendered = useCallback(() => useStudio.setState({ rendered: false }), []);
   const [most, setMost] = useState(kMaxChoices[1]!);
   const scene = useStudio((s) => s.scene);
   const types = useStudio((s) => s.types);
@@ -77,10 +86,12 @@ export function Viewport({ dark }: { dark: boolean }) {
     viewers.frame = (p) => made.frame(p);
     viewers.geometry = (p) => made.geometry(p);
     viewers.clear = () => (made.clear(), setKey(null));
+    mainView.current = made;
     if (last.geometry) made.geometry(last.geometry);
     if (last.frame) made.frame(last.frame);
     return () => {
       viewers.frame = viewers.geometry = viewers.clear = () => {};
+      mainView.current = null;
       made.dispose();
     };
   }, []);
@@ -128,6 +139,9 @@ export function Viewport({ dark }: { dark: boolean }) {
     ...Object.keys(kPresets).map((p) => ({ name: `From ${p === "iso" ? "a corner" : p}`, take: () => view?.fit(p as Preset) })), null,
     { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
+    { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
+    { name: "Save a picture", take: () => void savePicture() },
+    { name: "Share the run as one file", off: !canPin, take: () => setSharing(true) },
     { name: rendered ? "Particles" : "Rendered", off: noPictures !== undefined, take: () => setRendered(!rendered) },
   );
   // A right drag moves the camera, a right click opens the menu.
@@ -138,7 +152,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   };
 
   return (
-    <div className={pictured ? "viewport pictured" : "viewport"} aria-label="Simulation view">
+    <div className={["viewport", pictured && "pictured", pinned && "comparing"].filter(Boolean).join(" ")} aria-label="Simulation view">
       {building && <Building />}
       <div className="view-tools" role="toolbar" aria-label="View">
         <button
@@ -148,6 +162,14 @@ export function Viewport({ dark }: { dark: boolean }) {
           Rendered
         </button>
         <Recorder view={view} />
+        <button
+          aria-pressed={pinned !== null} disabled={!pinned && (!canPin || gathering !== null)} onClick={() => void pinRun()}
+          title={pinned ? "Show the present run alone" : "Keep this run: the next one is shown beside it"}
+        >
+          {gathering && !pinned ? `Keeping ${gathering.done} of ${gathering.all}` : "Compare"}
+        </button>
+        <button aria-label="Save a picture" onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
+        <button disabled={!canPin} onClick={() => setSharing(true)} title="Save the run as one HTML file that replays it">Share</button>
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
         <select aria-label="View from" value="" onChange={(e) => e.target.value && view?.fit(e.target.value as Preset)}>
           <option value="">View…</option>
@@ -167,10 +189,14 @@ export function Viewport({ dark }: { dark: boolean }) {
           {kMaxChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
         </select>
       </div>
+      {pinned && <Differences run={pinned} />}
+      <div className="stages">
+      {pinned && view && <Compared run={pinned} view={view} ramp={ramp} range={key} dark={dark} />}
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      </div>
       {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
       {key && !pictured && (
@@ -182,6 +208,7 @@ export function Viewport({ dark }: { dark: boolean }) {
         </div>
       )}
       <PickedParticle />
+      {sharing && view && <ShareDialog look={() => ({ colors: ramp, range, camera: view.pose(), dark })} onClose={() => setSharing(false)} />}
     </div>
   );
 }

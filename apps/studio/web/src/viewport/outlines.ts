@@ -106,6 +106,21 @@ export function outlinesOf(scene: Scene, types: Types): Map<string, THREE.Object
   return found;
 }
 
+/** The lines of outlines, in the world: six numbers each. */
+export function linesOf(outlines: Iterable<THREE.Object3D>): Float32Array {
+  const found: number[] = [];
+  const p = new THREE.Vector3();
+  for (const outline of outlines) {
+    outline.updateMatrixWorld(true);
+    outline.traverse((o) => {
+      if (!(o instanceof THREE.LineSegments)) return;
+      const points = o.geometry.getAttribute("position");
+      for (let i = 0; i < points.count; ++i) found.push(...p.fromBufferAttribute(points, i).applyMatrix4(o.matrixWorld).toArray());
+    });
+  }
+  return Float32Array.from(found);
+}
+
 /** Whether a node can be moved by a handle in the view, and turned. */
 export function handleOf(scene: Scene, types: Types, name: string): { rotates: boolean } | null {
   const parameters = types.nodes[scene.nodes[name]?.type ?? ""]?.parameters ?? [];

@@ -110,7 +110,7 @@ export class Particles {
   /** By a number for each particle, as ids have more digits than a shader's floats. */
   private mark(): void {
     const ids = this.shown?.ids ?? new Float64Array();
-    const marks = new Float32Array(ids.length);
+    const marks = new Float32Array(this.shown?.count ?? 0);
     const at = ids.indexOf(this.chosen);
     if (at >= 0) marks[at] = 1;
     this.geometry.setAttribute("marked", new THREE.BufferAttribute(marks, 1));

@@ -18,7 +18,7 @@ export const kPresets = {
 } as const;
 export type Preset = keyof typeof kPresets;
 
-const kMeshColors = ["#9fb6c9", "#c9b69f", "#a9c99f", "#c49fc9"];
+export const kMeshColors = ["#9fb6c9", "#c9b69f", "#a9c99f", "#c49fc9"];
 
 /** Pixels of the view's upper edge that the tools cover. */
 const kTools = 44;
@@ -37,6 +37,9 @@ export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, tall: num
   }
   return most;
 }
+
+/** The view of the present run, where the browser has WebGL. */
+export const mainView: { current: View | null } = { current: null };
 
 export class View {
   private readonly scene = new THREE.Scene();
@@ -94,6 +97,11 @@ export class View {
     for (const particles of this.fluids.values()) particles.setMap(map);
     if (this.shown) this.frame(this.shown);
     this.draw();
+  }
+
+  /** The colours of another view, over a range of values. */
+  colorAs(other: View, range: [number, number] | null): void {
+    this.setColors(other.map, range);
   }
 
   frame(packet: FramePacket): void {
@@ -238,6 +246,34 @@ export class View {
     this.controls.update();
     this.fitted = true;
     this.draw();
+  }
+
+  /** Looks as another view does, and tells it. */
+  lookAs(other: View): void {
+    if (this.camera.position.equals(other.camera.position) && this.controls.target.equals(other.controls.target) && this.camera.fov === other.camera.fov) return;
+    this.camera.fov = other.camera.fov;
+    this.camera.near = other.camera.near;
+    this.camera.far = other.camera.far;
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    this.camera.updateProjectionMatrix();
+    this.fitted = true;
+    // Not by way of the controls, which would tell that the camera has moved.
+    this.camera.lookAt(this.controls.target);
+    this.draw();
+    for (const listener of this.cameraListeners) listener();
+  }
+
+  /** What is seen now, as a picture of that width and height in pixels, or as large as it is seen. */
+  picture(width = this.renderer.domElement.width, height = this.renderer.domElement.height): HTMLCanvasElement {
+    const picture = document.createElement("canvas");
+    [picture.width, picture.height] = [width, height];
+    this.renderer.render(this.scene, this.camera);
+    const { width: wide, height: tall } = this.renderer.domElement;
+    // All of the smaller side is in it.
+    const scale = Math.max(width / wide, height / tall);
+    picture.getContext("2d")!.drawImage(this.renderer.domElement, (width - scale * wide) / 2, (height - scale * tall) / 2, scale * wide, scale * tall);
+    return picture;
   }
 
   dispose(): void {
