@@ -10,12 +10,13 @@
 
 #include "framework/particles/divided_particles.h"
 #include "framework/particles/flight.h"
+#include "nodes/particle_fluid/auto_bulk_modulus.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
-#include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/solid_approach.h"
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
@@ -30,7 +31,7 @@ ParticleFluid::ParticleFluid() {
   pipeline_.add<SolidApproach>("approach");
   pipeline_.add<NeighborSearch>("neighbors");
   pipeline_.add<WallIntegrals>("walls");
-  pipeline_.add<SemiImplicitSolver>("solver");
+  pipeline_.add<AcceleratedSolver>("solver");
   pipeline_.add<Xsph>("viscosity");
   pipeline_.add<BoundaryCollision>("boundary");
   pipeline_.add<SolidContact>("contact");
@@ -56,7 +57,7 @@ void ParticleFluid::join(Communicator& ranks) {
 }
 
 void ParticleFluid::validate() const {
-  if (mu.get() && bulkModulus.isSet())
+  if (mu.get() && bulkModulus.get())
     throw sceneError("both bulk_modulus and mu are given",
                      "one of them: they say the same in different units");
   try {
@@ -171,6 +172,7 @@ void ParticleFluid::save(const StateWriter& to) const {
   state.particles.save(to.in("particles"));
   state.neighbors.save(to.in("neighbors"));
   to.put("rest_steps", state.restSteps);
+  to.put("bulk_modulus", constants_.bulkModulus);
 }
 
 void ParticleFluid::restore(const StateReader& from) {
@@ -184,14 +186,17 @@ void ParticleFluid::restore(const StateReader& from) {
     state.neighbors.restore(from.in("neighbors"));
   }
   from.get("rest_steps", state.restSteps);
+  if (from.has("bulk_modulus") && !bulkModulus.get() && !mu.get())
+    from.get("bulk_modulus", constants_.bulkModulus);
   state.resumed = true;  // solids, which are below, have not taken back their places yet
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
   const float stiffened = mu.get() ? 1 : static_cast<float>(stiffening(supportRatio, calibration.get()));
-  constants_ = makeFluidConstants(spacing, supportRatio, restDensity,
-                                  mu.get() ? *mu.get() / volume : stiffened * bulkModulus, calibration);
+  constexpr float kUsual = 1e6f;  // Pa
+  const float stiffness = mu.get() ? *mu.get() / volume : stiffened * bulkModulus.get().value_or(kUsual);
+  constants_ = makeFluidConstants(spacing, supportRatio, restDensity, stiffness, calibration);
   constants_.stiffened = stiffened;
   State& state = makeState(state_, context.device);
   gathered_.reset();
@@ -206,12 +211,52 @@ void ParticleFluid::reset(const SetupContext& context) {
   fluid->assign(shown().particles);
 
   appendInitial();
+  chooseBulkModulus(context);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
   FluidStep step = fluidStep(start);
   resetModules(step);
   refresh(start);
   warnOfSettings(context);
   state.restDt = context.dt;
+}
+
+void ParticleFluid::chooseBulkModulus(const SetupContext& context) {
+  const PressureLaw* law = pressureLaw();
+  if (bulkModulus.get() || mu.get() || law == nullptr || !law->toleratedCompression()) return;
+  const InitialFluid there = fluidToCome(context);
+  // By Bernoulli's law nothing that gravity and its first speed drive comes to more, where the flow is
+  // steady.
+  const double highest = hydrostaticPressure(there, context.gravity, restDensity) +
+                         0.5 * restDensity * there.speed * there.speed;
+  const double chosen = bulkModulusFor(highest, *law->toleratedCompression());
+  constants_.bulkModulus = constants_.stiffened * static_cast<float>(chosen);
+  context.log.info(
+      fmt::format("node '{}': a bulk_modulus of {:.0e} Pa, from a pressure of up to {:.3g} Pa and a "
+                  "tolerance of {:.3g}",
+                  name(), chosen, highest, *law->toleratedCompression()));
+}
+
+InitialFluid ParticleFluid::fluidToCome(const SetupContext& context) {
+  InitialFluid there;
+  if (divided_) {
+    there.box = boxOnRanks(context.device);
+  } else if (state_->particles.bound() > 0) {
+    dispatch(context.device, [&](auto& backend) { boundingBoxOn(backend, *state_); });
+    there.box = state_->extent.toHost().front().box;
+  }
+  if (state_->particles.bound() > 0) there.speed = largestSpeed(*state_);
+  if (ranks_ != nullptr) there.speed = ranks_->max(there.speed);
+  const Vec3f g = context.gravity;
+  const auto reach = [&](const Aabb& room) {
+    const Vec3f lowest{(g.x > 0 ? room.hi : room.lo).x, (g.y > 0 ? room.hi : room.lo).y,
+                       (g.z > 0 ? room.hi : room.lo).z};
+    there.box.extend(emitters.empty() ? Aabb{lowest, lowest} : room);
+  };
+  for (const Boundary* boundary : state_->boundaries)
+    for (const BoundaryPiece& piece : boundary->pieces)
+      if (piece.bounded && piece.inverted()) reach(piece.bounds);
+  if (domainMin.get() && domainMax.get()) reach(domain());
+  return there;
 }
 
 ParticleFluid::State& ParticleFluid::makeState(std::optional<State>& made, Device& device) {
@@ -299,10 +344,14 @@ WallFinder* ParticleFluid::wallFinder() const {
   return nullptr;
 }
 
-const BulkEnergy& ParticleFluid::bulkEnergy() const {
+const PressureLaw* ParticleFluid::pressureLaw() const {
   for (const auto& module : pipeline_.modules())
-    if (const auto* law = module->enabled() ? dynamic_cast<PressureLaw*>(module.get()) : nullptr)
-      return law->bulkEnergy();
+    if (const auto* law = module->enabled() ? dynamic_cast<PressureLaw*>(module.get()) : nullptr) return law;
+  return nullptr;
+}
+
+const BulkEnergy& ParticleFluid::bulkEnergy() const {
+  if (const PressureLaw* law = pressureLaw()) return law->bulkEnergy();
   throw sceneError("the fluid has no enabled module that knows its pressure",
                    "a module such as SemiImplicitSolver or AcceleratedSolver, or \"pressure\": false")
       .inParameter(pressure.name());
@@ -542,6 +591,7 @@ void ParticleFluid::report(NodeReport& report) {
   all.particles.refreshCount();
   writeFluidStatistics(all.particles, all.neighbors, constants_, all.gravity, report.statistics);
   report.statistics["rest_steps"] = state.restSteps;
+  report.statistics["bulk_modulus"] = double(constants_.bulkModulus) / constants_.stiffened;
   report.statistics["neighbors_truncated"] = state.events.truncated;
   report.statistics["particles_escaped"] = state.events.escaped;
   report.statistics["particles_not_finite"] = state.events.nonFinite;

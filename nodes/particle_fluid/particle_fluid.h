@@ -21,6 +21,8 @@
 namespace WEIR_API weir {
 
 class DividedParticles;
+class PressureLaw;
+struct InitialFluid;
 
 /// The box around the particles of a fluid, and the sum of their positions.
 struct FluidExtent {
@@ -66,14 +68,17 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
       "rest_density",
       1000,
       {.unit = "kg/m^3", .min = 0, .aboveMin = true, .doc = "Density at rest.", .also = "mass, weight"}};
-  Param<float> bulkModulus{
+  Param<std::optional<float>> bulkModulus{
       *this,
       "bulk_modulus",
-      1e6f,
+      std::nullopt,
       {.unit = "Pa",
        .min = 0,
        .aboveMin = true,
-       .doc = "Stiffness against compression; the speed of sound is sqrt(bulk_modulus / rest_density)."}};
+       .doc =
+           "Stiffness against compression; the speed of sound is sqrt(bulk_modulus / rest_density). If it "
+           "is left out, it is 1 MPa, and with a solver that has a tolerance so much that the fluid's weight "
+           "and first speed compress it by no more than that."}};
   Param<std::optional<float>> mu{
       *this,
       "mu",
@@ -198,7 +203,14 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
 
   /// Of the enabled module that knows it; throws a scene Error if there is none.
   const BulkEnergy& bulkEnergy() const;
+  /// The enabled module that has the role; null if there is none.
+  const PressureLaw* pressureLaw() const;
 
+  /// Where nobody gives it, once the particles are there.
+  void chooseBulkModulus(const SetupContext& context);
+  /// What is there at first, in a box that reaches down to where containers and the domain let it fall; with
+  /// emitters, around all of these.
+  InitialFluid fluidToCome(const SetupContext& context);
   double memoryFor(Device& device, double particles) const;
   /// Bytes on the device of the attributes that particles bring with them.
   double memoryOfBrought(double particles) const;

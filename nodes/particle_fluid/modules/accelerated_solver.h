@@ -98,6 +98,10 @@ class AcceleratedSolver final : public PressureSolver, public InPeriodicDomain {
   }
   void report(NodeReport& report) override;
   double memory(const FluidRoom& room) const override;
+  std::optional<double> toleratedCompression() const override {
+    if (!tolerance.get()) return {};
+    return *tolerance.get();
+  }
 
   using Control = SolverControl;
 

@@ -74,7 +74,7 @@ std::string splash(const std::string& solver) {
                                                     "inverted": true, "report_forces": true, "friction": 0.2}},
       "ball": {"type": "StaticBoundary", "params": {"shape": "sphere", "position": [0.15, 0.1, 0.12],
                                                     "radius": 0.06, "report_forces": true, "restitution": 0.5}},
-      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0, "bulk_modulus": 1e6},
                 "modules": {"solver": )" +
          solver + R"(}}},
     "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",

@@ -1,0 +1,148 @@
+// What a scene gets that says nothing of its solver: water that is incompressible to 0.2 %, whatever its
+// spacing and step, with a bulk modulus that allows it.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "nodes/particle_fluid/auto_bulk_modulus.h"
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
+#include "nodes/particle_fluid/particle_fluid.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/simulated_scene.h"
+
+namespace weir::test {
+namespace {
+
+const std::atomic<bool> kGoOn = false;
+
+/// A block of 40 x 40 x 20 cm of water in a tank, which it leaves half empty.
+constexpr const char* kDamBreak = R"({"weir": 1,
+  "world": {"dt": 0.001, "frame_rate": 20, "duration": 0.5},
+  "nodes": {
+    "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.4, 0.4, 0.2]}},
+    "tank": {"type": "StaticBoundary",
+             "params": {"shape": "box", "min": [0, 0, 0], "max": [0.8, 0.8, 0.2], "inverted": true}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.04, "rest_steps": 0}}},
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]})";
+
+/// The same with nothing but a jet into the tank.
+constexpr const char* kJet = R"({"weir": 1,
+  "world": {"dt": 0.001, "frame_rate": 20, "duration": 0.8},
+  "nodes": {
+    "nozzle": {"type": "SquareEmitter",
+               "params": {"position": [0.2, 0.7, 0.2], "width": 0.16, "height": 0.16, "speed": 1.5}},
+    "tank": {"type": "StaticBoundary",
+             "params": {"shape": "box", "min": [0, 0, 0], "max": [0.4, 0.8, 0.4], "inverted": true}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.04}}},
+  "links": ["nozzle.particles -> water.emitters", "tank.boundary -> water.boundaries"]})";
+
+NodeReport reportOf(SimulatedScene& scene) {
+  NodeReport report;
+  scene.node<ParticleFluid>("water").report(report);
+  return report;
+}
+
+double number(const NodeReport& report, const char* group, const char* name) {
+  return report.statistics.find(group)->find(name)->asDouble();
+}
+
+/// Runs the scene, and expects no warning and at most 0.2 % of mean compression in its last frames.
+void expectIncompressible(const char* text, const std::vector<std::string>& changes) {
+  CpuDevice device(2);
+  SimulatedScene scene(device, text, changes);
+  scene->reset();
+  EXPECT_EQ(scene.warnings(), std::vector<std::string>{});
+  std::vector<double> means;
+  while (scene->advanceFrame(kGoOn)) means.push_back(number(reportOf(scene), "compression", "mean"));
+  ASSERT_GE(means.size(), 6u);
+  std::string what;
+  for (const std::string& change : changes) what += change + " ";
+  double worst = 0;
+  for (std::size_t k = means.size() - 6; k < means.size(); ++k) worst = std::max(worst, means[k]);
+  std::printf("%s: mean compression of at most %.3f %%, %.1f iterations a step\n", what.c_str(), 100 * worst,
+              number(reportOf(scene), "solver_iterations", "mean"));
+  EXPECT_LE(worst, 0.002) << what;
+  EXPECT_GT(scene->particleCount(), 100);
+}
+
+TEST(DefaultSolver, KeepsADamBreakIncompressibleAtAnySpacingAndStep) {
+  for (const char* spacing : {"0.04", "0.025"})
+    for (const char* dt : {"0.001", "0.003", "0.01"})
+      expectIncompressible(kDamBreak,
+                           {"water.spacing=" + std::string(spacing), "world.dt=" + std::string(dt)});
+  expectIncompressible(kDamBreak, {"water.support_ratio=1.5", "world.dt=0.003"});
+  expectIncompressible(kDamBreak, {"world.cfl=0.5", "world.dt=0.01"});
+}
+
+TEST(DefaultSolver, KeepsWhatAJetFillsIncompressible) {
+  for (const char* dt : {"0.001", "0.003", "0.01"})
+    expectIncompressible(kJet, {"world.dt=" + std::string(dt)});
+}
+
+double bulkModulusOf(const std::vector<std::string>& changes) {
+  CpuDevice device(1);
+  SimulatedScene scene(device, kDamBreak, changes);
+  scene->reset();
+  return reportOf(scene).statistics.find("bulk_modulus")->asDouble();
+}
+
+TEST(AutoBulkModulus, IsOneThatLetsWeightAndSpeedCompressByTheTolerance) {
+  // A column of 0.4 m, of which half a spacing is missing above the highest particles: 9800·0.38/0.001.
+  EXPECT_NEAR(bulkModulusOf({}), 4e6, 0.5);
+  EXPECT_NEAR(bulkModulusOf({"block.velocity=[0, -3, 0]"}), 9e6, 1);  // and 4500/0.001 more
+  EXPECT_NEAR(bulkModulusOf({"water.solver.tolerance=1e-4"}), 4e7, 4);
+  EXPECT_NEAR(bulkModulusOf({"world.gravity=[0, 0, 0]"}), 1e6, 0.1);
+  EXPECT_NEAR(bulkModulusOf({"block.min=[0, 0.4, 0]", "block.max=[0.4, 0.8, 0.2]"}), 8e6, 1);  // it will fall
+  EXPECT_NEAR(bulkModulusOf({"tank.max=[0.8, 4, 0.8]"}), 4e6, 0.5);
+  EXPECT_NEAR(bulkModulusOf({"block.max=[0.4, 200, 0.4]", "tank.max=[0.8, 200, 0.8]", "water.spacing=0.2"}),
+              1e9, 64);
+}
+
+TEST(AutoBulkModulus, IsTheUsualOneWithoutATolerance) {
+  EXPECT_NEAR(bulkModulusOf({"water.solver.iterations=3"}), 1e6, 0.1);
+  EXPECT_NEAR(bulkModulusOf({"water.solver.tolerance=null"}), 1e6, 0.1);
+  EXPECT_NEAR(bulkModulusOf({"water.solver.type=Pbf"}), 1e6, 0.1);
+}
+
+TEST(AutoBulkModulus, IsWhatASceneSaysWhereItDoes) {
+  EXPECT_NEAR(bulkModulusOf({"water.bulk_modulus=3e6"}), 3e6, 0.5);
+  EXPECT_NEAR(bulkModulusOf({"water.mu=320"}), 5e6, 1);
+}
+
+TEST(AutoBulkModulus, CountsTheHeightOfTheContainerThatAnEmitterFills) {
+  CpuDevice device(1);
+  SimulatedScene scene(device, kJet);
+  scene->reset();
+  // 9800·0.8/0.001 = 7.8e6
+  EXPECT_NEAR(reportOf(scene).statistics.find("bulk_modulus")->asDouble(), 8e6, 1);
+}
+
+TEST(AutoBulkModulus, IsRoundedUpToOneDigit) {
+  EXPECT_DOUBLE_EQ(bulkModulusFor(0, 1e-3), 1e6);
+  EXPECT_DOUBLE_EQ(bulkModulusFor(3000, 1e-3), 3e6);
+  EXPECT_DOUBLE_EQ(bulkModulusFor(3000.1, 1e-3), 3e6);  // rounding of positions moves it no further
+  EXPECT_DOUBLE_EQ(bulkModulusFor(3100, 1e-3), 4e6);
+  EXPECT_DOUBLE_EQ(bulkModulusFor(9500, 1e-3), 1e7);
+  EXPECT_DOUBLE_EQ(bulkModulusFor(9500, 1e-2), 1e6);
+  EXPECT_DOUBLE_EQ(bulkModulusFor(1e9, 1e-6), 1e9);
+}
+
+double compressionWith(const std::vector<std::string>& changes) {
+  CpuDevice device(2);
+  SimulatedScene scene(device, kDamBreak, changes);
+  scene->reset();
+  while (scene->advanceFrame(kGoOn)) continue;
+  return number(reportOf(scene), "compression", "mean");
+}
+
+TEST(DefaultSolver, FallsBackToMomentumWhereConjugateGradientsCannotBe) {
+  EXPECT_LE(compressionWith({"water.solver.step_length=particle", "world.duration=0.2"}), 0.002);
+  // Forces that are not conservative are of no energy, so nothing says that they converge.
+  const std::string papers = "water.solver.type=SemiImplicitSolver",
+                    forces = "water.solver.conservative=false";
+  EXPECT_LT(compressionWith({forces, "world.duration=0.1"}),
+            compressionWith({papers, forces, "world.duration=0.1", "water.bulk_modulus=4e6"}));
+}
+
+}  // namespace
+}  // namespace weir::test
