@@ -150,6 +150,51 @@ step("a right click tells what can be done with nodes, links, the ground, values
   await page.locator(".palette").waitFor({ state: "detached" });
 });
 
+step("the faces of a box are dragged in the view, or moved by keys", async () => {
+  await hands.select("block");
+  const field = hands.aside().getByLabel("max y", { exact: true });
+  const face = page.getByRole("slider", { name: "max y of block" });
+  await face.hover();
+  const { x, y, width } = await face.boundingBox();
+  await page.mouse.down();
+  await page.mouse.move(x + width / 2, y - 10, { steps: 3 });
+  await page.mouse.move(x + width / 2, y - 30, { steps: 3 });
+  await page.mouse.up();
+  const higher = Number(await field.inputValue());
+  assert.ok(higher > 0.21, `${higher}`);
+  // It went where the pointer led it.
+  const now = await face.boundingBox();
+  assert.ok(Math.abs(now.y + width / 2 - (y - 30)) < 12, JSON.stringify([y, now.y]));
+  assert.deepEqual(await Promise.all(["max x", "max z", "min y"].map((l) => hands.aside().getByLabel(l, { exact: true }).inputValue())), ["0.2", "0.2", "0"]);
+  await hands.pressInGraph("Control+z");
+  assert.equal(await field.inputValue(), "0.2");
+  await face.focus();
+  await page.keyboard.press("ArrowUp");
+  assert.equal(await field.inputValue(), "0.202");
+  await hands.pressInGraph("Control+z");
+  assert.equal(await field.inputValue(), "0.2");
+});
+
+step("a view is kept with the scene, and come back to", async () => {
+  const views = async (name) => {
+    await page.getByRole("button", { name: "View…" }).click();
+    await take("Views", name);
+  };
+  await views("From top");
+  await views("Keep this view");
+  await saved((s) => s.layout.views.length === 1 && s.layout.views[0].eye[1] > s.layout.views[0].target[1] + 0.5);
+  const shown = async () => (await page.locator(".stage > canvas").screenshot()).toString("base64");
+  const top = await shown();
+  await views("From front");
+  for (let tries = 100; (await shown()) === top; --tries) assert.ok(tries > 0, "the camera has not moved");
+  await views("View 1");
+  await views("Keep this view");
+  const near = (a, b) => a.every((x, i) => Math.abs(x - b[i]) < 2e-3);
+  await saved((s) => s.layout.views.length === 2 && near(s.layout.views[0].eye, s.layout.views[1].eye) && near(s.layout.views[0].target, s.layout.views[1].target));
+  for (const n of [1, 2]) await views(`Forget View ${n}`);
+  await saved((s) => s.layout.views === undefined);
+});
+
 step("F1 is the reference of what is selected, beside the graph", async () => {
   await hands.select("water");
   await page.keyboard.press("F1");

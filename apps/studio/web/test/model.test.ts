@@ -23,6 +23,7 @@ import { kUses, withMesh, withParticles } from "../src/model/fromFile";
 import { lightsOf, nodeIn, warningsOf, worst } from "../src/model/health";
 import { Box3, PerspectiveCamera, Vector3 } from "three";
 import { distanceFor } from "../src/viewport/view";
+import { boxOf, withFace } from "../src/viewport/outlines";
 import { roleOf } from "../src/model/roles";
 import { carries, forRunner, fromFile, inputFor, offOf, setOff, toggleOff } from "../src/model/switchedOff";
 import type { JsonObject, NodeType, Parameter, Types } from "../src/model/types";
@@ -714,4 +715,21 @@ test.each([["light", /:root \{([^}]*)\}/], ["dark", /:root\[data-theme="dark"\] 
     for (const text of ["text", "soft", "accent", "wrong", "other"]) expect(contrast(colors[text]!, colors[ground]!), `${text} on ${ground}`).toBeGreaterThanOrEqual(4.5);
   }
   expect(contrast(colors["accent-text"]!, colors["accent"]!)).toBeGreaterThanOrEqual(4.5);
+});
+
+describe("boxes with handles", () => {
+  const vector = (name: string, value: number[]): Parameter => ({ name, kind: "vec3", doc: "", default: value, live: false, animated: false });
+  const parameters = [vector("min", [0, 0, 0]), vector("max", [1, 1, 1]), { ...vector("shape", []), kind: "enum", default: "none" }, { ...vector("rotation", [0, 0, 0]), kind: "rotation" }];
+  const withTypes: Types = { ...types, nodes: { Wall: { ...sampler, parameters }, Block: { ...sampler, parameters: parameters.slice(0, 2) } } };
+  const box = (type: string, params: JsonObject) => boxOf({ weir: 1, nodes: { it: { type, params } } }, withTypes, "it");
+  test("are those along the axes that stay as they are", () => {
+    expect(box("Block", { max: [1, 2, 3] })).toEqual({ min: [0, 0, 0], max: [1, 2, 3] });
+    expect(box("Wall", { shape: "box" })).toEqual({ min: [0, 0, 0], max: [1, 1, 1] });
+    expect([box("Wall", {}), box("Wall", { shape: "box", rotation: [0, 9, 0] }), box("Block", { max: { keyframes: [[0, [1, 1, 1]]] } }), box("Nothing", {})]).toEqual([null, null, null, null]);
+  });
+  test("have faces that do not pass each other", () => {
+    const whole = { min: [0, 0, 0], max: [1, 2, 4] };
+    expect(withFace(whole, "max", 1, 1.23456)).toEqual({ min: [0, 0, 0], max: [1, 1.235, 4] });
+    expect(withFace(whole, "min", 2, 9)).toEqual({ min: [0, 0, 3.96], max: [1, 2, 4] });
+  });
 });

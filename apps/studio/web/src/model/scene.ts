@@ -35,10 +35,20 @@ export interface Place {
   off?: "muted" | "bypassed";
 }
 
+/** Where a camera was, m, and its vertical angle, degrees. */
+export interface KeptView {
+  name: string;
+  eye: number[];
+  target: number[];
+  fov: number;
+}
+
 /** What the page alone knows; the runner ignores it. */
 export interface Layout {
   nodes?: { [name: string]: Place };
   notes?: Note[];
+  /** Cameras to come back to. */
+  views?: KeptView[];
   /** In files only, see switchedOff.ts. */
   off?: { nodes: { [name: string]: NodeSpec }; links: string[]; passed: string[] };
 }
@@ -100,6 +110,21 @@ const withLayout = (scene: Scene, change: Partial<Layout>): Scene => ({
   ...scene,
   layout: { ...scene.layout, ...change },
 });
+
+export const viewsOf = (scene: Scene): KeptView[] => scene.layout?.views ?? [];
+
+/** Keeps a camera, under the first name "View 1", "View 2", … that is free. */
+export function keepView(scene: Scene, camera: Omit<KeptView, "name">): Scene {
+  const views = viewsOf(scene);
+  let n = 1;
+  while (views.some((v) => v.name === `View ${n}`)) ++n;
+  return withLayout(scene, { views: [...views, { name: `View ${n}`, ...camera }] });
+}
+
+export function forgetView(scene: Scene, name: string): Scene {
+  const left = viewsOf(scene).filter((v) => v.name !== name);
+  return withLayout(scene, { views: left.length > 0 ? left : undefined });
+}
 
 export function addNode(scene: Scene, type: string, at: { x: number; y: number }, wish?: string): [Scene, string] {
   const name = freeName(scene, wish ?? nameOfType(type));

@@ -1,7 +1,7 @@
 // The view with its tools: camera, colours, handles, and the particle that was clicked.
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
-import { setParam } from "../model/scene";
+import { forgetView, keepView, setParam, viewsOf } from "../model/scene";
 import { edit, last, lookAt, pinRun, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
@@ -11,6 +11,7 @@ import { hexOf } from "../properties/fields";
 import { Icon } from "../Icon";
 import { savePicture } from "../share/picture";
 import { ShareDialog } from "../share/ShareDialog";
+import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
 import { handleOf, outlinesOf } from "./outlines";
@@ -43,6 +44,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const setRendered = (on: boolean) => useStudio.setState({ rendered: on });
   const pinned = useStudio((s) => s.pinned);
   const gathering = useStudio((s) => s.gathering);
+  const writer = useStudio((s) => s.role === "writer");
   const canPin = useStudio((s) => (s.status.frame ?? 0) > 0 && s.status.state !== "building");
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => useStudio.setState({ rendered: false }), []);
@@ -134,9 +136,15 @@ export function Viewport({ dark }: { dark: boolean }) {
     edit((s) => setParam(s, { section: "render" }, ["camera"], { ...((s["render"] as JsonObject)?.["camera"] as JsonObject), ...pose }));
   };
 
-  const tools = (): MenuItems => menuOf(
+  const views = (): MenuItems => menuOf(
     { name: "Show everything", take: () => view?.fit() },
     ...Object.keys(kPresets).map((p) => ({ name: `From ${p === "iso" ? "a corner" : p}`, take: () => view?.fit(p as Preset) })), null,
+    ...viewsOf(scene).map((v) => ({ name: v.name, take: () => view?.setPose(v.eye, v.target, v.fov) })), null,
+    { name: "Keep this view", off: !view || !writer, take: () => edit((s) => keepView(s, view!.pose())) },
+    ...viewsOf(scene).map((v) => ({ name: `Forget ${v.name}`, off: !writer, take: () => edit((s) => forgetView(s, v.name)) })),
+  );
+  const tools = (): MenuItems => menuOf(
+    ...views(), null,
     { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
     { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
@@ -171,10 +179,7 @@ export function Viewport({ dark }: { dark: boolean }) {
         <button aria-label="Save a picture" onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
         <button disabled={!canPin} onClick={() => setSharing(true)} title="Save the run as one HTML file that replays it">Share</button>
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
-        <select aria-label="View from" value="" onChange={(e) => e.target.value && view?.fit(e.target.value as Preset)}>
-          <option value="">View…</option>
-          {Object.keys(kPresets).map((p) => <option key={p}>{p}</option>)}
-        </select>
+        <button aria-haspopup="menu" onClick={(e) => showMenu({ clientX: e.currentTarget.getBoundingClientRect().left, clientY: e.currentTarget.getBoundingClientRect().bottom }, "Views", views())}>View…</button>
         <button onClick={keepCamera} title="Use this camera for videos">Keep camera</button>
         <button onClick={() => setMode(mode === "translate" ? "rotate" : "translate")} title="What the handle of the selected node does">
           {mode === "translate" ? "Move" : "Turn"}
@@ -195,7 +200,7 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{view && !pictured && <BoxHandles view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
       {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}

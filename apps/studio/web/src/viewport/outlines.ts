@@ -1,5 +1,6 @@
 // What the scene says of shapes and nozzles, drawn from their parameters alone.
 import * as THREE from "three";
+import { isUsed } from "../model/parameters";
 import type { Scene } from "../model/scene";
 import type { Json, JsonObject, Parameter, Types } from "../model/types";
 
@@ -121,11 +122,43 @@ export function linesOf(outlines: Iterable<THREE.Object3D>): Float32Array {
   return Float32Array.from(found);
 }
 
+/** Of a box whose sides are along the axes: its lower and its upper corner, m. */
+export interface Corners {
+  min: number[];
+  max: number[];
+}
+
+const kDigits = 4;
+/** How near two faces may come, of the side between them. */
+const kThinnest = 0.01;
+
+/** A box with one of its faces elsewhere, not beyond the one across. */
+export function withFace(box: Corners, end: "min" | "max", axis: number, to: number): Corners {
+  const across = box[end === "min" ? "max" : "min"][axis]!;
+  const gap = kThinnest * Math.abs(across - box[end][axis]!);
+  const within = end === "min" ? Math.min(to, across - gap) : Math.max(to, across + gap);
+  return { ...box, [end]: box[end].map((v, i) => (i === axis ? Number(within.toPrecision(kDigits)) : v)) };
+}
+
+/** The box that a node's parameters give, which its faces can change; null where they give none, one that is turned, or one that changes over time. */
+export function boxOf(scene: Scene, types: Types, name: string): Corners | null {
+  const spec = scene.nodes[name], parameters = types.nodes[spec?.type ?? ""]?.parameters ?? [];
+  const own = (p: string) => parameters.find((q) => q.name === p);
+  if (own("min")?.kind !== "vec3" || own("max")?.kind !== "vec3") return null;
+  const value = (p: string): Json => spec!.params?.[p] ?? own(p)?.default ?? null;
+  if (own("shape") && value("shape") !== "box") return null;
+  const numbers = (v: Json) => Array.isArray(v) && v.every((x) => typeof x === "number");
+  if (own("rotation") && !(numbers(value("rotation")) && (value("rotation") as number[]).length === 3 && (value("rotation") as number[]).every((x) => x === 0))) return null;
+  const [min, max] = [value("min"), value("max")];
+  return numbers(min) && numbers(max) ? { min: min as number[], max: max as number[] } : null;
+}
+
 /** Whether a node can be moved by a handle in the view, and turned. */
 export function handleOf(scene: Scene, types: Types, name: string): { rotates: boolean } | null {
   const parameters = types.nodes[scene.nodes[name]?.type ?? ""]?.parameters ?? [];
-  if (!parameters.some((p) => p.name === "position" && p.kind === "vec3")) return null;
-  return { rotates: parameters.some((p) => p.name === "rotation") };
+  const used = parameters.filter((p) => isUsed(p, parameters, scene.nodes[name]?.params ?? {}));
+  if (!used.some((p) => p.name === "position" && p.kind === "vec3")) return null;
+  return { rotates: used.some((p) => p.name === "rotation") };
 }
 
 export { vector as vectorOf, valuesOf };

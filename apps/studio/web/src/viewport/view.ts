@@ -54,6 +54,7 @@ export class View {
   private map: Ramp = kColorMaps.viridis;
   private range: [number, number] | null = null;
   private readonly cameraListeners = new Set<() => void>();
+  private readonly drawnListeners = new Set<() => void>();
   private shown: FramePacket | null = null;
   private chosen: { node: string; id: number } | null = null;
   private asked = false;
@@ -232,6 +233,31 @@ export class View {
     return () => void this.cameraListeners.delete(listener);
   }
 
+  /** Calls back whenever the view was drawn. Returns what ends that. */
+  onDrawn(listener: () => void): () => void {
+    this.drawnListeners.add(listener);
+    return () => void this.drawnListeners.delete(listener);
+  }
+
+  /** Where a point is seen, in pixels from the view's upper left corner; null where it is behind the camera. */
+  project(point: number[]): { x: number; y: number } | null {
+    const p = new THREE.Vector3().fromArray(point).project(this.camera);
+    if (p.z > 1) return null;
+    return { x: ((p.x + 1) / 2) * this.element.clientWidth, y: ((1 - p.y) / 2) * this.element.clientHeight };
+  }
+
+  /** The coordinate on the line through a point along an axis (0, 1, 2) that is nearest to what lies under the pointer; null where one looks along it. */
+  along(clientX: number, clientY: number, point: number[], axis: number): number | null {
+    const box = this.element.getBoundingClientRect();
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2), this.camera);
+    const { origin, direction } = caster.ray, from = new THREE.Vector3().fromArray(point);
+    const line = new THREE.Vector3().setComponent(axis, 1), across = line.dot(direction), kParallel = 1e-4;
+    if (1 - across * across < kParallel) return null;
+    const between = origin.clone().sub(from);
+    return from.getComponent(axis) + (between.dot(line) - across * between.dot(direction)) / (1 - across * across);
+  }
+
   /** As the scene's render.camera has it. */
   pose(): { eye: number[]; target: number[]; fov: number } {
     const round = (v: THREE.Vector3) => v.toArray().map((x) => Number(x.toPrecision(4)));
@@ -291,6 +317,7 @@ export class View {
       this.asked = false;
       this.renderer.render(this.scene, this.camera);
       ++this.drawn;
+      for (const listener of this.drawnListeners) listener();
     });
   }
 
