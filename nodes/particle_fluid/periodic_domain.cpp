@@ -33,7 +33,7 @@ void checkBounds(const Period& period, const Aabb& bounds, float reach, const st
     if (looksTheSame(bounds.lo[axis], bounds.hi[axis], low, high, reach)) continue;
     throw sceneError(
         fmt::format("{} reaches from {:.4g} to {:.4g} m along {}, where the domain is periodic "
-                    "from {:.4g} to {:.4g} m, so water would not meet the same solid through "
+                    "from {:.4g} to {:.4g} m, so the fluid would not meet the same solid through "
                     "both faces",
                     named, bounds.lo[axis], bounds.hi[axis], kAxes[std::size_t(axis)], low, high),
         fmt::format("a solid that goes on to {:.4g} and {:.4g} m or beyond, or that lies between "

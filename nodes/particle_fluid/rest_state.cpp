@@ -42,7 +42,7 @@ int RestState::reach(int max, const std::function<void()>& step) {
   double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
   if (atRest == 0 && fluid_.images != nullptr) {
     // Fluid that fills a period is under pressure without weight: no particle has far to go then.
-    constexpr double kWay = 1e-4;  // spacings in a step
+    constexpr double kWay = 3e-4;  // spacings in a step
     const double speed = kWay * fluid_.constants.spacing / fluid_.time.dt;
     atRest = speed * speed;
   }

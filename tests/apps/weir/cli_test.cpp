@@ -104,16 +104,16 @@ TEST_F(Cli, RefusesPeriodicDomainsThatCannotBe) {
     return runWeir(arguments);
   };
   const std::string box = "\"domain_min\": [0, 0, 0], \"domain_max\": [0.5, 0.5, 0.2]";
-  expectFailure(run("\"periodic\": \"z\""), 2, {"domain_min and domain_max", "periodic"});
-  expectFailure(run("\"periodic\": \"w\", " + box), 2, {"\"w\"", "xyz"});
-  expectFailure(run("\"periodic\": \"z\", \"domain_min\": [0, 0, 0], \"domain_max\": [0.5, 0.5, 0.05]"), 2,
+  expectFailure(run("\"periodic\": \"z\""), 3, {"domain_min and domain_max", "periodic"});
+  expectFailure(run("\"periodic\": \"w\", " + box), 3, {"\"w\"", "xyz"});
+  expectFailure(run("\"periodic\": \"z\", \"domain_min\": [0, 0, 0], \"domain_max\": [0.5, 0.5, 0.05]"), 3,
                 {"0.05 m long along z", "at least 0.08 m"});
-  expectFailure(run("\"periodic\": \"z\", " + box), 2, {"solid of 'tank'", "along z", "both faces"});
+  expectFailure(run("\"periodic\": \"z\", " + box), 3, {"solid of 'tank'", "along z", "both faces"});
   const std::string open = "tank.min=[0, 0, -1]", ends = "tank.max=[0.5, 0.5, 1]";
   const std::string wide = "\"domain_min\": [0, 0, 0.1], \"domain_max\": [0.5, 0.5, 0.3]";
-  expectFailure(run("\"periodic\": \"z\", " + wide, {"--set", open, "--set", ends}), 2,
+  expectFailure(run("\"periodic\": \"z\", " + wide, {"--set", open, "--set", ends}), 3,
                 {"'block'", "outside of the periodic domain"});
-  expectFailure(run("\"periodic\": \"z\", " + box, {"--set", open, "--set", ends, "--ranks", "2"}), 2,
+  expectFailure(run("\"periodic\": \"z\", " + box, {"--set", open, "--set", ends, "--ranks", "2"}), 3,
                 {"periodic domain", "ranks"});
   const ChildResult runs = run("\"periodic\": \"z\", " + box, {"--set", open, "--set", ends, "--quiet"});
   EXPECT_EQ(runs.code, 0) << runs.err;

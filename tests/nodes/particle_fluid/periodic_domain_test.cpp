@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -54,26 +55,30 @@ std::vector<Vec3f> wrappedInto(const Period& period, std::vector<Vec3f> position
   return positions;
 }
 
-Value solverOf(const char* type, Value params) {
-  return object({{"type", type}, {"params", std::move(params)}});
-}
-
-/// Each of the solvers and viscosities that know of periodic domains.
-std::vector<std::pair<const char*, Value>> pipelines() {
-  Value viscous = object({{"viscous", inserted("ViscositySolver", "walls", object({{"viscosity", 5.0}}))}});
-  Value tension =
-      object({{"tension", inserted("SurfaceTension", "viscosity", object({{"air_pressure", 5.0}}))}});
-  Value implicit = object({{"viscosity", object({{"params", object({{"form", "implicit"}})}})}});
-  Value nesterov = object(
-      {{"solver",
-        solverOf("AcceleratedSolver",
-                 object({{"tolerance", 0.001}, {"acceleration", "nesterov"}, {"max_iterations", 20}}))}});
-  Value conjugate = object(
-      {{"solver", solverOf("AcceleratedSolver", object({{"tolerance", 0.001}, {"max_iterations", 20}}))}});
-  Value searched = object({{"solver", object({{"params", object({{"step_length", "global"}})}})}});
-  return {{"default", Value::object()}, {"ViscositySolver", viscous}, {"SurfaceTension", tension},
-          {"implicit XSPH", implicit},  {"nesterov", nesterov},       {"conjugate", conjugate},
-          {"global step", searched}};
+/// Each of the solvers and viscosities that know of periodic domains, with that many iterations.
+std::vector<std::pair<const char*, Value>> pipelines(int iterations) {
+  const auto with = [&](const char* step, const char* name, Value module) {
+    const Value params = object({{"iterations", iterations}, {"step_length", step}});
+    Value modules = object({{"solver", object({{"params", params}})}});
+    if (name != nullptr) modules[name] = std::move(module);
+    return modules;
+  };
+  const auto accelerated = [&](const char* by) {
+    const Value params = object({{"acceleration", by}, {"max_iterations", iterations}});
+    return object({{"solver", object({{"type", "AcceleratedSolver"}, {"params", params}})}});
+  };
+  return {
+      {"default", with("full", nullptr, {})},
+      {"ViscositySolver",
+       with("full", "viscous", inserted("ViscositySolver", "walls", object({{"viscosity", 5.0}})))},
+      {"SurfaceTension",
+       with("full", "tension", inserted("SurfaceTension", "viscosity", object({{"air_pressure", 5.0}})))},
+      {"VorticityConfinement",
+       with("full", "eddies", inserted("VorticityConfinement", "viscosity", object({{"strength", 0.0}})))},
+      {"implicit XSPH", with("full", "viscosity", object({{"params", object({{"form", "implicit"}})}}))},
+      {"global step", with("global", nullptr, {})},
+      {"Nesterov", accelerated("nesterov")},
+      {"conjugate gradients", accelerated("conjugate")}};
 }
 
 TEST(PeriodicDomain, KeepsMomentum) {
@@ -81,12 +86,14 @@ TEST(PeriodicDomain, KeepsMomentum) {
   const std::vector<Vec3f> positions = wrappedInto({{}, size}, filling({12, 12, 12}));
   const std::vector<Vec3f> velocities = randomVelocities(positions.size(), 0.5f, 4);
   const Vec3d first = sumOf(velocities);
-  for (const auto& [what, modules] : pipelines()) {
+  // The substitution keeps it as far as it has converged.
+  for (const auto& [what, modules] : pipelines(200)) {
+    if (contains(what, "implicit")) continue;  // it goes to the mean over neighbours, which keeps no momentum
     CpuDevice device(2);
     FluidScene scene(device, positions, velocities, inBox(size), modules);
     scene.gravity = {};
     scene.reset(1e-3);
-    scene.step(20);
+    scene.step(5);
     const std::vector<Vec3f> after = scene.velocities();
     ASSERT_EQ(after.size(), positions.size()) << what;
     double moved = 0;
@@ -95,8 +102,6 @@ TEST(PeriodicDomain, KeepsMomentum) {
     const double drift = length(sumOf(after) - first) / double(after.size());
     std::printf("%s: %.2g m/s of momentum gained, of %.2g m/s that particles gain\n", what, drift, moved);
     EXPECT_GT(moved, 0.1) << what;
-    // Each particle's rounding in each step, of 0.5 m/s and of positions over dt, adds up as in a random
-    // walk.
     EXPECT_LT(drift, 5e-6) << what;
   }
 }
@@ -109,9 +114,7 @@ TEST(PeriodicDomain, TwoPeriodsMoveAsOne) {
   std::vector<Vec3f> twice = once, both = velocities;
   for (std::size_t i = 0; i < once.size(); ++i)
     twice.push_back(once[i] + Vec3f{size.x, 0, 0}), both.push_back(velocities[i]);
-  for (const auto& [what, modules] : pipelines()) {
-    // Sums over all particles in another order stop iterations elsewhere.
-    if (contains(what, "nesterov") || contains(what, "conjugate")) continue;
+  for (const auto& [what, modules] : pipelines(3)) {
     CpuDevice device(2);
     FluidScene one(device, once, velocities, inBox(size), modules);
     FluidScene two(device, twice, both, inBox({2 * size.x, size.y, size.z}), modules);
@@ -121,7 +124,7 @@ TEST(PeriodicDomain, TwoPeriodsMoveAsOne) {
     for (std::size_t i = 0; i < found.size(); ++i)
       largest = std::max(largest, length(toDouble(found[i]) - toDouble(expected[i % expected.size()])));
     std::printf("%s: largest difference %.2g m/s\n", what, largest);
-    EXPECT_LT(largest, 2e-3) << what;
+    EXPECT_LT(largest, 1e-4) << what;
   }
 }
 
@@ -132,8 +135,7 @@ TEST(PeriodicDomain, PlacesOfTheFacesChangeNothing) {
   std::vector<Vec3f> shifted = positions;
   for (Vec3f& p : shifted) p += by;
   const std::vector<Vec3f> velocities = randomVelocities(positions.size(), 0.3f, 4);
-  for (const auto& [what, modules] : pipelines()) {
-    if (contains(what, "nesterov") || contains(what, "conjugate")) continue;
+  for (const auto& [what, modules] : pipelines(3)) {
     CpuDevice device(2);
     FluidScene one(device, positions, velocities, inBox(size), modules);
     FluidScene other(device, wrappedInto(period, shifted), velocities, inBox(size), modules);
@@ -144,29 +146,31 @@ TEST(PeriodicDomain, PlacesOfTheFacesChangeNothing) {
     for (std::size_t i = 0; i < found.size(); ++i)
       largest = std::max(largest, length(toDouble(found[i]) - toDouble(expected[i])));
     std::printf("%s: largest difference %.2g m/s\n", what, largest);
-    EXPECT_LT(largest, 2e-3) << what;
+    EXPECT_LT(largest, 1e-4) << what;
   }
 }
 
 // ---- Flows with closed forms ----------------------------------------------------------------------------
 
-/// A channel between plates at y = 0 and 0.12 m, periodic along x and z, with a viscosity of 10 Pa·s.
+/// A channel between plates at y = 0 and 0.12 m, a slab of 12 by 4 spacings, periodic along x and z, with a
+/// viscosity of 10 Pa·s. Its speed of sound is 30 times the speed of the flow: stiffer fluid has an inner
+/// friction of its own, in proportion to its pressure.
 constexpr const char* kChannel = R"({"weir": 1,
+  "let": {"spacing": 0.01},
   "world": {"gravity": [PULL, 0, 0], "dt": 0.002, "frame_rate": 10, "duration": 2},
   "nodes": {
-    "fill": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.12, 0.12, DEEP]}},
+    "fill": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": ["=12*spacing", 0.12, "=4*spacing"]}},
     NODES,
     "honey": {"type": "ParticleFluid",
-              "params": {"spacing": 0.01, "periodic": "xz", "domain_min": [0, -1, 0],
-                         "domain_max": [0.12, 1, DEEP]},
-              "modules": {"viscosity": {"enabled": false},
+              "params": {"spacing": "=spacing", "bulk_modulus": 1e4, "rest_steps": 200, "periodic": "xz",
+                         "domain_min": [0, -1, 0], "domain_max": ["=12*spacing", 1, "=4*spacing"]},
+              "modules": {"solver": {"params": {"iterations": 20}}, "viscosity": {"enabled": false},
                           "viscous": {"type": "ViscositySolver", "after": "walls", "params": {"viscosity": 10}}}}},
   "links": ["fill.particles -> honey.initial", LINKS]})";
 
-std::string channel(double pull, double deep, const std::string& nodes, const std::string& links) {
+std::string channel(double pull, const std::string& nodes, const std::string& links) {
   std::string text = kChannel;
   for (const auto& [name, value] : {std::pair<std::string, std::string>{"PULL", std::to_string(pull)},
-                                    {"DEEP", std::to_string(deep)},
                                     {"NODES", nodes},
                                     {"LINKS", links}})
     for (auto at = text.find(name); at != std::string::npos; at = text.find(name))
@@ -185,50 +189,71 @@ const std::string kPlates = R"(
 const std::string kPlateLinks = R"("block.surface -> low.solids", "lid.surface -> high.solids",
   "honey.fluid -> low.fluid", "honey.fluid -> high.fluid")";
 
+void advance(Simulation& simulation, int frames) {
+  const std::atomic<bool> stop = false;
+  for (int k = 0; k < frames; ++k) ASSERT_TRUE(simulation.advanceFrame(stop));
+}
+
 /// Mean velocity along x, m/s.
 double meanFlow(ParticleSet& particles) {
   return sumOf(particles.velocities().toHost(particles.refreshCount())).x / double(particles.bound());
 }
 
+std::string spacingOf(int layers) {
+  return "let.spacing=" + std::to_string(0.12 / layers);
+}
+
+/// What the particles between the plates do as they become finer, from 6 and 12 layers. Where the wall stands
+/// is known to a share of a spacing, so the error is of the first order.
+struct Refined {
+  double coarse, fine;
+  double limit() const { return 2 * fine - coarse; }
+};
+
 TEST(PeriodicDomain, PoiseuilleFlow) {
   constexpr double kPull = 0.5, kHeight = 0.12, kNu = 0.01, kMean = kPull * kHeight * kHeight / (12 * kNu);
-  for (const bool mesh : {false, true}) {
+  const auto flow = [&](int layers) {
     CpuDevice device(2);
-    SimulatedScene scene(device,
-                         channel(kPull, 0.04, mesh ? kPlates : kPlanes, mesh ? kPlateLinks : kPlaneLinks));
+    SimulatedScene scene(device, channel(kPull, kPlanes, kPlaneLinks), {spacingOf(layers)});
     scene->reset();
-    for (int k = 0; k < 400; ++k) scene->step();
+    advance(*scene, 8);
     ParticleSet& particles = scene.node<ParticleFluid>("honey").fluid->set();
     const double ratio = meanFlow(particles) / kMean;
-    std::printf("Poiseuille between %s: %.4f of the closed form\n", mesh ? "meshes" : "planes", ratio);
-    EXPECT_NEAR(ratio, 1, 0.05);
     // Nothing goes across the slab.
     double across = 0;
     for (const Vec3f& v : particles.velocities().toHost(particles.bound())) across += double(v.z) * v.z;
-    EXPECT_LT(std::sqrt(across / double(particles.bound())), 0.03 * kMean);
-  }
+    EXPECT_LT(std::sqrt(across / double(particles.bound())), 0.05 * kMean);
+    return ratio;
+  };
+  const Refined ratio{flow(6), flow(12)};
+  std::printf("Poiseuille: %.4f and %.4f of the closed form, limit %.4f\n", ratio.coarse, ratio.fine,
+              ratio.limit());
+  EXPECT_NEAR(ratio.fine, 1, 0.12);
+  EXPECT_NEAR(ratio.limit(), 1, 0.03);
 }
 
 TEST(PeriodicDomain, CouetteFlow) {
-  constexpr double kSpeed = 0.1, kHeight = 0.12, kViscosity = 10, kArea = 0.12 * 0.04;
-  CpuDevice device(2);
-  SimulatedScene scene(device, channel(0, 0.04, kPlates, kPlateLinks), {"high.velocity=[0.1, 0, 0]"});
-  scene->reset();
-  for (int k = 0; k < 400; ++k) scene->step();  // eight frames
-  ParticleSet& particles = scene.node<ParticleFluid>("honey").fluid->set();
-  EXPECT_NEAR(meanFlow(particles), kSpeed / 2, 0.02 * kSpeed);
-  const std::vector<Vec3f> x = particles.positions().toHost(particles.bound()),
-                           v = particles.velocities().toHost(particles.bound());
-  double rough = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    rough = std::max(rough, std::abs(double(v[i].x) - kSpeed * double(x[i].y) / kHeight));
-  std::printf("Couette: mean %.4f, largest deviation from the line %.4f of the plate's speed\n",
-              meanFlow(particles) / kSpeed, rough / kSpeed);
-  EXPECT_LT(rough, 0.08 * kSpeed);
-  const double drag = scene.node<SemiAnalyticalSFI>("high").forces->solids.at(0).force.x;
-  std::printf("drag on the plate: %.4f of the closed form\n",
-              -drag / (kViscosity * kSpeed / kHeight * kArea));
-  EXPECT_NEAR(-drag, kViscosity * kSpeed / kHeight * kArea, 0.05 * kViscosity * kSpeed / kHeight * kArea);
+  constexpr double kSpeed = 0.1, kHeight = 0.12, kViscosity = 10;
+  const auto drag = [&](int layers) {
+    CpuDevice device(2);
+    SimulatedScene scene(device, channel(0, kPlates, kPlateLinks),
+                         {spacingOf(layers), "high.velocity=[0.1, 0, 0]"});
+    scene->reset();
+    double sum = 0;
+    advance(*scene, 4);
+    for (int k = 0; k < 4; ++k) {
+      advance(*scene, 1);
+      sum -= scene.node<SemiAnalyticalSFI>("high").forces->solids.at(0).force.x;
+    }
+    EXPECT_NEAR(meanFlow(scene.node<ParticleFluid>("honey").fluid->set()), kSpeed / 2, 0.02 * kSpeed);
+    const double spacing = kHeight / layers, area = 12 * spacing * 4 * spacing;
+    return sum / 4 / (kViscosity * kSpeed / kHeight * area);
+  };
+  const Refined ratio{drag(6), drag(12)};
+  std::printf("drag on a plate: %.4f and %.4f of the closed form, limit %.4f\n", ratio.coarse, ratio.fine,
+              ratio.limit());
+  EXPECT_NEAR(ratio.fine, 1, 0.12);
+  EXPECT_NEAR(ratio.limit(), 1, 0.05);
 }
 
 /// The rate at which a Taylor–Green vortex decays, over 2·ν·k².
@@ -279,7 +304,7 @@ TEST(PeriodicDomain, ResumesExactly) {
   registerNodes(registry);
   Log log;
   for (const bool mesh : {false, true}) {
-    const std::string text = channel(0.5, 0.04, mesh ? kPlates : kPlanes, mesh ? kPlateLinks : kPlaneLinks);
+    const std::string text = channel(0.5, mesh ? kPlates : kPlanes, mesh ? kPlateLinks : kPlaneLinks);
     const auto make = [&] {
       std::vector<std::string> ignored;
       auto built =
@@ -301,10 +326,10 @@ std::string refusalOf(const std::string& text, const std::vector<std::string>& c
 }
 
 TEST(PeriodicDomain, RefusesWhatDoesNotKnowOfIt) {
-  const std::string planes = channel(0, 0.04, kPlanes, kPlaneLinks);
+  const std::string planes = channel(0, kPlanes, kPlaneLinks);
   EXPECT_CONTAINS(refusalOf(planes, {"low.normal=[0.1, 1, 0]"}), "plane across x");
   const auto with = [&](const std::string& node, const std::string& link) {
-    return channel(0, 0.04, kPlanes + ", \"more\": " + node, kPlaneLinks + ", \"" + link + "\"");
+    return channel(0, kPlanes + ", \"more\": " + node, kPlaneLinks + ", \"" + link + "\"");
   };
   EXPECT_CONTAINS(refusalOf(with(R"({"type": "FluidSurface"})", "honey.fluid -> more.fluid")),
                   "periodic domain");
@@ -331,7 +356,7 @@ TEST(PeriodicDomain, RefusesWhatDoesNotKnowOfIt) {
 TEST(PeriodicDomain, GaugesSeeThroughTheFaces) {
   CpuDevice device(2);
   const std::string text =
-      channel(0, 0.04, kPlanes + R"(, "seam": {"type": "Gauge", "params": {"position": [0, 0.06, 0]}},
+      channel(0, kPlanes + R"(, "seam": {"type": "Gauge", "params": {"position": [0, 0.06, 0]}},
                                       "inside": {"type": "Gauge", "params": {"position": [0.06, 0.06, 0.02]}})",
               kPlaneLinks + R"(, "honey.fluid -> seam.particles", "honey.fluid -> inside.particles")");
   SimulatedScene scene(device, text, {"fill.arrangement=\"lattice\""});
@@ -350,14 +375,14 @@ TEST(PeriodicDomain, GaugesSeeThroughTheFaces) {
 TEST(PeriodicDomain, SamplersFillItEvenly) {
   for (const char* arrangement : {"relaxed", "lattice"}) {
     CpuDevice device(2);
-    SimulatedScene scene(device, channel(0, 0.1, kPlanes, kPlaneLinks),
-                         {std::string("fill.arrangement=") + arrangement, "fill.max=[0.12, 0.06, 0.1]",
+    SimulatedScene scene(device, channel(0, kPlanes, kPlaneLinks),
+                         {std::string("fill.arrangement=") + arrangement, "fill.max=[0.12, 0.06, 0.04]",
                           "world.gravity=[0, -9.8, 0]"});
     scene->reset();
     ParticleSet& particles = scene.node<ParticleFluid>("honey").fluid->set();
     const std::int64_t n = particles.refreshCount();
-    EXPECT_EQ(n, 12 * 6 * 10);
-    const Period period{{0, 0, 0}, {0.12f, 0, 0.1f}};
+    EXPECT_EQ(n, 12 * 6 * 4);
+    const Period period{{0, 0, 0}, {0.12f, 0, 0.04f}};
     const std::vector<Vec3f> x = particles.positions().toHost(n);
     const std::vector<float> density = particles.get<float>("density").toHost(n);
     double atSeam = 0, inside = 0, nearest = 1;
@@ -380,7 +405,7 @@ TEST(PeriodicDomain, SamplersFillItEvenly) {
     }
     std::printf("%s: density %.1f at the seam, %.1f elsewhere; nearest pair %.3f spacings\n", arrangement,
                 atSeam / seam, inside / middle, nearest);
-    EXPECT_NEAR(atSeam / seam, inside / middle, 10);
+    EXPECT_NEAR(atSeam / seam, inside / middle, 5);
     EXPECT_GT(nearest, 0.6);
   }
 }
