@@ -128,6 +128,8 @@ ANSWERS = {
     "Buoyancy": "Archimedes", "A tank that moves": "a tank that stands", "Energy": "a sum that may only fall",
     "A tank that turns": "the parabola ω²r²/2g", "Efflux from a hole": "Torricelli's law", "The front of a dam break": "an experiment",
     "A full goblet": "no particle lost in 10 s", "A drop": "a sphere", "Momentum": "a free blob",
+    "Added mass": "a closed form", "Attitudes of a floating beam": "the least energy", "A ball that heaves": "an experiment",
+    "Water entry of a wedge": "a similarity solution",
 }
 
 

@@ -13,6 +13,7 @@ from typing import Callable
 
 from lab import ROOT, Lab, Outcome, Row
 import at_rest
+import floating
 import in_motion
 import program
 import report
@@ -46,6 +47,10 @@ CHECKS = [
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("drop", "A drop", in_motion.drop),
     Check("momentum", "Momentum", in_motion.momentum),
+    Check("released_ball", "Added mass", floating.released_ball),
+    Check("floating_beam", "Attitudes of a floating beam", floating.floating_beam, long=True),
+    Check("heaving_ball", "A ball that heaves", floating.heaving_ball, long=True),
+    Check("wedge_entry", "Water entry of a wedge", floating.wedge_entry, long=True),
 ]
 
 
