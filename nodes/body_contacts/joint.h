@@ -76,20 +76,23 @@ class Joint final : public Node {
   Param<double> speed{*this,
                       "speed",
                       0,
-                      {.animated = true,
+                      {.live = true,
+                       .animated = true,
                        .doc = "Of the motor: of the body relative to the other; rad/s, or m/s of a slider.",
                        .onlyFor = "kind: hinge, slider"}};
   Param<double> maxEffort{*this,
                           "max_effort",
                           1e6,
                           {.min = 0,
+                           .live = true,
                            .animated = true,
                            .doc = "Of the motor: N*m, or N of a slider.",
                            .onlyFor = "kind: hinge, slider"}};
   Param<double> effort{*this,
                        "effort",
                        0,
-                       {.animated = true,
+                       {.live = true,
+                        .animated = true,
                         .doc = "On the body about or along the axis, without a motor: N*m, or N of a slider.",
                         .onlyFor = "kind: hinge, slider"}};
 

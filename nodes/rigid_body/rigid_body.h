@@ -105,13 +105,15 @@ class RigidBody final : public Node, public RigidMotion {
                             "applied_force",
                             {},
                             {.unit = "N",
+                             .live = true,
                              .animated = true,
                              .doc = "A force on its centre of mass, besides those of fluids.",
                              .also = "thrust, propeller, push, pull, control, actuator"}};
-  Param<Vec3f> appliedTorque{*this,
-                             "applied_torque",
-                             {},
-                             {.unit = "N*m", .animated = true, .doc = "A torque, besides those of fluids."}};
+  Param<Vec3f> appliedTorque{
+      *this,
+      "applied_torque",
+      {},
+      {.unit = "N*m", .live = true, .animated = true, .doc = "A torque, besides those of fluids."}};
 
   Inputs<Particles> fluid{*this, "fluid", "The fluid that moves it."};
   Input<TriangleMesh> mesh{*this, "mesh", "Its surface: closed, facing outwards."};

@@ -8,6 +8,7 @@
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
 #include "framework/solids/solid.h"
+#include "nodes/rigid_body/rigid_body.h"
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "python/src/numpy_arrays.h"
 #include "python/src/point_sums.h"
@@ -148,6 +149,34 @@ nb::tuple poseOf(const PythonScene& scene, const std::string& name, std::optiona
   const Pose pose = motion->poseAt(time.value_or(scene.simulation()->time()));
   const auto& [q, t] = pose;
   return nb::make_tuple(nb::make_tuple(q.w, q.x, q.y, q.z), nb::make_tuple(t.x, t.y, t.z));
+}
+
+namespace {
+
+RigidBody& readyBody(const PythonScene& scene, const std::string& name) {
+  auto* const body = dynamic_cast<RigidBody*>(&readyNode(scene, name));
+  if (body == nullptr) throw usageError("the node is no body", "a RigidBody").inNode(name);
+  return *body;
+}
+
+Vec3d vectorOf(const std::array<double, 3>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+}  // namespace
+
+nb::tuple motionOf(const PythonScene& scene, const std::string& name) {
+  const RigidBody& body = readyBody(scene, name);
+  const auto [v, w] = twistOf(body.massOf(), body.state());
+  return nb::make_tuple(nb::make_tuple(v.x, v.y, v.z), nb::make_tuple(w.x, w.y, w.z));
+}
+
+void placeBody(const PythonScene& scene, const std::string& name, const std::array<double, 4>& rotation,
+               const std::array<double, 3>& translation, const std::array<double, 3>& velocity,
+               const std::array<double, 3>& angularVelocity) {
+  const auto& [w, x, y, z] = rotation;
+  readyBody(scene, name)
+      .placeMesh({w, x, y, z}, vectorOf(translation), {vectorOf(velocity), vectorOf(angularVelocity)});
 }
 
 nb::object sampled(const PythonScene& scene, const std::string& name, const std::string& attribute,

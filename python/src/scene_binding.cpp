@@ -1,4 +1,5 @@
 // What Python sees of scenes.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -148,6 +149,9 @@ void bindScene(nb::module_& m) {
       .def("report", &reportOf, nb::arg("node"), nb::sig("def report(self, node: str) -> dict"))
       .def("pose", &poseOf, nb::arg("node"), nb::arg("time").none(),
            nb::sig("def pose(self, node: str, time: float | None) -> tuple"))
+      .def("motion", &motionOf, nb::arg("node"), nb::sig("def motion(self, node: str) -> tuple"))
+      .def("place", &placeBody, nb::arg("node"), nb::arg("rotation"), nb::arg("translation"),
+           nb::arg("velocity"), nb::arg("angular_velocity"))
       .def("sampled", &sampled, nb::arg("node"), nb::arg("attribute"), nb::arg("points"),
            nb::sig("def sampled(self, node: str, attribute: str, points: numpy.ndarray) -> numpy.ndarray"))
       .def("link", &S::link, nb::arg("text"))

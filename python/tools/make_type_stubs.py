@@ -18,7 +18,7 @@ from typing import Any, Literal
 from ._core import Particles
 from ._nodes import ModuleHandle, Modules, Node, Port
 from ._parameters import Parameters
-from ._results import Pose
+from ._results import BodyMotion, Pose
 '''
 
 TYPES = {"bool": "bool", "int": "int", "float": "float", "string": "str", "path": "str | PathLike[str]",
@@ -26,10 +26,12 @@ TYPES = {"bool": "bool", "int": "int", "float": "float", "string": "str", "path"
          "rotation": "Sequence[float]", "curve": "Sequence[Sequence[float]]", "list": "Sequence[Any]",
          "group list": "Sequence[Mapping[str, Any]]"}
 
-TAKING_ARRAYS = {
+OWN_MEMBERS = {
     "ParticleFile": ["def set_particles(self, positions: Any, velocities: Any = None, "
                      "attributes: Mapping[str, Any] | None = None) -> None: ..."],
-    "MeshFile": ["def set_mesh(self, vertices: Any, faces: Any) -> None: ..."]}
+    "MeshFile": ["def set_mesh(self, vertices: Any, faces: Any) -> None: ..."],
+    "RigidBody": ["def motion(self) -> BodyMotion: ...",
+                  "def place(self, pose: Pose | None = None, velocity: Any = None, angular_velocity: Any = None) -> None: ..."]}
 
 
 def type_of(about: dict) -> str:
@@ -78,7 +80,7 @@ def main(folder: Path) -> None:
     types = library.types()
     nodes, modules = [HEAD], [HEAD]
     for name, about in types["nodes"].items():
-        nodes += class_lines(name, "Node", about["doc"], about["parameters"], ports(about) + TAKING_ARRAYS.get(name, []))
+        nodes += class_lines(name, "Node", about["doc"], about["parameters"], ports(about) + OWN_MEMBERS.get(name, []))
     for name, about in types["modules"].items():
         modules += class_lines(name, "ModuleHandle", about["doc"], about["parameters"], [])
     (folder / "nodes.pyi").write_text("\n".join(nodes), encoding="utf-8")

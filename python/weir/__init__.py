@@ -18,11 +18,11 @@ from ._library import devices, load_plugin, plugins, register, schema, version
 from ._module import Module, Param
 from ._motion import motion
 from ._nodes import ModuleHandle, Modules, Node, Port
-from ._results import Mesh, ParticleArrays, Pose, SolidForce
+from ._results import BodyMotion, Mesh, ParticleArrays, Pose, SolidForce
 from ._scene import Scene, Section, keyframes, load, loads
 from ._simulation import Simulation
 
 __version__ = version()
-__all__ = ["DeviceArray", "Error", "FluidStep", "Mesh", "Module", "ModuleHandle", "Modules", "Node", "Param", "ParticleArrays",
+__all__ = ["BodyMotion", "DeviceArray", "Error", "FluidStep", "Mesh", "Module", "ModuleHandle", "Modules", "Node", "Param", "ParticleArrays",
            "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "devices", "keyframes", "load",
            "load_plugin", "loads", "modules", "motion", "nodes", "plugins", "register", "schema", "version"]

@@ -63,6 +63,16 @@ def floats(array: Any, name: str, *shapes: tuple[int | None, ...], allowed: str)
     return _finite(values, name)
 
 
+def numbers(array: Any, name: str, count: int) -> list[float]:
+    """That many finite numbers, in double precision."""
+    import numpy
+
+    values = on_host(array, name)
+    if values.dtype.kind not in "fiu" or values.shape != (count,) or not numpy.isfinite(values).all():
+        raise array_error(name, f"found {numpy.array2string(values, separator=', ')}", f"{count} finite numbers")
+    return values.astype(numpy.float64).tolist()
+
+
 def indices(array: Any, name: str, width: int, below: int, of: str) -> Any:
     """An array (n, width) of int32 from 0 to below - 1."""
     import numpy

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from . import _core
-from ._arrays import floats, mesh_arrays, particle_arrays
+from ._arrays import floats, mesh_arrays, numbers, particle_arrays
 from ._errors import usage_error
 from ._library import library
 from ._module import Module
 from ._parameters import Parameters, make_class
-from ._results import Pose, as_pose, as_result
+from ._results import BodyMotion, Pose, as_motion, as_pose, as_result
 
 
 class Port:
@@ -215,6 +215,22 @@ def _pose(self: Node, time: float | None = None) -> Pose:
     return as_pose(*self._core.pose(self._name, time))
 
 
+def _motion(self: Node) -> BodyMotion:
+    """Its velocities as they are now. Needs an open simulation."""
+    return as_motion(*self._core.motion(self._name))
+
+
+def _place(self: Node, pose: Pose | None = None, velocity: Any = None, angular_velocity: Any = None) -> None:
+    """Put the body there, between steps; what is left out stays. `velocity` (m/s) is that of its centre of mass,
+    `angular_velocity` is in rad/s; axes that are fixed keep 0. Water is pushed out of where it is put, so it must not be
+    put far into it at once. Needs an open simulation."""
+    present, motion = self.pose(), self.motion()
+    to = present if pose is None else pose
+    self._core.place(self._name, numbers(to.rotation, "rotation", 4), numbers(to.translation, "translation", 3),
+                     numbers(motion.velocity if velocity is None else velocity, "velocity", 3),
+                     numbers(motion.angular_velocity if angular_velocity is None else angular_velocity, "angular_velocity", 3))
+
+
 def _set_particles(self: Node, positions: Any, velocities: Any = None, attributes: Mapping[str, Any] | None = None) -> None:
     """Take these particles in place of the present ones, from the next reset on; see Scene.add_particles."""
     self._core.give(self._name, particle_arrays(positions, velocities, attributes))
@@ -225,8 +241,10 @@ def _set_mesh(self: Node, vertices: Any, faces: Any) -> None:
     self._core.give(self._name, mesh_arrays(vertices, faces))
 
 
-# Of single types: those that take arrays.
-_OWN_MEMBERS: dict[str, dict[str, Any]] = {"ParticleFile": {"set_particles": _set_particles}, "MeshFile": {"set_mesh": _set_mesh}}
+# Of single types: those that take arrays, and bodies.
+_OWN_MEMBERS: dict[str, dict[str, Any]] = {"ParticleFile": {"set_particles": _set_particles},
+                                           "MeshFile": {"set_mesh": _set_mesh},
+                                           "RigidBody": {"motion": _motion, "place": _place}}
 
 _node_classes: dict[str, type[Node]] = {}
 _module_classes: dict[str, type[ModuleHandle]] = {}

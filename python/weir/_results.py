@@ -82,6 +82,16 @@ class Pose:
         return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """How a body moves."""
+
+    velocity: Any
+    """(3,) float64, m/s, of its centre of mass."""
+    angular_velocity: Any
+    """(3,) float64, rad/s."""
+
+
 def as_result(kind: str, held: dict[str, Any]) -> Any:
     """What an output of a type holds."""
     import numpy
@@ -91,6 +101,12 @@ def as_result(kind: str, held: dict[str, Any]) -> Any:
     if kind == "SolidForces":
         return {solid: SolidForce(*map(numpy.array, pair)) for solid, pair in held["solids"].items()}
     return Mesh(**held)
+
+
+def as_motion(velocity: tuple, angular_velocity: tuple) -> BodyMotion:
+    import numpy
+
+    return BodyMotion(numpy.array(velocity, numpy.float64), numpy.array(angular_velocity, numpy.float64))
 
 
 def as_pose(rotation: tuple, translation: tuple) -> Pose:

@@ -129,6 +129,8 @@ ANSWERS = {
     "A tank that turns": "the parabola ω²r²/2g", "Efflux from a hole": "Torricelli's law", "The front of a dam break": "an experiment",
     "A full goblet": "no particle lost in 10 s", "A drop": "a sphere", "Momentum": "a free blob",
     "Poiseuille flow": "its parabola", "Couette flow": "a straight line", "Taylor–Green vortices": "exponential decay",
+    "Added mass": "a closed form", "Attitudes of a floating beam": "the least energy", "A ball that heaves": "an experiment",
+    "Water entry of a wedge": "a similarity solution",
 }
 
 

@@ -13,6 +13,7 @@ from typing import Callable
 
 from lab import ROOT, Lab, Outcome, Row
 import at_rest
+import floating
 import in_motion
 import program
 import report
@@ -50,6 +51,10 @@ CHECKS = [
     Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
     Check("couette", "Couette flow", without_ends.couette),
     Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green),
+    Check("released_ball", "Added mass", floating.released_ball),
+    Check("floating_beam", "Attitudes of a floating beam", floating.floating_beam, long=True),
+    Check("heaving_ball", "A ball that heaves", floating.heaving_ball, long=True),
+    Check("wedge_entry", "Water entry of a wedge", floating.wedge_entry, long=True),
 ]
 
 
