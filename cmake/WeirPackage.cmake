@@ -19,4 +19,5 @@ endif()
 # Pictures are drawn by the system's OpenGL and coded by its ffmpeg; plugins need a compiler.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "ffmpeg, libegl1, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, ninja-build")
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/tools/packaging/add_sbom.cmake)
 include(CPack)

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes a relocatable tarball of a build: an installation, and below lib/weir/bundled all shared libraries that it
-# needs and that a bare system may lack, with their licences in share/doc/weir/bundled.
+# needs and that a bare system may lack, with their licences in share/doc/weir/bundled, and the list of all that is from
+# elsewhere in share/doc/weir/weir.spdx.json.
 #
 # usage: make_tarball.sh BUILD NAME OUTPUT_FOLDER
 set -eu
@@ -11,6 +12,7 @@ tree=$folder/$name
 
 cmake --install "$build" --prefix "$tree" --strip >/dev/null
 "$(dirname "$0")/bundle_libraries.sh" "$tree"
+python3 -B "$(dirname "$0")/make_sbom.py" "$tree" "$(dirname "$0")/../.."
 
 python3 "$(dirname "$0")/../../tests/tools/elf/check_elf.py" --build "$build" "$tree"
 

@@ -51,6 +51,7 @@ def main(build: Path, source: Path, output: Path) -> None:
         for file in [*(source / "python" / "weir").glob("*.py"), source / "python" / "weir" / "py.typed"]:
             shutil.copy(file, package)
         subprocess.run([source / "tools/packaging/bundle_libraries.sh", package], check=True)
+        subprocess.run([sys.executable, "-B", source / "tools/packaging/make_sbom.py", package, source], check=True)
         info.mkdir()
         shutil.copy(source / "LICENSE", info)
         (info / "METADATA").write_text(metadata)
