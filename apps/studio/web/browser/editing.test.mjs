@@ -378,6 +378,12 @@ step("a number is dragged anywhere on it, finely with Shift, and typed after a c
   assert.ok(fine > 0 && Math.abs(whole / fine - 10) < 1 && Math.abs(coarse / whole - 10) < 1, `${[fine, whole, coarse]}`);
   await hands.type(field, before);
   assert.equal(Number(await field.inputValue()), before);
+  // The wheel turns a number that has the keyboard, and no other.
+  await field.click();
+  await page.mouse.wheel(0, -100);
+  await page.waitForFunction((b) => Number(document.querySelector('aside .properties [aria-label="max y"]').value) > b, before);
+  await hands.pressInGraph("Control+z");
+  assert.equal(Number(await field.inputValue()), before);
 });
 
 step("ports that fit light up while a link is dragged", async () => {

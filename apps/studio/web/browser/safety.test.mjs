@@ -109,7 +109,8 @@ step("a failure is shown until the scene is another one, and Play tries again", 
   await open("unshaped", "failed");
   await page.locator(".problem-line").waitFor();
   await hands.select("tank");
-  await hands.set(hands.aside(), "shape", "enum", "box");
+  await page.locator(".problem-line").getByRole("button", { name: "Shape: box" }).click();
+  assert.equal(await hands.aside().getByLabel("shape", { exact: true }).inputValue(), "box");
   await page.locator(".problem-line").waitFor({ state: "detached" });
   await hands.set(hands.aside(), "inverted", "bool", true);
   await page.getByRole("button", { name: "Play" }).click();

@@ -10,7 +10,8 @@ import { Reference, referenceFor } from "./files/Reference";
 import { GraphEditor } from "./graph/GraphEditor";
 import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
-import { askRun, client, problemOf, resetRun, useStudio } from "./model/store";
+import { otherChoices } from "./model/remedy";
+import { askRun, client, edit, problemOf, resetRun, useStudio } from "./model/store";
 import { SweepDialog } from "./sweep/SweepDialog";
 import { Modules } from "./properties/Modules";
 import { PropertyPanel } from "./properties/PropertyPanel";
@@ -95,11 +96,19 @@ function Message() {
 function Problem() {
   const p = useStudio(problemOf);
   const empty = useStudio((s) => Object.keys(s.scene.nodes).length === 0);
+  const writer = useStudio((s) => s.role === "writer");
+  const types = useStudio((s) => s.types);
+  const scene = useStudio((s) => s.scene);
   if (!p || empty) return null;
+  const show = () => p.node && useStudio.setState({ selected: [p.node], selectedLinks: [] });
+  const remedies = writer && types ? otherChoices(p, scene, types) : [];
   return (
-    <button className="problem-line" role="alert" onClick={() => p.node && useStudio.setState({ selected: [p.node] })}>
-      {p.node && <b>{p.node}{p.parameter ? `.${p.parameter}` : ""}: </b>}{p.message}{p.allowed && ` — allowed: ${p.allowed}`}{p.hint && `. ${p.hint}`}
-    </button>
+    <div className="problem-line" role="alert">
+      <button title="Show it" onClick={show}>
+        {p.node && <b>{p.node}{p.parameter ? `.${p.parameter}` : ""}: </b>}{p.message}{p.allowed && ` — allowed: ${p.allowed}`}{p.hint && `. ${p.hint}`}
+      </button>
+      {remedies.map((r) => <button key={r.text} className="chip" onClick={() => (edit(r.change), show())}>{r.text}</button>)}
+    </div>
   );
 }
 

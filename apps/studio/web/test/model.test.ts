@@ -9,7 +9,7 @@ import {
 } from "../src/model/scene";
 import { afterChoice, isUsed, labelOf } from "../src/model/parameters";
 import { menuOf } from "../src/Menu";
-import { shorterSteps } from "../src/model/remedy";
+import { otherChoices, shorterSteps } from "../src/model/remedy";
 import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
 import { differencesOf, frameAt, lean, pointAt, strideFor, type Run } from "../src/model/runs";
 import { evenly, firstValues, readOff, readValues, tableOf } from "../src/model/sweep";
@@ -732,4 +732,15 @@ describe("boxes with handles", () => {
     expect(withFace(whole, "max", 1, 1.23456)).toEqual({ min: [0, 0, 0], max: [1, 1.235, 4] });
     expect(withFace(whole, "min", 2, 9)).toEqual({ min: [0, 0, 3.96], max: [1, 2, 4] });
   });
+});
+
+test("a problem that names a choice of its node offers the others", () => {
+  const shape: Parameter = { name: "shape", kind: "enum", doc: "", default: "none", live: false, animated: false, choices: { none: "", box: "", sphere: "" } };
+  const withTypes: Types = { ...types, nodes: { Wall: { ...sampler, parameters: [shape] } } };
+  const scene: Scene = { weir: 1, nodes: { tank: { type: "Wall" } } };
+  const remedies = otherChoices({ message: "the boundary is empty: it has no shape", node: "tank" }, scene, withTypes);
+  expect(remedies.map((r) => r.text)).toEqual(["Shape: box", "Shape: sphere"]);
+  expect(remedies[0]!.change(scene).nodes["tank"]!.params).toEqual({ shape: "box" });
+  expect(otherChoices({ message: "no link", node: "tank" }, scene, withTypes)).toEqual([]);
+  expect(otherChoices({ message: "no shape", node: "gone" }, scene, withTypes)).toEqual([]);
 });

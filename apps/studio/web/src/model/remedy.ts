@@ -1,7 +1,8 @@
 // What helps a run that goes wrong, to be done by one click.
 import { numberText } from "./expression";
-import { setParam, type Scene } from "./scene";
-import type { JsonObject, Parameter } from "./types";
+import { labelOf } from "./parameters";
+import { paramsOf, setParam, type Scene } from "./scene";
+import type { JsonObject, Parameter, Problem, Types } from "./types";
 
 export interface Remedy {
   text: string;
@@ -22,4 +23,16 @@ export function shorterSteps(scene: Scene, world: Parameter[]): Remedy | null {
     return { text: `Halve ${name} to ${half}${p.unit ? ` ${p.unit}` : ""} and begin anew`, change: (s) => setParam(s, kWorld, [name], half) };
   }
   return null;
+}
+
+const kMostChoices = 3;
+
+/** Where a problem of a node names one of its choices, such as its shape: the others that there are. */
+export function otherChoices(problem: Problem, scene: Scene, types: Types): Remedy[] {
+  const node = problem.node ?? "", type = types.nodes[scene.nodes[node]?.type ?? ""];
+  const words = new Set(`${problem.message} ${problem.allowed ?? ""}`.toLowerCase().match(/[a-z_]+/g));
+  const p = type?.parameters.find((q) => q.choices && words.has(q.name));
+  if (!p) return [];
+  const now = paramsOf(scene, { node })[p.name] ?? p.default;
+  return Object.keys(p.choices!).filter((c) => c !== now).slice(0, kMostChoices).map((c) => ({ text: `${labelOf(p.name)}: ${c}`, change: (s) => setParam(s, { node }, [p.name], c) }));
 }

@@ -1,5 +1,5 @@
 // One editor for each kind of parameter value, made from the parameter's description alone.
-import { useRef, useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import { evaluate, numberText } from "../model/expression";
 import { rangeProblem } from "../model/parameters";
 import { fetchFiles, type ServedFile } from "../protocol/client";
@@ -49,6 +49,22 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
     const span = (parameter.soft_max ?? NaN) - (parameter.soft_min ?? NaN);
     return isInt(parameter) ? 0.2 : Number.isFinite(span) ? span / 200 : Math.max(Math.abs(from), 0.01) / 100;
   };
+  /** A notch up or down. */
+  const stepBy = (way: number) => typeof value === "number" && onChange(Number(bounded(value + way * (isInt(parameter) ? 1 : 10 * step(value))).toPrecision(6)));
+  // The wheel turns a number that has the keyboard: others scroll on with the panel.
+  const input = useRef<HTMLInputElement>(null);
+  const notch = useRef(stepBy);
+  notch.current = stepBy;
+  useEffect(() => {
+    const field = input.current;
+    const turn = (e: WheelEvent) => {
+      if (document.activeElement !== field || e.deltaY === 0) return;
+      e.preventDefault();
+      notch.current(e.deltaY < 0 ? 1 : -1);
+    };
+    field?.addEventListener("wheel", turn, { passive: false });
+    return () => field?.removeEventListener("wheel", turn);
+  }, []);
   /** The number follows the pointer; with Shift finely, with Ctrl coarsely. */
   const dragging = typeof value !== "number" ? {} : {
     onPointerDown: (e: React.PointerEvent<HTMLElement>) => {
@@ -79,13 +95,12 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
     <span className={typeof value === "number" ? "number drags" : "number"} title={problem ? `allowed: ${problem}` : undefined}>
       <input
         value={text} aria-label={label} aria-invalid={problem !== null} inputMode="decimal" placeholder={placeholder} {...dragging}
-        onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)}
+        onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)} ref={input}
         onKeyDown={(e) => {
           if (e.key === "Enter") take(text);
           else if (e.key === "Escape") (setText(shown), setProblem(null), e.currentTarget.blur());
           else if ((e.key === "ArrowUp" || e.key === "ArrowDown") && typeof value === "number") {
-            const by = (isInt(parameter) ? 1 : 10 * step(value)) * (e.key === "ArrowUp" ? 1 : -1);
-            onChange(Number(bounded(value + by).toPrecision(6)));
+            stepBy(e.key === "ArrowUp" ? 1 : -1);
             e.preventDefault();
           }
         }}
