@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/graph/memory_estimate.h"
+
 namespace weir {
 
 namespace {
@@ -29,6 +31,16 @@ ClearanceGrid::ClearanceGrid(Device& device, const TriangleTreeView& tree, float
   cells_ = {static_cast<int>(counts.x), static_cast<int>(counts.y), static_cast<int>(counts.z)};
   steps_ = Array<std::uint8_t>(device, std::int64_t{cells_.x} * cells_.y * cells_.z);
   dispatch(device, [&](auto& backend) { fillOn(backend, tree); });
+}
+
+double ClearanceGrid::maxMemoryFor(const Vec3f& size, float finest) {
+  const Vec3d counts = cellsOf(size, finest);
+  if (!(counts.x * counts.y * counts.z < double(kMaxCells))) return kMaxMemory;
+  const auto coarser = [&](double by) {
+    return std::ceil(counts.x / by) * std::ceil(counts.y / by) * std::ceil(counts.z / by);
+  };
+  return bytesOfArray(coarser(1), sizeof(std::uint8_t)) + bytesOfArray(coarser(2), sizeof(float)) +
+         bytesOfArray(coarser(4), sizeof(float));
 }
 
 ClearanceView ClearanceGrid::view() const {

@@ -62,6 +62,8 @@ class ClearanceGrid {
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 23;
   /// Bytes on the device: of the cells, and of the coarser ones while they are filled.
   static constexpr double kMaxMemory = kMaxCells * (1 + 5 * sizeof(float) / 32.0);
+  /// Of a mesh in a box of that size, m.
+  static double maxMemoryFor(const Vec3f& size, float finest);
 
  private:
   template <class Backend>

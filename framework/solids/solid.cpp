@@ -2,10 +2,16 @@
 
 namespace weir {
 
+namespace {
+
+constexpr float kFinest = 0.5f;  // cells of the clearance grid, in details
+
+}  // namespace
+
 Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
              float detail)
     : tree_(device, mesh),
-      clearance_(device, tree_.view(), 0.5f * detail),
+      clearance_(device, tree_.view(), kFinest * detail),
       surface_(surface),
       motion_(&motion),
       impulse_(*this, "impulse", Array<SolidImpulse>(device, 1)),
@@ -14,8 +20,9 @@ Solid::Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surfa
   impulse_->fillZero();
 }
 
-double Solid::maxMemory(const TriangleMesh& mesh) {
-  return TriangleTree::maxMemory(mesh.triangles.size()) + ClearanceGrid::kMaxMemory;
+double Solid::maxMemory(const TriangleMesh& mesh, float detail) {
+  return TriangleTree::maxMemory(mesh.triangles.size()) +
+         ClearanceGrid::maxMemoryFor(mesh.bounds().size(), kFinest * detail);
 }
 
 SolidView Solid::view(double time, double dt) {

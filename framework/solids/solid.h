@@ -66,8 +66,8 @@ class Solid final : public Stateful {
   Solid(Device& device, const TriangleMesh& mesh, const SolidSurface& surface, const RigidMotion& motion,
         float detail);
 
-  /// Bytes on the device that the solid of such a mesh takes at most.
-  static double maxMemory(const TriangleMesh& mesh);
+  /// Bytes on the device that the solid of such a mesh takes at most, for that detail.
+  static double maxMemory(const TriangleMesh& mesh, float detail);
 
   /// During a step of `dt` seconds; with dt = 0, at rest as it stands at `time`.
   SolidView view(double time, double dt);

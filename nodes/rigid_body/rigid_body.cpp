@@ -201,7 +201,7 @@ void RigidBody::checkOthers(double time) const {
 void RigidBody::estimate(const SetupContext&, MemoryNeeds& needs) {
   needs.add(BodyContact::memoryFor(double(mesh->vertices.size())));
   if (fluid.empty()) return;
-  needs.add(Solid::maxMemory(*mesh));
+  needs.add(Solid::maxMemory(*mesh, spacing()));
   needs.add(bytesOfArray(fluid[0].maxCount, 2 * sizeof(float)));  // WallField::lift and grip
 }
 

@@ -103,8 +103,10 @@ void SemiAnalyticalSFI::configure(const SetupContext&) {
 }
 
 void SemiAnalyticalSFI::estimate(const SetupContext&, MemoryNeeds& needs) {
+  float detail = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < fluid.size(); ++i) detail = std::min(detail, fluid[i].material.spacing);
   // Simplifying makes meshes smaller than they are here.
-  for (std::size_t k = 0; k < solids.size(); ++k) needs.add(Solid::maxMemory(solids[k]));
+  for (std::size_t k = 0; k < solids.size(); ++k) needs.add(Solid::maxMemory(solids[k], detail));
 }
 
 void SemiAnalyticalSFI::save(const StateWriter& to) const {
