@@ -236,9 +236,7 @@ bool PythonScene::assignMoved(const Target& target, const Value& values) {
   Module& before = module(target.name, target.module);
   Value params = before.changedValues();
   for (const auto& [name, value] : values.asObject()) params[name] = value;
-  // One that is as the node has it by default is what a scene means that names no type.
-  const bool asMade = pipeline(target.name).changedValues().find(target.module) == nullptr;
-  std::string type = asMade ? std::string() : std::string(before.info().type);
+  std::string type(before.info().type);
   if (!readMoved(target.name, target.module, type, params)) return false;
   try {
     if (type == before.info().type) {
@@ -259,17 +257,15 @@ bool PythonScene::assignMoved(const Target& target, const Value& values) {
 bool PythonScene::readMoved(const std::string& node, const std::string& name, std::string& type,
                             Value& params) {
   Value modules = Value::object();
-  if (!type.empty()) modules[name]["type"] = type;
+  modules[name]["type"] = type;
   modules[name]["params"] = params;
   std::vector<std::string> warnings;
   const Place place{"", "/nodes/" + node + "/modules", ""};
   modules = withMovedParameters(std::move(modules), pipeline(node), *registry(), place, warnings);
   for (const std::string& warning : warnings) log().warn(warning);
-  const Value* now = modules.find(name)->find("type");
-  const bool another = now != nullptr && now->asString() != type;
-  if (another) type = now->asString();
+  type = modules.find(name)->find("type")->asString();
   params = *modules.find(name)->find("params");
-  return another || !warnings.empty();
+  return !warnings.empty();
 }
 
 void PythonScene::noteChange(const Configurable& of, const Target& target, const Value& values) {

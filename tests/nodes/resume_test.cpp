@@ -98,10 +98,8 @@ constexpr const char* kHeldBody = R"({
 const std::map<std::string, const char*> kMoreNodes{{"BodyContacts", kBody}, {"Joint", kHeldBody}};
 
 /// Modules that take the place of another one; all others stand before "predict".
-const std::map<std::string, std::string> kInPlaceOf{{"Pbf", "solver"},
-                                                    {"Dfsph", "solver"},
-                                                    {"AcceleratedSolver", "solver"},
-                                                    {"SemiImplicitSolver", "solver"}};
+const std::map<std::string, std::string> kInPlaceOf{
+    {"Pbf", "solver"}, {"Dfsph", "solver"}, {"AcceleratedSolver", "solver"}};
 
 /// Reads a mesh without looking into the file.
 class Tetrahedra final : public MeshReader {

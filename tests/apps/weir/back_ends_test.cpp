@@ -19,8 +19,7 @@ constexpr const char* kLongTank = R"({
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [5, 1, 0.4], "inverted": true } },
     "water": { "type": "ParticleFluid",
-               "params": { "spacing": 0.01, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
-               "modules": { "solver": { "type": "SemiImplicitSolver" } } }
+               "params": { "spacing": 0.01, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 } }
   },
   "links": [ "block.particles -> water.initial", "tank.boundary -> water.boundaries" ]
 })";

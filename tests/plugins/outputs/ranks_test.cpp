@@ -45,7 +45,6 @@ class RanksTest : public testing::Test {
                                        to + "/series.jsonl",
                                        "--export",
                                        to + "/export.vtkhdf"};
-    arguments.insert(arguments.end(), {"--set", "water.solver.type=SemiImplicitSolver"});
     for (const std::string& change : changes) arguments.insert(arguments.end(), {"--set", change});
     arguments.insert(arguments.end(), more.begin(), more.end());
     Outcome run{.result = processes == 1 ? runWeir(arguments) : runByMpi(processes, std::move(arguments))};
@@ -111,8 +110,7 @@ TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
       "drop": { "type": "SphereSampler", "params": { "center": [0, 0.3, 0], "radius": 0.2, "velocity": [1, 0, 0] } },
       "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
       "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
-                 "modules": { "solver": { "type": "SemiImplicitSolver" },
-                              "tension": { "type": "SurfaceTension", "after": "viscosity",
+                 "modules": { "tension": { "type": "SurfaceTension", "after": "viscosity",
                                            "params": { "coefficient": 0.1, "air_pressure": 1 } },
                               "eddies": { "type": "VorticityConfinement", "after": "viscosity" },
                               "drag": { "type": "Drag", "after": "tension" } } }
@@ -144,8 +142,7 @@ constexpr const char* kJet = R"({
     "point": { "type": "Gauge", "params": { "shape": "point", "position": [0.3, 0.5, 0.25] } },
     "box": { "type": "Gauge", "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 1, 0.5] } },
     "surface": { "type": "FluidSurface" },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5 },
-               "modules": { "solver": { "type": "SemiImplicitSolver" } } }
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5 } }
   },
   "links": ["jet.particles -> water.emitters", "tank.boundary -> water.boundaries", "hole.sink -> water.sinks",
             "water.fluid -> point.particles", "water.fluid -> box.particles", "water.fluid -> surface.fluid"]
@@ -233,8 +230,7 @@ TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
       "block": { "type": "BoxSampler" },
       "brick": { "type": "BoxMesh", "params": { "min": [1, 0, 0], "max": [1.2, 0.2, 0.2] } },
       "solid": { "type": "SemiAnalyticalSFI" },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
-                 "modules": { "solver": { "type": "SemiImplicitSolver" } } }
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } }
     },
     "links": ["block.particles -> water.initial", "brick.surface -> solid.solids", "water.fluid -> solid.fluid"]
   })");
@@ -250,8 +246,7 @@ TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
     "nodes": {
       "block": { "type": "BoxSampler" },
       "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
-                 "modules": { "solver": { "type": "SemiImplicitSolver" },
-                              "thick": { "type": "ViscositySolver", "after": "viscosity" } } }
+                 "modules": { "thick": { "type": "ViscositySolver", "after": "viscosity" } } }
     },
     "links": ["block.particles -> water.initial"]
   })");
@@ -267,10 +262,10 @@ TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
     // The line of progress is there once there are steps.
     if (!sent && contains(err, "frame")) sent = true, ::kill(pid, SIGINT);
   };
-  const ChildResult result = runWeir(
-      {"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000", "--set",
-       kCoarse, "--set", "water.solver.type=SemiImplicitSolver", "--stats", folder_ / "stats.json"},
-      options);
+  const ChildResult result =
+      runWeir({"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000",
+               "--set", kCoarse, "--stats", folder_ / "stats.json"},
+              options);
   EXPECT_EQ(result.code, 130) << result.err;
   const Value statistics = parseJson(readFile(folder_ / "stats.json"), "stats.json");
   EXPECT_EQ(statistics.find("end")->asString(), "interrupted");
