@@ -11,6 +11,7 @@ and of the packages in the studio's page, there are the lists below and package-
 Two builds from the same packages give the same file, as SOURCE_DATE_EPOCH is its time, or else that of the installed program.
 """
 
+import functools
 import hashlib
 import importlib.metadata
 import json
@@ -36,6 +37,7 @@ def output_of(*command) -> str:
     return subprocess.run([str(word) for word in command], capture_output=True, text=True).stdout
 
 
+@functools.cache
 def debian_package(file: Path) -> str:
     """That the file belongs to, or ""."""
     names = {str(file), str(file).removeprefix("/usr"), "/usr" + str(file)}
@@ -44,6 +46,7 @@ def debian_package(file: Path) -> str:
     return ""
 
 
+@functools.cache
 def debian_version(package: str) -> str:
     found = output_of("dpkg-query", "-W", "-f", "${db:Status-Abbrev}${Version}\n", package).splitlines()
     return found[0][3:] if found and found[0].startswith("ii") else ""
@@ -73,6 +76,7 @@ def debian_licence(package: str) -> tuple[str, str]:
     return (spdx_of(whole.group(1)) if whole else "NOASSERTION"), ", ".join(names)
 
 
+@functools.cache
 def system_file(library: str) -> Path | None:
     """Where the system has the library that a bundled one is a copy of."""
     for line in output_of("/sbin/ldconfig", "-p").splitlines():
