@@ -274,7 +274,7 @@ void SimulationHost::frameReached() {
 void SimulationHost::keepState() {
   constexpr std::int64_t kLeastBytes = 36;  // of a particle: its position, velocity, id and two more numbers
   const SteadyClock::time_point start = SteadyClock::now();
-  if (start - kept_ < kStatesShare * keeping_) return;
+  if (simulation_->frame() % states_.every() != 0 || start - kept_ < kStatesShare * keeping_) return;
   if (simulation_->particleCount() > maxStateBytes_ / kLeastBytes) return;
   auto state = std::make_shared<StateArrays>();
   simulation_->save(StateWriter(*state));

@@ -54,8 +54,8 @@ const kSteps: Step[] = [
     title: "Its shape", text: <>At the right, choose the shape <i>box</i> and switch <i>Inverted</i> on: the water will be inside.</>,
     done: (s) => value(s, kTank, "shape") === "box" && value(s, kTank, "inverted") === true, change: sets(kTank, { shape: "box", inverted: true }),
   },
-  { title: "Water", text: <>Press <kbd>A</kbd> again and type <i>water</i>. A spacing of 0.04 m, at the right, makes few large particles: quick to try things with.</>, done: (s) => has(kFluid)(s) && value(s, kFluid, "spacing") === 0.04, change: (s) => sets(kFluid, { spacing: 0.04 })(giving(s, useStudio.getState().types, kFluid) ? s : adds("ParticleFluid", 1, 0)(s)) },
-  { title: "A block of it", text: <>Press <kbd>A</kbd> and type <i>box</i>: the <i>BoxSampler</i> is where the water is at first.</>, done: has(kFilling), change: adds("BoxSampler", 0, 0) },
+  { title: "Water", text: <>Press <kbd>A</kbd> again and type <i>water</i>. A spacing of 0.05 m, at the right, makes few large particles: quick to try things with.</>, done: (s) => has(kFluid)(s) && value(s, kFluid, "spacing") === 0.05, change: (s) => sets(kFluid, { spacing: 0.05 })(giving(s, useStudio.getState().types, kFluid) ? s : adds("ParticleFluid", 1, 0)(s)) },
+  { title: "A block of it", text: <>Press <kbd>A</kbd> and type <i>block</i>: the <i>BoxSampler</i> is where the water is at first.</>, done: has(kFilling), change: adds("BoxSampler", 0, 0) },
   {
     title: "Two links", text: <>Drag from <i>particles</i> of the box to <i>initial</i> of the water, and from <i>boundary</i> of the tank to <i>boundaries</i>. Ports that fit light up.</>,
     done: (s) => linked(s, kFilling) && linked(s, kTank), change: (s) => links(kTank, "boundary", "boundaries")(links(kFilling, "particles", "initial")(s)),

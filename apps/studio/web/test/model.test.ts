@@ -119,6 +119,7 @@ describe("search", () => {
   const find = (query: string) => search(query, Object.keys(docs), (name) => ({ name, doc: docs[name]!, synonyms: also[name]! }));
   test("knows the words of those who look for water, tanks, walls, jets and viscosity", () => {
     expect(find("water")[0]).toBe("ParticleFluid");
+    expect(search("water", [{ name: "WhiteWater", synonyms: ["spray"] }, { name: "ParticleFluid", synonyms: ["water"] }], (i) => i)[0]!.name).toBe("ParticleFluid");
     expect(find("tank")[0]).toBe("StaticBoundary");
     expect(find("wall")).toContain("SemiAnalyticalSFI");
     expect(find("collider")[0]).toBe("StaticBoundary");

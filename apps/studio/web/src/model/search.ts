@@ -54,9 +54,11 @@ function scoreOf(term: string, { name, synonyms = [], doc = "" }: Findable): num
   const lower = name.toLowerCase(), words = wordsOf(name), others = synonyms.map((s) => s.toLowerCase());
   if (lower === term) return 100;
   if (lower.startsWith(term)) return 90;
+  // The first of its synonyms is what it is called most: water is the fluid, before what has water in its name.
+  const whole = others.indexOf(term);
+  if (whole === 0) return 85;
   if (words.some((w) => w.startsWith(term))) return 80;
-  // The first of its synonyms is what it is called most.
-  const whole = others.indexOf(term), begun = others.findIndex((s) => s.split(" ").some((w) => w.startsWith(term)));
+  const begun = others.findIndex((s) => s.split(" ").some((w) => w.startsWith(term)));
   if (whole >= 0) return 75 - kLater * whole;
   if (begun >= 0) return 65 - kLater * begun;
   if (term.length > 1 && lower.includes(term)) return 55;
