@@ -348,8 +348,8 @@ TEST(PeriodicDomain, RefusesWhatDoesNotKnowOfIt) {
                      "more.particles -> honey.initial")),
       "outside of the periodic domain");
   std::string pbf = planes;
-  const std::string modules = R"("modules": {)";
-  pbf.insert(pbf.find(modules) + modules.size(), R"("solver": {"type": "Pbf"}, )");
+  const std::string solver = R"("solver": {"params": {"iterations": 20}})";
+  pbf.replace(pbf.find(solver), solver.size(), R"("solver": {"type": "Pbf"})");
   EXPECT_CONTAINS(refusalOf(pbf), "does not work in a periodic domain");
 }
 
