@@ -117,8 +117,8 @@ class Node : public Configurable, public Stateful {
     return std::numeric_limits<double>::infinity();
   }
   virtual void step(const StepContext&) {}
-  /// Whether the frames of a recording can take the place of its inputs: then each is a step of it, as long as
-  /// they are apart. Throws a scene Error where that cannot be for reasons of the scene.
+  /// Whether the frames of a recording can take the place of its inputs: each is then a step of it, as long
+  /// as they are apart. Throws a scene Error where that cannot be for reasons of the scene.
   virtual bool followsRecordings() const { return false; }
   /// Called at every frame time, before anyone looks: brings what is only looked at up to date, and checks
   /// what is too costly for every step. May wait for the device.
