@@ -116,11 +116,9 @@ class Tetrahedra final : public MeshReader {
 /// Holds bodies back, whatever they touch.
 class Brake final : public BodyDynamics {
  public:
-  Overlap set(std::vector<HeldBody>, const std::vector<const TriangleMesh*>&,
-              std::vector<HeldJoint>) override {
-    return {};
-  }
-  void step(std::vector<Motion>& motions, const std::vector<JointDrive>&, double dt, double) override {
+  Overlap set(std::vector<HeldBody>, std::vector<HeldSolid>, std::vector<HeldJoint>) override { return {}; }
+  void step(std::vector<Motion>& motions, const std::vector<SolidWay>&, const std::vector<JointDrive>&,
+            double dt, double) override {
     for (Motion& motion : motions) {
       const Vec3d lost = 0.5 * (motion.after.velocity - motion.before.velocity);
       motion.held = true;
