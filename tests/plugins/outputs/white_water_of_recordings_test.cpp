@@ -1,7 +1,6 @@
 // White water that is made afterwards, of an export, is that of the run.
 #include <gtest/gtest.h>
 
-#include "framework/base/files.h"
 #include "tests/support/child_process.h"
 #include "tests/support/expect_error.h"
 
