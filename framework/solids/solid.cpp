@@ -27,11 +27,12 @@ double Solid::maxMemory(const TriangleMesh& mesh, float detail) {
 
 SolidView Solid::view(double time, double dt) {
   if (body_ != nullptr) prepare_();
-  // Where a body is, is known on the device.
-  const Pose end = body_ != nullptr ? Pose{} : motion_->poseAt(time + dt);
+  // Where forces move it in a step, is known on the device alone.
+  const bool isKnown = body_ == nullptr || dt == 0;
+  const Pose end = isKnown ? motion_->poseAt(time + dt) : Pose{};
   return {.tree = tree_.view(),
           .clearance = clearance_.view(),
-          .begin = dt > 0 && body_ == nullptr ? motion_->poseAt(time) : end,
+          .begin = isKnown && dt > 0 ? motion_->poseAt(time) : end,
           .end = end,
           .predicted = end,
           .inverseDt = dt > 0 ? static_cast<float>(1 / dt) : 0.0f,
@@ -41,7 +42,7 @@ SolidView Solid::view(double time, double dt) {
           .carved = carved_->data(),
           .noSlip = surface_.noSlip,
           .slip = surface_.slip,
-          .pivot = body_ != nullptr ? Vec3f{} : motion_->pivotAt(time + dt),
+          .pivot = isKnown ? motion_->pivotAt(time + dt) : Vec3f{},
           .impulse = impulse_->data(),
           .body = body_};
 }
