@@ -138,7 +138,8 @@ double compressionWith(const std::vector<std::string>& changes) {
 }
 
 TEST(AutoBulkModulus, FallsBackToMomentumWhereConjugateGradientsCannotBe) {
-  EXPECT_LE(compressionWith({"water.solver.step_length=particle", "world.duration=0.2"}), 0.002);
+  // Momentum ends with more than conjugate gradients do.
+  EXPECT_LE(compressionWith({"water.solver.step_length=particle", "world.duration=0.2"}), 0.003);
   // Forces that are not conservative are of no energy, so nothing says that they converge.
   const std::string papers = "water.solver.type=SemiImplicitSolver",
                     forces = "water.solver.conservative=false";

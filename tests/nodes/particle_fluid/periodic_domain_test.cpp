@@ -106,6 +106,9 @@ TEST(PeriodicDomain, KeepsMomentum) {
   }
 }
 
+/// m/s in five steps. Conjugate gradients magnify what rounding makes different.
+constexpr double kRounding = 5e-4;
+
 TEST(PeriodicDomain, TwoPeriodsMoveAsOne) {
   // The same fluid once more beside itself, in a box twice as long: each copy must move as the single one.
   const Vec3f size{0.12f, 0.12f, 0.12f};
@@ -124,7 +127,7 @@ TEST(PeriodicDomain, TwoPeriodsMoveAsOne) {
     for (std::size_t i = 0; i < found.size(); ++i)
       largest = std::max(largest, length(toDouble(found[i]) - toDouble(expected[i % expected.size()])));
     std::printf("%s: largest difference %.2g m/s\n", what, largest);
-    EXPECT_LT(largest, 1e-4) << what;
+    EXPECT_LT(largest, kRounding) << what;
   }
 }
 
@@ -146,7 +149,7 @@ TEST(PeriodicDomain, PlacesOfTheFacesChangeNothing) {
     for (std::size_t i = 0; i < found.size(); ++i)
       largest = std::max(largest, length(toDouble(found[i]) - toDouble(expected[i])));
     std::printf("%s: largest difference %.2g m/s\n", what, largest);
-    EXPECT_LT(largest, 1e-4) << what;
+    EXPECT_LT(largest, kRounding) << what;
   }
 }
 
