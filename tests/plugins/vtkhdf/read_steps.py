@@ -2,7 +2,7 @@
 
 usage: read_steps.py FILE.vtkhdf
 
-Exits with an error if a step has another number of particles than was written, or lacks one's velocity.
+Exits with an error if a step has another number of particles than was written, or lacks a point's velocity.
 """
 
 import sys
@@ -21,8 +21,9 @@ def main(file):
     for time in times:
         reader.UpdateTimeStep(time)
         data = reader.GetOutput()
-        written = data.GetFieldData().GetArray("particles").GetValue(0)
         points = data.GetNumberOfPoints()
+        count = data.GetFieldData().GetArray("particles")  # which exports of surfaces and solids have not
+        written = count.GetValue(0) if count else points
         velocity = data.GetPointData().GetArray("velocity")
         if points != written or velocity.GetNumberOfTuples() != written:
             sys.exit(f"at {time} s there are {points} particles, and {written} were written")
