@@ -9,8 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "framework/base/build_info.h"
-#include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/compute/host_copy.h"
 #include "framework/graph/outputs_of.h"
@@ -165,11 +163,10 @@ ParticleExport::~ParticleExport() = default;
 
 void ParticleExport::begin(Simulation& simulation) {
   findSources(simulation);
-  checkWritable(file_);
+  file_.begin(simulation);
   const auto section = simulation.scene().sections.find("export");
   if (section != simulation.scene().sections.end())
     settings_ = dynamic_cast<const ExportSettings*>(section->second.get());
-  sceneText_ = simulation.scene().text;
   if (const float grid = settings().grid(); grid > 0)
     simulation.log().info(fmt::format(
         "export: coordinates are rounded to multiples of {:.3g} m and are off by {:.3g} m at most", grid,
@@ -178,22 +175,21 @@ void ParticleExport::begin(Simulation& simulation) {
 
 void ParticleExport::save(const StateWriter& to) {
   // After a resume there may have been no frame yet that is written.
-  if (!writer_) makeFile();
-  writer_->sync();
+  if (!file_.isOpen()) openFile();
+  file_.save(to);
   std::string names;
   for (const AttributeInfo& column : columns_) names += column.name + "\n";
-  to.put("frames", writer_->framesWritten());
   to.put("attributes", std::span<const char>(names));
 }
 
 void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
   begin(simulation);
-  Earlier& earlier = earlier_.emplace();
-  from.get("frames", earlier.frames);
+  file_.resume(from);
+  std::vector<std::string>& attributes = earlierAttributes_.emplace();
   const std::vector<char> names = from.getAll<char>("attributes");
   for (auto begin = names.begin(); begin != names.end();) {
     const auto end = std::find(begin, names.end(), '\n');
-    earlier.attributes.emplace_back(begin, end);
+    attributes.emplace_back(begin, end);
     begin = end + 1;
   }
 }
@@ -202,7 +198,7 @@ void ParticleExport::findSources(Simulation& simulation) {
   sources_.clear();
   for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph))
     sources_.push_back({node, output});
-  if (sources_.empty()) throw noParticles(file_);
+  if (sources_.empty()) throw noParticles(file_.path());
 }
 
 std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::unique_ptr<Snapshot> used) {
@@ -219,12 +215,12 @@ std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::u
 }
 
 void ParticleExport::write(Snapshot& snapshot) {
-  if (!writer_) makeFile();
-  writer_->append(static_cast<Frame&>(snapshot).finish(settings().grid()));
+  if (!file_.isOpen()) openFile();
+  file_.writer().append(static_cast<Frame&>(snapshot).finish(settings().grid()));
   // A file that was removed can be written to, but nobody will ever read it.
   std::error_code error;
-  if (!std::filesystem::exists(file_, error))
-    throw ioError("the file was removed while it was being written").at({.file = file_.string()});
+  if (!std::filesystem::exists(file_.path(), error))
+    throw ioError("the file was removed while it was being written").at({.file = file_.path().string()});
 }
 
 void ParticleExport::chooseSources() {
@@ -236,7 +232,7 @@ void ParticleExport::chooseSources() {
     seen.push_back(&particles.set());
     return false;
   });
-  if (sources_.empty()) throw noParticles(file_);
+  if (sources_.empty()) throw noParticles(file_.path());
 }
 
 void ParticleExport::chooseColumns(const Simulation& simulation) {
@@ -257,7 +253,7 @@ void ParticleExport::chooseColumns(const Simulation& simulation) {
         "the particles have an attribute 'fluid_index', which is what the export calls the number "
         "that tells several fluids apart",
         "another name for the attribute")
-        .at({.file = file_.string()});
+        .at({.file = file_.path().string()});
 }
 
 void ParticleExport::checkAttributes() const {
@@ -277,7 +273,8 @@ void ParticleExport::checkAttributes() const {
 bool ParticleExport::isWanted(const std::string& attribute) const {
   const auto& chosen = settings().attributes.get();
   if (chosen && std::count(chosen->begin(), chosen->end(), attribute) == 0) return false;
-  return !earlier_ || std::count(earlier_->attributes.begin(), earlier_->attributes.end(), attribute) > 0;
+  return !earlierAttributes_ ||
+         std::count(earlierAttributes_->begin(), earlierAttributes_->end(), attribute) > 0;
 }
 
 void ParticleExport::warnOfNewAttributes(const Simulation& simulation) const {
@@ -298,32 +295,24 @@ bool ParticleExport::isColumn(std::string_view name) const {
                      [&](const AttributeInfo& column) { return column.name == name; });
 }
 
-void ParticleExport::makeFile() {
+void ParticleExport::openFile() {
   VtkHdfLayout layout{
       .attributes = {}, .fields = {"particles", "spacing"}, .roundPositions = settings().grid() > 0};
   for (const AttributeInfo& column : columns_) layout.attributes.push_back(attributeOf(column));
   if (several())
     layout.attributes.push_back({.name = kFluidIndexName, .type = VtkHdfType::kInt32, .unit = {}});
-  if (earlier_) {
-    writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout), earlier_->frames);
-    return;
-  }
-  writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout));
-
-  std::string names;
-  for (const Source& source : sources_) names += source.name + "\n";
-  writer_->setText("version", version());
-  writer_->setText("scene", sceneText_);
-  writer_->setText("fluids", names);
-  if (const float grid = settings().grid(); grid > 0)
-    writer_->setText("position_error", fmt::format("{:.9g}", 0.5f * grid));
+  std::vector<std::string> names;
+  for (const Source& source : sources_) names.push_back(source.name);
+  file_.open(std::move(layout), "fluids", names);
+  if (const float grid = settings().grid(); grid > 0 && !earlierAttributes_)
+    file_.writer().setText("position_error", fmt::format("{:.9g}", 0.5f * grid));
 }
 
 void ParticleExport::end(Simulation& simulation, RunEnd how) {
-  if (!writer_) return;
   // After a failure the writer may have given up, and the frames that are there matter more than a report.
-  if (how != RunEnd::kFailed) writer_->setText("statistics", writeJson(runStatistics(simulation, how)));
-  writer_->close();
+  if (file_.isOpen() && how != RunEnd::kFailed)
+    file_.writer().setText("statistics", writeJson(runStatistics(simulation, how)));
+  file_.close();
 }
 
 std::vector<OutputOption> ParticleExportKind::options() const {

@@ -19,8 +19,8 @@
 
 #include "framework/particles/particles.h"
 #include "framework/run/output_kind.h"
+#include "plugins/vtkhdf/export_file.h"
 #include "plugins/vtkhdf/export_settings.h"
-#include "plugins/vtkhdf/vtkhdf_writer.h"
 
 namespace weir {
 
@@ -46,12 +46,6 @@ class ParticleExport final : public Observer {
   void resume(Simulation& simulation, const StateReader& from) override;
 
  private:
-  /// What a file has that is gone on with.
-  struct Earlier {
-    std::int64_t frames;
-    std::vector<std::string> attributes;
-  };
-
   struct Source {
     std::string name;  ///< the node's
     const Output<Particles>* output;
@@ -74,18 +68,16 @@ class ParticleExport final : public Observer {
   void warnOfNewAttributes(const Simulation& simulation) const;
   void warnOfMissing(const Simulation& simulation, const std::string& attribute, const std::string& fluid,
                      const std::string& reason) const;
-  void makeFile();
+  void openFile();
 
   /// The scene's, or null where the plugin's section is not known.
   const ExportSettings* settings_ = nullptr;
   const ExportSettings defaults_;
-  std::filesystem::path file_;
-  std::string sceneText_;
+  ExportFile file_;
   std::vector<Source> sources_;
   std::vector<AttributeInfo> columns_;  // but the position; chosen before the first frame is written
   bool chosen_ = false;
-  std::optional<Earlier> earlier_;  // where a run is resumed
-  std::unique_ptr<VtkHdfWriter> writer_;
+  std::optional<std::vector<std::string>> earlierAttributes_;  // of the file, where a run is resumed
 };
 
 class ParticleExportKind final : public OutputKind {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "framework/base/build_info.h"
-#include "framework/base/file_output.h"
 #include "framework/graph/outputs_of.h"
 #include "framework/solids/motion_of.h"
 
@@ -26,9 +24,8 @@ void SolidExport::begin(Simulation& simulation) {
   if (outputsOf<TriangleMesh>(simulation.scene().graph).empty())
     throw ioError("there is no solid to export: the scene has no mesh",
                   "a scene with a RigidBody or another mesh")
-        .at({.file = file_.string()});
-  checkWritable(file_);
-  sceneText_ = simulation.scene().text;
+        .at({.file = file_.path().string()});
+  file_.begin(simulation);
   sources_.clear(), indices_.clear(), triangles_.clear();
 }
 
@@ -44,15 +41,13 @@ void SolidExport::collect(const Simulation& simulation) {
 }
 
 void SolidExport::save(const StateWriter& to) {
-  writer_->sync();
-  to.put("frames", writer_->framesWritten());
+  if (!file_.isOpen()) openFile();  // no frame since the run was resumed
+  file_.save(to);
 }
 
 void SolidExport::resume(Simulation& simulation, const StateReader& from) {
   begin(simulation);
-  std::int64_t frames = 0;
-  from.get("frames", frames);
-  earlier_ = frames;
+  file_.resume(from);
 }
 
 std::unique_ptr<Snapshot> SolidExport::capture(Simulation& simulation, std::unique_ptr<Snapshot> used) {
@@ -71,7 +66,7 @@ std::unique_ptr<Snapshot> SolidExport::capture(Simulation& simulation, std::uniq
 }
 
 void SolidExport::write(Snapshot& snapshot) {
-  if (!writer_) makeFile();
+  if (!file_.isOpen()) openFile();
   Frame& frame = static_cast<Frame&>(snapshot);
   frame.vertices.clear(), frame.velocities.clear();
   const float rate = frame.since > 0 ? static_cast<float>(1 / frame.since) : 0.0f;
@@ -80,33 +75,26 @@ void SolidExport::write(Snapshot& snapshot) {
       frame.vertices.push_back(frame.now[k].toWorld(vertex));
       frame.velocities.push_back(rate * (frame.vertices.back() - frame.before[k].toWorld(vertex)));
     }
-  writer_->append({.time = frame.time,
-                   .positions = frame.vertices,
-                   .attributes = {flat(frame.velocities), std::span<const std::int32_t>(indices_)},
-                   .fields = {static_cast<double>(sources_.size())},
-                   .triangles = triangles_});
+  file_.writer().append({.time = frame.time,
+                         .positions = frame.vertices,
+                         .attributes = {flat(frame.velocities), std::span<const std::int32_t>(indices_)},
+                         .fields = {static_cast<double>(sources_.size())},
+                         .triangles = triangles_});
 }
 
-void SolidExport::makeFile() {
-  VtkHdfLayout layout{
-      .attributes = {{.name = "velocity", .components = 3, .type = VtkHdfType::kFloat32, .unit = "m/s"},
-                     {.name = kSolidIndexName, .type = VtkHdfType::kInt32, .unit = {}}},
-      .fields = {"solids"},
-      .triangles = true};
-  if (earlier_) {
-    writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout), *earlier_);
-    return;
-  }
-  writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout));
-  std::string names;
-  for (const Source& source : sources_) names += source.name + "\n";
-  writer_->setText("version", version());
-  writer_->setText("scene", sceneText_);
-  writer_->setText("solids", names);
+void SolidExport::openFile() {
+  std::vector<std::string> names;
+  for (const Source& source : sources_) names.push_back(source.name);
+  file_.open(
+      {.attributes = {{.name = "velocity", .components = 3, .type = VtkHdfType::kFloat32, .unit = "m/s"},
+                      {.name = kSolidIndexName, .type = VtkHdfType::kInt32, .unit = {}}},
+       .fields = {"solids"},
+       .triangles = true},
+      "solids", names);
 }
 
 void SolidExport::end(Simulation&, RunEnd) {
-  if (writer_) writer_->close();
+  file_.close();
 }
 
 std::vector<OutputOption> SolidExportKind::options() const {

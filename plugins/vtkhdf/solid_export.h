@@ -9,14 +9,13 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/run/output_kind.h"
 #include "framework/solids/solid.h"
-#include "plugins/vtkhdf/vtkhdf_writer.h"
+#include "plugins/vtkhdf/export_file.h"
 
 namespace weir {
 
@@ -47,15 +46,12 @@ class SolidExport final : public Observer {
   struct Frame;
 
   void collect(const Simulation& simulation);
-  void makeFile();
+  void openFile();
 
-  std::filesystem::path file_;
-  std::string sceneText_;
+  ExportFile file_;
   std::vector<Source> sources_;
-  std::vector<std::int32_t> indices_;    // of each vertex
-  std::vector<Vec3i> triangles_;         // of all solids
-  std::optional<std::int64_t> earlier_;  // frames that are there, where a run is resumed
-  std::unique_ptr<VtkHdfWriter> writer_;
+  std::vector<std::int32_t> indices_;  // of each vertex
+  std::vector<Vec3i> triangles_;       // of all solids
 };
 
 class SolidExportKind final : public OutputKind {

@@ -1,7 +1,5 @@
 #include "plugins/vtkhdf/surface_export.h"
 
-#include "framework/base/build_info.h"
-#include "framework/base/file_output.h"
 #include "framework/graph/outputs_of.h"
 
 namespace weir {
@@ -71,21 +69,18 @@ void SurfaceExport::begin(Simulation& simulation) {
     throw ioError("there is no surface to export: the scene has no FluidSurface",
                   "a scene with a FluidSurface, or another node that puts out a DynamicMesh",
                   "--export writes the particles")
-        .at({.file = file_.string()});
-  checkWritable(file_);
-  sceneText_ = simulation.scene().text;
+        .at({.file = file_.path().string()});
+  file_.begin(simulation);
 }
 
 void SurfaceExport::save(const StateWriter& to) {
-  writer_->sync();
-  to.put("frames", writer_->framesWritten());
+  if (!file_.isOpen()) openFile();  // no frame since the run was resumed
+  file_.save(to);
 }
 
 void SurfaceExport::resume(Simulation& simulation, const StateReader& from) {
   begin(simulation);
-  std::int64_t frames = 0;
-  from.get("frames", frames);
-  earlier_ = frames;
+  file_.resume(from);
 }
 
 std::unique_ptr<Snapshot> SurfaceExport::capture(Simulation& simulation, std::unique_ptr<Snapshot> used) {
@@ -95,31 +90,24 @@ std::unique_ptr<Snapshot> SurfaceExport::capture(Simulation& simulation, std::un
 }
 
 void SurfaceExport::write(Snapshot& snapshot) {
-  if (!writer_) makeFile();
-  writer_->append(static_cast<Frame&>(snapshot).finish());
+  if (!file_.isOpen()) openFile();
+  file_.writer().append(static_cast<Frame&>(snapshot).finish());
 }
 
-void SurfaceExport::makeFile() {
+void SurfaceExport::openFile() {
   VtkHdfLayout layout{
       .attributes = {{.name = "Normals", .components = 3, .type = VtkHdfType::kFloat32, .unit = {}}},
       .fields = {"triangles"},
       .triangles = true};
   if (sources_.size() > 1)
     layout.attributes.push_back({.name = kSurfaceIndexName, .type = VtkHdfType::kInt32, .unit = {}});
-  if (earlier_) {
-    writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout), *earlier_);
-    return;
-  }
-  writer_ = std::make_unique<VtkHdfWriter>(file_, std::move(layout));
-  std::string names;
-  for (const Source& source : sources_) names += source.node + "\n";
-  writer_->setText("version", version());
-  writer_->setText("scene", sceneText_);
-  writer_->setText("surfaces", names);
+  std::vector<std::string> names;
+  for (const Source& source : sources_) names.push_back(source.node);
+  file_.open(std::move(layout), "surfaces", names);
 }
 
 void SurfaceExport::end(Simulation&, RunEnd) {
-  if (writer_) writer_->close();
+  file_.close();
 }
 
 std::vector<OutputOption> SurfaceExportKind::options() const {

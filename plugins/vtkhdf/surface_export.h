@@ -8,7 +8,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +15,7 @@
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/graph/port.h"
 #include "framework/run/output_kind.h"
-#include "plugins/vtkhdf/vtkhdf_writer.h"
+#include "plugins/vtkhdf/export_file.h"
 
 namespace weir {
 
@@ -45,13 +44,10 @@ class SurfaceExport final : public Observer {
   };
   class Frame;
 
-  void makeFile();
+  void openFile();
 
-  std::filesystem::path file_;
-  std::string sceneText_;
+  ExportFile file_;
   std::vector<Source> sources_;
-  std::optional<std::int64_t> earlier_;  // frames that are there, where a run is resumed
-  std::unique_ptr<VtkHdfWriter> writer_;
 };
 
 class SurfaceExportKind final : public OutputKind {

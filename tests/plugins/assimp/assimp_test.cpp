@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 
 #include "framework/base/sanitizers.h"
 #include "tests/plugins/assimp/mesh_files.h"
@@ -182,41 +183,57 @@ TEST_F(Assimp, LimitsThatAreNoNumbersAreRefused) {
     }
 }
 
-// Damaged files are read or refused. WEIR_TEST_MUTANTS is how many there are in all.
-TEST_F(Assimp, DamagedFilesDoNoHarm) {
+struct DamagedSeed {
+  const char* file;
+  std::function<std::string()> content;
+};
+
+class DamagedMesh : public Assimp, public testing::WithParamInterface<DamagedSeed> {};
+
+INSTANTIATE_TEST_SUITE_P(Formats, DamagedMesh,
+                         testing::Values(DamagedSeed{"d.obj", [] { return std::string(objBox()); }},
+                                         DamagedSeed{"t.stl", [] { return stlText(); }},
+                                         DamagedSeed{"b.stl", [] { return stlBinary(); }},
+                                         DamagedSeed{"d.off", [] { return std::string(offBox()); }},
+                                         DamagedSeed{"d.gltf",
+                                                     [] {
+                                                       return gltfBox(
+                                                           "data:application/octet-stream;base64," +
+                                                           base64(gltfBuffer()));
+                                                     }},
+                                         DamagedSeed{"d.glb", [] { return glbBox(); }},
+                                         DamagedSeed{"d.3mf", [] { return zipped(threeMfBox()); }}),
+                         [](const testing::TestParamInfo<DamagedSeed>& seed) {
+                           std::string name = seed.param.file;
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
+
+// Damaged files are read or refused. WEIR_TEST_MUTANTS is how many there are of each format.
+TEST_P(DamagedMesh, DoesNoHarm) {
   const VariableFor hurry("WEIR_MESH_SECONDS", "5");
-  const std::vector<std::pair<std::string, std::string>> seeds{
-      {"d.obj", objBox()},
-      {"t.stl", stlText()},
-      {"b.stl", stlBinary()},
-      {"d.off", offBox()},
-      {"d.gltf", gltfBox("data:application/octet-stream;base64," + base64(gltfBuffer()))},
-      {"d.glb", glbBox()},
-      {"d.3mf", zipped(threeMfBox())}};
   const char* asked = std::getenv("WEIR_TEST_MUTANTS");
-  const std::uint64_t mutants = (asked != nullptr ? std::strtoull(asked, nullptr, 10) : 420) / seeds.size();
-  for (const auto& [name, content] : seeds) {
-    std::uint64_t refused = 0, contained = 0;
-    for (std::uint64_t seed = 0; seed < mutants; ++seed) {
-      const fs::path file = write(name, damaged(content, seed));
-      try {
-        const TriangleMesh mesh = reader->read(file);
-        for (const Vec3i& t : mesh.triangles)
-          for (int k = 0; k < 3; ++k) EXPECT_LT(static_cast<std::size_t>(t[k]), mesh.vertices.size());
-      } catch (const Error& e) {
-        ++refused;
-        EXPECT_EQ(e.kind(), ErrorKind::kIo);
-        EXPECT_CONTAINS(e.what(), file.string());
-        const bool limited = std::string(e.message()).find("Assimp ") != std::string::npos;
-        if (limited) ++contained;
-      }
+  const std::uint64_t mutants = asked != nullptr ? std::strtoull(asked, nullptr, 10) : 60;
+  const std::string content = GetParam().content();
+  std::uint64_t refused = 0, contained = 0;
+  for (std::uint64_t seed = 0; seed < mutants; ++seed) {
+    const fs::path file = write(GetParam().file, damaged(content, seed));
+    try {
+      const TriangleMesh mesh = reader->read(file);
+      for (const Vec3i& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) EXPECT_LT(static_cast<std::size_t>(t[k]), mesh.vertices.size());
+    } catch (const Error& e) {
+      ++refused;
+      EXPECT_EQ(e.kind(), ErrorKind::kIo);
+      EXPECT_CONTAINS(e.what(), file.string());
+      if (std::string(e.message()).find("Assimp ") != std::string::npos) ++contained;
     }
-    if (asked != nullptr)
-      std::printf("%s: %llu refused, %llu crashes or limits within the copy\n", name.c_str(),
-                  static_cast<unsigned long long>(refused), static_cast<unsigned long long>(contained));
-    // If none were refused, the damage would not be what this test needs.
-    EXPECT_GT(refused, 0u) << name;
   }
+  if (asked != nullptr)
+    std::printf("%s: %llu refused, %llu crashes or limits within the copy\n", GetParam().file,
+                static_cast<unsigned long long>(refused), static_cast<unsigned long long>(contained));
+  // If none were refused, the damage would not be what this test needs.
+  EXPECT_GT(refused, 0u);
 }
 
 // The program's answer to a file that once kept it busy for ever.

@@ -1,0 +1,41 @@
+#include "plugins/vtkhdf/export_file.h"
+
+#include "framework/base/build_info.h"
+#include "framework/base/file_output.h"
+
+namespace weir {
+
+void ExportFile::begin(const Simulation& simulation) {
+  checkWritable(path_);
+  sceneText_ = simulation.scene().text;
+}
+
+void ExportFile::open(VtkHdfLayout layout, const char* listName, const std::vector<std::string>& names) {
+  if (earlier_) {
+    writer_ = std::make_unique<VtkHdfWriter>(path_, std::move(layout), *earlier_);
+    return;
+  }
+  writer_ = std::make_unique<VtkHdfWriter>(path_, std::move(layout));
+  std::string lines;
+  for (const std::string& name : names) lines += name + "\n";
+  writer_->setText("version", version());
+  writer_->setText("scene", sceneText_);
+  writer_->setText(listName, lines);
+}
+
+void ExportFile::close() {
+  if (writer_) writer_->close();
+}
+
+void ExportFile::save(const StateWriter& to) {
+  writer_->sync();
+  to.put("frames", writer_->framesWritten());
+}
+
+void ExportFile::resume(const StateReader& from) {
+  std::int64_t frames = 0;
+  from.get("frames", frames);
+  earlier_ = frames;
+}
+
+}  // namespace weir
