@@ -4,8 +4,10 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 
 #include "framework/base/text.h"
 
@@ -63,6 +65,7 @@ struct Plugin::Library {
     handle = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
       const std::string reason = lastLoaderError();
+      if (reason.find(std::strerror(ENOMEM)) != std::string::npos) throw std::bad_alloc();
       const bool missing = reason.find(kUndefined) != std::string::npos;
       throw pluginError(
           file, "the plugin cannot be loaded: " + reason, "a shared library for this machine",
@@ -130,11 +133,14 @@ Plugin::Plugin(const fs::path& file, Registry& registry)
   extended.keepLoaded(library_);
   extended.setSource("plugin " + name_);
   std::string reason;
+  bool hasMemory = true;
   try {
     registerTypes(extended);
     extended.setSource(registry.source());
     std::swap(registry, extended);
     return;
+  } catch (const std::bad_alloc&) {
+    hasMemory = false;
   } catch (const Error& e) {
     reason = e.message();
   } catch (const std::exception& e) {
@@ -142,6 +148,7 @@ Plugin::Plugin(const fs::path& file, Registry& registry)
   } catch (...) {
     reason = "unknown exception";
   }
+  if (!hasMemory) throw std::bad_alloc();
   // Thrown here, where the plugin's own exception is gone: its code goes with the library.
   throw pluginError(file, "the plugin '" + name_ + "' cannot register: " + reason);
 }

@@ -174,6 +174,12 @@ Checkpoint readWhole(const fs::path& file) {
 void Hdf5CheckpointStore::write(const fs::path& file, const Checkpoint& checkpoint) const {
   const hdf5::Session session;
   std::unique_ptr<hdf5::File> made;
+  const auto giveUp = [&] {
+    if (made) made->abandon();
+    made.reset();
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  };
   try {
     made = std::make_unique<hdf5::File>(hdf5::File::create(file, file.string()));
     {
@@ -192,11 +198,11 @@ void Hdf5CheckpointStore::write(const fs::path& file, const Checkpoint& checkpoi
     made->sync();
     made->close();
   } catch (Error& e) {
-    if (made) made->abandon();
-    made.reset();
-    std::error_code ignored;
-    fs::remove(file, ignored);
+    giveUp();
     throw e.at({.file = file.string()});
+  } catch (...) {  // no memory
+    giveUp();
+    throw;
   }
 }
 

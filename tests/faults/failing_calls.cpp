@@ -14,6 +14,7 @@
 // takes no memory itself and opens its own files by system calls.
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <link.h>
@@ -108,10 +109,28 @@ int noteHdf5(dl_phdr_info* library, size_t, void*) {
   return 1;
 }
 
+bool isInHdf5(const void* address) {
+  const auto at = reinterpret_cast<uintptr_t>(address);
+  return at >= hdf5.begin && at < hdf5.end;
+}
+
+/// Whether HDF5 is among the callers, as where it calls strdup() or vasprintf().
+bool isBelowHdf5() {
+  if (hdf5.end == 0) return false;
+  constexpr int kDepth = 64;
+  void* callers[kDepth];
+  inside = true;  // it may allocate
+  const int depth = backtrace(callers, kDepth);
+  inside = false;
+  for (int k = 0; k < depth; ++k)
+    if (isInHdf5(callers[k])) return true;
+  return false;
+}
+
 /// HDF5 crashes or exits where some of its own allocations fail, which says nothing of whoever uses it.
 bool allocationFails(const void* caller) {
-  const auto at = reinterpret_cast<uintptr_t>(caller);
-  return fails(at >= hdf5.begin && at < hdf5.end ? kMallocByHdf5 : kMalloc);
+  if (isInHdf5(caller)) return fails(kMallocByHdf5);
+  return fails(kMalloc) && !isBelowHdf5();
 }
 
 /// The path of an open file; false for what is not a file below the folder.

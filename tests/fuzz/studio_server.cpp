@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -20,6 +21,23 @@ namespace {
   std::abort();
 }
 
+/// Signals come at any time, as libFuzzer has a timer: the call that one has interrupted is made again.
+template <class Call>
+auto again(const Call& call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
+
+/// Of a connection whose connect() was interrupted, which goes on by itself.
+bool getsConnected(int file) {
+  pollfd ready{.fd = file, .events = POLLOUT, .revents = 0};
+  int error = 0;
+  socklen_t size = sizeof error;
+  return again([&] { return ::poll(&ready, 1, -1); }) == 1 &&
+         ::getsockopt(file, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+}
+
 int connectTo(int port, int patience) {
   const int file = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -32,7 +50,9 @@ int connectTo(int port, int patience) {
   // Reset when it is closed, so that no port stays behind for a minute.
   const linger reset{.l_onoff = 1, .l_linger = 0};
   ::setsockopt(file, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
-  if (::connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) fail("connect");
+  if (::connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+      !(errno == EINTR && getsConnected(file)))
+    fail("connect");
   return file;
 }
 
@@ -91,11 +111,11 @@ std::string StudioServer::talk(std::string_view bytes, std::string_view greeting
   // What is refused is closed before all is sent.
   const auto send = [&](std::string_view text) {
     const std::string sent = addressed(text);
-    ::send(file, sent.data(), sent.size(), MSG_NOSIGNAL);
+    again([&] { return ::send(file, sent.data(), sent.size(), MSG_NOSIGNAL); });
   };
   const auto receive = [&] {
     char block[1 << 14];
-    const ssize_t count = ::recv(file, block, sizeof block, 0);
+    const ssize_t count = again([&] { return ::recv(file, block, sizeof block, 0); });
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) fail("the server does not answer");
     if (count > 0) received.append(block, static_cast<std::size_t>(count));
     return count > 0;
