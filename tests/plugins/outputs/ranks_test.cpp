@@ -72,11 +72,12 @@ class RanksTest : public testing::Test {
            std::filesystem::exists(buildFolder() + "/lib/weir/plugins/weir_mpi.so");
   }
 
-  void expectSameForAnyNumber(const std::vector<std::string>& changes) const {
+  void expectSameForAnyNumber(const std::vector<std::string>& changes,
+                              const std::vector<std::string>& numbers = {"2", "3", "4", "8"}) const {
     const Outcome one = run("1", changes, {"--ranks", "1"});
     ASSERT_EQ(one.result.code, 0) << one.result.err;
     ASSERT_GE(one.files.size(), 10u);
-    for (const std::string ranks : {"2", "3", "4", "8"}) {
+    for (const std::string& ranks : numbers) {
       const Outcome several = run(ranks, changes, {"--ranks", ranks});
       ASSERT_EQ(several.result.code, 0) << several.result.err;
       ASSERT_EQ(several.files.size(), one.files.size());
@@ -106,6 +107,7 @@ constexpr const char* kWhiteWater = R"({
 })";
 
 constexpr const char* kCoarse = "water.spacing=0.05";
+const std::vector<std::string> kFew{"2", "3", "4"};
 
 TEST_F(RanksTest, ADamBreakIsTheSameForAnyNumberOfRanks) {
   expectSameForAnyNumber({kCoarse});
@@ -118,7 +120,8 @@ TEST_F(RanksTest, SoIsOneWithVaryingStepsFrictionAndImplicitViscosity) {
 }
 
 TEST_F(RanksTest, SoIsOneWhoseSolverSearchesALengthForAllParticlesAndRecordsTheObjective) {
-  expectSameForAnyNumber({kCoarse, "water.solver.step_length=global", "water.solver.record_objective=true"});
+  expectSameForAnyNumber(
+      {"water.spacing=0.08", "water.solver.step_length=global", "water.solver.record_objective=true"}, kFew);
 }
 
 /// Water that is thrown at a wall with a rough surface, by steps in which it flies further than a spacing.
@@ -138,8 +141,8 @@ constexpr const char* kThrown = R"({
 
 TEST_F(RanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
   scene_ = folder_.write("thrown.json", kThrown);
-  expectSameForAnyNumber({"water.solver.record_objective=true"});
-  const Value statistics = parseJson(readFile(folder_ / "8/stats.json"), "stats.json");
+  expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   const Value& water = *statistics.find("nodes")->find("water");
   EXPECT_GT(water.find("solver_stages")->find("max")->asInt(), 1);
   EXPECT_GT(water.find("solver_iterations")->find("max")->asInt(), 3);
@@ -147,14 +150,14 @@ TEST_F(RanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
 
 TEST_F(RanksTest, SoIsOneWithMomentumAndALengthOfStepsOfAllParticlesTogether) {
   scene_ = folder_.write("thrown.json", kThrown);
-  expectSameForAnyNumber({"water.solver.acceleration=nesterov", "water.solver.step_length=global"});
+  expectSameForAnyNumber({"water.solver.acceleration=nesterov", "water.solver.step_length=global"}, kFew);
 }
 
 TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
   scene_ = folder_.write(
       "thrown.json",
       std::regex_replace(kThrown, std::regex("\"AcceleratedSolver\".*\\} \\} \\} \\}"), "\"Pbf\" } } }"));
-  expectSameForAnyNumber({"world.dt=0.002", "water.solver.record_objective=true"});
+  expectSameForAnyNumber({"world.dt=0.002", "water.solver.record_objective=true"}, kFew);
 }
 
 TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
@@ -175,8 +178,8 @@ TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
     "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
               "water.fluid -> plane.particles"]
   })");
-  expectSameForAnyNumber({});
-  const Value statistics = parseJson(readFile(folder_ / "8/stats.json"), "stats.json");
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   const Value& nodes = *statistics.find("nodes");
   EXPECT_GT(nodes.find("water")->find("viscosity_iterations_mean")->asDouble(), 1);
   EXPECT_GT(nodes.find("plane")->find("volume")->asDouble(), 0);
@@ -187,16 +190,17 @@ TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
 
 TEST_F(RanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {
   scene_ = folder_.write("stirred.json", kStateful);
-  expectSameForAnyNumber({});
-  const Value statistics = parseJson(readFile(folder_ / "8/stats.json"), "stats.json");
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   const Value& solid = statistics.find("nodes")->find("walls")->find("solids")->asArray().front();
   EXPECT_LT(solid.find("force")->asArray()[1].asDouble(), 0);
 }
 
 TEST_F(RanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
+  duration_ = "0.2";
   scene_ = folder_.write("divided.json", R"({
     "weir": 1,
-    "world": { "dt": 0.004, "frame_rate": 30 },
+    "world": { "dt": 0.004, "frame_rate": 50 },
     "nodes": {
       "left": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.29, 0.24, 0.24] } },
       "right": { "type": "BoxSampler", "params": { "min": [0.31, 0, 0], "max": [0.6, 0.12, 0.24] } },
@@ -206,14 +210,14 @@ TEST_F(RanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
       "wall": { "type": "SemiAnalyticalSFI" },
       "crate": { "type": "BoxMesh", "params": { "min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05] } },
       "body": { "type": "RigidBody", "params": { "density": 400, "position": [0.15, 0.28, 0.12] } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 } }
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
     },
     "links": ["left.particles -> water.initial", "right.particles -> water.initial",
               "tank.boundary -> water.boundaries", "board.surface -> wall.solids", "water.fluid -> wall.fluid",
               "crate.surface -> body.mesh", "water.fluid -> body.fluid", "tank.boundary -> body.walls"]
   })");
-  expectSameForAnyNumber({});
-  const Value statistics = parseJson(readFile(folder_ / "8/stats.json"), "stats.json");
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   EXPECT_GT(statistics.find("nodes")->find("body")->find("force")->asArray()[1].asDouble(), 0);
 }
 
@@ -314,18 +318,18 @@ TEST_F(RanksTest, ACheckpointOfAnyNumberOfRanksGoesOnOnAnyOther) {
   const std::vector<std::string> coarse{"water.spacing=0.05"};
   const Outcome whole = run("whole", coarse, {"--ranks", "3", "--frames", "8"});
   ASSERT_EQ(whole.result.code, 0) << whole.result.err;
-  for (const std::string from : {"1", "2", "3", "4"}) {
+  for (const std::string from : {"1", "3"}) {
     const std::string checkpoint = folder_ / (from + ".h5");
     const Outcome begun =
         run("from" + from, coarse,
             {"--ranks", from, "--frames", "5", "--checkpoint", checkpoint, "--checkpoint-every", "4"});
     ASSERT_EQ(begun.result.code, 0) << begun.result.err;
-    for (const std::string to : {"1", "2", "3", "4"})
+    for (const std::string to : {"1", "2", "4"})
       expectSameEnd(run(from + "to" + to, coarse, {"--ranks", to, "--frames", "8", "--resume", checkpoint}),
                     whole, "from " + from + " to " + to);
   }
   const Outcome alone =
-      run("alone", coarse, {"--device", "cpu", "--frames", "8", "--resume", folder_ / "2.h5"});
+      run("alone", coarse, {"--device", "cpu", "--frames", "8", "--resume", folder_ / "3.h5"});
   EXPECT_EQ(alone.result.code, 0) << alone.result.err;
 }
 
