@@ -1,6 +1,7 @@
 #include "apps/weir/run_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
@@ -53,9 +54,14 @@ class StatisticsOutput final : public Observer {
   Log& log_;
 };
 
+std::string hostName() {
+  char name[256] = {};  // POSIX allows 255
+  return ::gethostname(name, sizeof(name) - 1) == 0 ? printable(name) : "an unknown host";
+}
+
 /// What all ranks find wrong alike is told by the first one. Returns the exit code.
 int tellOfFailedRank(Log& log, const std::exception_ptr& error, int rank) {
-  const std::string where = fmt::format("rank {}: ", rank);
+  const std::string where = fmt::format("rank {} on {}: ", rank, hostName());
   try {
     std::rethrow_exception(error);
   } catch (const Error& e) {
@@ -219,11 +225,6 @@ void RunCommand::checkRanks() const {
   if (device_ != "auto" && device_ != "cpu")
     throw usageError("--ranks runs on the CPU alone yet, and --device asks for " + device_, "cpu",
                      "run without --ranks on a GPU");
-  for (const auto& [option, value] : {std::pair{"--checkpoint", &checkpoint_}, {"--resume", &resume_}})
-    if (!value->empty())
-      throw usageError(
-          fmt::format("{} cannot be used with --ranks yet: each rank has a part of the state", option), {},
-          "run without --ranks");
 }
 
 std::unique_ptr<Scene> RunCommand::loadSilently() const {
@@ -305,7 +306,8 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   Simulation simulation(std::move(scene), device, log, program_.registry());
 
   const std::optional<Checkpoint> resumed = readCheckpoint(simulation);
-  std::optional<Checkpoints> checkpoints = makeCheckpoints();
+  std::optional<Checkpoints> checkpoints;
+  if (ranks == nullptr || ranks->rank() == 0) checkpoints = makeCheckpoints();  // which has all particles
   RunOptions options;
   options.lastFrame = frames_;
   if (checkpoints) options.checkpoints = &*checkpoints;

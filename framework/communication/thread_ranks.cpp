@@ -1,15 +1,18 @@
 #include "framework/communication/thread_ranks.h"
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/communication/wait_limit.h"
 
 namespace weir {
 
@@ -32,7 +35,11 @@ class Post {
   Message take(int from, int to) {
     std::unique_lock lock(mutex_);
     std::deque<Message>& messages = box(from, to);
-    arrived_.wait(lock, [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; });
+    const auto isOver = [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; };
+    if (!limit_)
+      arrived_.wait(lock, isOver);
+    else if (!arrived_.wait_for(lock, *limit_, isOver))
+      throw waitedTooLong(from, *limit_);
     if (failed_) throw RanksEnded();
     const bool othersMakeTheSameCalls = !messages.empty();
     WEIR_CHECK(othersMakeTheSameCalls);
@@ -76,6 +83,7 @@ class Post {
   }
 
   int ranks_;
+  std::optional<std::chrono::duration<double>> limit_ = rankWaitLimit();
   std::mutex mutex_;  // of all below
   std::condition_variable arrived_;
   std::vector<std::deque<Message>> boxes_;

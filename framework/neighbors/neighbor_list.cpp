@@ -91,8 +91,8 @@ void NeighborList::list(ParticleSet& particles) {
   byProducts.forget(kCrowding);
   byProducts.forget(kPlaces);
   Lease<Vec4f> places;
-  // Those of the halo are not found here.
-  const bool leavesPlaces = packs_ && particles.hasPlaces() && halo == 0;
+  // Those of the halo are not found here; where sets share particles, all of them do as those with a halo.
+  const bool leavesPlaces = packs_ && particles.hasPlaces() && halo == 0 && !ordersByIds_;
   if (leavesPlaces) {
     places = particles.leasePlaces();
     byProducts.keep<Vec4f>(kPlaces, places.view(), {positions, places.version()});
@@ -127,7 +127,7 @@ void NeighborList::makeRoom(std::int64_t particles, std::int64_t halo) {
 }
 
 std::int64_t NeighborList::blocksFor(std::int64_t particles, std::int64_t halo) const {
-  if (particles <= kAllInWindows) return 0;
+  if (particles + halo <= kAllInWindows) return 0;
   const std::int64_t groups = groupsOf(particles);
   // A window holds two rows of cells and what is between them.
   constexpr int kRows = 4;

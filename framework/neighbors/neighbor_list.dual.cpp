@@ -421,6 +421,8 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* 
   if (usesPortableSearch_) return searchPortably(device, kName, find);
 #if defined(__CUDACC__)
   static_assert(kFewForTeams <= kAllInWindows);
+  // Teams list in an order of their own.
+  if (ordersByIds_ && fine_ == nullptr) return searchPortably(device, kName, find);
   searchOnGpu<kFewForTeams>(device, kName, owned, capacity_, find, fine_);
 #elif defined(WEIR_HAS_LANES)
   searchByLanes(device, kName, find, columns_);

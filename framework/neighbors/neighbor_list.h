@@ -178,8 +178,8 @@ class NeighborList {
   void usePortableSearch() { usesPortableSearch_ = true; }
 
   /// Has the particles of a cell stand in the order of their ids. Then every list has the order (cell, id),
-  /// and sums over neighbours have the same bits however particles are divided among sets that have halos. On
-  /// CUDA that is so with the portable search, and where each set owns more than 32,768 particles.
+  /// and sums over neighbours have the same bits however particles are divided among sets that have halos, if
+  /// no teams add (parallelForSums).
   void orderByIds() { ordersByIds_ = true; }
 
   /// Removes particles that are outside `domain`, in one of the `sinks` (on the device, counted there) or

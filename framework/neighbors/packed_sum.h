@@ -226,12 +226,14 @@ struct MaxBlocks : Policy {
 };
 
 /// Calls f(i) for every i in [0, count) as parallelForEights does; or, where few of them leave most of a GPU
-/// idle and a thread would wait for each of its neighbours in turn, f(TeamIndex) by teams.
+/// idle and a thread would wait for each of its neighbours in turn, f(TeamIndex) by teams, which add in
+/// another order: where sums must not depend on how many there are, `mayTeam` is false.
 template <class Backend, class F>
-void parallelForSums(Backend& device, std::string_view name, Count count, const F& f) {
+void parallelForSums(Backend& device, std::string_view name, Count count, const F& f,
+                     [[maybe_unused]] bool mayTeam = true) {
   if constexpr (std::is_same_v<Backend, CudaDevice>) {
     constexpr TeamPlan kPlan{kSumTeam, 1 << 15};
-    if (count.bound <= kPlan.few)
+    if (mayTeam && count.bound <= kPlan.few)
       return parallelForTeams<kPlan>(device, name, count, detail::CallWithTeamIndex<F>{f});
   }
   parallelForEights(device, name, count, f);

@@ -61,12 +61,26 @@ SlabsView DividedParticles::onDevice() const {
   return {slabs_.layers, cuts_.data(), slabs_.count()};
 }
 
-void DividedParticles::append(const ParticleBatch& batch) {
+void DividedParticles::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
   ParticleSet all(particles_.device());
   all.continueIdsFrom(particles_.nextId());
-  all.append(batch);
-  const std::vector<Vec3f> positions = all.positions().toHost(batch.count);
+  all.append(batch, selected);
+  all.refreshCount();
+  appendOwn(all);
+}
+
+void DividedParticles::restore(const StateReader& from) {
+  ParticleSet all(particles_.device());
+  addAttributes(PackLayout(particles_), all);
+  all.restore(from);
+  cut(all.positions().toHost(all.bound()));
+  particles_.clear();
+  appendOwn(all);
+}
+
+void DividedParticles::appendOwn(ParticleSet& all) {
+  const std::vector<Vec3f> positions = all.positions().toHost(all.bound());
   std::vector<int> own;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const int owner = isFinite(positions[i]) ? slabs_.view().slabOf(positions[i]) : 0;
@@ -163,6 +177,7 @@ void DividedParticles::gather(ParticleSet* all) {
   if (all == nullptr) return;
   addAttributes(layout, *all);
   for (int from = 0; from < ranks_.size(); ++from) all->appendPacked(layout, uploaded(ranks_.receive(from)));
+  all->continueIdsFrom(particles_.nextId());
   all->refreshCount();
 }
 

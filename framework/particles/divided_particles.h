@@ -19,6 +19,7 @@
 #include "framework/base/api.h"
 #include "framework/communication/communicator.h"
 #include "framework/communication/slabs.h"
+#include "framework/graph/state.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particle_set.h"
 
@@ -37,8 +38,10 @@ class DividedParticles {
   void cut(const Aabb& box);
   /// The same for particles that every rank has.
   void cut(const std::vector<Vec3f>& positions);
-  /// Adds those of a batch, which every rank has, that belong to this rank.
-  void append(const ParticleBatch& batch);
+  /// Adds those of a batch, which every rank has and selects from alike, that belong to this rank.
+  void append(const ParticleBatch& batch, const BatchSelection& selected = {});
+  /// Takes what belongs to this rank of a saved set, which every rank reads, in place of all that it has.
+  void restore(const StateReader& from);
 
   /// Owned particles go to the ranks that their positions belong to; those that are not finite stay.
   void migrate();
@@ -53,8 +56,10 @@ class DividedParticles {
     constexpr int kWords = sizeof(T) / sizeof(std::uint32_t);
     refreshWords({reinterpret_cast<std::uint32_t*>(values.data), kWords * values.size}, kWords);
   }
+  /// The same for so many words of each.
+  void refreshWords(ArrayView<std::uint32_t> words, int wordsInOne);
   /// Adds all particles of all ranks, with all attributes that are not derived, to a set that is there on
-  /// rank 0 only and null elsewhere, in no order.
+  /// rank 0 only and null elsewhere, in no order. Ids go on there as they do here.
   void gather(ParticleSet* all);
 
   /// How many particles all ranks own.
@@ -69,12 +74,13 @@ class DividedParticles {
     HaloRange halo;
   };
 
+  /// Those of a set that every rank has.
+  void appendOwn(ParticleSet& all);
   void cutLayersOf(const Aabb& box, const std::vector<Vec3f>& positions, bool ofAllRanks);
   SlabsView onDevice() const;
   Message packed(const PackLayout& layout, ArrayView<const int> indices);
   /// On the device, until the next call.
   ArrayView<const std::byte> uploaded(const Message& message);
-  void refreshWords(ArrayView<std::uint32_t> words, int wordsInOne);
 
   // Both leave indices in `found_`; how many is returned, once the device has told.
   template <class Backend>

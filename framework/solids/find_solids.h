@@ -190,17 +190,21 @@ struct FindSolidsInLanes {
 }  // namespace detail
 
 /// Calls take(pair, FoundSolid) for every pair of the particles near[n], in the order of their solids, and
-/// take(i, sum) with the SolidIntegrals of all of particle i. There are `count` particles.
+/// take(i, sum) with the SolidIntegrals of all of particle i. There are `count` particles. Where their bits
+/// must not depend on how many there are, `alwaysTeams` is true.
 template <class Backend, class Take>
 void findSolids(Backend& device, std::string_view name, Count count, const SolidSearch& search,
-                const Take& take) {
+                const Take& take, [[maybe_unused]] bool alwaysTeams = false) {
   // Few particles are near solids, and each has many triangles.
-  constexpr TeamPlan kPlan{32, 1 << 17};
+  constexpr TeamPlan kPlan{32, 1 << 17}, kAlways{32, std::numeric_limits<std::int64_t>::max()};
 #ifdef WEIR_HAS_LANES
   if constexpr (!std::is_same_v<Backend, CudaDevice>)
     return forEachUnevenRange(device, name, count, detail::FindSolidsInLanes<Take>{search, take});
 #endif
-  parallelForUneven<kPlan>(device, name, count, detail::FindSolids<Take>{search, take});
+  if (alwaysTeams)
+    parallelForUneven<kAlways>(device, name, count, detail::FindSolids<Take>{search, take});
+  else
+    parallelForUneven<kPlan>(device, name, count, detail::FindSolids<Take>{search, take});
 }
 
 }  // namespace weir

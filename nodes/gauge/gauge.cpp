@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "framework/base/vec_value.h"
+#include "framework/particles/owned_particles.h"
 #include "nodes/gauge/box_sums.h"
 #include "nodes/gauge/near_particles.h"
 
@@ -64,11 +65,8 @@ void Gauge::validate() const {
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
 }
 
-void Gauge::join(Communicator&) {
-  if (shape == GaugeShape::kPlane)
-    throw sceneError("what passes a plane in a step cannot be counted on several ranks yet",
-                     "a point, a line or a box", "or run without --ranks")
-        .inParameter(shape.name());
+void Gauge::join(Communicator& ranks) {
+  ranks_ = &ranks;
 }
 
 /// What passes the plane close to a face would be seen from one side of it only.
@@ -96,11 +94,17 @@ void Gauge::reset(const SetupContext& context) {
 }
 
 void Gauge::step(const StepContext& context) {
-  if (shape == GaugeShape::kPlane && particles->set().bound() > 0) measureFlow(context.dt);
+  if (shape == GaugeShape::kPlane) measureFlow(context.dt);
 }
 
 void Gauge::measureFlow(double dt) {
-  dispatch(particles->set().device(), [&](auto& device) { flowOn(device, dt); });
+  Particles present = *particles;
+  auto* const shared = dynamic_cast<OwnedParticles*>(&particles.links().front()->node());
+  if (shared != nullptr) present.assign(shared->owned());
+  Communicator* const ranks = shared != nullptr ? ranks_ : nullptr;
+  // A rank without particles sums with the others.
+  if (present.set().bound() == 0 && ranks == nullptr) return;
+  dispatch(present.set().device(), [&](auto& device) { flowOn(device, present, ranks, dt); });
 }
 
 void Gauge::report(NodeReport& report) {

@@ -1,7 +1,7 @@
 #include "nodes/gauge/gauge.h"
 
 #include "framework/compute/parallel.h"
-#include "framework/compute/reductions.h"
+#include "framework/particles/rank_sums.h"
 #include "nodes/gauge/particle_matter.h"
 
 namespace weir {
@@ -33,15 +33,15 @@ struct AddPassed {
 }  // namespace
 
 template <class Backend>
-void Gauge::flowOn(Backend& device, double dt) {
+void Gauge::flowOn(Backend& device, const Particles& of, Communicator* ranks, double dt) {
   constexpr float kReach = 2;  // spacings
   const float r = radius.get().value_or(INFINITY);
-  const FlowOfOne flow{matterOf(*particles), position, (1 / length(normal.get())) * normal.get(), r * r,
-                       kReach * particles->material.spacing};
-  reduce(device, "flow", particles->set().count(), 0.0, flow, Plus{}, flow_->data());
+  const FlowOfOne flow{matterOf(of), position, (1 / length(normal.get())) * normal.get(), r * r,
+                       kReach * of.material.spacing};
+  sumOverRanks(device, "flow", {ranks, of.set().count()}, flow, Plus{}, flow_->data());
   parallelFor(device, "add flow", 1, AddPassed{flow_->data(), dt});
 }
 
-template void Gauge::flowOn(ThisBackend&, double);
+template void Gauge::flowOn(ThisBackend&, const Particles&, Communicator*, double);
 
 }  // namespace weir

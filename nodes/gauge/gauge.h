@@ -80,11 +80,13 @@ class Gauge final : public Node, public OnRanks {
   void report(NodeReport& report) override;
 
  private:
+  /// Of these particles, which the ranks share if there are any.
   template <class Backend>
-  void flowOn(Backend& device, double dt);
+  void flowOn(Backend& device, const Particles& of, Communicator* ranks, double dt);
   void measureFlow(double dt);
   void checkPlane() const;
 
+  Communicator* ranks_ = nullptr;  // null without
   // The flow in m³/s, and the volume that has passed, in m³.
   State<Array<double>> flow_{*this, "flow"};
 };

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/given_data.h"
 #include "framework/graph/node.h"
 #include "framework/particles/particle_batch.h"
@@ -15,7 +16,7 @@
 
 namespace WEIR_API weir {
 
-class ParticleFile final : public Node, public GivenData {
+class ParticleFile final : public Node, public OnRanks, public GivenData {
  public:
   static constexpr NodeInfo kInfo{"ParticleFile", "Particles from a file: .csv, .ply, .vtkhdf and others.",
                                   "import, load, csv, ply, point cloud, restart, initial"};

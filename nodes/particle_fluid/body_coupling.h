@@ -21,6 +21,7 @@
 
 #include "framework/compute/parallel_uneven.h"
 #include "framework/compute/reduce_by_key.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/pressure_problem.h"
 #include "nodes/particle_fluid/solver_sums.h"
 #include "nodes/particle_fluid/wall_field.h"
@@ -233,6 +234,41 @@ struct FollowHits {
   }
 };
 
+/// Six numbers of what f gives, as there is no room on a GPU to add all of them exactly at once.
+template <class F>
+struct PartOfBodySums {
+  F f;
+  int part;
+
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t i, const Give& give) const {
+    f(i, [&](int key, const auto& make) { give(key, [&] { return make().part(part); }); });
+  }
+};
+
+struct AddTwists {
+  WEIR_HD Twist operator()(Twist a, const Twist& b) const { return a += b; }
+};
+
+/// Sums what f gives into walls.bodySums, over all ranks.
+template <class Backend, class F>
+void sumBodies(Backend& device, const char* name, FluidStep& fluid, Count count, const F& f) {
+  WallField& walls = fluid.walls;
+  const std::int64_t keys = walls.views.size();
+  Communicator* const ranks = ranksOf(fluid);
+  if (ranks == nullptr)
+    return reduceByKey(device, name, count, keys, BodySums{}, f, AddBodySums{}, walls.bodySums.data());
+  std::vector<BodySums> sums(static_cast<std::size_t>(keys));
+  Array<Twist> found(fluid.device, keys);
+  for (int part = 0; part < BodySums::kParts; ++part) {
+    sumByKeyOverRanks(device, name, {ranks, count}, keys, PartOfBodySums<F>{f, part}, AddTwists{},
+                      found.data());
+    const std::vector<Twist> values = found.toHost();
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k].setPart(part, values[k]);
+  }
+  walls.bodySums.assign(sums);
+}
+
 template <class Backend>
 NearBodies nearBodies(Backend&, FluidStep& fluid) {
   WallField& walls = fluid.walls;
@@ -256,10 +292,9 @@ void moveBodies(Backend& device, const PressureProblem& problem, bool yields, co
   walls.moved = true;
   const detail::NearBodies bodies = detail::nearBodies(device, fluid);
   const WallFieldView view = walls.view();
-  reduceByKey(device, "push on bodies", walls.pairs.nearCount(), walls.views.size(), BodySums{},
-              detail::SumPushes{bodies, walls.pairs.near(), view.share,
-                                yields ? ArrayView<const float>(view.grip) : ArrayView<const float>{}},
-              AddBodySums{}, walls.bodySums.data());
+  detail::sumBodies(device, "push on bodies", fluid, walls.pairs.nearCount(),
+                    detail::SumPushes{bodies, walls.pairs.near(), view.share,
+                                      yields ? ArrayView<const float>(view.grip) : ArrayView<const float>{}});
   parallelFor(
       device, "move bodies", walls.views.size(),
       detail::MoveBodies{bodies.solids, walls.bodySums.data(), double(fluid.constants.particleMass), done});
@@ -308,10 +343,9 @@ void shareKicks(Backend& device, FluidStep& fluid) {
   const ArrayView<const SolidView> solids = std::as_const(walls.views).view();
   const ArrayView<const int> met = std::as_const(walls.met).view();
   const ArrayView<const Vec3f> positions = fluid.particles.positions().read();
-  reduceByKey(device, "hits of bodies", walls.metCount(), solids.size, BodySums{},
-              detail::SumHits{solids, double(fluid.constants.particleMass), met, positions,
-                              std::as_const(walls.kick).view()},
-              AddBodySums{}, walls.bodySums.data());
+  detail::sumBodies(device, "hits of bodies", fluid, walls.metCount(),
+                    detail::SumHits{solids, double(fluid.constants.particleMass), met, positions,
+                                    std::as_const(walls.kick).view()});
   parallelFor(device, "hit bodies", solids.size, detail::HitBodies{solids, walls.bodySums.data()});
   parallelForUneven(
       device, "follow hits", walls.metCount(),

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/boundary_forces.h"
 
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/solid_collision.h"
 
 namespace weir {
@@ -71,8 +72,8 @@ template <class Backend, class Impulses>
 void addImpulses(Backend& device, FluidStep& fluid, const Impulses& impulses) {
   WallField& walls = fluid.walls;
   const std::int64_t boundaries = walls.measured.size();
-  reduceByKey(device, "boundary impulse", fluid.particles.count(), boundaries, SolidImpulse{}, impulses,
-              AddImpulses{}, walls.boundaryImpulses.data());
+  sumByKeyOverRanks(device, "boundary impulse", allOf(fluid), boundaries, impulses, AddImpulses{},
+                    walls.boundaryImpulses.data());
   parallelFor(
       device, "add impulses", boundaries,
       AddToBoundary{std::as_const(walls.measured).view(), std::as_const(walls.boundaryImpulses).view()});

@@ -2,6 +2,7 @@
 
 #include "framework/compute/parallel_uneven.h"
 #include "framework/geometry/segment_hit.h"
+#include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
@@ -52,6 +53,31 @@ class Passage {
   bool blocked_ = false;
 };
 
+/// What each particle sees of each solid, two bits for each solid, so that ranks can tell each other.
+struct SeenByAll {
+  static constexpr int kInWord = 16;  // solids
+  ArrayView<std::uint32_t> words;     // empty where one rank has all particles
+  int wordsInOne = 0;
+
+  WEIR_HD int at(std::int64_t i, int k) const {
+    return static_cast<int>(words[i * wordsInOne + k / kInWord] >> (2 * (k % kInWord)) & 3u);
+  }
+  WEIR_HD void set(std::int64_t i, int k, int sides) const {
+    words[i * wordsInOne + k / kInWord] |= static_cast<std::uint32_t>(sides) << (2 * (k % kInWord));
+  }
+};
+
+struct WriteSeen {
+  SolidPairsView pairs;
+  ArrayView<const int> near, sides;
+  SeenByAll seen;
+
+  WEIR_HD void operator()(std::int64_t n) const {
+    const int i = near[n];
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) seen.set(i, pairs.solid[pair], sides[pair]);
+  }
+};
+
 struct TakeOutHidden {
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
@@ -59,6 +85,9 @@ struct TakeOutHidden {
   ImageOwners ownerOf;
   ArrayView<const Vec3f> positions;
   NeighborEditor neighbors;
+  // Of several ranks, whose indices are their own.
+  SeenByAll seenByAll;
+  ArrayView<const std::int64_t> ids;
 
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = near[n];
@@ -73,15 +102,21 @@ struct TakeOutHidden {
 
   WEIR_HD bool sees(std::int64_t i, std::int64_t j) const {
     const std::int64_t owner = ownerOf(j);
-    const std::int64_t from = i < owner ? i : j, to = i < owner ? j : i;
+    const bool forth = ids.size > 0 ? ids[i] < ids[j] : i < owner;
+    const std::int64_t from = forth ? i : j, to = forth ? j : i;
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
-      const int k = pairs.solid[pair], other = pairs.find(owner, k);
-      if (other < 0) continue;
+      const int k = pairs.solid[pair];
       const SolidView& solid = solids[k];
-      if (mayHide(solid.kind, sides[pair], sides[other]) && hides(solid, positions[from], positions[to]))
+      if (mayHide(solid.kind, sides[pair], seenBy(owner, k)) && hides(solid, positions[from], positions[to]))
         return false;
     }
     return true;
+  }
+
+  WEIR_HD int seenBy(std::int64_t j, int k) const {
+    if (seenByAll.words.size > 0) return seenByAll.at(j, k);
+    const int pair = pairs.find(j, k);
+    return pair < 0 ? 0 : sides[pair];
   }
 
   WEIR_HD static bool hides(const SolidView& solid, const Vec3f& p, const Vec3f& q) {
@@ -101,12 +136,33 @@ struct TakeOutHidden {
 template <class Backend>
 void takeOutHiddenNeighbors(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
+  const ArrayView<const int> near = walls.pairs.near(), sides = std::as_const(walls.sides).view();
+  Array<std::uint32_t> words(fluid.device);
+  SeenByAll seen;
+  ArrayView<const std::int64_t> ids;
+  if (fluid.divided != nullptr) {
+    fluid.exchange({"position"});
+    seen.wordsInOne = static_cast<int>(walls.views.size() - 1) / SeenByAll::kInWord + 1;
+    words.resize(fluid.particles.capacity() * seen.wordsInOne);
+    words.fillZero();
+    seen.words = words.view();
+    parallelForUneven(device, "seen sides", walls.pairs.nearCount(),
+                      WriteSeen{walls.pairs.view(), near, sides, seen});
+    fluid.divided->refreshWords(seen.words, seen.wordsInOne);
+    ids = fluid.particles.ids().read();
+  }
   constexpr TeamPlan kPlan{16, 1 << 17};
-  parallelForUneven<kPlan>(device, "hidden neighbours", walls.pairs.nearCount(),
-                           TakeOutHidden{walls.views.view(), walls.pairs.view(), walls.pairs.near(),
-                                         std::as_const(walls.sides).view(),
-                                         fluid.images != nullptr ? fluid.images->owners() : ImageOwners{},
-                                         fluid.particles.positions().read(), fluid.neighbors.editor()});
+  parallelForUneven<kPlan>(
+      device, "hidden neighbours", walls.pairs.nearCount(),
+      TakeOutHidden{.solids = walls.views.view(),
+                    .pairs = walls.pairs.view(),
+                    .near = near,
+                    .sides = sides,
+                    .ownerOf = fluid.images != nullptr ? fluid.images->owners() : ImageOwners{},
+                    .positions = fluid.particles.positions().read(),
+                    .neighbors = fluid.neighbors.editor(),
+                    .seenByAll = seen,
+                    .ids = ids});
 }
 
 template void takeOutHiddenNeighbors(ThisBackend&, FluidStep&);

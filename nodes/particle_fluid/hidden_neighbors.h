@@ -11,9 +11,9 @@
 // there the integrals add nothing. If they came and went as particles pass the edge, each time with a jump of
 // the density, water would never rest there, and push 10 % too hard.
 //
-// Both of a pair ask about the same segment, from the lower index to the higher, with the same numbers: so
-// lists stay reciprocal. Of an image in a periodic domain the owner's index counts, and the sides that it
-// sees.
+// Both of a pair ask about the same segment, from the lower index to the higher (on several ranks, the lower
+// id), with the same numbers: so lists stay reciprocal. Of an image in a periodic domain the owner's index
+// counts, and the sides that it sees.
 //
 // Few pairs need be asked. Each particle knows for each solid whether triangles within the support radius H
 // turn their front or their back to it (the front of a closed solid is where fluid is). A segment shorter

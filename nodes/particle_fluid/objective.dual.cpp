@@ -1,7 +1,7 @@
 #include "nodes/particle_fluid/objective.h"
 
-#include "framework/compute/reductions.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
@@ -52,7 +52,8 @@ void ObjectiveRecord::measureOn(Backend& device, FluidStep& fluid, const BulkEne
                                     state,
                                     displacement,
                                     fluid.walls.view()};
-  reduce(device, "objective", fluid.particles.count(), 0.0, objective, Plus{}, values_.data() + measured_);
+  const double ofSpacing = objective.inertia * double(c.spacing) * double(c.spacing);
+  sumOverRanks(device, "objective", allOf(fluid), ofSpacing, objective, Plus{}, values_.data() + measured_);
 }
 
 template void ObjectiveRecord::measureOn(ThisBackend&, FluidStep&, const BulkEnergy&, bool,

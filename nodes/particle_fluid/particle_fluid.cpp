@@ -168,27 +168,55 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
 }
 
 void ParticleFluid::save(const StateWriter& to) const {
-  const State& state = *state_;
-  state.particles.save(to.in("particles"));
-  state.neighbors.save(to.in("neighbors"));
-  to.put("rest_steps", state.restSteps);
+  shown().particles.save(to.in("particles"));
+  state_->neighbors.save(to.in("neighbors"));
+  to.put("events", state_->events);
+  to.put("rest_steps", state_->restSteps);
   to.put("bulk_modulus", constants_.bulkModulus);
 }
 
 void ParticleFluid::restore(const StateReader& from) {
   State& state = *state_;
   state.restDt.reset();
-  state.particles.restore(from.in("particles"));
   state.neighbors.restore(from.in("neighbors"));
-  if (state.particles.bound() > 0) {
-    // The order is that of this grid already, so only the lists are new; what they count has been counted.
-    search(state);
-    state.neighbors.restore(from.in("neighbors"));
+  // The order is that of this grid already, so only the lists are new; what they count has been counted.
+  if (divided_) {
+    restoreOnRanks(from);
+  } else {
+    state.particles.restore(from.in("particles"));
+    if (state.particles.bound() > 0) search(state);
   }
+  state.neighbors.restore(from.in("neighbors"));
   from.get("rest_steps", state.restSteps);
   if (from.has("bulk_modulus") && !bulkModulus.get() && !mu.get())
     from.get("bulk_modulus", constants_.bulkModulus);
   state.resumed = true;  // solids, which are below, have not taken back their places yet
+  restoreEvents(from);
+}
+
+void ParticleFluid::restoreOnRanks(const StateReader& from) {
+  Device& device = state_->particles.device();
+  divided_->restore(from.in("particles"));
+  Log silent;
+  const StepContext now{device, silent, {}, 0, 0, 0};
+  fluidStep(now).findNeighbors();
+  if (!gathered_) return;
+  gathered_->particles.clear();
+  gathered_->particles.restore(from.in("particles"));
+  if (gathered_->particles.bound() > 0) sortShown(device);
+}
+
+/// Every rank has read what one has counted, and what all have counted together.
+void ParticleFluid::restoreEvents(const StateReader& from) {
+  const NeighborEvents ofOne = state_->neighbors.eventsOnHost();
+  NeighborEvents all = ofOne;
+  if (from.has("events")) from.get("events", all);
+  if (divided_ && ranks_->rank() > 0) all = {};
+  state_->moreEvents = {.truncated = all.truncated - ofOne.truncated,
+                        .escaped = all.escaped - ofOne.escaped,
+                        .nonFinite = all.nonFinite - ofOne.nonFinite,
+                        .cutOffByOrder = all.cutOffByOrder - ofOne.cutOffByOrder};
+  sumEvents();
 }
 
 void ParticleFluid::reset(const SetupContext& context) {
@@ -309,8 +337,11 @@ std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solid
   for (const auto& solid : solids)
     checkSolid(period(), solid->view(0, 0), constants_.supportRadius, "a solid of the fluid");
   const std::int64_t removed = carve(solids);
-  for (const auto& solid : solids) state_->walls.solids.push_back(solid.get());
-  return removed;
+  for (const auto& solid : solids) {
+    state_->walls.solids.push_back(solid.get());
+    if (gathered_) gathered_->walls.solids.push_back(solid.get());
+  }
+  return ranks_ != nullptr ? ranks_->sum(removed) : removed;
 }
 
 std::int64_t ParticleFluid::carve(std::span<const std::unique_ptr<Solid>> solids) {
@@ -386,7 +417,10 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
 }
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
-  State& state = *state_;
+  return stepOf(*state_, time);
+}
+
+FluidStep ParticleFluid::stepOf(State& state, const StepContext& time) {
   WallFinder* const finder = wallFinder();
   if (!state.walls.empty() && finder == nullptr)
     throw sceneError("the fluid meets solids, but no enabled module of it finds what it feels of them",
@@ -401,7 +435,7 @@ FluidStep ParticleFluid::fluidStep(const StepContext& time) {
           state.sinks.view(),
           state.walls,
           finder,
-          divided_.get(),
+          &state == &*state_ ? divided_.get() : nullptr,
           state.images ? &*state.images : nullptr};
 }
 
@@ -424,12 +458,18 @@ double ParticleFluid::largestSpeed(State& of) {
 
 void ParticleFluid::step(const StepContext& context) {
   if (state_->restDt) relaxInitialState(context);
-  if (std::exchange(state_->resumed, false) && state_->particles.bound() > 0) findWalls(context);
+  if (std::exchange(state_->resumed, false)) goOn(context);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   // A rank without particles may get some.
   if (state_->particles.bound() == 0 && !divided_) return;
   FluidStep step = fluidStep(context);
   runPipeline(step);
+}
+
+void ParticleFluid::goOn(const StepContext& context) {
+  if (divided_ && ranks_->rank() > 0) forgetSinks();  // which have taken back what rank 0 has counted
+  // Ranks find them together.
+  if (divided_ || state_->particles.bound() > 0) findWalls(*state_, context);
 }
 
 void ParticleFluid::runPipeline(FluidStep& step) {
@@ -443,14 +483,16 @@ void ParticleFluid::runPipeline(FluidStep& step) {
 void ParticleFluid::give(const ParticleBatch& born, double time) {
   State& state = *state_;
   if (born.count == 0) return;
-  if (divided_) return divided_->append(born);
-  if (state.walls.empty()) {
-    state.particles.append(born);
-    return;
+  BatchSelection selected;
+  if (!state.walls.empty()) {
+    state.walls.place(time, 0);
+    dispatch(state.particles.device(), [&](auto& device) { selectOn(device, born); });
+    selected = {state.born.order(), state.bornCount.data()};
   }
-  state.walls.place(time, 0);
-  dispatch(state.particles.device(), [&](auto& device) { selectOn(device, born); });
-  state.particles.append(born, {state.born.order(), state.bornCount.data()});
+  if (divided_)
+    divided_->append(born, selected);
+  else
+    state.particles.append(born, selected);
 }
 
 void ParticleFluid::frame(const StepContext& context) {
@@ -458,16 +500,17 @@ void ParticleFluid::frame(const StepContext& context) {
   refresh(context);
 }
 
-void ParticleFluid::findWalls(const StepContext& context) {
-  state_->walls.place(context.time, 0);
-  FluidStep now = fluidStep(context);
+void ParticleFluid::findWalls(State& of, const StepContext& context) {
+  of.walls.place(context.time, 0);
+  FluidStep now = stepOf(of, context);
   now.findWalls();
 }
 
 void ParticleFluid::refresh(const StepContext& context) {
   if (divided_) refreshOnRanks(context);
   refreshShown(context);
-  if (divided_) sumEventsOfRanks(), sumSinksOfRanks();
+  sumEvents();
+  if (divided_) sumSinksOfRanks();
   checkEvents();
 }
 
@@ -476,20 +519,25 @@ void ParticleFluid::refreshShown(const StepContext& context) {
   state.gravity = context.gravity;
   if (divided_ && !gathered_) return;  // another rank shows them
   if (state.particles.refreshCount() > 0) {
-    dispatch(context.device, [&](auto& device) { boundingBoxOn(device, state); });
-    const FluidExtent extent = state.extent.toHost().front();
-    std::optional<Vec3f> mean;  // which is the same bits for one order of the particles only
-    if (!divided_) mean = (1 / float(state.particles.bound())) * extent.sum;
-    state.neighbors.fitGrid(extent.box, state.particles.bound(), mean);
-    search(state);
-    state.particles.refreshCount();
+    sortShown(context.device);
     state.walls.pairs.waitForNumber();
-    findWalls(context);
+    findWalls(state, context);
     dispatch(context.device, [&](auto& device) {
       densityOn(device);
       if (pressure) pressureOn(device);
     });
   }
+}
+
+void ParticleFluid::sortShown(Device& onDevice) {
+  State& state = shown();
+  dispatch(onDevice, [&](auto& device) { boundingBoxOn(device, state); });
+  const FluidExtent extent = state.extent.toHost().front();
+  std::optional<Vec3f> mean;  // which is the same bits for one order of the particles only
+  if (!divided_) mean = (1 / float(state.particles.bound())) * extent.sum;
+  state.neighbors.fitGrid(extent.box, state.particles.bound(), mean);
+  search(state);
+  state.particles.refreshCount();
 }
 
 Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
@@ -508,29 +556,40 @@ void ParticleFluid::refreshOnRanks(const StepContext& context) {
     divided_->cut(box);
     FluidStep now = fluidStep(context);
     now.findNeighbors();  // which removes what has left the domain
+    findWalls(*state_, context);
   }
   if (gathered_) gathered_->particles.clear();
   divided_->gather(gathered_ ? &gathered_->particles : nullptr);
 }
 
-void ParticleFluid::sumEventsOfRanks() {
-  const NeighborEvents own = state_->neighbors.eventsOnHost();
-  std::array<std::int64_t, 4> sums{own.truncated, own.escaped, own.nonFinite, own.cutOffByOrder};
-  ranks_->sum(sums);
+void ParticleFluid::sumEvents() {
+  const NeighborEvents own = state_->neighbors.eventsOnHost(), &more = state_->moreEvents;
+  std::array<std::int64_t, 4> sums{own.truncated + more.truncated, own.escaped + more.escaped,
+                                   own.nonFinite + more.nonFinite, own.cutOffByOrder + more.cutOffByOrder};
+  if (divided_) ranks_->sum(sums);
   state_->events = {.truncated = int(sums[0]),
                     .escaped = int(sums[1]),
                     .nonFinite = int(sums[2]),
                     .cutOffByOrder = int(sums[3])};
 }
 
-/// Counts of removed particles move to rank 0, which reports them.
-void ParticleFluid::sumSinksOfRanks() {
-  std::vector<int*> counters;  // pieces of one sink share theirs
+/// Pieces of one sink share theirs.
+std::vector<int*> ParticleFluid::sinkCounters() const {
+  std::vector<int*> counters;
   for (std::size_t i = 0; i < sinks.size(); ++i)
     for (const SinkPiece& piece : sinks[i].pieces)
       if (counters.empty() || counters.back() != piece.removed) counters.push_back(piece.removed);
+  return counters;
+}
+
+void ParticleFluid::forgetSinks() {
+  for (int* const counter : sinkCounters()) state_->particles.device().fillBytes(counter, 0, sizeof(int));
+}
+
+/// Counts of removed particles move to rank 0, which reports them.
+void ParticleFluid::sumSinksOfRanks() {
   Device& device = state_->particles.device();
-  for (int* const counter : counters) {
+  for (int* const counter : sinkCounters()) {
     int own = 0;
     device.download(&own, counter, sizeof(own));
     const auto all = static_cast<int>(ranks_->sum(own));
@@ -558,10 +617,9 @@ void ParticleFluid::checkEvents() {
   // A few lost numbers are tolerated and reported; more means that the simulation has blown up.
   constexpr std::int64_t kMaxNonFinite = 10;
   constexpr double kMaxNonFiniteShare = 1e-3;
-  if (!divided_) state.events = state.neighbors.eventsOnHost();
-  if (divided_ && !gathered_) return;  // rank 0 knows all
+  const bool knowsAll = !divided_ || gathered_;
   const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(shown().particles.bound()));
-  if (state.events.nonFinite > max)
+  if (knowsAll && state.events.nonFinite > max)
     throw simulationError(
         fmt::format(
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",
@@ -575,13 +633,13 @@ void ParticleFluid::checkEvents() {
             "and a solid were lost",
             lost),
         {}, "use a larger world.frame_rate, as room is made at every frame, or run on the CPU");
-  if (state.particles.device().deterministic() && state.events.cutOffByOrder > 0)
+  if ((divided_ || state.particles.device().deterministic()) && state.events.cutOffByOrder > 0)
     throw simulationError(
         fmt::format(
             "{} times neighbour lists were cut off in an order that may differ from run to run, which "
-            "--deterministic forbids",
+            "--deterministic and ranks forbid",
             kListGroup * std::int64_t{state.events.cutOffByOrder}),
-        {}, "use a smaller support_ratio or spread the fluid less, or run without --deterministic");
+        {}, "use a smaller support_ratio or spread the fluid less, or run without these");
 }
 
 void ParticleFluid::report(NodeReport& report) {

@@ -8,6 +8,7 @@
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
+#include "framework/particles/owned_particles.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
 #include "framework/particles/periodic_images.h"
@@ -32,7 +33,7 @@ struct FluidExtent {
 
 /// On several ranks each owns a part of the particles and takes all steps with it. At every frame rank 0
 /// gathers all of them, and those are what it puts out and reports.
-class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
+class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
@@ -144,6 +145,7 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
   void restore(const StateReader& from) override;
   std::int64_t particleCount() const override { return state_ ? shown().particles.bound() : 0; }
 
+  ParticleSet& owned() override { return state_->particles; }
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
   /// Those of the last search, from the reset on; null before it.
@@ -175,7 +177,8 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
     CellSort born;  // those of an emitter's particles that have room
     Array<int> bornCount;
     Vec3f gravity{};
-    NeighborEvents events;
+    NeighborEvents events;         // of all ranks
+    NeighborEvents moreEvents;     // counted before a checkpoint, and not by this rank
     std::int64_t restSteps = 0;    // taken before the start
     std::optional<double> restDt;  // s, of those steps; empty once they are taken
     bool resumed = false;          // and no step made since
@@ -191,8 +194,16 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
   void refreshOnRanks(const StepContext& context);
   /// The box around the particles of all ranks; empty if there are none.
   Aabb boxOnRanks(Device& device);
-  void sumEventsOfRanks();
+  void sumEvents();
   void sumSinksOfRanks();
+  std::vector<int*> sinkCounters() const;
+  void forgetSinks();
+  void restoreOnRanks(const StateReader& from);
+  void restoreEvents(const StateReader& from);
+  /// The first step after a checkpoint was taken back.
+  void goOn(const StepContext& context);
+  /// By cell, of a grid that fits, with lists.
+  void sortShown(Device& device);
   void refreshShown(const StepContext& context);
 
   std::int64_t accept(std::span<const std::unique_ptr<Solid>> solids) override;
@@ -215,11 +226,12 @@ class ParticleFluid final : public Node, public OnRanks, private SolidCoupling {
   /// Bytes on the device of the attributes that particles bring with them.
   double memoryOfBrought(double particles) const;
   FluidStep fluidStep(const StepContext& time);
+  FluidStep stepOf(State& state, const StepContext& time);
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.
   void relaxInitialState(const StepContext& context);
   /// Walls act on the lists of neighbours, too.
-  void findWalls(const StepContext& context);
+  void findWalls(State& of, const StepContext& context);
   void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;

@@ -146,6 +146,8 @@ struct PressureProblem {
     const float dt = static_cast<float>(fluid.time.dt);
     return fluid.constants.soundSpeedSquared() * dt * dt;
   }
+  /// What squares of displacements are measured against, m².
+  double square() const { return double(fluid.constants.spacing) * double(fluid.constants.spacing); }
   float inverseDt() const { return 1 / static_cast<float>(fluid.time.dt); }
   ArrayView<const Vec3f> predicted() const { return fluid.particles.positions().read(); }
   /// x − x*.

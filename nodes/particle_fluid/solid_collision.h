@@ -1,10 +1,10 @@
 // How particles are stopped at rigid meshes, and how that is told to the solids.
 #pragma once
 
-#include "framework/compute/reduce_by_key.h"
 #include "framework/geometry/sweep.h"
 #include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {
@@ -115,11 +115,11 @@ struct ContactImpulse {
 template <class Backend>
 void sumContacts(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  reduceByKey(device, "impulse", walls.metCount(), walls.views.size(), SolidImpulse{},
-              ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
-                             std::as_const(walls.met).view(), fluid.particles.positions().read(),
-                             std::as_const(walls.kick).view()},
-              AddImpulses{}, walls.impulses.data());
+  sumByKeyOverRanks(device, "impulse", {ranksOf(fluid), walls.metCount()}, walls.views.size(),
+                    ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
+                                   std::as_const(walls.met).view(), fluid.particles.positions().read(),
+                                   std::as_const(walls.kick).view()},
+                    AddImpulses{}, walls.impulses.data());
 }
 
 /// Gives the solids the first `sums` of walls.impulses that each has.

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/mesh_crossing.h"
@@ -44,7 +45,7 @@ struct BodyLink {
   RigidBody* body = nullptr;
 };
 
-class RigidBody final : public Node, public RigidMotion {
+class RigidBody final : public Node, public OnRanks, public RigidMotion {
  public:
   static constexpr NodeInfo kInfo{
       "RigidBody", "A rigid body that water and gravity move.",

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
 #include "framework/solids/solid_coupling.h"
@@ -49,7 +50,7 @@ struct SolidForces {
   std::vector<OfSolid> solids;
 };
 
-class SemiAnalyticalSFI final : public Node, public RigidMotion {
+class SemiAnalyticalSFI final : public Node, public OnRanks, public RigidMotion {
  public:
   static constexpr NodeInfo kInfo{"SemiAnalyticalSFI",
                                   "Couples fluids with rigid triangle meshes, at rest or in motion.",

@@ -87,13 +87,6 @@ void StaticBoundary::bound(BoundaryPiece& piece, const std::optional<Aabb>& boun
   piece.bounds = {bounds->lo - Vec3f{margin, margin, margin}, bounds->hi + Vec3f{margin, margin, margin}};
 }
 
-void StaticBoundary::join(Communicator&) {
-  if (reportForces)
-    throw sceneError("forces on a boundary cannot be summed over several ranks yet", "false",
-                     "or run without --ranks")
-        .inParameter(reportForces.name());
-}
-
 void StaticBoundary::configure(const SetupContext&) {
   for (const Boundary::Request& request : boundary.requests()) boundaries.request(request);
 }

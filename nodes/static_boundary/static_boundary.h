@@ -122,7 +122,6 @@ class StaticBoundary final : public Node, public OnRanks {
   Output<Boundary> boundary{*this, "boundary", "All of these together."};
 
   void validate() const override;
-  void join(Communicator& ranks) override;
   void configure(const SetupContext& context) override;
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;

@@ -4,12 +4,13 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "nodes/terrain/heightfield.h"
 
 namespace WEIR_API weir {
 
-class Terrain final : public Node {
+class Terrain final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{"Terrain", "A landscape: slopes, cliffs, a river bed, rough ground, rocks.",
                                   "landscape, ground, river, valley, mountain, hill, rocks"};

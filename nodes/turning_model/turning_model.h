@@ -2,12 +2,13 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/geometry/surface_of_revolution.h"
 #include "framework/graph/node.h"
 
 namespace WEIR_API weir {
 
-class TurningModel final : public Node {
+class TurningModel final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{"TurningModel", "A surface of revolution from a profile, such as a goblet.",
                                   "goblet, glass, bottle, vase, lathe, revolve, cup, bowl"};

@@ -6,11 +6,14 @@
 #include <cstdlib>
 #include <limits>
 #include <list>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/communication/wait_limit.h"
 
 namespace weir {
 
@@ -43,6 +46,7 @@ class MpiRank final : public Communicator {
   }
 
   Message receive(int from) override {
+    const auto start = std::chrono::steady_clock::now();
     for (;;) {
       int arrived = 0, failed = 0;
       MPI_Message handle = MPI_MESSAGE_NULL;
@@ -51,10 +55,13 @@ class MpiRank final : public Communicator {
       if (arrived != 0) return take(handle, status);
       MPI_Iprobe(MPI_ANY_SOURCE, kFailed, MPI_COMM_WORLD, &failed, MPI_STATUS_IGNORE);
       if (failed != 0) throw RanksEnded();
+      if (limit_ && std::chrono::steady_clock::now() - start > *limit_) throw waitedTooLong(from, *limit_);
       std::this_thread::yield();
     }
   }
 
+  /// Of the environment variable; its Error ends all ranks, as they are there.
+  void setLimit() { limit_ = rankWaitLimit(); }
   /// Tells all others that this rank goes no further.
   void tellOfFailure() {
     for (int to = 0; to < size_; ++to) {
@@ -95,6 +102,7 @@ class MpiRank final : public Communicator {
   }
 
   int rank_ = 0, size_ = 1, sizeHere_ = 1;
+  std::optional<std::chrono::duration<double>> limit_;
   std::list<Sent> sent_;
 };
 
@@ -124,12 +132,23 @@ bool MpiRanks::present() const {
          (hasPmix && number("SLURM_STEP_NUM_TASKS") > 1);
 }
 
+std::vector<InfoEntry> MpiInfo::info() const {
+  char version[MPI_MAX_LIBRARY_VERSION_STRING] = {};
+  int length = 0;
+  MPI_Get_library_version(version, &length);
+  const std::string text(version, static_cast<std::size_t>(length));
+  return {{"MPI", text.substr(0, text.find_first_of(",\n"))},
+          {"mpirun or srun", MpiRanks().present() ? "has started this process, as one of several"
+                                                  : "has not started this process"}};
+}
+
 void MpiRanks::run(const std::function<void(Communicator&)>& work,
                    const std::function<int(std::exception_ptr, int rank)>& failed) {
   int given = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
   MpiRank rank;
   try {
+    rank.setLimit();
     work(rank);
     rank.finish();
   } catch (const RanksEnded&) {

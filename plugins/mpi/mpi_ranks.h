@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framework/communication/launched_ranks.h"
+#include "framework/run/info_source.h"
 
 namespace weir {
 
@@ -12,6 +13,12 @@ class MpiRanks final : public LaunchedRanks {
   bool present() const override;
   void run(const std::function<void(Communicator&)>& work,
            const std::function<int(std::exception_ptr, int rank)>& failed) override;
+};
+
+/// Which MPI it is.
+class MpiInfo final : public InfoSource {
+ public:
+  std::vector<InfoEntry> info() const override;
 };
 
 }  // namespace weir

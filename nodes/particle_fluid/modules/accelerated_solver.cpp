@@ -156,7 +156,7 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
   const double reach = kReach * problem.fluid.constants.spacing;
   return {.control = control_->data(),
           .sums = sums,
-          .count = problem.fluid.particles.count(),
+          .count = all_,
           .tolerance = double(tolerance.get().value_or(-1.0f)),
           .settled = kSettled * double(problem.stiffness()) * bulk,
           .accelerated = accelerated(),

@@ -3,6 +3,7 @@
 #include "nodes/particle_fluid/body_coupling.h"
 #include "nodes/particle_fluid/boundary_forces.h"
 #include "nodes/particle_fluid/containment.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/modules/accelerated_passes.h"
 #include "nodes/particle_fluid/modules/conjugate_passes.h"
@@ -139,8 +140,11 @@ void AcceleratedSolver::beginStep(Backend& device, FluidStep& fluid) {
   const float dt = static_cast<float>(fluid.time.dt);
   const ArrayView<const Vec3f> velocities = fluid.particles.velocities().read();
   over_ = false;
-  if (staged(fluid))
+  all_ = countOfAll(fluid);
+  if (staged(fluid)) {
     reduce(device, "farthest", count, 0.0f, detail::SquareOfWay{dt, velocities}, Max{}, farthest_.data());
+    maxOverRanks(ranksOf(fluid), farthest_);
+  }
   constexpr float kStage = 1;  // spacings
   parallelFor(device, "begin", 1,
               detail::BeginStep{.control = control_->data(),
@@ -175,7 +179,8 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
       parallelForEights(device, "propose", count,
                         Propose{step.pushOf, problem.displacement(), proposal_.view()});
     if (controlled() || stepLength == StepLength::kGlobal) {
-      reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
+      sumOverRanks(device, "measure", allOf(problem.fluid), problem.square(), step.measure, AddSums{},
+                   sums_.data());
       addBodyEnergy(device, problem, sums_.data());
     }
     if (controlled()) judge(device, problem, /*last=*/k + 1 == maxIterations);
@@ -251,8 +256,8 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
                                     .state = problem.state()});
   contain(device, problem, of.tried, done);
   DirectionSums* const sums = directions_.directionSums.data();
-  reduce(device, "measure direction", count, DirectionSums{}, detail::MeasureDirection{conjugate, searched},
-         AddDirectionSums{}, sums);
+  sumOverRanks(device, "measure direction", allOf(problem.fluid), problem.square(),
+               detail::MeasureDirection{conjugate, searched}, AddDirectionSums{}, sums);
   parallelFor(device, "judge", 1, detail::JudgeDirection{judgeOf(problem, &sums->of, last), sums});
   controlSeen_->request(control_->data());
   parallelFor(device, "try", count, detail::Try{conjugate});
@@ -260,8 +265,8 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
   problem.fluid.exchange(problem.state());
   parallelForEights(device, "try density", count,
                     detail::SumTrial{detail::RelativeExcess::of(problem), control_->data(), of});
-  reduce(device, "measure line", count, LineSums{}, detail::MeasureLine{conjugate}, AddLineSums{},
-         directions_.lineSums.data());
+  sumOverRanks(device, "measure line", allOf(problem.fluid), problem.square(), detail::MeasureLine{conjugate},
+               AddLineSums{}, directions_.lineSums.data());
   parallelFor(device, "choose length", 1,
               detail::ChooseLength{control_->data(), directions_.lineSums.data(), last});
   parallelFor(device, "advance", count, detail::Advance{conjugate});
@@ -339,6 +344,8 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
                               .positions = fluid.particles.positions().write()});
   searchAtBodies(device, fluid.walls);
   problem.withoutRooms([&] { fluid.findNeighbors(); });
+  reserve(fluid);  // other ranks may have given particles
+  all_ = countOfAll(fluid);
   fluid.findWalls();
   // The sort has put the particles, and what is carried, into another order and other memory.
   parallelFor(device, "move", fluid.particles.count(),

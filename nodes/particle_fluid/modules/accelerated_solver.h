@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/compute/readback.h"
 #include "framework/graph/moved_parameters.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"
@@ -44,7 +45,7 @@ struct EnumNames<Acceleration> {
                "Conjugate gradients, with a search for the length of each step: the fewest iterations."}};
 };
 
-class AcceleratedSolver final : public PressureSolver, public InPeriodicDomain {
+class AcceleratedSolver final : public PressureSolver, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "AcceleratedSolver", kFamily,
@@ -176,6 +177,7 @@ class AcceleratedSolver final : public PressureSolver, public InPeriodicDomain {
   Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};
   std::optional<Readback<Control>> controlSeen_;
+  Count all_;                                    // particles of all ranks, since the last search
   State<std::int64_t> passes_{*this, "passes"};  // begun, as Control::passes
   Array<float> farthest_;  // one number: the largest square of a displacement to a predicted position, m²
   bool besideBodies_ = false;  // whether the fluid moves solids

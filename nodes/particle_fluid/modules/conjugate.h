@@ -33,6 +33,8 @@ struct DirectionSums {
   double slope = 0;    ///< −z·g, m²
   double turned = 0;   ///< −z·g', g' being the last gradient
   double forward = 0;  ///< p'·g, p' being the last direction
+
+  WEIR_HD static constexpr SumKind kindOf(int k) { return SolverSums::kindOf(k); }
 };
 
 struct AddDirectionSums {

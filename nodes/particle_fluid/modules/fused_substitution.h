@@ -105,10 +105,11 @@ class FusedSubstitution {
   void step(int iterations) const {
     ParticleSet& particles = problem_.fluid.particles;
     ByProducts& byProducts = particles.byProducts();
-    const bool codes =
-        byProducts.isRequested(kMotionCodes) && problem_.fluid.device.kind() == DeviceKind::kCuda;
+    // Those of a halo are not exchanged.
+    const bool codes = byProducts.isRequested(kMotionCodes) && !isDivided() &&
+                       problem_.fluid.device.kind() == DeviceKind::kCuda;
     // A rank that has never had particles has no room for what the search finds, and does as the others.
-    if (found_.empty() && particles.capacity() > 0) {
+    if (found_.empty() && (particles.capacity() > 0 || !problem_.fluid.walls.empty())) {
       problem_.start(device_);
       problem_.fluid.exchange(state_);
     }
@@ -121,7 +122,8 @@ class FusedSubstitution {
       problem_.fluid.exchange(weighted_);
       auto update = substitute();
       update.begins = begins, update.ends = ends, update.storesCodes = codes;
-      parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update));
+      parallelForSums(device_, "substitute", count(), launched<ManyBlocks<SumAfterSum>>(update),
+                      !isDivided());
       if (!ends) problem_.fluid.exchange(state_);
     }
     if (codes)
@@ -131,6 +133,7 @@ class FusedSubstitution {
   }
 
  private:
+  bool isDivided() const { return problem_.fluid.divided != nullptr; }
   bool hasPlaces() const { return found_.places.size > 0; }
   Count count() const { return problem_.fluid.particles.count(); }
 
@@ -171,7 +174,7 @@ class FusedSubstitution {
   void sumDensities() const {
     EnergyDerivativeWith<Walls> derivative = problem_.derivativeWith(walls_);
     derivative.state = state_, derivative.weighted = weighted_;
-    parallelForSums(device_, "density", count(), launched<MaxBlocks<SumAfterSum>>(derivative));
+    parallelForSums(device_, "density", count(), launched<MaxBlocks<SumAfterSum>>(derivative), !isDivided());
   }
 
   Backend& device_;

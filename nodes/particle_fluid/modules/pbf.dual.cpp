@@ -131,10 +131,13 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
   fluid.walls.forgetShares();
   parallelFor(device, "start", count, StartDisplacement{positions, state_.view(), displacement_.view()});
   if (recordObjective) objective_->begin(fluid, iterations + 1);
+  fluid.exchange(state_.view());
   record(fluid);
   for (int k = 0; k < iterations; ++k) {
     parallelFor(device, "multipliers", count, multiplier);
+    fluid.exchange(weighted_.view());
     parallelFor(device, "correct", count, correct);
+    fluid.exchange(state_.view());
     record(fluid);
   }
   parallelFor(device, "finish", count,

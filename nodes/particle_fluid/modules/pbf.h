@@ -16,6 +16,7 @@
 #pragma once
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/objective.h"
 
@@ -30,7 +31,7 @@ struct EnumNames<PbfForm> {
                "Gradients without the particle volume; the step grows with the spacing cubed."}};
 };
 
-class Pbf final : public FluidModule {
+class Pbf final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "Pbf", kFamily,

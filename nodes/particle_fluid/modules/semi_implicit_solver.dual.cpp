@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 
 #include "nodes/particle_fluid/body_coupling.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/modules/fused_substitution.h"
 #include "nodes/particle_fluid/step_length.h"
 
@@ -55,12 +56,12 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
     fluid.exchange(problem.weighted());
     if (searches()) parallelForEights(device, "propose", count, propose);
     if (stepLength == StepLength::kGlobal) {
-      reduce(device, "measure", count, SolverSums{}, step.measure, AddSums{}, sums_.data());
+      sumOverRanks(device, "measure", allOf(fluid), problem.square(), step.measure, AddSums{}, sums_.data());
       addBodyEnergy(device, problem, sums_.data());
     }
     parallelForEights(device, "update", count, substitute);
-    fluid.exchange(problem.state());
     moveBodies(device, problem, /*yields=*/true);
+    fluid.exchange(problem.state());
     record(problem);
   }
   problem.finish(device);

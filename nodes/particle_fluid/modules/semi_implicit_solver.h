@@ -33,7 +33,6 @@ class SemiImplicitSolver final : public PressureSolver, public OnRanks {
                          .live = true,
                          .doc = "Iterations a step; neighbours are kept, densities are recomputed in each."}};
 
-  void join(Communicator& ranks) override;
   /// Of too few iterations for the step.
   void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {

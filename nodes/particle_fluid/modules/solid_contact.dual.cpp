@@ -112,10 +112,10 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
                             fluid.particles.velocities().write(), walls.kick.view()});
   shareKicks(device, fluid);
   sumContacts(device, fluid);
-  reduceByKey(device, "pressure impulse", walls.pairs.nearCount(), solids.size, SolidImpulse{},
-              PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(), positions,
-                              each, walls.share.read()},
-              AddImpulses{}, walls.impulses.data() + solids.size);
+  sumByKeyOverRanks(device, "pressure impulse", {ranksOf(fluid), walls.pairs.nearCount()}, solids.size,
+                    PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(),
+                                    positions, each, walls.share.read()},
+                    AddImpulses{}, walls.impulses.data() + solids.size);
   giveImpulses(device, walls, 2);
 }
 

@@ -62,8 +62,12 @@ void ViscositySolver::refuseBodies(const FluidStep& fluid) {
                        "\"slip\": 1 of the RigidBody, or Xsph");
 }
 
-bool ViscositySolver::isDone() {
-  const std::optional<ViscosityControl> seen = controlSeen_->poll();
+bool ViscositySolver::isDone(const FluidStep& fluid) {
+  std::optional<ViscosityControl> seen;
+  if (fluid.divided == nullptr)
+    seen = controlSeen_->poll();
+  else if (controlSeen_->pending())
+    seen = controlSeen_->wait();  // ranks end together
   return seen && seen->steps == steps_ && seen->done != 0;
 }
 

@@ -6,6 +6,7 @@
 #include "framework/compute/reductions.h"
 #include "framework/neighbors/neighbor_sum.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/scratch.h"
 #include "nodes/particle_fluid/solid_collision.h"
 #include "nodes/particle_fluid/wall_field.h"
@@ -232,6 +233,12 @@ struct Advance {
   }
 };
 
+/// The same for what is summed afterwards.
+struct AdvanceAlone {
+  Advance advance;
+  WEIR_HD void operator()(std::int64_t i) const { advance(i); }
+};
+
 struct Turn {
   const ViscosityControl* control;
   ArrayView<const Vec3f> residual;
@@ -358,10 +365,10 @@ void sumWalls(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayVi
 template <class Backend>
 void pushSolids(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayView<const Vec3f> change) {
   WallField& walls = fluid.walls;
-  reduceByKey(device, "drag impulse", walls.pairs.nearCount(), walls.views.size(), SolidImpulse{},
-              DragImpulse{dragOfSolid(fluid, plane), walls.pairs.near(), fluid.constants.particleMass,
-                          fluid.particles.velocities().read(), change},
-              AddImpulses{}, walls.impulses.data());
+  sumByKeyOverRanks(device, "drag impulse", {ranksOf(fluid), walls.pairs.nearCount()}, walls.views.size(),
+                    DragImpulse{dragOfSolid(fluid, plane), walls.pairs.near(), fluid.constants.particleMass,
+                                fluid.particles.velocities().read(), change},
+                    AddImpulses{}, walls.impulses.data());
   giveImpulses(device, walls, 1);
 }
 
@@ -393,6 +400,7 @@ void ViscositySolver::stepOn(Backend& device, FluidStep& fluid) {
     sumWalls(device, fluid, plane, places, walls);
   }
   fluid.exchange(places);
+  fluid.exchange(direction_.view());
   const PairDrag drag{fluid.neighbors.view(), SpikyKernel(c.supportRadius, 1), rateOf(fluid, viscosity),
                       kShortest * c.spacing, places};
   solveOn(device, fluid, drag, walls, change);
@@ -408,22 +416,30 @@ void ViscositySolver::solveOn(Backend& device, FluidStep& fluid, const Drag& dra
   const ArrayView<Vec3f> residual = residual_.view(), direction = direction_.view(), image = image_.view();
   ViscosityControl* const control = control_->data();
   ViscositySums* const sums = sums_.data();
+  const bool mayTeam = fluid.divided == nullptr;
   const auto sum = [&](std::string_view name, const auto& of) {
-    reduce(device, name, count, ViscositySums{}, of, AddViscositySums{}, sums);
+    sumOverRanks(device, name, allOf(fluid), of, AddViscositySums{}, sums);
   };
-  fluid.exchange(direction);
-  parallelForSums(device, "residual", count, FirstResidual{drag, walls, direction, change, residual});
-  sum("measure", SumAtFirst{residual, change, fluid.particles.velocities().read()});
+  const SumAtFirst left{residual, change, fluid.particles.velocities().read()};
+  parallelForSums(device, "residual", count, FirstResidual{drag, walls, direction, change, residual},
+                  mayTeam);
+  sum("measure", left);
   parallelFor(device, "decide", 1, DecideAtFirst{control, sums, tolerance});
   ++steps_;
   controlSeen_->request(control);
-  for (int k = 0; k < maxIterations && !isDone(); ++k) {
+  for (int k = 0; k < maxIterations && !isDone(fluid); ++k) {
     parallelFor(device, "turn", count, Turn{control, residual, direction});
     fluid.exchange(direction);
-    parallelForSums(device, "image", count, Image{drag, walls, control, direction, image});
+    parallelForSums(device, "image", count, Image{drag, walls, control, direction, image}, mayTeam);
     sum("curvature", SumCurvature{direction, image});
     parallelFor(device, "decide", 1, DecideWay{control, sums});
-    sum("advance", Advance{control, direction, image, change, residual});
+    const Advance advance{control, direction, image, change, residual};
+    if (fluid.divided == nullptr) {
+      sum("advance", advance);
+    } else {
+      parallelFor(device, "advance", count, AdvanceAlone{advance});
+      sum("measure", left);
+    }
     parallelFor(device, "decide", 1, Decide{control, sums, tolerance, maxIterations});
     controlSeen_->request(control);
   }

@@ -30,6 +30,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/compute/readback.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/modules/viscous_walls.h"
@@ -58,7 +59,7 @@ struct ViscosityControl {
   int max = 0, notConverged = 0;
 };
 
-class ViscositySolver final : public FluidModule, public InPeriodicDomain {
+class ViscositySolver final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{
       "ViscositySolver", kFamily,
@@ -106,7 +107,7 @@ class ViscositySolver final : public FluidModule, public InPeriodicDomain {
   void solveOn(Backend& device, FluidStep& fluid, const Drag& drag, const WallDrag& walls,
                ArrayView<Vec3f> change);
   /// As far as the host has heard of it, without waiting.
-  bool isDone();
+  bool isDone(const FluidStep& fluid);
 
   Attribute<Vec3f> change_;  // v − v* of the last step
   Array<Vec3f> residual_, direction_, image_;

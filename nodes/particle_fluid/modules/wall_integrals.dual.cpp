@@ -52,7 +52,8 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
              StoreIntegrals{.each = walls.each.view(),
                             .total = walls.total.view(),
                             .d = walls.d.view(),
-                            .sides = walls.sides.view()});
+                            .sides = walls.sides.view()},
+             /*alwaysTeams=*/fluid.divided != nullptr);
   takeOutHiddenNeighbors(device, fluid);
 }
 

@@ -58,9 +58,9 @@ void Xsph::stepOn(Backend& device, FluidStep& fluid) {
   fluid.exchange({"position", "velocity"});
   const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
   withMotion(device, fluid.particles, c.supportRadius, [&]<class Motion>(const Motion& motion) {
-    parallelForSums(
-        device, "smooth", fluid.particles.count(),
-        SmoothVelocity<Motion>{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()});
+    parallelForSums(device, "smooth", fluid.particles.count(),
+                    SmoothVelocity<Motion>{fluid.neighbors.view(), c.kernel, weight, motion, smoothed.view()},
+                    fluid.divided == nullptr);
   });
   fluid.particles.velocities().swap(smoothed);
 }
@@ -81,7 +81,8 @@ void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
                                  present = sweep == 0 ? initial : smoothed.view();
     parallelForSums(device, "approach mean", fluid.particles.count(),
                     ApproachMean{fluid.neighbors.view(), c.kernel, share, fluid.particles.positions().read(),
-                                 initial, present, next_.view()});
+                                 initial, present, next_.view()},
+                    fluid.divided == nullptr);
     smoothed.swap(next_);
     if (sweep + 1 < kSweeps) fluid.exchange(smoothed.view());
   }

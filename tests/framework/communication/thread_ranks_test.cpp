@@ -120,5 +120,20 @@ TEST(ThreadRanks, AMistakeInTheSceneNamesNoRankAsItIsThatOfAll) {
   EXPECT_EQ(error.location().node, "sea");
 }
 
+TEST(ThreadRanks, OneThatIsSilentEndsAllIfThatIsAsked) {
+  ::setenv("WEIR_RANK_TIMEOUT", "0.1", 1);
+  const Error error = errorOf([] {
+    runOnThreads(2, [](Communicator& ranks) {
+      if (ranks.rank() == 1) std::this_thread::sleep_for(std::chrono::milliseconds(600));
+      ranks.sum(1);
+    });
+  });
+  ::setenv("WEIR_RANK_TIMEOUT", "soon", 1);
+  const Error wrong = errorOf([] { runOnThreads(2, [](Communicator&) {}); });
+  ::unsetenv("WEIR_RANK_TIMEOUT");
+  EXPECT_CONTAINS(error.what(), "rank 1 has not been heard of");
+  EXPECT_CONTAINS(wrong.what(), "WEIR_RANK_TIMEOUT is soon");
+}
+
 }  // namespace
 }  // namespace weir::test

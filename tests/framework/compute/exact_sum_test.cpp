@@ -57,5 +57,43 @@ TEST(ExactSum, NaNCountsAsNothingAndWhatIsTooLargeAsTheBound) {
   EXPECT_EQ(ExactSum(-1e300).value(), -2147483647.0);
 }
 
+/// Of each kind one, and another that is scaled.
+struct Numbers {
+  double share = 0, square = 0, farthest = 0, slope = 0;
+  WEIR_HD static constexpr SumKind kindOf(int k) {
+    return k == 0 ? SumKind::kNumber : k == 2 ? SumKind::kMax : SumKind::kScaled;
+  }
+};
+
+TEST(ExactSums, KeepTermsThatAreSmallAgainstOneAndTakeTheLargestWhereThatIsAsked) {
+  constexpr double kSmall = 1e-24;
+  const double unit = powerBelow(kSmall);
+  ExactSums<Numbers> first, second;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> some(-1, 1);
+  long double square = 0, slope = 0, share = 0;
+  double farthest = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const Numbers term{some(random), kSmall * some(random), std::abs(some(random)), kSmall * some(random)};
+    share += term.share, square += term.square, slope += term.slope;
+    farthest = std::max(farthest, term.farthest);
+    (k % 3 == 0 ? first : second) += ExactSums<Numbers>(term, 1 / unit);
+  }
+  const Numbers all = (first + second).value(unit), turned = (second + first).value(unit);
+  EXPECT_NEAR(all.share, double(share), 1e-12);
+  EXPECT_NEAR(all.square, double(square), 1e-12 * kSmall);
+  EXPECT_NEAR(all.slope, double(slope), 1e-12 * kSmall);
+  EXPECT_EQ(all.farthest, farthest);
+  EXPECT_EQ(all.square, turned.square);
+}
+
+TEST(ExactSums, TheUnitIsOfTheLargestFiniteNumber) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(largestNumber(Numbers{1, -3, 2, kInfinity}), 3);
+  EXPECT_EQ(largestNumber(Numbers{0, std::numeric_limits<double>::quiet_NaN(), 0, 0}), 0);
+  EXPECT_EQ(powerBelow(3), 2);
+  EXPECT_EQ(powerBelow(0.3), 0.25);
+}
+
 }  // namespace
 }  // namespace weir::test

@@ -3,7 +3,10 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -27,16 +30,16 @@ struct Outcome {
 
 class RanksTest : public testing::Test {
  protected:
-  /// The dam break for 0.3 s, with what is changed.
+  /// The scene, the dam break if there is none, with what is changed.
   Outcome run(const std::string& name, const std::vector<std::string>& changes,
               const std::vector<std::string>& more, int processes = 1) const {
     const std::string to = folder_ / name;
     std::filesystem::create_directory(to);
     std::vector<std::string> arguments{"run",
-                                       resourcesFolder() + "/scenes/dam_break.json",
+                                       scene_.empty() ? resourcesFolder() + "/scenes/dam_break.json" : scene_,
                                        "--quiet",
                                        "--duration",
-                                       "0.3",
+                                       duration_,
                                        "--ply-particles",
                                        to + "/ply",
                                        "--stats",
@@ -56,30 +59,32 @@ class RanksTest : public testing::Test {
     return run;
   }
 
-  static ChildResult runByMpi(int processes, std::vector<std::string> arguments) {
+  static ChildResult runByMpi(int processes, std::vector<std::string> arguments, ChildOptions options = {}) {
     arguments.insert(arguments.begin(), {"-n", std::to_string(processes), weirProgram()});
     // Of Open MPI, which asks whether one knows what one does.
-    const std::map<std::string, std::string> asked{{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
-                                                   {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
-                                                   {"OMPI_MCA_rmaps_base_oversubscribe", "1"}};
-    return runChild(findProgram("mpirun"), arguments, {.environment = asked});
+    options.environment = {{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
+                           {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
+                           {"OMPI_MCA_rmaps_base_oversubscribe", "1"}};
+    return runChild(findProgram("mpirun"), arguments, options);
   }
   static bool hasMpi() {
     return !findProgram("mpirun").empty() &&
            std::filesystem::exists(buildFolder() + "/lib/weir/plugins/weir_mpi.so");
   }
 
-  void expectSameForAnyNumber(const std::vector<std::string>& changes) const {
+  void expectSameForAnyNumber(const std::vector<std::string>& changes,
+                              const std::vector<std::string>& numbers = {"2", "3", "4", "8"}) const {
     const Outcome one = run("1", changes, {"--ranks", "1"});
     ASSERT_EQ(one.result.code, 0) << one.result.err;
     ASSERT_GE(one.files.size(), 10u);
-    for (const std::string ranks : {"2", "3", "4", "8"}) {
+    for (const std::string& ranks : numbers) {
       const Outcome several = run(ranks, changes, {"--ranks", ranks});
       ASSERT_EQ(several.result.code, 0) << several.result.err;
       ASSERT_EQ(several.files.size(), one.files.size());
       for (const auto& [file, bytes] : one.files)
         EXPECT_TRUE(several.files.at(file) == bytes) << file << " with " << ranks << " ranks";
-      EXPECT_EQ(writeJson(fluidOf(several)), writeJson(fluidOf(one))) << ranks << " ranks";
+      EXPECT_EQ(writeJson(*several.statistics.find("nodes")), writeJson(*one.statistics.find("nodes")))
+          << ranks << " ranks";
       expectSameSeries(folder_ / "1/series.jsonl", folder_ / (ranks + "/series.jsonl"));
       expectSameExports(folder_ / "1/export.vtkhdf", folder_ / (ranks + "/export.vtkhdf"));
     }
@@ -88,9 +93,21 @@ class RanksTest : public testing::Test {
   static const Value& fluidOf(const Outcome& run) { return *run.statistics.find("nodes")->find("water"); }
 
   TemporaryFolder folder_;
+  std::string scene_, duration_ = "0.3";  // s
 };
 
+constexpr const char* kWhiteWater = R"({
+  "weir": 1,
+  "nodes": {
+    "block": { "type": "BoxSampler" },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } },
+    "white": { "type": "WhiteWater" }
+  },
+  "links": ["block.particles -> water.initial", "water.fluid -> white.fluid"]
+})";
+
 constexpr const char* kCoarse = "water.spacing=0.05";
+const std::vector<std::string> kFew{"2", "3", "4"};
 
 TEST_F(RanksTest, ADamBreakIsTheSameForAnyNumberOfRanks) {
   expectSameForAnyNumber({kCoarse});
@@ -100,6 +117,108 @@ TEST_F(RanksTest, SoIsOneWithVaryingStepsFrictionAndImplicitViscosity) {
   expectSameForAnyNumber({kCoarse, "world.cfl=0.4", "world.dt=0.004", "tank.friction=0.2",
                           "tank.restitution=0.3", "water.viscosity.form=implicit",
                           "water.solver.step_length=particle", "water.pressure=true"});
+}
+
+TEST_F(RanksTest, SoIsOneWhoseSolverSearchesALengthForAllParticlesAndRecordsTheObjective) {
+  expectSameForAnyNumber(
+      {"water.spacing=0.08", "water.solver.step_length=global", "water.solver.record_objective=true"}, kFew);
+}
+
+/// Water that is thrown at a wall with a rough surface, by steps in which it flies further than a spacing.
+constexpr const char* kThrown = R"({
+  "weir": 1,
+  "world": { "dt": 0.01, "frame_rate": 30 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.4, 0.2], "velocity": [6, 0, 0] } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [1.2, 1, 0.2], "inverted": true,
+                          "friction": 0.2, "restitution": 0.2 } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.05, "support_ratio": 1.5, "rest_steps": 0 },
+               "modules": { "solver": { "type": "AcceleratedSolver", "params": { "max_iterations": 20 } } } }
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]
+})";
+
+TEST_F(RanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
+  scene_ = folder_.write("thrown.json", kThrown);
+  expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
+  const Value& water = *statistics.find("nodes")->find("water");
+  EXPECT_GT(water.find("solver_stages")->find("max")->asInt(), 1);
+  EXPECT_GT(water.find("solver_iterations")->find("max")->asInt(), 3);
+}
+
+TEST_F(RanksTest, SoIsOneWithMomentumAndALengthOfStepsOfAllParticlesTogether) {
+  scene_ = folder_.write("thrown.json", kThrown);
+  expectSameForAnyNumber({"water.solver.acceleration=nesterov", "water.solver.step_length=global"}, kFew);
+}
+
+TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
+  scene_ = folder_.write(
+      "thrown.json",
+      std::regex_replace(kThrown, std::regex("\"AcceleratedSolver\".*\\} \\} \\} \\}"), "\"Pbf\" } } }"));
+  expectSameForAnyNumber({"world.dt=0.002", "water.solver.record_objective=true"}, kFew);
+}
+
+TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
+  scene_ = folder_.write("honey.json", R"({
+    "weir": 1,
+    "world": { "dt": 0.004, "frame_rate": 30 },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.3, 0.2] } },
+      "tank": { "type": "StaticBoundary",
+                "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true,
+                            "friction": 0.1, "report_forces": true } },
+      "plane": { "type": "Gauge",
+                 "params": { "shape": "plane", "position": [0.4, 0.2, 0.1], "normal": [1, 0, 0] } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
+                 "modules": { "thick": { "type": "ViscositySolver", "after": "walls",
+                                         "params": { "viscosity": 2, "tolerance": 1e-4 } } } }
+    },
+    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+              "water.fluid -> plane.particles"]
+  })");
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
+  const Value& nodes = *statistics.find("nodes");
+  EXPECT_GT(nodes.find("water")->find("viscosity_iterations_mean")->asDouble(), 1);
+  EXPECT_GT(nodes.find("plane")->find("volume")->asDouble(), 0);
+  // The floor carries the weight.
+  const double weight = 1000 * 0.4 * 0.3 * 0.2 * 9.81;
+  EXPECT_NEAR(nodes.find("tank")->find("force")->asArray()[1].asDouble(), -weight, 0.2 * weight);
+}
+
+TEST_F(RanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {
+  scene_ = folder_.write("stirred.json", kStateful);
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
+  const Value& solid = statistics.find("nodes")->find("walls")->find("solids")->asArray().front();
+  EXPECT_LT(solid.find("force")->asArray()[1].asDouble(), 0);
+}
+
+TEST_F(RanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
+  duration_ = "0.2";
+  scene_ = folder_.write("divided.json", R"({
+    "weir": 1,
+    "world": { "dt": 0.004, "frame_rate": 50 },
+    "nodes": {
+      "left": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.29, 0.24, 0.24] } },
+      "right": { "type": "BoxSampler", "params": { "min": [0.31, 0, 0], "max": [0.6, 0.12, 0.24] } },
+      "tank": { "type": "StaticBoundary",
+                "params": { "shape": "box", "min": [0, 0, 0], "max": [0.6, 1, 0.24], "inverted": true } },
+      "board": { "type": "BoxMesh", "params": { "min": [0.295, 0.04, -0.1], "max": [0.305, 0.5, 0.34] } },
+      "wall": { "type": "SemiAnalyticalSFI" },
+      "crate": { "type": "BoxMesh", "params": { "min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05] } },
+      "body": { "type": "RigidBody", "params": { "density": 400, "position": [0.15, 0.28, 0.12] } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
+    },
+    "links": ["left.particles -> water.initial", "right.particles -> water.initial",
+              "tank.boundary -> water.boundaries", "board.surface -> wall.solids", "water.fluid -> wall.fluid",
+              "crate.surface -> body.mesh", "water.fluid -> body.fluid", "tank.boundary -> body.walls"]
+  })");
+  expectSameForAnyNumber({}, kFew);
+  const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
+  EXPECT_GT(statistics.find("nodes")->find("body")->find("force")->asArray()[1].asDouble(), 0);
 }
 
 TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
@@ -185,11 +304,86 @@ TEST_F(RanksTest, ProcessesOfMpiWriteTheSameAsThreads) {
   EXPECT_EQ(writeJson(fluidOf(processes)), writeJson(fluidOf(threads)));
 }
 
+/// The frames that a resumed run has written are those of the whole one.
+void expectSameEnd(const Outcome& resumed, const Outcome& whole, const std::string& what) {
+  ASSERT_EQ(resumed.result.code, 0) << resumed.result.err;
+  EXPECT_GE(resumed.files.size(), 3u) << what;
+  for (const auto& [file, bytes] : resumed.files)
+    EXPECT_TRUE(whole.files.at(file) == bytes) << file << ", " << what;
+  EXPECT_EQ(writeJson(*resumed.statistics.find("nodes")), writeJson(*whole.statistics.find("nodes"))) << what;
+}
+
+TEST_F(RanksTest, ACheckpointOfAnyNumberOfRanksGoesOnOnAnyOther) {
+  scene_ = folder_.write("jet.json", kJet);
+  const std::vector<std::string> coarse{"water.spacing=0.05"};
+  const Outcome whole = run("whole", coarse, {"--ranks", "3", "--frames", "8"});
+  ASSERT_EQ(whole.result.code, 0) << whole.result.err;
+  for (const std::string from : {"1", "3"}) {
+    const std::string checkpoint = folder_ / (from + ".h5");
+    const Outcome begun =
+        run("from" + from, coarse,
+            {"--ranks", from, "--frames", "5", "--checkpoint", checkpoint, "--checkpoint-every", "4"});
+    ASSERT_EQ(begun.result.code, 0) << begun.result.err;
+    for (const std::string to : {"1", "2", "4"})
+      expectSameEnd(run(from + "to" + to, coarse, {"--ranks", to, "--frames", "8", "--resume", checkpoint}),
+                    whole, "from " + from + " to " + to);
+  }
+  const Outcome alone =
+      run("alone", coarse, {"--device", "cpu", "--frames", "8", "--resume", folder_ / "3.h5"});
+  EXPECT_EQ(alone.result.code, 0) << alone.result.err;
+}
+
+TEST_F(RanksTest, ACheckpointWithoutRanksGoesOnAlikeOnAnyNumber) {
+  scene_ = folder_.write("jet.json", kJet);
+  const std::vector<std::string> coarse{"water.spacing=0.05"};
+  const std::string checkpoint = folder_ / "alone.h5";
+  const Outcome begun =
+      run("alone", coarse,
+          {"--device", "cpu", "--frames", "4", "--checkpoint", checkpoint, "--checkpoint-every", "4"});
+  ASSERT_EQ(begun.result.code, 0) << begun.result.err;
+  const Outcome one = run("one", coarse, {"--ranks", "1", "--frames", "8", "--resume", checkpoint}),
+                three = run("three", coarse, {"--ranks", "3", "--frames", "8", "--resume", checkpoint});
+  ASSERT_EQ(one.result.code, 0) << one.result.err;
+  expectSameEnd(three, one, "from none to 3");
+}
+
+/// Process ids.
+std::vector<int> childrenOf(int pid) {
+  const std::string of = "/proc/" + std::to_string(pid);
+  std::ifstream file(of + "/task/" + std::to_string(pid) + "/children");
+  return {std::istream_iterator<int>(file), {}};
+}
+
+TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
+  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
+  scene_ = folder_.write("jet.json", kJet);
+  duration_ = "20";
+  const std::vector<std::string> coarse{"water.spacing=0.05"};
+  const Outcome whole = run("whole", coarse, {"--ranks", "2", "--frames", "12"});
+  ASSERT_EQ(whole.result.code, 0) << whole.result.err;
+  const std::string checkpoint = folder_ / "killed.h5";
+  ChildOptions options;
+  options.onStderr = [&, sent = false](int pid, const std::string&) mutable {
+    if (sent || !std::filesystem::exists(checkpoint)) return;
+    const std::vector<int> ranks = childrenOf(pid);
+    if (ranks.size() == 3) sent = true, ::kill(ranks[1], SIGKILL);
+  };
+  const ChildResult killed = runByMpi(3,
+                                      {"run", scene_, "--duration", duration_, "--set", coarse.front(),
+                                       "--checkpoint", checkpoint, "--checkpoint-every", "2"},
+                                      options);
+  EXPECT_NE(killed.code, 0);
+  EXPECT_FALSE(killed.timedOut) << killed.err;
+  expectSameEnd(run("resumed", coarse, {"--ranks", "4", "--frames", "12", "--resume", checkpoint}), whole,
+                "after a kill");
+}
+
 TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
-  const Outcome refused = run("refused", {"tank.report_forces=true"}, {}, 3);
+  scene_ = folder_.write("white.json", kWhiteWater);
+  const Outcome refused = run("refused", {}, {}, 3);
   EXPECT_EQ(refused.result.code, 3);
-  const std::string words = "cannot be summed over several ranks yet";
+  const std::string words = "a WhiteWater cannot run on several ranks yet";
   EXPECT_CONTAINS(refused.result.err, words);
   EXPECT_EQ(refused.result.err.find(words), refused.result.err.rfind(words));
 }
@@ -218,26 +412,11 @@ TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
     std::filesystem::remove_all(folder_ / "refused");
     return refused.result.err;
   };
-  EXPECT_CONTAINS(errorOf({"tank.report_forces=true"}, {}), "tank");
-  EXPECT_CONTAINS(errorOf({"water.solver.record_objective=true"}, {}), "record_objective");
-  EXPECT_CONTAINS(errorOf({"water.solver.step_length=global"}, {}), "step_length");
-  EXPECT_CONTAINS(errorOf({}, {"--checkpoint", folder_ / "c.h5"}), "--checkpoint");
-  EXPECT_CONTAINS(errorOf({}, {"--resume", folder_ / "c.h5"}), "--resume");
   EXPECT_CONTAINS(errorOf({}, {"--device", "cuda"}), "cuda");
-  const std::string scene = folder_.write("s.json", R"({
-    "weir": 1,
-    "nodes": {
-      "block": { "type": "BoxSampler" },
-      "brick": { "type": "BoxMesh", "params": { "min": [1, 0, 0], "max": [1.2, 0.2, 0.2] } },
-      "solid": { "type": "SemiAnalyticalSFI" },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } }
-    },
-    "links": ["block.particles -> water.initial", "brick.surface -> solid.solids", "water.fluid -> solid.fluid"]
-  })");
-  const ChildResult meshWall = runWeir({"run", scene, "--ranks", "2", "--stats", folder_ / "s.stats.json"});
-  EXPECT_EQ(meshWall.code, 3);
-  EXPECT_CONTAINS(meshWall.err, "node 'solid'");
-  EXPECT_CONTAINS(meshWall.err, "a SemiAnalyticalSFI cannot run on several ranks yet");
+  scene_ = folder_.write("white.json", kWhiteWater);
+  const std::string white = errorOf({}, {});
+  EXPECT_CONTAINS(white, "node 'white'");
+  EXPECT_CONTAINS(white, "a WhiteWater cannot run on several ranks yet");
 }
 
 TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
@@ -246,14 +425,16 @@ TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
     "nodes": {
       "block": { "type": "BoxSampler" },
       "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
-                 "modules": { "thick": { "type": "ViscositySolver", "after": "viscosity" } } }
+                 "modules": { "up": { "type": "Lift", "after": "viscosity" } } }
     },
     "links": ["block.particles -> water.initial"]
   })");
-  const ChildResult refused = runWeir({"run", scene, "--ranks", "2", "--stats", folder_ / "s.stats.json"});
+  const ChildResult refused =
+      runWeir({"run", scene, "--ranks", "2", "--plugin", buildFolder() + "/lib/weir/test_plugins/lift.so",
+               "--stats", folder_ / "s.stats.json"});
   EXPECT_EQ(refused.code, 3);
   EXPECT_CONTAINS(refused.err, "node 'water'");
-  EXPECT_CONTAINS(refused.err, "the module 'thick' of type ViscositySolver cannot run on several ranks yet");
+  EXPECT_CONTAINS(refused.err, "the module 'up' of type Lift cannot run on several ranks yet");
 }
 
 TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
