@@ -76,9 +76,9 @@ class AcceleratedSolver final : public PressureSolver, public InPeriodicDomain {
        .max = 100,
        .doc =
            "How often neighbours are found in a step: at the predicted positions, and then again where "
-           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance, and "
-           "with one 3, and more (at most 10 in each stage) as long as a particle has been moved by more "
-           "than a quarter of a spacing since the last."}};
+           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance. With "
+           "one, again as long as a particle has been moved by more than a tenth of a spacing since the last: "
+           "3 times at most, or 10 in each stage where it has been moved by more than a quarter."}};
   Param<int> pathStages{
       *this,
       "path_stages",
