@@ -13,7 +13,7 @@ struct Judge {
   const SolverSums* sums;
   Count count;
   double tolerance;  // below 0: never done
-  double settled;    // m², of each particle; see JudgeDirection
+  double settled;    // m², of each particle; see JudgeState
   bool accelerated;
   double farthest;  // m², squared; from here on, lists no longer hold
   double nearest;   // m², squared; up to here, they hold as well as new ones; below 0: nobody asks
