@@ -256,7 +256,13 @@ void ParticleFluid::chooseBulkModulus(const SetupContext& context) {
   // steady.
   const double highest = hydrostaticPressure(there, context.gravity, restDensity) +
                          0.5 * restDensity * there.speed * there.speed;
-  const double chosen = bulkModulusFor(highest, *law->toleratedCompression());
+  // Settled fluid bears a pressure p by λ − 1 = p/(γ·K') (fluid_constants.h): no more than at the usual
+  // ratio.
+  constexpr double kUsualRatio = 2;
+  double response = 1;
+  if (calibration == Calibration::kPacking)
+    response = settledResponse(supportRatio) * constants_.stiffened / settledResponse(kUsualRatio);
+  const double chosen = bulkModulusFor(highest / std::min(response, 1.0), *law->toleratedCompression());
   constants_.bulkModulus = constants_.stiffened * static_cast<float>(chosen);
   context.log.info(
       fmt::format("node '{}': a bulk_modulus of {:.0e} Pa, from a pressure of up to {:.3g} Pa and a "

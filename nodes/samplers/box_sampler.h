@@ -16,13 +16,16 @@ class BoxSampler final : public Sampler {
   Param<Vec3f> max{*this,
                    "max",
                    {0.5f, 0.5f, 0.5f},
-                   {.unit = "m", .doc = "Upper corner; the sides are rounded to whole particles."}};
+                   {.unit = "m", .doc = "Upper corner. The particles fill the box's volume."}};
 
   void validate() const override;
   void reset(const SetupContext& context) override;
 
  protected:
   double maxParticleCount() const override;
+
+ private:
+  Lattice lattice() const;
 };
 
 }  // namespace weir

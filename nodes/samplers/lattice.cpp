@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/base/error.h"
 #include "framework/base/random.h"
 #include "framework/compute/cpu_threads.h"
+#include "framework/graph/setting_warning.h"
 
 namespace weir {
 
@@ -28,6 +30,42 @@ Lattice centredAt(const Vec3d& center, const Vec3d& count, double spacing) {
            static_cast<std::int64_t>(count.z)}};
 }
 
+struct Node {
+  Vec3<std::int64_t> index;
+  Vec3d at;  // m
+};
+
+/// The node of that number in a lattice with rows. Row r begins with number floor(r·nodes/rows).
+Node nodeInRows(const Lattice& lattice, std::int64_t number) {
+  const Lattice::Rows& of = *lattice.rows;
+  const std::int64_t rows = lattice.count.y * lattice.count.z;
+  const std::int64_t row = ((number + 1) * rows - 1) / of.nodes;
+  const std::int64_t begin = row * of.nodes / rows, end = (row + 1) * of.nodes / rows;
+  const Vec3<std::int64_t> index{number - begin, row % lattice.count.y, row / lattice.count.y};
+  const Vec3<std::int64_t> count{end - begin, lattice.count.y, lattice.count.z};
+  Vec3d at;
+  for (int axis = 0; axis < 3; ++axis)
+    at[axis] = of.low[axis] + (double(index[axis]) + 0.5) * of.size[axis] / double(count[axis]);
+  return {index, at};
+}
+
+/// How many rows along y and z make distances the most alike along all axes, in a box of that size in
+/// spacings.
+std::pair<double, double> rowsIn(const Vec3d& size) {
+  std::pair<double, double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double y : {std::floor(size.y), std::ceil(size.y)})
+    for (const double z : {std::floor(size.z), std::ceil(size.z)}) {
+      const double alongY = std::log(size.y / y), alongZ = std::log(size.z / z);
+      const double most = std::max({std::abs(alongY), std::abs(alongZ), std::abs(alongY + alongZ)});
+      if (most < least) {
+        least = most;
+        best = {y, z};
+      }
+    }
+  return best;
+}
+
 struct Sampling {
   const Lattice& lattice;
   const Jitter& jitter;
@@ -36,33 +74,38 @@ struct Sampling {
   std::vector<std::vector<Vec3f>> chunks{};
   static constexpr std::int64_t kChunk = 16384;  // nodes
 
-  Vec3<std::int64_t> node(std::int64_t index) const {
-    const Vec3<std::int64_t>& n = lattice.count;
-    return {index % n.x, index / n.x % n.y, index / (n.x * n.y)};
-  }
-
-  Vec3f position(std::int64_t index) const {
-    const Vec3<std::int64_t> n = node(index);
-    Vec3d at{static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
+  Vec3d jittered(std::int64_t number) const {
+    Vec3d moved;
     if (jitter.share > 0)
       for (int axis = 0; axis < 3; ++axis)
-        at[axis] += jitter.share * noise(jitter.seed, static_cast<std::uint64_t>(3 * index + axis));
-    at = lattice.first + lattice.spacing * at;
-    return {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
+        moved[axis] = jitter.share * noise(jitter.seed, static_cast<std::uint64_t>(3 * number + axis));
+    return moved;
   }
 
-  Vec3f displaced(std::int64_t index, const Vec3f& from) const {
+  Node node(std::int64_t number) const {
+    if (lattice.rows) {
+      Node found = nodeInRows(lattice, number);
+      found.at += lattice.spacing * jittered(number);
+      return found;
+    }
+    const Vec3<std::int64_t>& n = lattice.count;
+    const Vec3<std::int64_t> index{number % n.x, number / n.x % n.y, number / (n.x * n.y)};
+    const Vec3d at{static_cast<double>(index.x), static_cast<double>(index.y), static_cast<double>(index.z)};
+    return {index, lattice.first + lattice.spacing * (at + jittered(number))};
+  }
+
+  Vec3f displaced(const Vec3<std::int64_t>& index, const Vec3f& from) const {
     if (!displacement) return from;
-    const Vec3<std::int64_t> n = node(index);
-    return from + static_cast<float>(lattice.spacing) * displacement(n.x, n.y, n.z);
+    return from + static_cast<float>(lattice.spacing) * displacement(index.x, index.y, index.z);
   }
 
   void fill(std::int64_t chunk) {
     std::vector<Vec3f>& points = chunks[static_cast<std::size_t>(chunk)];
     const std::int64_t end = std::min((chunk + 1) * kChunk, lattice.size());
     for (std::int64_t i = chunk * kChunk; i < end; ++i) {
-      const Vec3f p = position(i);
-      if (!inside || inside(p)) points.push_back(displaced(i, p));
+      const Node n = node(i);
+      const Vec3f p{static_cast<float>(n.at.x), static_cast<float>(n.at.y), static_cast<float>(n.at.z)};
+      if (!inside || inside(p)) points.push_back(displaced(n.index, p));
     }
   }
 };
@@ -77,9 +120,28 @@ Lattice Lattice::inBox(const Aabb& box, float spacing) {
   return centredAt(0.5 * (lo + hi), count, spacing);
 }
 
-Lattice Lattice::around(const Vec3f& center, float reach, float spacing) {
-  const double count = 1 + 2 * std::floor(double(reach) / spacing);
-  return centredAt({center.x, center.y, center.z}, {count, count, count}, spacing);
+Lattice Lattice::filling(const Aabb& box, float spacing) {
+  constexpr double kThin = kMinSpacings * (1 - kSettingRounding);
+  Lattice lattice = inBox(box, spacing);
+  const Vec3d low{box.lo.x, box.lo.y, box.lo.z}, high{box.hi.x, box.hi.y, box.hi.z};
+  const Vec3d size = (1 / double(spacing)) * (high - low);
+  const double volume = size.x * size.y * size.z;
+  if (std::abs(double(lattice.size()) - volume) <= kExact * volume) return lattice;
+  const double nodes = std::round(volume);
+  if (std::min({size.x, size.y, size.z}) < kThin || nodes > kMaxNodes) return lattice;
+  const auto [y, z] = rowsIn(size);
+  lattice.count = {static_cast<std::int64_t>(std::ceil(nodes / (y * z))), static_cast<std::int64_t>(y),
+                   static_cast<std::int64_t>(z)};
+  lattice.rows = {low, high - low, static_cast<std::int64_t>(nodes)};
+  return lattice;
+}
+
+Lattice Lattice::around(const Vec3f& center, float reach, float spacing, const Vec3<bool>& between) {
+  const double nodes = double(reach) / spacing;
+  Vec3d count;
+  for (int axis = 0; axis < 3; ++axis)
+    count[axis] = between[axis] ? 2 * std::floor(nodes + 0.5) : 1 + 2 * std::floor(nodes);
+  return centredAt({center.x, center.y, center.z}, count, spacing);
 }
 
 std::vector<Vec3f> sampleLattice(const Lattice& lattice, const Jitter& jitter, int threads,

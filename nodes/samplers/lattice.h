@@ -3,30 +3,44 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "framework/base/vec.h"
 
 namespace weir {
 
-/// Nodes at first + spacing·(i, j, k).
+/// Nodes at first + spacing·(i, j, k); or as many as are to fill a box, in rows along x.
 struct Lattice {
+  /// The box is divided into count.y × count.z rows. A row has floor(nodes/rows) or one more, spread evenly
+  /// over the box's length, and the longer rows are spread evenly among the others.
+  struct Rows {
+    Vec3d low, size;  // m
+    std::int64_t nodes = 0;
+  };
+
   Vec3d first;
-  double spacing = 0;  ///< m
-  Vec3<std::int64_t> count;
+  double spacing = 0;        ///< m
+  Vec3<std::int64_t> count;  ///< along x that of the longest row
+  std::optional<Rows> rows{};
 
   /// Centred in the box, with size/spacing nodes along each axis, rounded, but at least one. In a box whose
   /// sides are whole multiples of the spacing, the outer nodes are half a spacing from the faces; no node of
   /// the lattice's endless continuation is in the box but these. Throws a scene Error for more than
   /// kMaxNodes nodes.
   static Lattice inBox(const Aabb& box, float spacing);
-  /// With one node at `center`, and all others no farther than `reach` from it along each axis.
-  static Lattice around(const Vec3f& center, float reach, float spacing);
+  /// With as many nodes as the box has cubes of the spacing: inBox(), where that has as many within kExact
+  /// and where a side is shorter than three spacings; elsewhere rows. Throws as inBox().
+  static Lattice filling(const Aabb& box, float spacing);
+  /// With a node at `center` along each axis, or where `between` says so the middle of two; none is farther
+  /// than `reach` from it along an axis.
+  static Lattice around(const Vec3f& center, float reach, float spacing, const Vec3<bool>& between = {});
+
+  static constexpr double kExact = 0.01;  // of the volume that nodes are to fill
 
   static constexpr double kMaxNodes = 2147483647;  // particles are counted by ints
 
-  std::int64_t size() const { return count.x * count.y * count.z; }
-  Vec3f node(std::int64_t x, std::int64_t y, std::int64_t z) const;
+  std::int64_t size() const { return rows ? rows->nodes : count.x * count.y * count.z; }
 };
 
 struct Jitter {

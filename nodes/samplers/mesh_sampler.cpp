@@ -9,13 +9,23 @@
 
 namespace weir {
 
+std::vector<Lattice> MeshSampler::lattices(bool closed) const {
+  const Aabb box = surface->bounds();
+  std::vector<Lattice> all{Lattice::inBox(box, requestedSpacing())};
+  if (closed && margin == 0) all.push_back(Lattice::filling(box, requestedSpacing()));
+  return all;
+}
+
 double MeshSampler::maxParticleCount() const {
   const TriangleMesh& mesh = *surface;
   const Aabb box = mesh.bounds();
   if (mesh.empty() || !isFinite(box.lo) || !isFinite(box.hi)) return 0;  // reset() says so
   const double spacing = requestedSpacing();
-  const double nodes = static_cast<double>(Lattice::inBox(box, requestedSpacing()).size());
-  if (!diagnose(mesh).closed()) return nodes;
+  const bool closed = diagnose(mesh).closed();
+  double nodes = 0;
+  for (const Lattice& lattice : lattices(closed))
+    nodes = std::max(nodes, static_cast<double>(lattice.size()));
+  if (!closed) return nodes;
   // The cells around the nodes reach less than a spacing beyond the surface.
   const double volume = std::abs(mesh.volume()) + mesh.area() * spacing;
   return std::min(nodes, std::ceil(volume / (spacing * spacing * spacing)));
@@ -45,10 +55,11 @@ void MeshSampler::reset(const SetupContext& context) {
            (margin == 0 || query.closestDistance(p, 2 * margin) >= margin);
   };
   const auto region = [&] { return regionOf(context, mesh, spacing); };
-  fill(context, Lattice::inBox(box, spacing), region, inside);
+  const double volume = std::abs(mesh.volume());
+  fill(context, lattices(diagnosis.closed()), volume, region, inside);
   const Vec3f size = box.hi - box.lo;
   warnOfThinness(context, std::min({size.x, size.y, size.z}), spacing);
-  if (diagnosis.closed() && margin == 0) warnOfRounding(context, std::abs(mesh.volume()), spacing);
+  if (diagnosis.closed() && margin == 0) warnOfRounding(context, volume, spacing);
 }
 
 Sampler::Region MeshSampler::regionOf(const SetupContext& context, const TriangleMesh& mesh,

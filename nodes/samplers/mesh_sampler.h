@@ -25,6 +25,9 @@ class MeshSampler final : public Sampler {
   double regionMemory() const override;
 
  private:
+  /// In the mesh's bounds: cubic, and one that fills them, which counts where the first has too many nodes in
+  /// a closed mesh, or too few. Beside a margin the volume to fill is not known, so the first stays alone.
+  std::vector<Lattice> lattices(bool closed) const;
   float contactAt(float spacing) const { return margin + 0.5f * spacing; }
   // Of the region's distances, in m.
   float sdfCell(float spacing) const { return 0.5f * spacing; }

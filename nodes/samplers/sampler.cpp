@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
@@ -47,8 +49,9 @@ void fitInto(const Period& filled, const Lattice& lattice, std::vector<Vec3f>& p
 
 }  // namespace
 
-void Sampler::fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
-                   const std::function<bool(const Vec3f&)>& inside, const Period& filled) {
+void Sampler::fill(const SetupContext& context, const std::vector<Lattice>& lattices, double volume,
+                   const std::function<Region()>& region, const std::function<bool(const Vec3f&)>& inside,
+                   const Period& filled) {
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
   const int threads = cpu ? cpu->threads() : 0;
   const std::uint64_t number = randomSeed(*this, context, seed);
@@ -60,11 +63,21 @@ void Sampler::fill(const SetupContext& context, const Lattice& lattice, const st
       return tile->displacement(x, y, z);
     };
   }
-  std::vector<Vec3f> positions = sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
+  std::vector<Vec3f> positions;
+  double error = std::numeric_limits<double>::infinity();
+  for (const Lattice& lattice : lattices) {
+    if (error <= Lattice::kExact) break;
+    std::vector<Vec3f> found = sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
+    const double fills = double(found.size()) * lattice.spacing * lattice.spacing * lattice.spacing,
+                 foundError = std::abs(fills / volume - 1);
+    if (!positions.empty() && (found.empty() || foundError >= error)) continue;
+    error = foundError;
+    positions = std::move(found);
+  }
   if (positions.empty())
-    throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattice.spacing),
+    throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattices.front().spacing),
                      "a region that is several spacings thick");
-  fitInto(filled, lattice, positions);
+  fitInto(filled, lattices.front(), positions);
   particles->assign(context.device, positions, velocity.get());
   particles->container.reset();
   if (relaxed()) putInside(context, region());
@@ -126,8 +139,8 @@ void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
   needs.add(bytesOfArrays(particles->maxCount, particles->positions));
   if (relaxed()) needs.add(regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
-  // sampleLattice() holds all points twice for a moment.
-  needs.host = 2 * sizeof(Vec3f) * particles->maxCount;
+  // sampleLattice() holds all points twice for a moment, and fill() those of another lattice.
+  needs.host = 3 * sizeof(Vec3f) * particles->maxCount;
 }
 
 void Sampler::frame(const StepContext&) {

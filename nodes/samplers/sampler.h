@@ -1,6 +1,7 @@
 // What all samplers have in common: they fill a region with particles at the spacing of the fluid below.
 //
-// A region has as many particles as a cubic lattice has nodes in it. Where the fluid's rest state is
+// A region has as many particles as it has cubes of the spacing, within 1 % where it is 8 spacings wide: the
+// nodes of a cubic lattice, or of one that is stretched to fit (lattice.h). Where the fluid's rest state is
 // disordered, their arrangement is that of fluid at rest: the lattice's nodes are moved as in a RelaxedTile,
 // and what would be outside is mirrored at the region's surface. The fluid then lets them come to rest in the
 // region, as if that were a container, before the simulation starts (see RestState).
@@ -65,11 +66,13 @@ class Sampler : public Node, public OnRanks {
   /// The fluid's periodic domain along the axes along which the box fills it; along no other.
   Period filledPeriod(const Aabb& box) const;
   bool relaxed() const;
-  /// Puts out the particles of the nodes that are inside; throws a scene Error if there are none. `region` is
-  /// asked for a relaxed arrangement alone. Along a period that it fills, the lattice is stretched such that
-  /// it goes on through the faces.
-  void fill(const SetupContext& context, const Lattice& lattice, const std::function<Region()>& region,
-            const std::function<bool(const Vec3f&)>& inside = {}, const Period& filled = {});
+  /// Puts out the particles of the nodes that are inside; throws a scene Error if there are none. Of several
+  /// lattices the first counts whose nodes inside fill `volume` (m³) within Lattice::kExact, or else the one
+  /// that is nearest to it. `region` is asked for a relaxed arrangement alone. Along a period that it fills,
+  /// the lattice is stretched such that it goes on through the faces.
+  void fill(const SetupContext& context, const std::vector<Lattice>& lattices, double volume,
+            const std::function<Region()>& region, const std::function<bool(const Vec3f&)>& inside = {},
+            const Period& filled = {});
   /// The region of a shape, whose particles are half a spacing from its surface.
   Region regionOf(const SetupContext& context, Shape shape) const;
   /// Warns if the fluid in a period that it fills is not at rest density, as that is no whole number of

@@ -13,8 +13,7 @@ class SphereSampler final : public Sampler {
   const NodeInfo& info() const override { return kInfo; }
   SphereSampler() : Sampler(StartPressure::kNone) {}
 
-  Param<Vec3f> center{
-      *this, "center", {0, 0.5f, 0}, {.unit = "m", .doc = "Its centre, where a particle is."}};
+  Param<Vec3f> center{*this, "center", {0, 0.5f, 0}, {.unit = "m", .doc = "Its centre."}};
   Param<float> radius{
       *this,
       "radius",
@@ -25,6 +24,10 @@ class SphereSampler final : public Sampler {
 
  protected:
   double maxParticleCount() const override;
+
+ private:
+  /// With a particle at the centre, and in the middle of eight, two or four.
+  std::vector<Lattice> lattices() const;
 };
 
 }  // namespace weir

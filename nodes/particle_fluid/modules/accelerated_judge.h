@@ -13,9 +13,10 @@ struct Judge {
   const SolverSums* sums;
   Count count;
   double tolerance;  // below 0: never done
-  double settled;    // m², of each particle; see JudgeDirection
+  double settled;    // m², of each particle; see JudgeState
   bool accelerated;
   double farthest;  // m², squared; from here on, lists no longer hold
+  double nearest;   // m², squared; up to here, they hold as well as new ones; below 0: nobody asks
   int maxRepeats;   // of a stage
   int passes;       // of the last stage
   bool last;        // of the pass: its outcome is not judged, so it is plain
@@ -40,7 +41,7 @@ struct Judge {
       control->repeats = 0;
       return;
     }
-    control->over = ++control->finals >= passes ? 1 : 0;
+    control->over = ++control->finals >= passes || sums->farthest <= nearest ? 1 : 0;
     // What lists that do not hold say of compression is not true.
     if (far) control->met = 0;
   }

@@ -107,7 +107,7 @@ bool AcceleratedSolver::isDone() {
 }
 
 void AcceleratedSolver::endPass(int pass) {
-  if (!tolerance.get() || pass + 1 < passes()) return;
+  if (!tolerance.get() || (neighborSearches.get() && pass + 1 < passes())) return;
   if (controlSeen_->pending()) controlSeen_->wait();
   controlSeen_->request(control_->data());
   over_ = controlSeen_->wait().over != 0;
@@ -148,12 +148,13 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
 }
 
 detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
-  constexpr double kReach = 0.25;  // spacings
+  constexpr double kReach = 0.25, kNear = 0.1;  // spacings
   // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a
   // collapse.
   constexpr double kSettled = 0.05;
   const double bulk = bulkEnergy_.value(tolerance.get().value_or(0.0f));
   const double reach = kReach * problem.fluid.constants.spacing;
+  const double near = kNear * problem.fluid.constants.spacing;
   return {.control = control_->data(),
           .sums = sums,
           .count = all_,
@@ -161,6 +162,7 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
           .settled = kSettled * double(problem.stiffness()) * bulk,
           .accelerated = accelerated(),
           .farthest = reach * reach,
+          .nearest = neighborSearches.get() ? -1 : near * near,
           .maxRepeats = maxRepeats(),
           .passes = passes(),
           .last = last};

@@ -169,7 +169,8 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
   UnlessDone<EnergyDerivative> density{problem.derivative(excess_.view())};
   if (controlled()) parallelFor(device, "begin", 1, detail::BeginPass{control_->data()});
   ++passes_;
-  for (int k = 0; k < maxIterations && !isDone(); ++k) {
+  bool over = false;
+  for (int k = 0; k < maxIterations && !(over = isDone()); ++k) {
     // Walls may have moved particles since the pass was done, and what was found before that counts; how many
     // iterations come until the host hears of the end must not.
     if (controlled() && k > 0) density.done = &control_->data()->done;
@@ -198,7 +199,7 @@ void AcceleratedSolver::iterate(Backend& device, const PressureProblem& problem,
     contain(device, problem, done);
     problem.fluid.exchange(problem.state());
   }
-  endPass(pass);
+  if (!over) endPass(pass);
 }
 
 template <class Backend>
@@ -209,11 +210,12 @@ void AcceleratedSolver::iterateConjugate(Backend& device, const PressureProblem&
   // A pass that begins when all is over must change nothing.
   contain(device, problem, &control_->data()->surplus);
   settle(device, problem, /*first=*/true);
-  for (int k = 0; k < maxIterations && !isDone(); ++k) {
+  bool over = false;
+  for (int k = 0; k < maxIterations && !(over = isDone()); ++k) {
     iterateOnce(device, problem, searched, /*last=*/k + 1 == maxIterations);
     record(problem);
   }
-  endPass(pass);
+  if (!over) endPass(pass);
 }
 
 template <class Backend>
@@ -247,6 +249,10 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
                                            .displacement = problem.displacement(),
                                            .share = problem.fluid.walls.view().share,
                                            .state = problem.state()};
+  sumOverRanks(device, "measure", allOf(problem.fluid), problem.square(),
+               detail::MeasureState{conjugate, searched}, AddSums{}, sums_.data());
+  parallelFor(device, "judge", 1, detail::JudgeState{judgeOf(problem, sums_.data(), last)});
+  controlSeen_->request(control_->data());
   parallelForEights(device, "descend", count,
                     detail::Descend{.pushOf = problem.push(),
                                     .of = of,
@@ -257,9 +263,8 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
   contain(device, problem, of.tried, done);
   DirectionSums* const sums = directions_.directionSums.data();
   sumOverRanks(device, "measure direction", allOf(problem.fluid), problem.square(),
-               detail::MeasureDirection{conjugate, searched}, AddDirectionSums{}, sums);
-  parallelFor(device, "judge", 1, detail::JudgeDirection{judgeOf(problem, &sums->of, last), sums});
-  controlSeen_->request(control_->data());
+               detail::MeasureDirection{conjugate}, AddDirectionSums{}, sums);
+  parallelFor(device, "choose direction", 1, detail::ChooseDirection{control_->data(), sums});
   parallelFor(device, "try", count, detail::Try{conjugate});
   contain(device, problem, of.tried, done);
   problem.fluid.exchange(problem.state());

@@ -77,9 +77,9 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
        .max = 100,
        .doc =
            "How often neighbours are found in a step: at the predicted positions, and then again where "
-           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance, and "
-           "with one 3, and more (at most 10 in each stage) as long as a particle has been moved by more "
-           "than a quarter of a spacing since the last."}};
+           "the iterations have led, which go on from there. If it is left out, 1 without a tolerance. With "
+           "one, as long as a particle has been moved by more than a tenth of a spacing since the last, 3 "
+           "times at most, or 10 in each stage where it has been moved by more than a quarter."}};
   Param<int> pathStages{
       *this,
       "path_stages",
@@ -150,10 +150,11 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   void searchAgain(Backend& device, PressureProblem& problem);
   /// Whether the displacement is an attribute of the particles.
   bool carries() const { return passes() > 1 || tolerance.get().has_value(); }
-  /// Waits for what the device has decided in the last iteration.
+  /// Waits for what the device has decided in the last iteration; if it is done, for what follows, too.
   bool isDone();
-  /// Hears whether there is another pass. Waits where this may have been the last: a pass too many would sort
-  /// and round once more, and how many there were would depend on the time that the host takes.
+  /// Hears whether there is another pass after one with the most iterations. Waits where this may have been
+  /// the last: a pass too many would sort and round once more, and how many there were would depend on the
+  /// time that the host takes.
   void endPass(int pass);
   bool controlled() const { return tolerance.get().has_value() || accelerated(); }
   bool accelerated() const { return chosen() != Acceleration::kNone; }

@@ -27,19 +27,16 @@ namespace weir {
 
 struct FluidStep;
 
-/// Sums over all particles before a step.
+/// Sums over all particles, by which a direction is chosen, m².
 struct DirectionSums {
-  SolverSums of;
-  double slope = 0;    ///< −z·g, m²
+  double slope = 0;    ///< −z·g
   double turned = 0;   ///< −z·g', g' being the last gradient
   double forward = 0;  ///< p'·g, p' being the last direction
-
-  WEIR_HD static constexpr SumKind kindOf(int k) { return SolverSums::kindOf(k); }
 };
 
 struct AddDirectionSums {
   WEIR_HD DirectionSums operator()(const DirectionSums& a, const DirectionSums& b) const {
-    return {AddSums{}(a.of, b.of), a.slope + b.slope, a.turned + b.turned, a.forward + b.forward};
+    return {a.slope + b.slope, a.turned + b.turned, a.forward + b.forward};
   }
 };
 

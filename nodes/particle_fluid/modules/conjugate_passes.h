@@ -82,52 +82,24 @@ struct Settle {
   }
 };
 
-/// The gradient, and u + z.
-struct Descend {
-  PushOf pushOf;
-  ConjugateView of;
-  const SolverControl* control;
-  ArrayView<const Vec3f> predicted, displacement;
-  ArrayView<Vec4f> state;
-
-  template <class Index>
-  WEIR_HD void operator()(Index i) const {
-    if (control->done) return;
-    const auto at = pushOf(i);
-    const auto u = read(displacement, i);
-    const auto descent = at.push - u;
-    write(of.gradient, i, -descent);
-    const auto moved = u + descent / at.divisor;
-    write(of.tried, i, moved);
-    const auto p = read(predicted, i) + moved;
-    write(state, i, {p.x, p.y, p.z, 0});
-    if (of.share.size > 0) write(of.shareChange, i, (at.wall - read(pushOf.walls.share, i)) / at.divisor);
-  }
-};
-
-struct MeasureDirection {
+/// What is known where an iteration begins, and whether there is to be one.
+struct MeasureState {
   ConjugateProblem problem;
   ArrayView<const Vec3f> searched;  // displacements at the search; all 0 if it is empty
 
-  WEIR_HD DirectionSums operator()(std::int64_t i) const {
-    const ConjugateView& of = problem.of;
-    const Vec3f u = problem.displacement[i], z = of.tried[i] - u;
+  WEIR_HD SolverSums operator()(std::int64_t i) const {
+    const Vec3f u = problem.displacement[i];
     const Vec3f way = searched.size > 0 ? u - searched[i] : u;
-    const float e = of.excess[i];
-    const bool alone = problem.control->sinceRestart == 0;  // there is no direction before it
-    return {.of = {.compression = e > 0 ? double(e) : 0.0,
-                   .objective = problem.energyAt(u, e),
-                   .farthest = double(dot(way, way))},
-            .slope = -double(dot(z, of.gradient[i])),
-            .turned = alone ? 0.0 : -double(dot(z, of.previous[i])),
-            .forward = alone ? 0.0 : double(dot(of.direction[i], of.gradient[i]))};
+    const float e = problem.of.excess[i];
+    return {.compression = e > 0 ? double(e) : 0.0,
+            .objective = problem.energyAt(u, e),
+            .farthest = double(dot(way, way))};
   }
 };
 
-/// Whether to go on, and along which direction.
-struct JudgeDirection {
+/// Whether to go on, or to take the last step back.
+struct JudgeState {
   Judge judge;
-  const DirectionSums* sums;
 
   WEIR_HD void operator()(std::int64_t) const {
     SolverControl& control = *judge.control;
@@ -147,7 +119,7 @@ struct JudgeDirection {
     // bulk energy that a calm fluid may keep.
     constexpr double kSettled = 0.01;
     constexpr int kMin = 3;  // see Judge::judge()
-    const double objective = sums->of.objective;
+    const double objective = judge.sums->objective;
     const bool rose = control.sinceRestart > 0 && objective > (1 + kRounding) * control.objective;
     control.takesBack = rose ? 1 : 0;
     control.met = judge.meets() && !rose ? 1 : 0;
@@ -164,7 +136,6 @@ struct JudgeDirection {
     }
     judge.countIteration();
     if (rose) return takeBack(control);
-    turn(control);
     if (control.objective == 0 || objective < control.objective) control.objective = objective;
   }
 
@@ -173,15 +144,59 @@ struct JudgeDirection {
     control.sinceRestart = 0;
     control.trial = kShorter * control.length;
   }
+};
 
-  WEIR_HD void turn(SolverControl& control) const {
+/// The gradient, and u + z.
+struct Descend {
+  PushOf pushOf;
+  ConjugateView of;
+  const SolverControl* control;
+  ArrayView<const Vec3f> predicted, displacement;
+  ArrayView<Vec4f> state;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    if (control->done || control->takesBack) return;
+    const auto at = pushOf(i);
+    const auto u = read(displacement, i);
+    const auto descent = at.push - u;
+    write(of.gradient, i, -descent);
+    const auto moved = u + descent / at.divisor;
+    write(of.tried, i, moved);
+    const auto p = read(predicted, i) + moved;
+    write(state, i, {p.x, p.y, p.z, 0});
+    if (of.share.size > 0) write(of.shareChange, i, (at.wall - read(pushOf.walls.share, i)) / at.divisor);
+  }
+};
+
+struct MeasureDirection {
+  ConjugateProblem problem;
+
+  WEIR_HD DirectionSums operator()(std::int64_t i) const {
+    const ConjugateView& of = problem.of;
+    const Vec3f z = of.tried[i] - problem.displacement[i];
+    const bool alone = problem.control->sinceRestart == 0;  // there is no direction before it
+    return {.slope = -double(dot(z, of.gradient[i])),
+            .turned = alone ? 0.0 : -double(dot(z, of.previous[i])),
+            .forward = alone ? 0.0 : double(dot(of.direction[i], of.gradient[i]))};
+  }
+};
+
+/// Along which direction.
+struct ChooseDirection {
+  SolverControl* control;
+  const DirectionSums* sums;
+
+  WEIR_HD void operator()(std::int64_t) const {
     constexpr double kDownhill = 0.1;  // of the slope along z, which a direction must have at least
+    if (control->done || control->takesBack) return;
     double beta = 0;
-    if (control.sinceRestart++ > 0 && control.slope > 0) beta = (sums->slope - sums->turned) / control.slope;
+    if (control->sinceRestart++ > 0 && control->slope > 0)
+      beta = (sums->slope - sums->turned) / control->slope;
     const bool good = beta > 0 && sums->slope - beta * sums->forward > kDownhill * sums->slope;
-    control.momentum = good ? float(beta) : 0.0f;
-    control.slope = sums->slope;
-    if (!(control.trial > 0)) control.trial = 1;
+    control->momentum = good ? float(beta) : 0.0f;
+    control->slope = sums->slope;
+    if (!(control->trial > 0)) control->trial = 1;
   }
 };
 

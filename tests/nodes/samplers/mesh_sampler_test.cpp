@@ -84,6 +84,23 @@ TEST(MeshSampler, CountIsTheVolumeOverTheCubeOfTheSpacing) {
     }
 }
 
+TEST(MeshSampler, FlatSidesBetweenLayersDoNotChangeTheVolume) {
+  const float d = 0.1f;
+  const TriangleMesh cylinder =
+      surfaceOfRevolution(revolutionOutline({{8.5f * d, 0}, {8.5f * d, 8.5f * d}}, {}), 96);
+  for (const TriangleMesh& mesh : {box({0, 0, 0}, {8.5f * d, 8.5f * d, 8.5f * d}), cylinder}) {
+    Filled filled(mesh, d);
+    const double cubes = mesh.volume() / std::pow(double(d), 3);
+    const std::size_t count = filled.positions().size();
+    EXPECT_NEAR(double(count), cubes, 0.01 * cubes);
+    filled.asker().disordered = true;
+    for (const float ratio : {1.5f, 2.0f, 2.4f}) {
+      filled.asker().supportRatio = ratio;
+      EXPECT_EQ(filled.positions().size(), count);
+    }
+  }
+}
+
 TEST(MeshSampler, ParticlesAreInsideAndNoPlaceInsideIsEmpty) {
   const TriangleMesh mesh = bowl();
   const float spacing = 0.04f;

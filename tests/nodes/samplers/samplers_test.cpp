@@ -1,10 +1,15 @@
 // Counts, places and jitter of sampled particles.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
 #include <set>
+#include <tuple>
+#include <utility>
 
 #include "nodes/samplers/box_sampler.h"
 #include "nodes/samplers/sphere_sampler.h"
@@ -47,7 +52,59 @@ TEST(BoxSampler, HoldsSizeOverSpacingParticlesHalfASpacingFromTheFaces) {
     }
 }
 
-TEST(BoxSampler, RoundsToWholeParticlesAroundTheCentreAndSaysSo) {
+Value boxOf(const Vec3d& low, const Vec3d& size) {
+  return object({{"min", Value::Array{low.x, low.y, low.z}},
+                 {"max", Value::Array{low.x + size.x, low.y + size.y, low.z + size.z}}});
+}
+
+TEST(BoxSampler, HoldsItsVolumeWhateverItsSides) {
+  std::mt19937 random(3);
+  const double d = 0.1;
+  const Vec3d low{-0.3, 2.1, 0.7};
+  for (const auto& [shortest, longest, error] : {std::tuple{8, 16, 0.01}, {3, 8, 0.02}}) {
+    std::uniform_real_distribution<double> side(shortest * d, longest * d);
+    for (int k = 0; k < 20; ++k) {
+      const Vec3d size = k == 0 ? Vec3d{shortest + 0.5, shortest + 0.5, shortest + 0.5} * d
+                                : Vec3d{side(random), side(random), side(random)};
+      SCOPED_TRACE(fmt::format("{} x {} x {}", size.x, size.y, size.z));
+      Sampled<BoxSampler> block(boxOf(low, size), float(d));
+      const std::vector<Vec3f> lattice = block.positions();
+      // One particle is what rounding leaves.
+      const double volume = size.x * size.y * size.z / (d * d * d);
+      EXPECT_NEAR(double(lattice.size()), volume, std::max(1.0, error * volume));
+      EXPECT_TRUE(block.warnings.empty());
+      EXPECT_GT(smallestDistance(lattice), 0.8 * d);
+      for (const Vec3f& p : lattice)
+        for (int axis = 0; axis < 3; ++axis) {
+          EXPECT_GT(p[axis], low[axis] + 0.2 * d);
+          EXPECT_LT(p[axis], low[axis] + size[axis] - 0.2 * d);
+        }
+      block.asker().disordered = true;
+      for (const float ratio : k == 0 ? std::vector<float>{1.5f, 2.0f, 2.4f} : std::vector<float>{}) {
+        block.asker().supportRatio = ratio;
+        EXPECT_EQ(block.positions().size(), lattice.size());
+      }
+    }
+  }
+}
+
+TEST(BoxSampler, MayHoldAnyNumberOfParticlesInRowsThatAreEvenlySpaced) {
+  // 7.5³ = 421.9, where 8³ is a fifth too many. 7 layers of 8 rows take 7 or 8 each.
+  Sampled<BoxSampler> block(boxOf({}, {0.3, 0.3, 0.3}), 0.04f);
+  const std::vector<Vec3f> p = block.positions();
+  EXPECT_EQ(p.size(), 422u);
+  Vec3d mean{};
+  std::map<std::pair<float, float>, int> rows;
+  for (const Vec3f& q : p) {
+    mean += (1.0 / 422) * Vec3d{q.x, q.y, q.z};
+    ++rows[{q.y, q.z}];
+  }
+  EXPECT_LT(length(mean - Vec3d{0.15, 0.15, 0.15}), 0.001);
+  EXPECT_EQ(rows.size(), 56u);
+  for (const auto& [row, count] : rows) EXPECT_EQ(count, std::clamp(count, 7, 8));
+}
+
+TEST(BoxSampler, RoundsThinBoxesToWholeParticlesAroundTheCentreAndSaysSo) {
   Sampled<BoxSampler> block(object({{"min", Value::Array{0, 0, 0}}, {"max", Value::Array{0.34, 0.26, 0.01}}}),
                             0.1f);
   const std::vector<Vec3f> p = block.positions();
@@ -149,6 +206,16 @@ TEST(SphereSampler, CountIsTheVolumeOverTheCubeOfTheSpacing) {
   }
   Sampled<SphereSampler> coarse(object({{"radius", 0.4}}), 0.1f);
   EXPECT_NEAR(smallestDistance(coarse.positions()), 0.1, 1e-6);
+}
+
+TEST(SphereSampler, CountIsWithinOnePercentFromRadiiOfEightSpacingsOn) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> radii(8, 12);
+  for (int k = 0; k < 30; ++k) {
+    const double r = k == 0 ? 8 : radii(random);  // around a particle, a ball of 8 has 1.7 % too few
+    Sampled<SphereSampler> drop(object({{"radius", 0.1 * r}}), 0.1f);
+    EXPECT_NEAR(double(drop.positions().size()) / (4 * std::numbers::pi / 3 * r * r * r), 1, 0.0101) << r;
+  }
 }
 
 TEST(SphereSampler, TheSmallestHasOneParticleAndAJitteredOneStaysInside) {
