@@ -31,7 +31,7 @@ struct FluidStep;
 struct DirectionSums {
   double slope = 0;    ///< −z·g
   double turned = 0;   ///< −z·g', g' being the last gradient
-  double forward = 0;  ///< p'·g, p' being the last direction
+  double forward = 0;  ///< p'·g, of the last direction p'
 };
 
 struct AddDirectionSums {
