@@ -5,6 +5,7 @@
 
 #include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
+#include "apps/studio/session/versions.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
 #include "framework/compute/device.h"
@@ -113,29 +114,33 @@ void Studio::closed(ClientId client) {
 }
 
 const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
-  static const std::map<std::string, Command, std::less<>> kCommands{{"hello", &Studio::hello},
-                                                                     {"scene.set", &Studio::setScene},
-                                                                     {"scene.new", &Studio::newScene},
-                                                                     {"draft.drop", &Studio::dropDraft},
-                                                                     {"scene.open", &Studio::openScene},
-                                                                     {"scene.save", &Studio::saveScene},
-                                                                     {"run.play", &Studio::play},
-                                                                     {"run.pause", &Studio::pause},
-                                                                     {"run.cancel", &Studio::cancel},
-                                                                     {"run.step", &Studio::step},
-                                                                     {"run.reset", &Studio::reset},
-                                                                     {"run.go_on", &Studio::goOn},
-                                                                     {"run.seek", &Studio::seek},
-                                                                     {"view.set", &Studio::setView},
-                                                                     {"frame.seen", &Studio::confirm},
-                                                                     {"role.claim", &Studio::claim},
-                                                                     {"particle", &Studio::askParticle},
-                                                                     {"particles", &Studio::askParticles},
-                                                                     {"stream.set", &Studio::setStream},
-                                                                     {"picture", &Studio::askPicture},
-                                                                     {"video.start", &Studio::startVideo},
-                                                                     {"video.camera", &Studio::moveVideo},
-                                                                     {"video.stop", &Studio::stopVideo}};
+  static const std::map<std::string, Command, std::less<>> kCommands{
+      {"hello", &Studio::hello},
+      {"scene.set", &Studio::setScene},
+      {"scene.new", &Studio::newScene},
+      {"draft.drop", &Studio::dropDraft},
+      {"scene.open", &Studio::openScene},
+      {"scene.save", &Studio::saveScene},
+      {"scene.versions", &Studio::listVersions},
+      {"scene.version", &Studio::showVersion},
+      {"scene.cost", &Studio::askCost},
+      {"run.play", &Studio::play},
+      {"run.pause", &Studio::pause},
+      {"run.cancel", &Studio::cancel},
+      {"run.step", &Studio::step},
+      {"run.reset", &Studio::reset},
+      {"run.go_on", &Studio::goOn},
+      {"run.seek", &Studio::seek},
+      {"view.set", &Studio::setView},
+      {"frame.seen", &Studio::confirm},
+      {"role.claim", &Studio::claim},
+      {"particle", &Studio::askParticle},
+      {"particles", &Studio::askParticles},
+      {"stream.set", &Studio::setStream},
+      {"picture", &Studio::askPicture},
+      {"video.start", &Studio::startVideo},
+      {"video.camera", &Studio::moveVideo},
+      {"video.stop", &Studio::stopVideo}};
   return kCommands;
 }
 
@@ -351,7 +356,13 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   const bool overwrite = message.find("overwrite") != nullptr && switchMember(message, "overwrite");
   const bool isOther = path != path_;
   if (isOther && !overwrite) requireNew(path);
-  folder_.write(path, writeJson(scene_));
+  const std::string text = writeJson(scene_);
+  try {
+    keepVersion(folder_, path, text);
+  } catch (const Error& e) {
+    log_.warn(std::string("what the file held before is not kept as a version: ") + e.what());
+  }
+  folder_.write(path, text);
   saved_ = scene_;
   if (!lossWarning_.empty()) std::erase(warnings_, lossWarning_);
   lossWarning_.clear();
@@ -366,6 +377,27 @@ void Studio::saveScene(ClientId client, const Value& message, Value& result) {
   path_ = path;
   tell("scene", sceneValue(), client);
   result = sceneState();
+}
+
+void Studio::listVersions(ClientId, const Value&, Value& result) {
+  Value list = Value::array();
+  if (!path_.empty())
+    for (const Version& version : versionsOf(folder_, path_)) {
+      Value v = Value::object();
+      v["number"] = version.number;
+      v["written"] = version.written;
+      v["picture"] = version.hasPicture;
+      list.push(std::move(v));
+    }
+  result["versions"] = std::move(list);
+}
+
+void Studio::showVersion(ClientId, const Value& message, Value& result) {
+  const std::int64_t number = wholeMember(message, "number", 1, std::numeric_limits<std::int64_t>::max());
+  const fs::path parent = folder_.root() / fs::path(path_).parent_path();
+  const std::string name = path_ + ", version " + std::to_string(number);
+  result["scene"] =
+      readSceneFile(readVersion(folder_, path_, number), name, parent.string(), registry_).scene;
 }
 
 }  // namespace weir::studio

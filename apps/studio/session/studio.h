@@ -80,6 +80,7 @@ class Studio final : private ServerEvents, private HostListener {
   HttpReply files(const HttpRequest& request);
   /// Throws an Error if there is something at the path.
   void requireNew(const std::string& path) const;
+  HttpReply picture(const HttpRequest& request);
   HttpReply thumbnail(const std::string& name) const;
   HttpReply listing(const std::vector<ServedFile>& files) const;
 
@@ -87,6 +88,9 @@ class Studio final : private ServerEvents, private HostListener {
   void setScene(ClientId client, const Value& message, Value& result);
   void openScene(ClientId client, const Value& message, Value& result);
   void saveScene(ClientId client, const Value& message, Value& result);
+  void listVersions(ClientId client, const Value& message, Value& result);
+  void showVersion(ClientId client, const Value& message, Value& result);
+  void askCost(ClientId client, const Value& message, Value& result);
   void play(ClientId client, const Value& message, Value& result);
   void pause(ClientId client, const Value& message, Value& result);
   void cancel(ClientId client, const Value& message, Value& result);

@@ -1,11 +1,13 @@
 // What the studio answers over HTTP: its page, what there is to begin with, and the files of the served
 // folder.
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <string>
 
 #include "apps/studio/session/studio.h"
 #include "apps/studio/session/templates.h"
+#include "apps/studio/session/versions.h"
 #include "framework/base/text.h"
 
 namespace weir::studio {
@@ -16,7 +18,7 @@ namespace {
 
 constexpr unsigned kNotFound = 404, kMethodNotAllowed = 405;
 constexpr const char* kJson = "application/json";
-constexpr std::string_view kFile = "/api/file/";
+constexpr std::string_view kFile = "/api/file/", kPicture = "/api/picture/";
 
 std::string typeOf(const fs::path& file) {
   static const std::map<std::string, std::string, std::less<>> kTypes{
@@ -40,6 +42,15 @@ std::string inertTypeOf(const fs::path& file) {
   return inert ? type : "application/octet-stream";
 }
 
+/// Throws a usage Error for all but digits.
+std::int64_t numberOf(const std::string& text) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw usageError(inQuotes(text) + " is no version", "a whole number");
+  return number;
+}
+
 }  // namespace
 
 HttpReply Studio::request(const HttpRequest& request) {
@@ -48,6 +59,7 @@ HttpReply Studio::request(const HttpRequest& request) {
   if (request.path == "/api/templates")
     return {.type = kJson, .body = writeJsonLine(templatesIn(options_.templates))};
   if (request.path.starts_with(kThumbnail)) return thumbnail(request.path.substr(kThumbnail.size()));
+  if (request.path.starts_with(kPicture)) return picture(request);
   if (request.path.starts_with("/api/")) return files(request);
   if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET"};
   return page(request.path == "/" ? "/index.html" : request.path);
@@ -72,6 +84,23 @@ HttpReply Studio::thumbnail(const std::string& name) const {
   return {.type = typeOf(file), .body = readRegularFile(file, name)};
 }
 
+HttpReply Studio::picture(const HttpRequest& request) {
+  const std::string path = request.path.substr(kPicture.size());
+  if (request.method == "PUT") {
+    takePicture(folder_, request.upload, path);
+    return {.body = "written"};
+  }
+  if (request.method != "GET") return {.status = kMethodNotAllowed, .body = "only GET and PUT"};
+  const auto version = request.query.find("version");
+  const std::int64_t number = version != request.query.end() ? numberOf(version->second) : 0;
+  try {
+    return {.type = "image/jpeg", .body = readPicture(folder_, path, number), .isForeign = true};
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::kIo) throw;
+    return {.status = kNotFound, .body = "not found"};
+  }
+}
+
 HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
   Value list = Value::array();
   for (const ServedFile& file : files) {
@@ -80,12 +109,15 @@ HttpReply Studio::listing(const std::vector<ServedFile>& files) const {
     v["folder"] = file.isFolder;
     v["bytes"] = file.bytes;
     v["modified"] = file.modified;
+    if (!file.isFolder && file.path.ends_with(".json"))
+      if (const std::int64_t made = pictureTime(folder_, file.path)) v["picture"] = made;
     list.push(std::move(v));
   }
   return {.type = kJson, .body = writeJsonLine(list)};
 }
 
 fs::path Studio::uploadPlace(const HttpRequest& request) {
+  if (request.path.starts_with(kPicture)) return folder_.partOf(request.path.substr(kPicture.size()));
   if (!request.path.starts_with(kFile))
     throw usageError("nothing can be written at " + inQuotes(request.path),
                      "an address that begins with " + std::string(kFile));

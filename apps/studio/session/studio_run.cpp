@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/studio/session/cost.h"
 #include "apps/studio/session/message.h"
 #include "apps/studio/session/particle_values.h"
 #include "apps/studio/session/studio.h"
@@ -172,6 +173,31 @@ void Studio::askParticles(ClientId client, const Value& message, Value& result) 
   if (message.find("count") != nullptr) page.count = wholeMember(message, "count", 1, kMaxRows);
   answerLater(client, message, result,
               [page](const Simulation& simulation) { return particlePageValue(simulation, page); });
+}
+
+void Studio::askCost(ClientId client, const Value& message, Value& result) {
+  CheckedScene checked = check(scene_);
+  if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
+  const Value* id = message.find("id");
+  const auto answer =
+      [this, client, id = id != nullptr ? *id : Value(), device = device_,
+       scene = std::make_shared<std::unique_ptr<Scene>>(std::move(checked.scene))](Simulation* running) {
+        Value reply = Value::object();
+        reply["id"] = id;
+        try {
+          const std::unique_ptr<Device> own = running ? nullptr : openDevice(device, options_.threads);
+          reply["result"] = costOf(std::move(*scene), own ? *own : running->device(), registry_);
+        } catch (const Error& e) {
+          reply["error"] = problemOf(e);
+        } catch (const std::exception& e) {  // it is none of the run's
+          reply["error"] = problemOf(sceneError(e.what()));
+        }
+        server_.sendText(client, writeJsonLine(reply));
+      };
+  if (!host_.ask(client, answer))
+    throw usageError("this window asks faster than the simulation answers",
+                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
+  result = {};
 }
 
 // What the simulation tells

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "apps/studio/server/served_folder.h"
@@ -20,6 +21,15 @@ constexpr const char* kFolder = "templates";
 std::string textOf(const Value& value, std::string_view name) {
   const Value* v = value.find(name);
   return v != nullptr && v->isString() ? v->asString() : std::string();
+}
+
+/// The types that a part of a scene names, of nodes and modules alike.
+void collectTypes(const Value& part, std::set<std::string>& types) {
+  if (part.isArray())
+    for (const Value& item : part.asArray()) collectTypes(item, types);
+  if (!part.isObject()) return;
+  if (std::string type = textOf(part, "type"); !type.empty()) types.insert(std::move(type));
+  for (const auto& [name, inner] : part.asObject()) collectTypes(inner, types);
 }
 
 /// What the index says; nothing if there is none.
@@ -44,7 +54,10 @@ std::optional<Value> templateOf(const ServedFolder& scenes, const Value& entry) 
   try {
     const std::string path = textOf(entry, "path");
     const std::string text = scenes.read(path);
-    const std::string title = textOf(parseScene(text, path), "title");
+    const Value scene = parseScene(text, path);
+    const std::string title = textOf(scene, "title");
+    std::set<std::string> types;
+    if (const Value* nodes = scene.find("nodes")) collectTypes(*nodes, types);
     std::string thumbnail = fs::path(path).replace_extension(".jpg").generic_string();
     std::replace(thumbnail.begin(), thumbnail.end(), '/', '_');
     std::error_code error;
@@ -54,6 +67,8 @@ std::optional<Value> templateOf(const ServedFolder& scenes, const Value& entry) 
     v["title"] = title.empty() ? path : title;
     v["description"] = textOf(entry, "description");
     v["group"] = textOf(entry, "group");
+    v["types"] = Value::array();
+    for (const std::string& type : types) v["types"].push(type);
     v["bytes"] = static_cast<std::int64_t>(text.size());
     v["thumbnail"] = hasThumbnail ? "/api/thumbnail/" + thumbnail : std::string();
     return v;

@@ -8,9 +8,9 @@
 
 namespace weir::studio {
 
-/// [{"path", "title", "description", "group", "bytes", "thumbnail"}] of the scenes that templates/index.json
-/// in the folder lists, or without such a file, of those in the folder. What cannot be read is left out.
-/// `thumbnail` is an address, "" if there is none.
+/// [{"path", "title", "description", "group", "types", "bytes", "thumbnail"}] of the scenes that
+/// templates/index.json in the folder lists, or without such a file, of those in the folder. What cannot be
+/// read is left out. `thumbnail` is an address, "" if there is none.
 Value templatesIn(const std::filesystem::path& folder);
 
 /// Where the thumbnail of this file name lies: templates/NAME in the folder of scenes. Throws a usage Error

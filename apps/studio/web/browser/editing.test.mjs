@@ -213,7 +213,7 @@ step("notes and groups are written, copied, moved and deleted with the nodes, an
   const add = async (kind, text) => {
     await hands.pointAtGraph();
     await hands.pressInGraph("Tab");
-    await page.getByRole("textbox", { name: "Search" }).waitFor();
+    await page.getByRole("combobox", { name: "Search" }).waitFor();
     await page.keyboard.type(kind);
     await page.keyboard.press("Enter");
     // It is there to be written on.
@@ -276,7 +276,7 @@ step("notes and groups are written, copied, moved and deleted with the nodes, an
 step("the list of nodes follows the keys", async () => {
   await hands.pointAtGraph();
   await hands.pressInGraph("Tab");
-  await page.getByRole("textbox", { name: "Search" }).waitFor();
+  await page.getByRole("combobox", { name: "Search" }).waitFor();
   for (let i = 0; i < 12; ++i) await page.keyboard.press("ArrowDown");
   const [list, item] = await Promise.all([page.locator(".add-menu ul"), page.locator('.add-menu [aria-selected="true"]')].map((l) => l.boundingBox()));
   assert.ok(item.y >= list.y - 1 && item.y + item.height <= list.y + list.height + 1);
@@ -294,7 +294,7 @@ step("a node is found by what people call it, in spite of a typo, and lies at th
         if (document.elementFromPoint(x, y)?.classList.contains("react-flow__pane")) return { x, y };
   }, [graph.x, graph.y + graph.height]);
   await page.mouse.dblclick(spot.x, spot.y);
-  await page.getByRole("textbox", { name: "Search nodes" }).waitFor();
+  await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
   assert.deepEqual((await page.locator(".add-menu .heading").allInnerTexts()).slice(0, 2), ["Liquids", "Sources of particles"]);
   await page.keyboard.type("droplte");
   await page.locator('.add-menu [aria-selected="true"]').filter({ hasText: "SphereSampler" }).waitFor();
@@ -311,7 +311,7 @@ step("a node is found by what people call it, in spite of a typo, and lies at th
 step("Ctrl+K finds parameters, modules, nodes and templates", async () => {
   const find = async (text, first) => {
     await page.keyboard.press("Control+k");
-    await page.getByRole("textbox", { name: "Find anything" }).waitFor();
+    await page.getByRole("combobox", { name: "Find anything" }).waitFor();
     await page.keyboard.type(text);
     await page.locator('.palette [aria-selected="true"]').filter({ hasText: first }).waitFor();
     await page.keyboard.press("Enter");
@@ -511,7 +511,7 @@ step("a plugin's module is inserted into a node, and runs", async () => {
   await hands.pressInGraph("Enter");
   const inside = page.getByRole("dialog", { name: "Inside water" });
   await inside.getByRole("button", { name: "Insert a module…" }).click();
-  await inside.getByRole("textbox", { name: "Search modules" }).waitFor();
+  await inside.getByRole("combobox", { name: "Search modules" }).waitFor();
   await page.keyboard.type("Lift");
   await page.keyboard.press("Enter");
   await inside.locator('[data-module="lift"]').waitFor();

@@ -54,7 +54,7 @@ step("the tour builds a scene that moves, by hand or by clicks", async () => {
   // As it says: A, tank, Enter.
   await hands.pointAtGraph();
   await hands.pressInGraph("a");
-  await page.getByRole("textbox", { name: "Search nodes" }).waitFor();
+  await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
   await page.keyboard.type("tank");
   await page.keyboard.press("Enter");
   for (const at of [2, 3, 4, 5, 6]) {
@@ -127,7 +127,7 @@ step("a right click tells what can be done with nodes, links, the ground, values
   await menu("Graph").waitFor();
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
-  await page.getByRole("textbox", { name: "Search nodes" }).waitFor();
+  await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
   await page.keyboard.press("Escape");
   await hands.select("water");
   await hands.aside().locator('[data-param="rest_steps"] .name').click({ button: "right" });
@@ -215,7 +215,7 @@ step("links are made, and values reached, by the keyboard alone", async () => {
   await hands.pressInGraph("Escape");
   while ((await page.locator(".scene-node.selected").evaluateAll((all) => all.map((n) => n.dataset.node)))[0] !== "tank") await hands.pressInGraph("PageDown");
   await hands.pressInGraph("k");
-  await page.getByRole("textbox", { name: "Search links" }).waitFor();
+  await page.getByRole("combobox", { name: "Search links" }).waitFor();
   await page.keyboard.type("water");
   await page.keyboard.press("Enter");
   await hands.edge("tank.boundary -> water.boundaries").waitFor({ state: "attached" });
@@ -229,7 +229,7 @@ step("a module is found by its text, comes behind the chosen one, is opened, and
   await hands.select("water");
   await hands.aside().getByRole("button", { name: "viscosity", exact: true }).click();
   await hands.aside().getByRole("button", { name: "Insert a module…" }).click();
-  await page.getByRole("textbox", { name: "Search modules" }).waitFor();
+  await page.getByRole("combobox", { name: "Search modules" }).waitFor();
   await page.keyboard.type("eddies");
   await page.locator('.inserter [aria-selected="true"]').filter({ hasText: "VorticityConfinement" }).waitFor();
   await page.keyboard.press("Enter");

@@ -156,7 +156,7 @@ export class Hands {
   async addNode(type, name) {
     await this.pointAtGraph();
     await this.pressInGraph("Tab");
-    await this.page.getByRole("textbox", { name: "Search" }).waitFor();
+    await this.page.getByRole("combobox", { name: "Search" }).waitFor();
     await this.page.keyboard.type(type);
     await this.page.keyboard.press("Enter");
     await this.type(this.page.getByLabel("Name", { exact: true }), name);

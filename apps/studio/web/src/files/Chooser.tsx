@@ -4,7 +4,7 @@ import { Icon } from "../Icon";
 import { ageOf } from "../model/time";
 import { search } from "../model/search";
 import { say } from "../model/store";
-import { fetchFiles, type ServedFile } from "../protocol/client";
+import { addressOfPicture, fetchFiles, type ServedFile } from "../protocol/client";
 import { Dialog } from "./Dialog";
 
 const nameOf = (f: ServedFile) => f.path.split("/").at(-1)!.replace(/\.json$/, "");
@@ -35,7 +35,7 @@ export function Chooser({ onChoose, onClose }: { onChoose(path: string): void; o
         {shown.map((f) => (
           <li key={f.path}>
             <button onClick={() => take(f)}>
-              <span className="sign"><Icon name={f.folder ? "folder" : "drop"} /></span><b>{nameOf(f)}{f.folder ? "/" : ""}</b>
+              {f.picture ? <img src={addressOfPicture(f.path, f.picture)} alt="" width={96} height={54} loading="lazy" /> : <span className="sign"><Icon name={f.folder ? "folder" : "drop"} /></span>}<b>{nameOf(f)}{f.folder ? "/" : ""}</b>
               {!!f.modified && !f.folder && <time dateTime={new Date(1000 * f.modified).toISOString()} title={new Date(1000 * f.modified).toLocaleString()}>{ageOf(f.modified)}</time>}
             </button>
           </li>

@@ -7,7 +7,9 @@ import { takeModule } from "../graph/takeModule";
 import { kModuleRole, kOther, roleOf, type Role } from "../model/roles";
 import { labelOf } from "../model/parameters";
 import { addNode, pipelineOf, type Scene } from "../model/scene";
-import { askRun, edit, newScene, openScene, pinRun, redo, resetRun, say, undo, useStudio, type Wanted } from "../model/store";
+import { newScene, openScene, redo, undo } from "../model/documents";
+import { pinRun } from "../model/recorded";
+import { askRun, edit, resetRun, say, useStudio, type Wanted } from "../model/store";
 import type { Parameter, Types } from "../model/types";
 import { fetchTemplates, type Template } from "../protocol/client";
 import { startTour } from "../Tour";
@@ -55,8 +57,8 @@ function commands(onDark: () => void): Found[] {
     ["Reset", "R", ["restart", "build", "time 0"], () => void resetRun(useStudio.getState().device)],
     ["Compare with the next run", "", ["pin", "keep", "A B", "side by side"], () => void pinRun()],
     ["Save", "Ctrl+S", ["write"], save], ["Save as", "", ["copy"], () => useStudio.setState({ dialog: "save" })],
-    ["Open", "", ["load", "file"], () => useStudio.setState({ dialog: "open" })], ["New", "", ["empty", "clear"], () => void newScene()],
-    ["Templates", "", ["examples", "gallery"], () => useStudio.setState({ dialog: "templates" })], ["Undo", "Ctrl+Z", ["back"], undo], ["Redo", "Ctrl+Shift+Z", [], redo],
+    ["Open", "", ["load", "file"], () => useStudio.setState({ dialog: "open" })], ["Versions", "", ["history", "earlier", "backup", "restore"], () => useStudio.setState((s) => ({ dialog: s.sceneState.path ? "versions" : "save" }))], ["New", "", ["empty", "clear"], () => void newScene()],
+    ["Templates", "", ["examples", "gallery"], () => useStudio.setState({ dialog: "templates" })], ["Undo", "Ctrl+Z", ["back"], () => void undo()], ["Redo", "Ctrl+Shift+Z", [], () => void redo()],
     ["Show the whole graph", "F", ["fit", "zoom"], surface.fit], ["Light or dark", "", ["theme", "colours"], onDark], ["Keys", "?", ["help", "shortcuts"], () => useStudio.setState({ dialog: "help" })],
     ["Water in a minute: the tour", "", ["help", "first", "learn", "tutorial"], startTour],
     ["Scene settings", "Escape", ["world", "title"], () => show([], null)],

@@ -5,9 +5,12 @@ import { roleColor } from "../graph/ports";
 import { surface } from "../graph/surface";
 import { limitsOf, labelOf, unitText } from "../model/parameters";
 import { kModuleRole, roleOf } from "../model/roles";
-import { addNode, pipelineOf } from "../model/scene";
+import { openScene } from "../model/documents";
+import { examplesOf } from "../model/examples";
+import { addNode, pipelineOf, type NodeSpec } from "../model/scene";
 import { search } from "../model/search";
-import { edit, useStudio } from "../model/store";
+import { edit, say, useStudio } from "../model/store";
+import { fetchTemplates, type Template } from "../protocol/client";
 import type { InputType, OutputType, Parameter } from "../model/types";
 import { Dialog } from "./Dialog";
 
@@ -24,6 +27,8 @@ function Ports({ title, ports }: { title: string; ports: (InputType | OutputType
     </section>
   );
 }
+
+const usesOf = (node: NodeSpec): (string | undefined)[] => [node.type, ...Object.values(node.modules ?? {}).map((m) => m.type)];
 
 function ParameterList({ parameters, query }: { parameters: Parameter[]; query: string }) {
   const all = flat(parameters);
@@ -54,6 +59,11 @@ export function Reference() {
   const writer = useStudio((s) => s.role === "writer");
   const [query, setQuery] = useState("");
   useEffect(() => setQuery(""), [asked]);
+  const [templates, setTemplates] = useState<Template[]>([]);
+  const open = asked !== null;
+  useEffect(() => {
+    if (open) void fetchTemplates().then(setTemplates, say);
+  }, [open]);
   if (asked === null || !types) return null;
   const close = () => useStudio.setState({ reference: null });
   const show = (name: string) => useStudio.setState({ reference: name });
@@ -66,7 +76,18 @@ export function Reference() {
       return next;
     });
   const inside = node ? pipelineOf({ weir: 1, nodes: { it: { type: asked } } }, "it", node).filter((m) => m.type in types.modules) : [];
+  /** Opens it, with the node selected that is read about. */
+  const tryExample = async (t: Template) => {
+    await openScene({ template: t.path });
+    const { scene } = useStudio.getState();
+    const names = Object.keys(scene.nodes), isHost = (n: string) => hosts.some(([type]) => type === scene.nodes[n]!.type);
+    const there = names.find((n) => usesOf(scene.nodes[n]!).includes(asked)) ?? names.find(isHost);
+    if (there !== undefined) useStudio.setState({ selected: [there], selectedLinks: [] });
+  };
   const hosts = module ? Object.entries(types.nodes).filter(([, n]) => n.family === module.family) : [];
+  // What a type of node has by default is in all of its scenes.
+  const examples = [asked, ...hosts.filter(([, n]) => n.modules?.some((m) => m.type === asked)).map(([name]) => name)]
+    .map((name) => examplesOf(name, templates)).find((found) => found.length > 0) ?? [];
   const kin = Object.entries(module ? types.modules : types.nodes).filter(([name, t]) => name !== asked && (module ? (t as typeof module).family === module.family : roleOf(t as typeof node).name === role.name));
   return (
     <Dialog title={`Reference: ${asked}`} className="reference" beside onClose={close}>
@@ -83,6 +104,19 @@ export function Reference() {
       )}
       {hosts.length > 0 && !query && <p>A module of {hosts.map(([name], i) => <span key={name}>{i > 0 && ", "}<button className="link" onClick={() => show(name)}>{name}</button></span>)}.</p>}
       {kin.length > 0 && !query && <p className="kin">See also {kin.map(([name], i) => <span key={name}>{i > 0 && ", "}<button className="link" onClick={() => show(name)}>{name}</button></span>)}.</p>}
+      {examples.length > 0 && writer && !query && (
+        <section aria-label="Examples that run"><h3>Examples that run</h3>
+          <ul className="cards">
+            {examples.map((t) => (
+              <li key={t.path}>
+                <button onClick={() => void tryExample(t)} title={`${t.description} Undo brings your scene back.`}>
+                  {t.thumbnail ? <img src={t.thumbnail} alt="" width={192} height={108} loading="lazy" /> : <span className="blank" />}<b>{t.title || t.path}</b>
+                </button>
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
       {node && writer && <button onClick={add}>Add one to the scene</button>}
       <button className="close" aria-label="Close the reference" onClick={close}>×</button>
     </Dialog>

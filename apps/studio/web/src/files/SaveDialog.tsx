@@ -1,7 +1,9 @@
 // Asks under which name the scene is saved.
 import { useState } from "react";
 import { fileNameOf, pathProblem } from "../model/names";
-import { saveScene, useStudio } from "../model/store";
+import { saveScene } from "../model/documents";
+import { useStudio } from "../model/store";
+import { keepThumbnail } from "../share/thumbnail";
 import { Dialog } from "./Dialog";
 
 export function SaveDialog({ path, onClose }: { path: string; onClose(): void }) {
@@ -14,7 +16,7 @@ export function SaveDialog({ path, onClose }: { path: string; onClose(): void })
     if (wrong) return;
     const file = typed.endsWith(".json") ? typed : `${typed}.json`;
     const how = await saveScene(file, file === taken);
-    if (how === "saved") onClose();
+    if (how === "saved") (onClose(), keepThumbnail());
     if (how === "exists") setTaken(file);
   };
   return (

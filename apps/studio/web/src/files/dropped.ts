@@ -2,7 +2,8 @@
 import { surface } from "../graph/surface";
 import { withMesh, withParticles, type Use } from "../model/fromFile";
 import type { Scene } from "../model/scene";
-import { edit, openScene, resetRun, say, useStudio } from "../model/store";
+import { openScene } from "../model/documents";
+import { edit, resetRun, say, useStudio } from "../model/store";
 import type { Types } from "../model/types";
 import { freePath, upload } from "../protocol/client";
 import { sceneIn } from "../share/carried";

@@ -5,6 +5,7 @@ import {
 } from "@xyflow/react";
 import { useCallback, useEffect, useMemo, useRef, useState, type RefObject } from "react";
 import { takeFiles } from "../files/dropped";
+import { bendsOf, bent, withBends, withNodeIn } from "../model/links";
 import { addNote, moveAll, withCarried } from "../model/notes";
 import {
   addGroupAround, addLink, addNode, freeNoteId, linkProblem, type LinkEnds, type Scene,
@@ -157,11 +158,18 @@ export function GraphEditor() {
     if (moves.length > 0) setDragged((d) => ({ ...d, ...withCarried(useStudio.getState().scene, Object.fromEntries(moves)) }));
   }, [measured]);
 
-  const dropped = useCallback((_: unknown, node: Node | undefined, all: Node[]) => {
+  const dropped = useCallback((e: unknown, node: Node | undefined, all: Node[]) => {
     const moved = all.length > 0 ? all : node ? [node] : [];
-    edit((s) => moveAll(s, Object.fromEntries(moved.map((n) => [n.id, n.position]))));
+    const into = moved.length === 1 ? linkBelow(surface.current!, e, moved[0]!.id) : null;
+    markLink(surface.current!, null);
+    edit((s) => {
+      const next = moveAll(s, Object.fromEntries(moved.map((n) => [n.id, n.position])));
+      return (into === null ? null : withNodeIn(next, useStudio.getState().types!, into, moved[0]!.id)) ?? next;
+    });
     setDragged({});
   }, []);
+  const dragging = useCallback((e: unknown, node: Node, all: Node[]) =>
+    markLink(surface.current!, all.length > 1 ? null : linkBelow(surface.current!, e, node.id)), []);
   const selectionDropped = useCallback((e: unknown, all: Node[]) => dropped(e, undefined, all), [dropped]);
 
   const connectEnd = useCallback<OnConnectEnd>((event, state) => {
@@ -199,8 +207,9 @@ export function GraphEditor() {
   const onLinkMenu = useCallback((e: React.MouseEvent, link: Edge) => {
     e.preventDefault();
     select([], [link.id]);
-    showMenu(e, "Link", linkMenu(link.id));
-  }, []);
+    showMenu(e, "Link", linkMenu(link.id, () => bendAt(flow, link.id, { x: e.clientX, y: e.clientY })));
+  }, [flow]);
+  const onBend = useCallback((e: React.MouseEvent, link: Edge) => bendAt(flow, link.id, { x: e.clientX, y: e.clientY }), [flow]);
   const onCanvasMenu = useCallback((e: React.MouseEvent | MouseEvent) => {
     e.preventDefault();
     showMenu(e, "Graph", canvasMenu(wishes, e.clientX, e.clientY));
@@ -230,10 +239,10 @@ export function GraphEditor() {
     >
       <FarLinks.Provider value={far ? farLinks : null}>
       <ReactFlow
-        nodes={shown} edges={edges} nodeTypes={kNodeTypes} edgeTypes={kEdgeTypes} onNodesChange={onNodesChange} onNodeDragStop={dropped}
+        nodes={shown} edges={edges} nodeTypes={kNodeTypes} edgeTypes={kEdgeTypes} onNodesChange={onNodesChange} onNodeDrag={dragging} onNodeDragStop={dropped}
         onSelectionDragStop={selectionDropped}
         onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectStart={connectStart} onConnectEnd={connectEnd}
-        onNodeDoubleClick={openInside}
+        onNodeDoubleClick={openInside} onEdgeDoubleClick={onBend}
         onNodeContextMenu={onNodeMenu} onSelectionContextMenu={onSelectionMenu} onEdgeContextMenu={onLinkMenu} onPaneContextMenu={onCanvasMenu}
         onMoveStart={moves} onMoveEnd={moved}
         nodeDragThreshold={kTremble} nodeClickDistance={kTremble} paneClickDistance={kTremble}
@@ -316,6 +325,37 @@ function markPorts(surface: Element, from: { nodeId: string | null; handleId: st
     const faces = port.classList.contains(from.handleType === "source" ? "target" : "source");
     port.dataset["fits"] = faces && linkProblem(scene, types, { from: a.node, output: a.port, to: b.node, input: b.port }) === null ? "yes" : "no";
   }
+}
+
+/** The link that a node lies upon where it is let go, if it fits into it: by the pointer, or else by the middle of the node. */
+function linkBelow(surface: Element, event: unknown, node: string): string | null {
+  const { scene, types } = useStudio.getState();
+  const type = types?.nodes[scene.nodes[node]?.type ?? ""];
+  // Most nodes fit into no link at all.
+  if (!types || !type?.inputs.some((i) => type.outputs.some((o) => o.type === i.type))) return null;
+  const box = surface.querySelector(`[data-node="${node}"]`)?.getBoundingClientRect();
+  const at = event as MouseEvent;
+  const points = [{ x: at.clientX, y: at.clientY }, ...(box ? [{ x: box.left + box.width / 2, y: box.top + box.height / 2 }] : [])];
+  for (const { x, y } of points)
+    for (const element of document.elementsFromPoint(x, y)) {
+      const link = element.closest<HTMLElement>(".react-flow__edge")?.dataset["id"];
+      if (link !== undefined && withNodeIn(scene, types, link, node)) return link;
+    }
+  return null;
+}
+
+/** Shows into which link a node would be put. */
+function markLink(surface: Element, link: string | null): void {
+  for (const edge of surface.querySelectorAll<HTMLElement>(".react-flow__edge[data-into]")) if (edge.dataset["id"] !== link) delete edge.dataset["into"];
+  if (link !== null) surface.querySelector<HTMLElement>(`.react-flow__edge[data-id="${link}"]`)!.dataset["into"] = "";
+}
+
+/** Leads a link through a place of the page. */
+function bendAt(flow: ReactFlowInstance, link: string, at: XYPosition): void {
+  const path = document.querySelector<SVGPathElement>(`.react-flow__edge[data-id="${link}"] path`);
+  if (!path) return;
+  const [from, to] = [path.getPointAtLength(0), path.getPointAtLength(path.getTotalLength())];
+  edit((s) => withBends(s, link, bent(bendsOf(s, link), flow.screenToFlowPosition(at), from, to)));
 }
 
 /** A link that ends nowhere opens the list; one that ends at a wrong port says why it is wrong. */

@@ -2,6 +2,7 @@
 // has changed is rendered, and measured, again.
 import type { Edge, Node, NodeChange } from "@xyflow/react";
 import { useCallback, useMemo, useRef, useState } from "react";
+import { bendsOf } from "../model/links";
 import { linksOf, linkText, type Scene } from "../model/scene";
 import { problemOf, useStudio } from "../model/store";
 import { useWarnings } from "../model/warnings";
@@ -101,9 +102,10 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
       const type = types?.nodes[scene.nodes[l.from]?.type ?? ""]?.outputs.find((p) => p.name === l.output)?.type ?? "";
       const id = linkText(l), isSelected = chosenLinks.has(id);
       const className = id === wrongLink ? "wrong" : carries(scene, types, l) ? "" : "idle";
-      return kept.edges.get(id, [type, isSelected, className], (): Edge => ({
+      const bends = bendsOf(scene, id);
+      return kept.edges.get(id, [type, isSelected, className, bends], (): Edge => ({
         id, source: l.from, target: l.to, sourceHandle: l.output, targetHandle: l.input, selected: isSelected, className,
-        data: { className }, style: { stroke: portColor(type) },
+        data: { className, bends }, style: { stroke: portColor(type) },
       }));
     });
     for (const k of Object.values(kept)) k.turn();

@@ -1,5 +1,6 @@
 // The menus of the graph: of nodes, of a link, and of the ground.
 import { copyText, menuOf, type MenuItems } from "../Menu";
+import { bendsOf, withBends } from "../model/links";
 import { copyNodes, parseLink, removeLinks } from "../model/scene";
 import { edit, useStudio } from "../model/store";
 import {
@@ -32,9 +33,11 @@ export function nodeMenu(asked: Asked): MenuItems {
   );
 }
 
-export function linkMenu(link: string): MenuItems {
+export function linkMenu(link: string, bend: () => void): MenuItems {
   const ends = parseLink(link);
+  const bends = bendsOf(useStudio.getState().scene, link).length;
   return [
+    { name: "Bend it here", keys: "double click", take: bend }, { name: "Straighten it", off: bends === 0, take: () => edit((s) => withBends(s, link, [])) }, null,
     { name: `Go to ${ends?.from}`, take: () => select([ends!.from]) }, { name: `Go to ${ends?.to}`, take: () => select([ends!.to]) }, null,
     { name: "Delete the link", keys: "Delete", take: () => edit((s) => removeLinks(s, [link])) },
   ];

@@ -1,6 +1,7 @@
 // The keys of the graph.
 import { useCallback, type KeyboardEvent, type RefObject } from "react";
-import { redo, undo, useStudio } from "../model/store";
+import { redo, undo } from "../model/documents";
+import { useStudio } from "../model/store";
 import {
   arrangeNodes, chosenNodes, copy, cut, duplicate, focusName, focusNote, focusProperties, fold, nudge, paste, remove, select, selectAll, selectNext, switchOff,
 } from "./actions";
@@ -25,8 +26,8 @@ export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: R
     const at = pointer.current ?? { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     const step = e.shiftKey ? kLongStep : kStep;
     if (e.ctrlKey || e.metaKey) {
-      if (key === "z") e.shiftKey ? redo() : undo();
-      else if (key === "y") redo();
+      if (key === "z") void (e.shiftKey ? redo() : undo());
+      else if (key === "y") void redo();
       else if (key === "a") selectAll();
       else if (key === "c") copy();
       else if (key === "x") cut();

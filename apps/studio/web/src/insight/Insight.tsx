@@ -35,8 +35,15 @@ function Plots() {
   const pinned = useStudio((s) => s.pinned);
   const others = useMemo(() => (pinned ? [pinned] : []), [pinned]);
   const [filter, setFilter] = useState("");
+  // What the selected node measures comes first: it is there for nothing else, as it gives nothing on.
+  const selected = useStudio((s) => {
+    const one = s.selected.length === 1 ? s.selected[0]! : null;
+    return one !== null && s.types?.nodes[s.scene.nodes[one]?.type ?? ""]?.outputs.length === 0 ? one : null;
+  });
   const names = useMemo(() => Object.keys(samples.at(-1)?.values ?? {}), [samples]);
-  const shown = names.filter((n) => (filter ? `${n} ${titleOf(n)}`.includes(filter) : kUsual.test(n))).slice(0, 24);
+  const own = (n: string) => selected !== null && n.startsWith(`${selected}.`);
+  const shown = names.filter((n) => (filter ? `${n} ${titleOf(n)}`.includes(filter) : own(n) || kUsual.test(n)))
+    .sort((a, b) => Number(own(b)) - Number(own(a))).slice(0, 24);
   return (
     <>
       <input aria-label="Filter plots" placeholder="Filter, such as momentum" value={filter} onChange={(e) => setFilter(e.target.value)} />
@@ -73,11 +80,13 @@ function LogView() {
     <>
       <select aria-label="Least level" value={level} onChange={(e) => setLevel(e.target.value)}>{levels.map((l) => <option key={l}>{l}</option>)}</select>{" "}
       <input aria-label="Filter the log" placeholder="Filter" value={filter} onChange={(e) => setFilter(e.target.value)} />
-      <ul className="log" role="log">
+      <div role="log" aria-label="Log">
+      <ul className="log">
         {warnings.map((w) => <li key={w} className="warning">{w}</li>)}
         {events?.map((e) => <li key={e.node + e.what} className="warning">{e.node}: {e.count} {e.what}</li>)}
         {shown.map((l, i) => <li key={i} className={l.level}><time>{new Date(l.at).toLocaleTimeString()}</time> {l.text}</li>)}
       </ul>
+      </div>
     </>
   );
 }

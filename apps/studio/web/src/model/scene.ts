@@ -47,6 +47,8 @@ export interface KeptView {
 export interface Layout {
   nodes?: { [name: string]: Place };
   notes?: Note[];
+  /** By link: points that it is led through. */
+  bends?: { [link: string]: { x: number; y: number }[] };
   /** Cameras to come back to. */
   views?: KeptView[];
   /** In files only, see switchedOff.ts. */
@@ -186,9 +188,9 @@ export function removeNodes(scene: Scene, names: string[]): Scene {
 export function renameNode(scene: Scene, from: string, to: string): Scene {
   const rename = <T>(o: { [k: string]: T }) =>
     Object.fromEntries(Object.entries(o).map(([n, v]) => [n === from ? to : n, v]));
-  const links = linksOf(scene).map((l) =>
-    linkText({ ...l, from: l.from === from ? to : l.from, to: l.to === from ? to : l.to }),
-  );
+  const renamed = (l: LinkEnds) => linkText({ ...l, from: l.from === from ? to : l.from, to: l.to === from ? to : l.to });
+  const links = linksOf(scene).map(renamed);
+  const bends = scene.layout?.bends && Object.fromEntries(Object.entries(scene.layout.bends).map(([l, points]) => [renamed(parseLink(l)!), points]));
   // Sections name nodes, too.
   const render = scene["render"] as JsonObject | undefined;
   const surfaces = render?.["surfaces"];
@@ -200,7 +202,7 @@ export function renameNode(scene: Scene, from: string, to: string): Scene {
         s !== null && typeof s === "object" && !Array.isArray(s) && s["node"] === from ? { ...s, node: to } : s,
       ),
     };
-  return withLayout(next, { nodes: rename(scene.layout?.nodes ?? {}) });
+  return withLayout(next, { nodes: rename(scene.layout?.nodes ?? {}), ...(bends && { bends }) });
 }
 
 /** Why two ports cannot be linked, or null. */

@@ -1,12 +1,11 @@
 // All state of the page: the scene with its history, what the server says of it, the run, and what is selected.
 import { temporal } from "zundo";
-import { create, useStore } from "zustand";
+import { create } from "zustand";
 import { Client, fetchTypes, isKnown, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Owner, type Scene } from "./scene";
-import { recordedFrames } from "./playback";
-import { lean, strideFor, type Run, type Sample } from "./runs";
+import type { Run, Sample } from "./runs";
 import { forRunner, fromFile } from "./switchedOff";
 import type { JsonObject, Parameter, Problem, Types } from "./types";
 
@@ -48,7 +47,7 @@ export interface LogLine {
   at: number;
 }
 
-interface SceneState {
+export interface SceneState {
   path: string;
   revision?: number;
   /** Whether it differs from its file. */
@@ -61,6 +60,8 @@ interface SceneState {
 export interface Studio {
   // The document; history covers this part alone.
   scene: Scene;
+  /** Which scene it is, and its file, "" where it has none: another object for each one that is opened or begun. */
+  file: { path: string };
 
   types: Types | null;
   connected: boolean;
@@ -91,6 +92,8 @@ export interface Studio {
   fluids: string[];
   /** The particle that was clicked. */
   picked: { node: string; id: number } | null;
+  /** The one before it, where both were wanted: their distance is told. */
+  pickedBefore: { node: string; id: number } | null;
   message: string | null;
   /** Whether the server has the scene as it is edited here. */
   taken: boolean;
@@ -103,7 +106,7 @@ export interface Studio {
   /** There is a server, but it does not know this window: it was started again. */
   strange: boolean;
   /** What is asked or shown above the page. */
-  dialog: "save" | "open" | "templates" | "help" | "find" | null;
+  dialog: "save" | "open" | "versions" | "templates" | "help" | "find" | null;
   /** The frame that the view shows. */
   shown: { frame: number; time: number } | null;
   /** A recorded frame that is looked at; else the view follows the run. */
@@ -157,6 +160,7 @@ export const useStudio = create<Studio>()(
   temporal(
     (): Studio => ({
       scene: emptyScene(),
+      file: { path: "" },
       types: null,
       connected: false,
       role: "viewer",
@@ -180,6 +184,7 @@ export const useStudio = create<Studio>()(
       attributes: ["speed"],
       fluids: [],
       picked: null,
+      pickedBefore: null,
       message: null,
       taken: true,
       server: "",
@@ -200,7 +205,7 @@ export const useStudio = create<Studio>()(
       reference: null,
       sweeping: null,
     }),
-    { partialize: ({ scene }) => ({ scene }), equality: (a, b) => a.scene === b.scene },
+    { partialize: ({ scene, file }) => ({ scene, file }), equality: (a, b) => a.scene === b.scene },
   ),
 );
 
@@ -232,8 +237,8 @@ export const client = new Client({
   },
   event: receive,
   frame: (packet) => {
-    if (gatherer) {
-      gatherer(packet);
+    if (taker.gather) {
+      taker.gather(packet);
       return client.frameSeen();
     }
     if (!isWanted(packet.frame)) return client.frameSeen();
@@ -255,8 +260,11 @@ export const client = new Client({
   picture: (packet) => viewers.picture(packet),
 });
 
+/** What takes the frames that come, in place of the view. */
+export const taker: { gather: ((packet: FramePacket) => void) | null } = { gather: null };
+
 /** The newest frame of the run that has come. */
-const come = { newest: -1 };
+export const come = { newest: -1 };
 
 /** While recorded frames are looked at, what the run goes on to is not shown. */
 function isWanted(frame: number): boolean {
@@ -269,83 +277,6 @@ function isWanted(frame: number): boolean {
 function forgetFrames(): void {
   come.newest = -1;
   set({ shown: null, looking: null });
-}
-
-/** Shows a recorded frame, or the run where it is the present one; `stay` keeps that one from following the run. */
-export async function lookAt(frame: number, stay = false): Promise<void> {
-  const present = get().status.frame ?? 0;
-  const to = Math.min(Math.max(Math.round(frame), 0), present);
-  set({ looking: to < present || stay ? to : null });
-  come.newest = Math.max(come.newest, to);
-  await request("run.seek", { frame: to });
-}
-
-/** What takes the frames that come, in place of the view. */
-let gatherer: ((packet: FramePacket) => void) | null = null;
-
-const kMostKept = 256 * 2 ** 20;
-
-/** The frames of the run that are recorded, from the server, at most that many bytes: where there are more, some are left out. The run must stand still. */
-export async function gatherFrames(most = kMostKept): Promise<FramePacket[]> {
-  const { status, rendered } = get();
-  const wanted = recordedFrames(status.frame ?? 0, status.recorded_every ?? 1);
-  const found = new Map<number, FramePacket>();
-  gatherer = (packet) => void found.set(packet.frame, lean(packet));
-  try {
-    if (rendered) await client.ask("stream.set", { particles: true });
-    await client.ask("run.seek", { frame: 0 });
-    const first = found.get(0);
-    const stride = first ? strideFor(first, wanted.length, most) : 1;
-    const some = wanted.filter((_, i) => i % stride === 0 || i === wanted.length - 1);
-    for (const [i, frame] of some.entries()) {
-      await client.ask("run.seek", { frame });
-      set({ gathering: { done: i + 1, all: some.length } });
-    }
-    return [...found.values()].sort((a, b) => a.frame - b.frame);
-  } finally {
-    gatherer = null;
-    set({ gathering: null });
-    if (rendered) void client.ask("stream.set", { particles: false }).catch(say);
-  }
-}
-
-/** The scene of the present run: as it is edited, but for what asks for a reset. */
-export const sceneOfRun = (): Scene => forRunner((get().sceneState.reset && get().ran) || get().scene, get().types);
-
-/** Where the run stands still its last numbers come soon after: waits for them, but not for ever. */
-function numbersAreThere(): Promise<void> {
-  const kNear = 1e-6, kPatienceMs = 3000;
-  const there = () => get().status.state === "failed" || (get().samples.at(-1)?.time ?? -1) >= (get().status.time ?? 0) - kNear;
-  return new Promise((resolve) => {
-    if (there()) return resolve();
-    const done = () => (leave(), clearTimeout(timer), resolve());
-    const leave = useStudio.subscribe(() => there() && done());
-    const timer = setTimeout(done, kPatienceMs);
-  });
-}
-
-/** The present run, as it is kept. */
-export async function gatherRun(label: string, most?: number): Promise<Run> {
-  const frames = await gatherFrames(most);
-  await numbersAreThere();
-  return { label, scene: sceneOfRun(), geometry: last.geometry, samples: get().samples, frames };
-}
-
-/** Keeps the present run beside the ones that come, or lets it go. */
-export async function pinRun(): Promise<void> {
-  if (get().pinned) return set({ pinned: null });
-  if (get().status.state === "playing" && !(await askRun("pause"))) return;
-  try {
-    set({ pinned: await gatherRun("A") });
-  } catch (e) {
-    say(e);
-  }
-}
-
-/** Has the run go on from a recorded frame, with the scene as it is edited. */
-export async function goOnFrom(frame: number): Promise<void> {
-  set({ looking: null });
-  if (!(await request("run.go_on", { frame }))) return void lookAt(frame);
 }
 
 export function say(error: unknown): void {
@@ -364,17 +295,17 @@ export async function request<T = JsonObject>(what: string, fields: object = {})
 }
 
 /** A scene as the server has it; `draft` is what was made of its file and not saved, in an earlier run. */
-type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_written?: number };
+export type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_written?: number };
 
 interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: ServedScene;
 }
 
 /** Another scene is there, and nothing of the one before. */
-const opened = () => ({ opened: get().opened + 1, numbers: null, samples: [], picked: null });
+export const opened = () => ({ opened: get().opened + 1, numbers: null, samples: [], picked: null });
 
 /** Shows what the server has; that is not an edit. */
-function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState, keepHistory = false): void {
+export function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState, keepHistory = false): void {
   applying = true;
   set({ ...more, scene: placeAll(fromFile(scene), get().types), sceneState, taken: true });
   applying = false;
@@ -382,7 +313,7 @@ function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState, keepH
 }
 
 /** Offers what an earlier run of the server was left with. */
-function offerDraft({ draft, draft_written }: { draft?: Scene | undefined; draft_written?: number | undefined }): void {
+export function offerDraft({ draft, draft_written }: { draft?: Scene | undefined; draft_written?: number | undefined }): void {
   if (draft) set({ offer: { scene: fromFile(draft), from: "draft", written: draft_written } });
 }
 
@@ -444,7 +375,8 @@ async function greet(): Promise<void> {
       return void send();
     }
     const another = restarted || sceneState.path !== before.sceneState.path;
-    take(scene, { ...hello, ...(another && opened()) }, sceneState, lost !== null);
+    const file = another || lost ? { path: sceneState.path } : before.file;
+    take(scene, { ...hello, file, ...(another && opened()) }, sceneState, lost !== null);
     if (hello.status.state === "failed") set({ failed: get().scene });
     if (hello.status.state === "empty") clearView();
     const left = lost ? { scene: lost, written: Date.now() / 1000 } : before.server === "" ? readUnsent() : null;
@@ -471,7 +403,7 @@ function receive(name: string, data: unknown): void {
     const { scene, draft: _, ...sceneState } = data as ServedScene;
     applying = true;
     const another = sceneState.path !== get().sceneState.path;
-    set({ scene: fromFile(scene), sceneState, ...(another && opened()) });
+    set({ scene: fromFile(scene), sceneState, ...(another && { file: { path: sceneState.path }, ...opened() }) });
     applying = false;
   }
 }
@@ -526,8 +458,14 @@ const pointer = { press: 0, down: false };
 addEventListener("pointerdown", () => (++pointer.press, (pointer.down = true)), true);
 for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => (pointer.down = false), true);
 
+/** What is changed next is an undo step of its own. */
+export const endPart = (): void => void (lastPart = null);
+
+/** Waits until the server has judged what was edited. */
+export const judged = async (): Promise<void> => void (await sending);
+
 /** Changes the scene; one undo step. Changes of the same part that follow each other quickly, or in one drag, are one step. */
-export function edit(change: (scene: Scene) => Scene, part?: string): void {
+export function edit(change: (scene: Scene) => Scene, part?: string, more: Partial<Studio> = {}): void {
   if (get().role !== "writer") return say(new Error("another window has the pen: take it to make changes here"));
   const next = change(get().scene);
   if (next === get().scene) return;
@@ -537,7 +475,7 @@ export function edit(change: (scene: Scene) => Scene, part?: string): void {
   const together = part !== undefined && lastPart?.name === part && (sameDrag || now - lastPart.at < kTogetherMs);
   lastPart = part === undefined ? null : { name: part, at: now, press: pointer.press };
   if (together) history.pause();
-  set({ scene: next });
+  set({ ...more, scene: next });
   if (together) history.resume();
 }
 
@@ -611,60 +549,10 @@ export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset"
   return request<T>(`run.${what}`, fields);
 }
 
-const step = (which: "undo" | "redo") => () => {
-  lastPart = null;
-  useStudio.temporal.getState()[which]();
-  set({ undone: get().undone + 1 });
-};
-export const undo = step("undo");
-export const redo = step("redo");
-
-/** Whether there is something to undo, and to redo. */
-export const useHistory = (): { past: boolean; future: boolean } => ({
-  past: useStore(useStudio.temporal, (h) => h.pastStates.length > 0),
-  future: useStore(useStudio.temporal, (h) => h.futureStates.length > 0),
-});
-
-/** Opens a scene of the served folder or a template. */
-export async function openScene(where: { path: string } | { template: string }): Promise<void> {
-  const state = await request<ServedScene>("scene.open", where);
-  if (!state) return;
-  const { scene, draft, draft_written, ...sceneState } = state;
-  take(scene, { selected: [], inside: null, ...opened() }, sceneState);
-  offerDraft({ draft, draft_written });
-  // Not the button that asked for it, which Space would press again.
-  document.querySelector<HTMLElement>(".graph")?.focus({ preventScroll: true });
-  await resetRun();
-}
-
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
 export async function resetRun(device?: string): Promise<void> {
   const state = await askRun<SceneState & { device: string }>("reset", device === undefined ? {} : { device });
   if (!state) return;
   const { device: _, ...sceneState } = state;
   set({ sceneState });
-}
-
-/** Writes the scene to a file; one of another scene is replaced only with `overwrite`. */
-export async function saveScene(path: string, overwrite = false): Promise<"saved" | "exists" | "failed"> {
-  // What is being typed counts, and what is on its way.
-  const field = document.activeElement as HTMLElement | null;
-  field?.blur();
-  field?.focus();
-  await sending;
-  try {
-    set({ sceneState: await client.askSoon<SceneState>("scene.save", { path, ...(overwrite && { overwrite }) }) });
-    return "saved";
-  } catch (e) {
-    if (e instanceof Refusal && e.problem.exists) return "exists";
-    say(e);
-    return "failed";
-  }
-}
-
-export async function newScene(): Promise<void> {
-  const sceneState = await request<SceneState>("scene.new");
-  if (!sceneState) return;
-  set({ sceneState, selected: [], inside: null, ...opened() });
-  edit(() => emptyScene());
 }

@@ -15,3 +15,10 @@ export function ageOf(written: number, now = Date.now() / 1000): string {
   const [unit, length] = kUnits.find(([, l]) => seconds >= l) ?? kUnits.at(-1)!;
   return new Intl.RelativeTimeFormat("en", { numeric: "auto" }).format(-Math.floor(seconds / length), unit);
 }
+
+/** "40 s", "3 min", "2.5 h": as exact as an estimate is. */
+export function durationText(seconds: number): string {
+  if (seconds < 90) return `${Math.max(1, Math.round(seconds))} s`;
+  if (seconds < 90 * 60) return `${Math.round(seconds / 60)} min`;
+  return `${(seconds / 3600).toPrecision(2)} h`;
+}

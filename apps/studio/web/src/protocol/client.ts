@@ -106,6 +106,8 @@ export interface ServedFile {
   bytes: number;
   /** Seconds since 1970; 0 where nobody knows. */
   modified?: number;
+  /** Of a scene: when a picture of its run was made, seconds since 1970; left out where there is none. */
+  picture?: number;
 }
 
 /** A scene to start from. `thumbnail` is an address, or "". */
@@ -114,12 +116,18 @@ export interface Template {
   title: string;
   description: string;
   group: string;
+  /** Of its nodes and modules. */
+  types: string[];
   thumbnail: string;
 }
 
 const pathOf = (file: string) => file.split("/").map(encodeURIComponent).join("/");
 
 export const addressOfFile = (path: string): string => `/api/file/${pathOf(path)}`;
+/** The picture of a scene that was made at a time, or of its version. */
+export const addressOfPicture = (path: string, made: number, version?: number): string =>
+  `/api/picture/${pathOf(path)}?at=${made}${version === undefined ? "" : `&version=${version}`}`;
+export const uploadPicture = (path: string, jpeg: Blob) => fetched(`/api/picture/${pathOf(path)}`, { method: "PUT", body: jpeg });
 export const fetchTypes = async () => (await fetched("/api/types")).json();
 export const fetchTemplates = async (): Promise<Template[]> => (await fetched("/api/templates")).json();
 export const fetchFiles = async (folder: string): Promise<ServedFile[]> =>

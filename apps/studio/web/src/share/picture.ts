@@ -1,6 +1,7 @@
 // What is seen as a PNG that carries its scene.
 import { fileNameOf } from "../model/names";
-import { say, sceneOfRun } from "../model/store";
+import { sceneOfRun } from "../model/recorded";
+import { say } from "../model/store";
 import { mainView } from "../viewport/view";
 import { withScene } from "./carried";
 import { save } from "./download";

@@ -1,6 +1,7 @@
 // Runs the scene with several values of one parameter, one after another.
 import { setParam, type Owner, type Scene } from "../model/scene";
-import { client, gatherRun, useStudio, type Status } from "../model/store";
+import { gatherRun } from "../model/recorded";
+import { client, useStudio, type Status } from "../model/store";
 import { valueName, type Tried } from "../model/sweep";
 import { forRunner } from "../model/switchedOff";
 import type { Run } from "../model/runs";

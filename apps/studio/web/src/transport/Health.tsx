@@ -33,7 +33,8 @@ export function Health() {
   const all = worst([...lights, { level: warnings.length > 0 ? "watch" : "unknown" }]);
   return (
     <div className="health" ref={box}>
-      <button aria-expanded={open} aria-label={`Health: ${kWords[all]}`} title="Why?" onClick={() => setOpen(!open)}>
+      <button aria-expanded={open} title="Why?" onClick={() => setOpen(!open)}>
+        <span className="unseen">Health: {kWords[all]}, </span>
         {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i />{l.name.toLowerCase()} <b>{l.value}</b></span>)}
         {warnings.length > 0 && <span className="light watch"><Icon name="warning" /> <b>{counted(warnings.length, "warning")}</b></span>}
       </button>

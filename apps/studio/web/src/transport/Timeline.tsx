@@ -2,7 +2,8 @@
 import { useEffect, useState } from "react";
 import { Icon } from "../Icon";
 import { advance, recordedFrames, ticks } from "../model/playback";
-import { goOnFrom, lookAt, useStudio } from "../model/store";
+import { goOnFrom, lookAt } from "../model/recorded";
+import { useStudio } from "../model/store";
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 const kTicks = 12;

@@ -2,6 +2,7 @@
 import { Icon } from "../Icon";
 import { counted } from "../model/playback";
 import { askRun, resetRun, useStudio } from "../model/store";
+import { Cost } from "./Cost";
 import { Health } from "./Health";
 
 export function Transport() {
@@ -33,6 +34,7 @@ export function Transport() {
       <span className="load">
         {counted(status.particles ?? 0, "particle")}{perStep !== null && ` · ${perStep.toPrecision(3)} ms a step`}
       </span>
+      <Cost />
       <Health />
       <span className={`state ${status.state}`}>{status.state}</span>
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>

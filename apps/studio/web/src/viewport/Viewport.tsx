@@ -2,7 +2,8 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { forgetView, keepView, setParam, viewsOf } from "../model/scene";
-import { edit, last, lookAt, pinRun, request, useStudio, viewers } from "../model/store";
+import { lookAt, pinRun } from "../model/recorded";
+import { edit, last, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
 import type { JsonObject } from "../model/types";
@@ -11,6 +12,7 @@ import { hexOf } from "../properties/fields";
 import { Icon } from "../Icon";
 import { savePicture } from "../share/picture";
 import { ShareDialog } from "../share/ShareDialog";
+import { Arrows } from "./Arrows";
 import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
@@ -75,7 +77,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           const turned = useStudio.getState().types && handleOf(s, useStudio.getState().types!, node)?.rotates && rotation.some((r) => r !== 0);
           return turned ? setParam(placed, { node }, ["rotation"], rotation) : placed;
         }),
-      picked: (node, id) => useStudio.setState({ picked: { node, id } }),
+      picked: (node, id, more) => useStudio.setState((s) => ({ picked: { node, id }, pickedBefore: more ? s.picked : null })),
       range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
     };
     try {
@@ -200,7 +202,7 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{view && !pictured && <BoxHandles view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
       {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}

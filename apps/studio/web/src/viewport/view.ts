@@ -9,7 +9,7 @@ import { Particles } from "./particles";
 export interface ViewEvents {
   /** A handle was let go of: the new place, and the turn in degrees about fixed x, y, z. */
   moved(node: string, position: number[], rotation: number[]): void;
-  picked(node: string, id: number): void;
+  picked(node: string, id: number, more: boolean): void;
   range(low: number, high: number, name: string, unit: string): void;
 }
 
@@ -204,10 +204,22 @@ export class View {
     this.fitted = false;
   }
 
-  fit(preset?: Preset): void {
+  /** Around all that the scene holds; empty where it holds nothing. */
+  private bounds(): THREE.Box3 {
     const box = new THREE.Box3();
     for (const mesh of this.meshes.values()) box.expandByObject(mesh);
     for (const o of this.outlines.children) if (!(o instanceof THREE.GridHelper)) box.expandByObject(o);
+    return box;
+  }
+
+  /** The middle of that, and its longest side, m. */
+  extent(): { center: number[]; size: number } {
+    const box = this.bounds();
+    return box.isEmpty() ? { center: [0, 0, 0], size: 1 } : { center: box.getCenter(new THREE.Vector3()).toArray(), size: Math.max(...box.getSize(new THREE.Vector3()).toArray()) };
+  }
+
+  fit(preset?: Preset): void {
+    const box = this.bounds();
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
     else this.fitted = true;
     const direction = preset
@@ -246,16 +258,33 @@ export class View {
     return { x: ((p.x + 1) / 2) * this.element.clientWidth, y: ((1 - p.y) / 2) * this.element.clientHeight };
   }
 
-  /** The coordinate on the line through a point along an axis (0, 1, 2) that is nearest to what lies under the pointer; null where one looks along it. */
-  along(clientX: number, clientY: number, point: number[], axis: number): number | null {
+  /** From the camera through what lies under the pointer. */
+  private rayAt(clientX: number, clientY: number): THREE.Ray {
     const box = this.element.getBoundingClientRect();
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2), this.camera);
-    const { origin, direction } = caster.ray, from = new THREE.Vector3().fromArray(point);
-    const line = new THREE.Vector3().setComponent(axis, 1), across = line.dot(direction), kParallel = 1e-4;
+    return caster.ray;
+  }
+
+  /** The point on a line that is nearest to what lies under the pointer; null where one looks along it. `way` has length 1. */
+  alongWay(clientX: number, clientY: number, point: number[], way: number[]): number[] | null {
+    const { origin, direction } = this.rayAt(clientX, clientY), from = new THREE.Vector3().fromArray(point);
+    const line = new THREE.Vector3().fromArray(way), across = line.dot(direction), kParallel = 1e-4;
     if (1 - across * across < kParallel) return null;
     const between = origin.clone().sub(from);
-    return from.getComponent(axis) + (between.dot(line) - across * between.dot(direction)) / (1 - across * across);
+    return from.addScaledVector(line, (between.dot(line) - across * between.dot(direction)) / (1 - across * across)).toArray();
+  }
+
+  /** The coordinate of that point on the line along an axis (0, 1, 2). */
+  along(clientX: number, clientY: number, point: number[], axis: number): number | null {
+    return this.alongWay(clientX, clientY, point, [0, 1, 2].map((i) => Number(i === axis)))?.[axis] ?? null;
+  }
+
+  /** Where the pointer meets the plane through a point that faces the camera. */
+  besides(clientX: number, clientY: number, point: number[]): number[] | null {
+    const facing = this.camera.getWorldDirection(new THREE.Vector3());
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, new THREE.Vector3().fromArray(point));
+    return this.rayAt(clientX, clientY).intersectPlane(plane, new THREE.Vector3())?.toArray() ?? null;
   }
 
   /** As the scene's render.camera has it. */
@@ -354,7 +383,7 @@ export class View {
         const hit = particles.pick(caster.ray);
         if (hit && (!best || hit.distance < best.distance)) best = { node, ...hit };
       }
-      if (best) this.events.picked(best.node, best.id);
+      if (best) this.events.picked(best.node, best.id, e.shiftKey);
     });
   }
 }

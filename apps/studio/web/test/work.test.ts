@@ -1,0 +1,109 @@
+// What makes work quick: links, costs, probes and arrows, as far as they know no browser.
+import { describe, expect, test } from "vitest";
+import { examplesOf } from "../src/model/examples";
+import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
+import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
+import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
+import { distanceBetween, probeType, withProbe } from "../src/model/probe";
+import { renameNode, type Scene } from "../src/model/scene";
+import { durationText } from "../src/model/time";
+import type { InputType, NodeType, Parameter, Types } from "../src/model/types";
+
+const input = (name: string, type: string, many = true): InputType => ({ name, type, doc: "", required: false, many });
+const output = (name: string, type: string) => ({ name, type, doc: "" });
+const parameter = (name: string, kind: string, value: Parameter["default"], unit?: string): Parameter => ({ name, kind, doc: "", default: value, live: false, animated: false, ...(unit && { unit }) });
+const node = (inputs: InputType[], outputs: NodeType["outputs"], more: Partial<NodeType> = {}): NodeType => ({ doc: "", source: "weir", inputs, outputs, parameters: [], ...more });
+
+const position = parameter("position", "vec3", [0, 0, 0], "m");
+const types: Types = {
+  nodes: {
+    Wall: node([input("walls", "Boundary")], [output("wall", "Boundary")]),
+    Single: node([input("wall", "Boundary", false)], [output("wall", "Boundary")]),
+    Fluid: node([input("walls", "Boundary"), input("born", "Batch")], [output("fluid", "Particles")]),
+    Nozzle: node([], [output("born", "Batch")], { parameters: [position, parameter("rotation", "rotation", [0, 0, 0]), parameter("speed", "float", 2, "m/s")] }),
+    Meter: node([input("particles", "Particles", false)], [], { also: ["probe"], parameters: [position] }),
+  },
+  modules: {}, sections: {}, world: [parameter("gravity", "vec3", [0, -9.8, 0], "m/s^2"), parameter("dt", "float", 1e-3, "s")],
+};
+const scene: Scene = {
+  weir: 1, nodes: { a: { type: "Wall" }, b: { type: "Wall" }, one: { type: "Single" }, nozzle: { type: "Nozzle" }, water: { type: "Fluid" } },
+  links: ["a.wall -> water.walls", "nozzle.born -> water.born"],
+};
+const link = "a.wall -> water.walls";
+
+describe("a node that is put into a link", () => {
+  test("takes what the link brings, and gives it on", () => {
+    expect(withNodeIn(scene, types, link, "b")!.links).toEqual(["nozzle.born -> water.born", "a.wall -> b.walls", "b.wall -> water.walls"]);
+    expect(withNodeIn(scene, types, link, "one")!.links).toContain("a.wall -> one.wall");
+  });
+  test("must have free ports that fit, and close no circle", () => {
+    expect(withNodeIn(scene, types, link, "nozzle")).toBeNull();
+    expect(withNodeIn(scene, types, link, "a")).toBeNull();
+    expect(withNodeIn(scene, types, "nozzle.born -> water.born", "b")).toBeNull();
+    expect(withNodeIn({ ...scene, links: [...scene.links!, "b.wall -> one.wall"] }, types, link, "one")).toBeNull();
+    expect(withNodeIn({ ...scene, links: [...scene.links!, "b.wall -> a.walls"] }, types, link, "b")).toBeNull();
+  });
+});
+
+describe("a link that is bent", () => {
+  const there = withBends(scene, link, [{ x: 10.4, y: 20 }]);
+  test("keeps its bends under another name, and forgets those of links that are gone", () => {
+    expect(bendsOf(there, link)).toEqual([{ x: 10, y: 20 }]);
+    expect(bendsOf(renameNode(there, "a", "basin"), "basin.wall -> water.walls")).toHaveLength(1);
+    expect(withBends({ ...there, links: ["nozzle.born -> water.born"] }, "nozzle.born -> water.born", [{ x: 1, y: 1 }]).layout!.bends).not.toHaveProperty(link);
+    expect(withBends(there, link, []).layout!.bends).toBeUndefined();
+    expect(bendsOf(withNodeIn(there, types, link, "b")!, link)).toEqual([]);
+  });
+  test("gets a bend in the stretch that lies nearest", () => {
+    const at = (x: number, y: number) => ({ x, y });
+    expect(bent([at(100, 100)], at(50, 48), at(0, 0), at(200, 0))).toEqual([at(50, 48), at(100, 100)]);
+    expect(bent([at(100, 100)], at(150, 48), at(0, 0), at(200, 0))).toEqual([at(100, 100), at(150, 48)]);
+  });
+});
+
+describe("what a run will cost", () => {
+  test("is time by what the last runs took for a step and particle", () => {
+    const pace = mendPace(kNoPace, { steps: 100, stepping_seconds: 10, particles: 1000 });
+    expect(pace).toBeCloseTo(1e-4, 12);
+    expect(secondsFor({ particles: 2000, steps: 500, bytes: 0, available: 0, at_least: false, fits: true }, pace)).toBeCloseTo(100, 9);
+    expect(mendPace(pace, { steps: 2, stepping_seconds: 10, particles: 1000 })).toBe(pace);
+    expect(secondsFor({ particles: 1, steps: 1, bytes: 0, available: 0, at_least: false, fits: true }, kNoPace)).toBeNull();
+  });
+  test("is told no more exactly than it is known", () => expect([0.2, 40, 600, 9000].map(durationText)).toEqual(["1 s", "40 s", "10 min", "2.5 h"]));
+});
+
+describe("a probe", () => {
+  test("is what people call so, and measures what it is linked to where it is put", () => {
+    expect(probeType(types)).toBe("Meter");
+    const [next, name] = withProbe(scene, types, "water", [0.123456, 1, 2])!;
+    expect(next.nodes[name]).toEqual({ type: "Meter", params: { position: [0.1235, 1, 2] } });
+    expect(next.links).toContain(`water.fluid -> ${name}.particles`);
+    expect(withProbe(scene, types, "a", [0, 0, 0])).toBeNull();
+    expect(withProbe(scene, { ...types, nodes: {} }, "water", [0, 0, 0])).toBeNull();
+  });
+  test("distances are those of Pythagoras", () => expect(distanceBetween([0, 0, 0], [2, 3, 6])).toBe(7));
+});
+
+describe("arrows in the view", () => {
+  test("are speeds along a nozzle, and do not turn round", () => {
+    const arrow = speedArrow(scene, types, "nozzle", 0.5, () => [0, -1, 0])!;
+    expect(tipOf(arrow)).toEqual([0, -1, 0]);
+    expect(withTip(scene, arrow, [5, -2, 5]).nodes["nozzle"]!.params).toEqual({ speed: 4 });
+    expect(withTip(scene, arrow, [0, 2, 0]).nodes["nozzle"]!.params).toEqual({ speed: 0 });
+    expect(speedArrow(scene, types, "water", 1, () => [0, -1, 0])).toBeNull();
+    const keyed = { ...scene, nodes: { ...scene.nodes, nozzle: { type: "Nozzle", params: { speed: { keyframes: [[0, 1]] } } } } };
+    expect(speedArrow(keyed, types, "nozzle", 1, () => [0, -1, 0])).toBeNull();
+  });
+  test("are gravity, which lies on an axis where it is near to one", () => {
+    const arrow = gravityArrow(scene, types, [1, 1, 1], 0.1)!;
+    expect(tipOf(arrow)[1]).toBeCloseTo(0.02, 12);
+    expect(withTip(scene, arrow, [1.02, 0, 1]).world!["gravity"]).toEqual([0, -10, 0]);
+    expect(onAxis([1, 1, 0])).toEqual([1, 1, 0]);
+    expect(onAxis([0, 0, 0])).toEqual([0, 0, 0]);
+  });
+});
+
+test("examples of a type are scenes that have it, the smallest first", () => {
+  const template = (path: string, ...uses: string[]) => ({ path, title: path, description: "", group: "", thumbnail: "", types: uses });
+  expect(examplesOf("Wall", [template("large", "Wall", "Fluid", "Nozzle"), template("none", "Fluid"), template("small", "Wall")]).map((t) => t.path)).toEqual(["small", "large"]);
+});
