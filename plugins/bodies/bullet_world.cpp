@@ -16,7 +16,10 @@ namespace {
 constexpr int kSolid = -1;       // in place of a body's number
 constexpr double kReach = 0.02;  // of a body's radius: how far off walls its contacts are known
 constexpr std::size_t kMaxWallContacts = 64;
-constexpr int kIterations = 400;
+constexpr int kIterations = 400;  // at most
+// Of the speed below which nothing bounces: iterations end once no contact changes a velocity by more.
+constexpr double kConverged = 2.5e-5;
+constexpr int kPool = 64;  // manifolds that are allocated at once; more are allocated one by one
 
 /// Tells when contacts are known, and not yet solved.
 class World final : public btDiscreteDynamicsWorld {
@@ -30,6 +33,18 @@ class World final : public btDiscreteDynamicsWorld {
   }
   /// Velocities of what is moved as told are given.
   void saveKinematicState(btScalar) override {}
+};
+
+/// Bullet's own pools have room for 4,096 manifolds, which would cost a small world more than its contacts.
+btDefaultCollisionConstructionInfo smallPools() {
+  btDefaultCollisionConstructionInfo info;
+  info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = kPool;
+  return info;
+}
+
+/// Removing a body looks at all pairs that are left, so pairs go first.
+struct AllPairs final : btOverlapCallback {
+  bool processOverlap(btBroadphasePair&) override { return true; }
 };
 
 btTransform frameAt(const Vec3d& origin, const Vec3d& axis, int column) {
@@ -82,7 +97,7 @@ struct BulletWorld::Parts {
   const std::vector<BulletBody>& bodies;
   const std::vector<HeldJoint>& joints;
 
-  btDefaultCollisionConfiguration configuration;
+  btDefaultCollisionConfiguration configuration{smallPools()};
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
@@ -196,6 +211,7 @@ struct BulletWorld::Parts {
   void setSolver() {
     btContactSolverInfo& info = world.getSolverInfo();
     info.m_numIterations = kIterations;
+    info.m_minimumSolverBatchSize = 1;  // bodies that touch no others have iterations of their own
     info.m_splitImpulse = 1;
     info.m_splitImpulsePenetrationThreshold = 0;
     info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
@@ -381,6 +397,8 @@ BulletWorld::BulletWorld(const std::vector<HeldBody>& held, const std::vector<Bu
 }
 
 BulletWorld::~BulletWorld() {
+  AllPairs all;
+  parts_->world.getPairCache()->processAllOverlappingPairs(&all, &parts_->dispatcher);
   for (auto& constraint : parts_->constraints)
     if (constraint) parts_->world.removeConstraint(constraint.get());
   parts_->forgetWalls();
@@ -415,7 +433,9 @@ void BulletWorld::moveSolids(const std::vector<SolidWay>& ways, double share, do
 
 void BulletWorld::doNotBounceBelow(double slow) {
   parts_->slow = slow;
-  parts_->world.getSolverInfo().m_restitutionVelocityThreshold = slow;
+  btContactSolverInfo& info = parts_->world.getSolverInfo();
+  info.m_restitutionVelocityThreshold = slow;
+  info.m_leastSquaresResidualThreshold = kConverged * slow * kConverged * slow;
 }
 
 void BulletWorld::step(const std::vector<JointDrive>& drives, double dt) {
