@@ -62,6 +62,16 @@ class RanksTest : public testing::Test {
     return run;
   }
 
+  /// Takes five frames and saves the fourth, without outputs, which would have to be there at a resume.
+  ChildResult save(const std::string& checkpoint, const std::string& change,
+                   const std::vector<std::string>& where) const {
+    std::vector<std::string> arguments{
+        "run", scene_,         "--quiet",  "--duration",         duration_, "--set", change, "--frames",
+        "5",   "--checkpoint", checkpoint, "--checkpoint-every", "4"};
+    arguments.insert(arguments.end(), where.begin(), where.end());
+    return runWeir(arguments);
+  }
+
   static ChildResult runByMpi(int processes, std::vector<std::string> arguments, ChildOptions options = {}) {
     arguments.insert(arguments.begin(), {"-n", std::to_string(processes), weirProgram()});
     // Of Open MPI, which asks whether one knows what one does.
@@ -324,10 +334,8 @@ TEST_F(RanksTest, ACheckpointOfAnyNumberOfRanksGoesOnOnAnyOther) {
   ASSERT_EQ(whole.result.code, 0) << whole.result.err;
   for (const std::string from : {"1", "3"}) {
     const std::string checkpoint = folder_ / (from + ".h5");
-    const Outcome begun =
-        run("from" + from, coarse,
-            {"--ranks", from, "--frames", "5", "--checkpoint", checkpoint, "--checkpoint-every", "4"});
-    ASSERT_EQ(begun.result.code, 0) << begun.result.err;
+    const ChildResult begun = save(checkpoint, coarse.front(), {"--ranks", from});
+    ASSERT_EQ(begun.code, 0) << begun.err;
     for (const std::string to : {"1", "2", "4"})
       expectSameEnd(run(from + "to" + to, coarse, {"--ranks", to, "--frames", "8", "--resume", checkpoint}),
                     whole, "from " + from + " to " + to);
@@ -341,10 +349,8 @@ TEST_F(RanksTest, ACheckpointWithoutRanksGoesOnAlikeOnAnyNumber) {
   scene_ = folder_.write("jet.json", kJet);
   const std::vector<std::string> coarse{"water.spacing=0.05"};
   const std::string checkpoint = folder_ / "alone.h5";
-  const Outcome begun =
-      run("alone", coarse,
-          {"--device", "cpu", "--frames", "4", "--checkpoint", checkpoint, "--checkpoint-every", "4"});
-  ASSERT_EQ(begun.result.code, 0) << begun.result.err;
+  const ChildResult begun = save(checkpoint, coarse.front(), {"--device", "cpu"});
+  ASSERT_EQ(begun.code, 0) << begun.err;
   const Outcome one = run("one", coarse, {"--ranks", "1", "--frames", "8", "--resume", checkpoint}),
                 three = run("three", coarse, {"--ranks", "3", "--frames", "8", "--resume", checkpoint});
   ASSERT_EQ(one.result.code, 0) << one.result.err;
