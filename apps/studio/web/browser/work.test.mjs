@@ -81,6 +81,9 @@ step("a node that is dropped on a link is put into it, in one step", async () =>
   await hands.pressInGraph("Control+z");
   await hands.edge(link).waitFor({ state: "attached" });
   assert.equal(await hands.edge("floor.boundary -> water.boundaries").count(), 0);
+  // The graph is fitted again when the line below it goes.
+  await page.locator(".reset-hint").waitFor({ state: "detached" });
+  await hands.stillness();
   // What fits into no link is only moved.
   await drag(await middleOf(hands.node("block").locator("strong")), await onLink(link, 0.5));
   await hands.edge(link).waitFor({ state: "attached" });
@@ -89,6 +92,8 @@ step("a node that is dropped on a link is put into it, in one step", async () =>
 
 step("a link is bent where it is clicked twice, and its bends are dragged and taken away", async () => {
   const link = "tank.boundary -> water.boundaries";
+  await hands.pressInGraph("f");
+  await hands.stillness();
   const at = await onLink(link, 0.5);
   await page.mouse.dblclick(at.x, at.y);
   const bend = page.getByRole("button", { name: `Bend 1 of ${link}` });
