@@ -14,6 +14,7 @@
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #include "framework/communication/thread_ranks.h"
+#include "framework/compute/device_count.h"
 #include "framework/run/guarded_checkpoint.h"
 #include "framework/run/join_ranks.h"
 #include "framework/run/output_paths.h"
@@ -57,6 +58,15 @@ class StatisticsOutput final : public Observer {
 std::string hostName() {
   char name[256] = {};  // POSIX allows 255
   return ::gethostname(name, sizeof(name) - 1) == 0 ? printable(name) : "an unknown host";
+}
+
+/// How many ranks before this one are on its machine.
+int rankHere(Communicator& ranks) {
+  const std::string name = hostName();
+  const auto* const bytes = reinterpret_cast<const std::byte*>(name.data());
+  const std::vector<Message> names = ranks.allGather(Message(bytes, bytes + name.size()));
+  const auto own = names.begin() + ranks.rank();
+  return static_cast<int>(std::count(names.begin(), own, *own));
 }
 
 /// What all ranks find wrong alike is told by the first one. Returns the exit code.
@@ -150,10 +160,15 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->check(CLI::Range(1, kMaxThreads));
   command_
       ->add_option("--ranks", ranks_,
-                   "Divide the particles among this many ranks, as threads on the CPU; the results are the "
-                   "same for any number")
+                   "Divide the particles among this many ranks, threads on the CPU or, with --device cuda, "
+                   "GPUs in turn; the results are the same for any number")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxRanks));
+  command_->add_option("--gpus", gpus_, "Divide the particles among this many GPUs: --ranks N --device cuda")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxRanks))
+      ->excludes("--ranks")
+      ->excludes("--device");
   command_->add_flag("--quiet", quiet_, "Show warnings and errors only");
 }
 
@@ -221,10 +236,23 @@ void RunCommand::printResults() const {
     if (!path.empty()) print(path + "\n");
 }
 
-void RunCommand::checkRanks() const {
-  if (device_ != "auto" && device_ != "cpu")
-    throw usageError("--ranks runs on the CPU alone yet, and --device asks for " + device_, "cpu",
-                     "run without --ranks on a GPU");
+std::unique_ptr<Device> RunCommand::openDeviceOf(int rankHere, int ranksHere) const {
+  if (device_ == "auto" || device_ == "cpu") {
+    const int all = threads_ > 0 ? threads_ : CpuDevice().threads();
+    return openDevice("cpu", std::max(1, all / ranksHere));
+  }
+  const int gpus = cudaDeviceCount();
+  if (device_ != "cuda" || gpus == 0) return openDevice(device_);
+  return openDevice(fmt::format("cuda:{}", rankHere % gpus));
+}
+
+void RunCommand::divideAmongGpus() {
+  const int there = cudaDeviceCount();
+  if (*gpus_ > there && there > 0)
+    throw usageError(fmt::format("--gpus {} are more than this machine has", *gpus_),
+                     fmt::format("at most {}", there));
+  device_ = "cuda";
+  ranks_ = gpus_;
 }
 
 std::unique_ptr<Scene> RunCommand::loadSilently() const {
@@ -233,17 +261,15 @@ std::unique_ptr<Scene> RunCommand::loadSilently() const {
 }
 
 RunEnd RunCommand::runOnRanks() const {
-  checkRanks();
   std::vector<std::unique_ptr<Scene>> scenes;
   for (int rank = 0; rank < *ranks_; ++rank)
     scenes.push_back(rank == 0 ? program_.load(scene_, overrides()) : loadSilently());
-  const int all = threads_ > 0 ? threads_ : CpuDevice().threads();
   RunEnd end = RunEnd::kFailed;
   runOnThreads(*ranks_, [&](Communicator& ranks) {
     const bool speaks = ranks.rank() == 0;
-    CpuDevice device(std::max(1, all / ranks.size()));
+    const std::unique_ptr<Device> device = openDeviceOf(ranks.rank(), ranks.size());
     Log silent;
-    const RunEnd own = runScene(std::move(scenes[std::size_t(ranks.rank())]), device,
+    const RunEnd own = runScene(std::move(scenes[std::size_t(ranks.rank())]), *device,
                                 speaks ? program_.log() : silent, &ranks);
     if (speaks) end = own;
   });
@@ -257,16 +283,16 @@ int RunCommand::runLaunched(LaunchedRanks& launched) const {
       throw usageError(
           "--ranks is given, and a launcher has started " + std::to_string(ranks.size()) + " ranks already",
           "one of them");
-    checkRanks();
     const bool speaks = ranks.rank() == 0;
     std::vector<OutputLock> locks;
     if (speaks) locks = takeOutputPaths();
     auto scene = speaks ? program_.load(scene_, overrides()) : loadSilently();
-    CpuDevice device(threads_ > 0 ? threads_ : std::max(1, CpuDevice().threads() / ranks.sizeHere()));
+    // Where threads are given, they are those of each process.
+    const std::unique_ptr<Device> device = openDeviceOf(rankHere(ranks), threads_ > 0 ? 1 : ranks.sizeHere());
     Log silent;
     std::optional<Interruption> interruption;  // rank 0 makes its own
     if (!speaks) interruption.emplace();
-    end = runScene(std::move(scene), device, speaks ? program_.log() : silent, &ranks);
+    end = runScene(std::move(scene), *device, speaks ? program_.log() : silent, &ranks);
     if (speaks) printResults();
   };
   launched.run(work, [&](const std::exception_ptr& error, int rank) {
@@ -278,6 +304,7 @@ int RunCommand::runLaunched(LaunchedRanks& launched) const {
 int RunCommand::run() {
   program_.setQuiet(quiet_);
   scene_ = sceneFile(scene_);
+  if (gpus_) divideAmongGpus();
   if (resume_ == kNewest && checkpoint_.empty())
     throw usageError("--resume auto is given without --checkpoint, whose file it looks for",
                      "--checkpoint FILE.h5 --resume auto");

@@ -39,7 +39,10 @@ class RunCommand {
   /// The run of one rank, or of a run that has none; `ranks` is null there.
   RunEnd runScene(std::unique_ptr<Scene> scene, Device& device, Log& log, Communicator* ranks) const;
   RunEnd runOnRanks() const;
-  void checkRanks() const;
+  /// Of a rank of those on this machine. GPUs are dealt out in turn.
+  std::unique_ptr<Device> openDeviceOf(int rankHere, int ranksHere) const;
+  /// As --gpus says, by way of the options that it stands for.
+  void divideAmongGpus();
   /// This process as one of those that a launcher has started.
   int runLaunched(LaunchedRanks& launched) const;
   /// As rank 0 does, which says what is doubtful in it.
@@ -61,7 +64,7 @@ class RunCommand {
   std::string stats_;
   std::string series_;
   int threads_ = 0;
-  std::optional<int> ranks_;
+  std::optional<int> ranks_, gpus_;
   bool deterministic_ = false;
   bool profileKernels_ = false;
   bool quiet_ = false;

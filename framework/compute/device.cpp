@@ -8,6 +8,7 @@
 #include "framework/base/error.h"
 #include "framework/base/value.h"
 #include "framework/compute/cuda_support.h"
+#include "framework/compute/device_count.h"
 #include "framework/compute/readback.h"
 
 namespace weir {
@@ -95,6 +96,10 @@ class CpuMoment final : public detail::Moment {
 
 Device::Device(DeviceKind kind, std::string name) : kind_(kind), name_(std::move(name)) {}
 Device::~Device() = default;
+
+int cudaDeviceCount() {
+  return detail::probeCuda().devices;
+}
 
 std::vector<DeviceInfo> listDevices() {
   std::vector<DeviceInfo> devices{{"cpu", CpuDevice().description()}};

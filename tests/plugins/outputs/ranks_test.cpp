@@ -1,6 +1,7 @@
 // `weir run --ranks N`: the same files for any number of ranks, and a clear word where a scene cannot.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "framework/scene/scene_file.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/support/child_process.h"
+#include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/find_program.h"
 
@@ -50,6 +52,7 @@ class RanksTest : public testing::Test {
                                        to + "/export.vtkhdf"};
     for (const std::string& change : changes) arguments.insert(arguments.end(), {"--set", change});
     arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), device_.begin(), device_.end());
     Outcome run{.result = processes == 1 ? runWeir(arguments) : runByMpi(processes, std::move(arguments))};
     if (run.result.code != 0) return run;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(to + "/ply"))
@@ -104,6 +107,7 @@ class RanksTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::string scene_, duration_ = "0.3";  // s
+  std::vector<std::string> device_;       // how to ask for another than the CPU
 };
 
 constexpr const char* kWhiteWater = R"({
@@ -418,11 +422,48 @@ TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
     std::filesystem::remove_all(folder_ / "refused");
     return refused.result.err;
   };
-  EXPECT_CONTAINS(errorOf({}, {"--device", "cuda"}), "cuda");
   scene_ = folder_.write("white.json", kWhiteWater);
   const std::string white = errorOf({}, {});
   EXPECT_CONTAINS(white, "node 'white'");
   EXPECT_CONTAINS(white, "a WhiteWater cannot run on several ranks yet");
+}
+
+/// On a machine with one GPU, all ranks share it.
+class GpuRanksTest : public RanksTest {
+ protected:
+  void SetUp() override {
+    const std::vector<std::string>& devices = availableDevices();
+    if (std::find(devices.begin(), devices.end(), "cuda") == devices.end()) GTEST_SKIP() << "there is no GPU";
+    device_ = {"--device", "cuda"};
+  }
+};
+
+TEST_F(GpuRanksTest, ADamBreakIsTheSameForAnyNumberOfRanks) {
+  expectSameForAnyNumber({kCoarse}, kFew);
+}
+
+TEST_F(GpuRanksTest, SoIsOneOfMoreThan32768ParticlesOnEachRank) {
+  duration_ = "0.33";  // 10 frames
+  scene_ = resourcesFolder() + "/scenes/benchmark_dam_break.json";
+  expectSameForAnyNumber({"water.rest_steps=0"}, {"2", "3"});
+}
+
+TEST_F(GpuRanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
+  scene_ = folder_.write("thrown.json", kThrown);
+  expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
+}
+
+TEST_F(GpuRanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {
+  scene_ = folder_.write("stirred.json", kStateful);
+  expectSameForAnyNumber({}, kFew);
+}
+
+TEST_F(RanksTest, MoreGpusThanThereAreAreRefused) {
+  device_ = {"--gpus", "200"};
+  const Outcome refused = run("refused", {}, {});
+  EXPECT_EQ(refused.result.code, 2);
+  const bool any = std::ssize(availableDevices()) > 1;
+  EXPECT_CONTAINS(refused.result.err, any ? "more than this machine has" : "cuda");
 }
 
 TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
