@@ -40,22 +40,6 @@ ParticleFluid::ParticleFluid() {
 
 ParticleFluid::~ParticleFluid() = default;
 
-void ParticleFluid::join(Communicator& ranks) {
-  if (period().any())
-    throw sceneError("a periodic domain cannot be on several ranks yet", "\"none\"", "run without --ranks")
-        .inParameter(periodic.name());
-  pipeline_.forEachEnabled("join", [&](FluidModule& module) {
-    auto* onRanks = dynamic_cast<OnRanks*>(&module);
-    if (onRanks == nullptr)
-      throw sceneError(fmt::format("the module '{}' of type {} cannot run on several ranks yet",
-                                   module.name(), module.info().type),
-                       {},
-                       "run without --ranks, or use modules that can, such as SemiImplicitSolver and Xsph");
-    onRanks->join(ranks);
-  });
-  ranks_ = &ranks;
-}
-
 void ParticleFluid::validate() const {
   if (mu.get() && bulkModulus.get())
     throw sceneError("both bulk_modulus and mu are given",
@@ -194,18 +178,6 @@ void ParticleFluid::restore(const StateReader& from) {
   restoreEvents(from);
 }
 
-void ParticleFluid::restoreOnRanks(const StateReader& from) {
-  Device& device = state_->particles.device();
-  divided_->restore(from.in("particles"));
-  Log silent;
-  const StepContext now{device, silent, {}, 0, 0, 0};
-  fluidStep(now).findNeighbors();
-  if (!gathered_) return;
-  gathered_->particles.clear();
-  gathered_->particles.restore(from.in("particles"));
-  if (gathered_->particles.bound() > 0) sortShown(device);
-}
-
 /// Every rank has read what one has counted, and what all have counted together.
 void ParticleFluid::restoreEvents(const StateReader& from) {
   const NeighborEvents ofOne = state_->neighbors.eventsOnHost();
@@ -325,18 +297,6 @@ void ParticleFluid::appendInitial() {
     else
       state_->particles.append(initial[i]);
   }
-}
-
-void ParticleFluid::divideInitial() {
-  State& state = *state_;
-  divided_ = std::make_unique<DividedParticles>(*ranks_, state.particles, constants_.supportRadius);
-  std::vector<Vec3f> all;
-  for (std::size_t i = 0; i < initial.size(); ++i) {
-    const std::vector<Vec3f> some = initial[i].positions.toHost(initial[i].count);
-    all.insert(all.end(), some.begin(), some.end());
-  }
-  divided_->cut(all);
-  if (ranks_->rank() == 0) makeState(gathered_, state.particles.device());
 }
 
 std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solids) {
@@ -546,28 +506,6 @@ void ParticleFluid::sortShown(Device& onDevice) {
   state.particles.refreshCount();
 }
 
-Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
-  State& state = *state_;
-  dispatch(onDevice, [&](auto& device) { boundingBoxOn(device, state); });
-  Aabb all;
-  for (const Aabb& box : ranks_->allGather(state.extent.toHost().front().box))
-    if (!box.empty()) all.extend(box.lo), all.extend(box.hi);
-  return all;
-}
-
-void ParticleFluid::refreshOnRanks(const StepContext& context) {
-  if (const std::int64_t all = divided_->countOfAll(); all > 0) {
-    const Aabb box = boxOnRanks(context.device);
-    state_->neighbors.fitGrid(box, all);
-    divided_->cut(box);
-    FluidStep now = fluidStep(context);
-    now.findNeighbors();  // which removes what has left the domain
-    findWalls(*state_, context);
-  }
-  if (gathered_) gathered_->particles.clear();
-  divided_->gather(gathered_ ? &gathered_->particles : nullptr);
-}
-
 void ParticleFluid::sumEvents() {
   const NeighborEvents own = state_->neighbors.eventsOnHost(), &more = state_->moreEvents;
   std::array<std::int64_t, 4> sums{own.truncated + more.truncated, own.escaped + more.escaped,
@@ -577,31 +515,6 @@ void ParticleFluid::sumEvents() {
                     .escaped = int(sums[1]),
                     .nonFinite = int(sums[2]),
                     .cutOffByOrder = int(sums[3])};
-}
-
-/// Pieces of one sink share theirs.
-std::vector<int*> ParticleFluid::sinkCounters() const {
-  std::vector<int*> counters;
-  for (std::size_t i = 0; i < sinks.size(); ++i)
-    for (const SinkPiece& piece : sinks[i].pieces)
-      if (counters.empty() || counters.back() != piece.removed) counters.push_back(piece.removed);
-  return counters;
-}
-
-void ParticleFluid::forgetSinks() {
-  for (int* const counter : sinkCounters()) state_->particles.device().fillBytes(counter, 0, sizeof(int));
-}
-
-/// Counts of removed particles move to rank 0, which reports them.
-void ParticleFluid::sumSinksOfRanks() {
-  Device& device = state_->particles.device();
-  for (int* const counter : sinkCounters()) {
-    int own = 0;
-    device.download(&own, counter, sizeof(own));
-    const auto all = static_cast<int>(ranks_->sum(own));
-    own = ranks_->rank() == 0 ? all : 0;
-    device.upload(counter, &own, sizeof(own));
-  }
 }
 
 void ParticleFluid::warnOfSettings(const SetupContext& context) {
