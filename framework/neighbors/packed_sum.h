@@ -111,23 +111,25 @@ WEIR_HD inline void addFour(T& sum, int left, const int (&j)[kCodesTogether], co
 }
 
 /// Σ f(j, elements[j]…) over the neighbours j of particle i. The next four codes are on their way while four
-/// neighbours are added.
+/// neighbours are added. Indices of wide groups are added by the same instructions: in a loop of its own, the
+/// compiler may fuse other products into sums, and which groups are wide depends on how ranks share
+/// particles.
 template <class T, class F, class... Element>
 WEIR_HD inline T sumPacked(std::int64_t i, int count, const PackedLists& lists, const F& f,
                            const Element*... elements) {
   const ListGroup group = lists.groups[i / kListGroup];
   T sum{};
-  if (group.wide != 0) {
-    const int* index = lists.indicesOf(i, group.wide);
-    for (int k = 0; k < count; ++k, index += kListGroup)
-      addTo(sum, f(*index, loadWhole(elements[*index])...));
-    return sum;
-  }
+  const int* index = group.wide != 0 ? lists.indicesOf(i, group.wide) : nullptr;
   const FourCodes* codes = lists.codesOf(i);
   FourCodes next{};
   if (count > 0) next = *codes;
   int j[kCodesTogether];
   const auto takeFour = [&](int left) {
+    if (index != nullptr) {
+      for (int l = 0; l < kCodesTogether; ++l) j[l] = index[(l < left ? l : 0) * kListGroup];
+      index += kCodesTogether * kListGroup;
+      return;
+    }
     next.to(j);
     codes += kListGroup;
     if (left > kCodesTogether) next = *codes;

@@ -19,7 +19,8 @@ constexpr std::size_t kMaxWallContacts = 64;
 constexpr int kIterations = 400;  // at most
 // Of the speed below which nothing bounces: iterations end once no contact changes a velocity by more.
 constexpr double kConverged = 2.5e-5;
-constexpr int kPool = 64;  // manifolds that are allocated at once; more are allocated one by one
+// Manifolds that are allocated at once; more are allocated one by one.
+constexpr std::size_t kPool = 64, kPoolOfBody = 8;
 
 /// Tells when contacts are known, and not yet solved.
 class World final : public btDiscreteDynamicsWorld {
@@ -36,9 +37,11 @@ class World final : public btDiscreteDynamicsWorld {
 };
 
 /// Bullet's own pools have room for 4,096 manifolds, which would cost a small world more than its contacts.
-btDefaultCollisionConstructionInfo smallPools() {
+btDefaultCollisionConstructionInfo poolsFor(std::size_t bodies) {
   btDefaultCollisionConstructionInfo info;
-  info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = kPool;
+  const auto usual = static_cast<std::size_t>(info.m_defaultMaxPersistentManifoldPoolSize);
+  const auto room = static_cast<int>(std::min(kPool + kPoolOfBody * bodies, usual));
+  info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = room;
   return info;
 }
 
@@ -97,7 +100,7 @@ struct BulletWorld::Parts {
   const std::vector<BulletBody>& bodies;
   const std::vector<HeldJoint>& joints;
 
-  btDefaultCollisionConfiguration configuration{smallPools()};
+  btDefaultCollisionConfiguration configuration{poolsFor(bodies.size())};
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;

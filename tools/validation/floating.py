@@ -167,8 +167,8 @@ def wedge_entry(lab):
     low, high = (scenes.parameter(scene, f"block.{end}")[2] for end in ("min", "max"))
     rows, curves = [], []
     runs = {angle: lab.run(f"wedge_entry/{angle}", "validation/wedge_entry",
-                           {"wedge.file": f"../../meshes/wedge_{angle}.ply", "water.spacing": str(lab.scale(0.01, 0.005)),
-                            "world.duration": str(end)})
+                           {"wedge.file": str(SCENES.parent / "meshes" / f"wedge_{angle}.ply"),
+                            "water.spacing": str(lab.scale(0.01, 0.005)), "world.duration": str(end)})
             for angle, end in ((30, 0.12), (20, 0.08), (15, 0.06))}
     spacing = lab.scale(0.01, 0.005)
     above = scenes.parameter(scene, "moved.position")[1] - scenes.parameter(scene, "block.max")[1]  # m, over 1 m/s
