@@ -110,41 +110,48 @@ WEIR_HD inline void addFour(T& sum, int left, const int (&j)[kCodesTogether], co
   }
 }
 
+/// Σ f(j, elements[j]…) over `count` neighbours, of which take(left, j) gives the next four.
+template <class T, class Take, class F, class... Element>
+WEIR_HD inline T sumByFours(int count, const Take& take, const F& f, const Element*... elements) {
+  T sum{};
+  int j[kCodesTogether];
+  int left = count;
+  for (; left >= kCodesTogether; left -= kCodesTogether) {
+    take(left, j);
+    addFour<true>(sum, left, j, f, elements...);
+  }
+  if (left > 0) {
+    take(left, j);
+    addFour<false>(sum, left, j, f, elements...);
+  }
+  return sum;
+}
+
 /// Σ f(j, elements[j]…) over the neighbours j of particle i. The next four codes are on their way while four
-/// neighbours are added. Indices of wide groups are added by the same instructions: in a loop of its own, the
-/// compiler may fuse other products into sums, and which groups are wide depends on how ranks share
-/// particles.
+/// neighbours are added. Wide groups add by fours, too: compilers fuse products into sums where they find
+/// both side by side, and which groups are wide depends on how ranks share particles.
 template <class T, class F, class... Element>
 WEIR_HD inline T sumPacked(std::int64_t i, int count, const PackedLists& lists, const F& f,
                            const Element*... elements) {
   const ListGroup group = lists.groups[i / kListGroup];
-  T sum{};
-  const int* index = group.wide != 0 ? lists.indicesOf(i, group.wide) : nullptr;
+  if (group.wide != 0) {
+    const int* index = lists.indicesOf(i, group.wide);
+    const auto takeIndices = [&](int left, int(&j)[kCodesTogether]) {
+      for (int l = 0; l < kCodesTogether; ++l) j[l] = index[(l < left ? l : 0) * kListGroup];
+      index += kCodesTogether * kListGroup;
+    };
+    return sumByFours<T>(count, takeIndices, f, elements...);
+  }
   const FourCodes* codes = lists.codesOf(i);
   FourCodes next{};
   if (count > 0) next = *codes;
-  int j[kCodesTogether];
-  const auto takeFour = [&](int left) {
-    if (index != nullptr) {
-      for (int l = 0; l < kCodesTogether; ++l) j[l] = index[(l < left ? l : 0) * kListGroup];
-      index += kCodesTogether * kListGroup;
-      return;
-    }
+  const auto takeCodes = [&](int left, int(&j)[kCodesTogether]) {
     next.to(j);
     codes += kListGroup;
     if (left > kCodesTogether) next = *codes;
     for (int l = 0; l < kCodesTogether; ++l) j[l] = group.decode(j[l]);
   };
-  int left = count;
-  for (; left >= kCodesTogether; left -= kCodesTogether) {
-    takeFour(left);
-    addFour<true>(sum, left, j, f, elements...);
-  }
-  if (left > 0) {
-    takeFour(left);
-    addFour<false>(sum, left, j, f, elements...);
-  }
-  return sum;
+  return sumByFours<T>(count, takeCodes, f, elements...);
 }
 
 /// The list of a particle that a team sums over. Codes are there whatever their number: those of the first

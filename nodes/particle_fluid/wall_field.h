@@ -57,7 +57,10 @@ struct WallFieldViewWith {
     const T ofMeshes = positivePart(read(d, i));
     if (!any(ofMeshes > T(0))) return sum;
     sum.d += ofMeshes;
-    sum.gradPhi += xyz(read(integrals, i));
+    // Of eight, a particle that feels no mesh gets nothing of its gradient, as if it were alone.
+    const auto feels = ofMeshes > T(0);
+    const Vec4<T> at = read(integrals, i);
+    sum.gradPhi += Vec3<T>{zeroUnless(feels, at.x), zeroUnless(feels, at.y), zeroUnless(feels, at.z)};
     return sum;
   }
 
