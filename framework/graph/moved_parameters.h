@@ -1,5 +1,7 @@
 // Parameters that a module type once had and another type now has. A scene that sets one of them gets the
-// other type, with a warning that says what to write. Announced as a service:
+// other type, with a warning that says what to write. Where a pipeline has the other type by default, a
+// module that names no type and sets a renamed parameter is of the type that has that name. Announced as a
+// service:
 //
 //   registry.addService<MovedParameters>("MyOldSolver", [] { return std::make_unique<MyMoved>(); });
 #pragma once

@@ -46,6 +46,16 @@ void rename(Value& params, const Parameters& parameters, const Module& target, c
   }
 }
 
+/// A module that names no type is one of the default type. Where this took the place of another, and the
+/// scene sets what only that one has, it means that one.
+void nameType(const MovedParameters& moved, const std::string& name, Value& spec,
+              const PipelineBase& pipeline) {
+  const Value* params = spec.find("params");
+  if (spec.find("type") != nullptr || params == nullptr || !params->isObject()) return;
+  if (typeOf(name, spec, pipeline) != moved.to() || setAmong(moved.renamed(), *params).empty()) return;
+  spec["type"] = Value(moved.from());
+}
+
 /// Takes out what changes nothing, if its values are such as the other type takes.
 void leaveOut(Value& params, const Parameters& parameters, Module& target, const Place& place) {
   for (const MovedParameters::Parameter& p : parameters) {
@@ -100,8 +110,12 @@ Value withMovedParameters(Value modules, const PipelineBase& pipeline, const Reg
   const auto services = registry.createServices<MovedParameters>();
   for (auto& [name, spec] : modules.asObject())
     for (const auto& service : services)
-      if (spec.isObject() && typeOf(name, spec, pipeline) == service.implementation->from())
-        move(*service.implementation, registry, name, spec, place / name, warnings);
+      if (spec.isObject()) {
+        const MovedParameters& moved = *service.implementation;
+        nameType(moved, name, spec, pipeline);
+        if (typeOf(name, spec, pipeline) == moved.from())
+          move(moved, registry, name, spec, place / name, warnings);
+      }
   return modules;
 }
 

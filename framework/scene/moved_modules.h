@@ -12,7 +12,8 @@
 namespace WEIR_API weir {
 
 /// The "modules" object of a node in the words of today. Adds a warning, which says what to write, for each
-/// module that it changes.
+/// module whose parameters it changes. A module without a "type" gets one where the pipeline's default has
+/// taken the place of the type that knows its parameters.
 Value withMovedParameters(Value modules, const PipelineBase& pipeline, const Registry& registry,
                           const Place& place, std::vector<std::string>& warnings);
 

@@ -13,10 +13,10 @@
 #include "nodes/particle_fluid/auto_bulk_modulus.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
+#include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/predict.h"
-#include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/solid_approach.h"
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
@@ -42,7 +42,7 @@ ParticleFluid::ParticleFluid() {
   pipeline_.add<SolidApproach>("approach");
   pipeline_.add<NeighborSearch>("neighbors");
   pipeline_.add<WallIntegrals>("walls");
-  pipeline_.add<SemiImplicitSolver>("solver");
+  pipeline_.add<AcceleratedSolver>("solver");
   pipeline_.add<Xsph>("viscosity");
   pipeline_.add<BoundaryCollision>("boundary");
   pipeline_.add<SolidContact>("contact");

@@ -236,7 +236,9 @@ bool PythonScene::assignMoved(const Target& target, const Value& values) {
   Module& before = module(target.name, target.module);
   Value params = before.changedValues();
   for (const auto& [name, value] : values.asObject()) params[name] = value;
-  std::string type(before.info().type);
+  // One that is as the node has it by default is what a scene means that names no type.
+  const bool asMade = pipeline(target.name).changedValues().find(target.module) == nullptr;
+  std::string type = asMade ? std::string() : std::string(before.info().type);
   if (!readMoved(target.name, target.module, type, params)) return false;
   try {
     if (type == before.info().type) {
@@ -257,15 +259,17 @@ bool PythonScene::assignMoved(const Target& target, const Value& values) {
 bool PythonScene::readMoved(const std::string& node, const std::string& name, std::string& type,
                             Value& params) {
   Value modules = Value::object();
-  modules[name]["type"] = type;
+  if (!type.empty()) modules[name]["type"] = type;
   modules[name]["params"] = params;
   std::vector<std::string> warnings;
   const Place place{"", "/nodes/" + node + "/modules", ""};
   modules = withMovedParameters(std::move(modules), pipeline(node), *registry(), place, warnings);
   for (const std::string& warning : warnings) log().warn(warning);
-  type = modules.find(name)->find("type")->asString();
+  const Value* now = modules.find(name)->find("type");
+  const bool another = now != nullptr && now->asString() != type;
+  if (another) type = now->asString();
   params = *modules.find(name)->find("params");
-  return !warnings.empty();
+  return another || !warnings.empty();
 }
 
 void PythonScene::noteChange(const Configurable& of, const Target& target, const Value& values) {

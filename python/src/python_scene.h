@@ -59,8 +59,8 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   /// Inserts at an index, or takes the place of the one of that name if `index` is empty.
   void insertModule(const std::string& node, std::unique_ptr<Module> module, const std::string& name,
                     std::optional<std::size_t> index);
-  /// Reads what a module is to be like as a scene would (framework/scene/moved_modules.h): its type and its
-  /// parameters may become others, with a warning. Returns whether they did.
+  /// Reads what a module is to be like as a scene would (framework/scene/moved_modules.h): its type, empty
+  /// where none is named, and its parameters may become others. Returns whether they did.
   bool readMoved(const std::string& node, const std::string& name, std::string& type, Value& params);
 
   /// As a scene file in `folder` has it: relative paths become absolute if that is another one than they came

@@ -7,7 +7,7 @@
 
 Of every spacing and step it runs, over --duration:
   the solver with a tolerance and acceleration   iterations and stages a step, steps that did not meet it, compression, height
-  the solver as it is without any setting        compression, height
+  SemiImplicitSolver without any setting         compression, height
   position based fluids                          compression, height; as many iterations as the first on average
 and, over --short alone, the first with and without acceleration, which compares their iterations. These start from a lattice
 at rest density (calibration: lattice): one that must expand first takes the most iterations in either way.
@@ -106,7 +106,7 @@ class Runner:
                                self.outcome(settled)]) + " |"
         plain = self.run(spacing, dt, a.short, solver("none"), "lattice")
         quick = self.run(spacing, dt, a.short, solver(a.acceleration), "lattice")
-        untuned = self.run(spacing, dt, a.duration, {})
+        untuned = self.run(spacing, dt, a.duration, {"type": "SemiImplicitSolver"})
         count = max(1, round(settled["solver_iterations"]["mean"])) if settled else 3
         pbf = self.run(spacing, dt, a.duration, {"type": "Pbf", "params": {"iterations": count}})
         return " | ".join([f"| {spacing:g} | {1000 * dt:g}", iterations(plain), iterations(quick), iterations(settled),

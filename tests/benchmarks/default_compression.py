@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What scenes leave of compression and cost with a solver as it is by default, as a Markdown table.
+"""What scenes that say nothing of their solver leave of compression and cost, as a Markdown table.
 
   default_compression.py PROGRAM [--device D] [--scenes dam,tank,goblet,jet] [--spacings 0.04,0.02] [--steps-ms 1,3,10]
                          [--duration S] [--solver JSON] [--support-ratio R]
 
 Each scene runs at each spacing and step. "mean" is the largest mean compression of a frame in the second half of the run,
-"end" that of the last frame. Warnings of the program are printed below the table. --solver runs another solver than
-'{"type": "AcceleratedSolver"}', to compare with.
+"end" that of the last frame. Warnings of the program are printed below the table. --solver runs another solver, to compare
+with: '{"type": "SemiImplicitSolver"}'.
 """
 import argparse
 import json
@@ -25,7 +25,7 @@ def scene_of(name, spacing, dt, arguments):
         scene = json.load(file)
     scene["world"] |= {"dt": dt, "duration": arguments.duration, "frame_rate": 20}
     water = scene["nodes"]["water"]
-    water["modules"] = {"solver": json.loads(arguments.solver)}
+    water["modules"] = {"solver": json.loads(arguments.solver)} if arguments.solver else {}
     water["params"] = {"spacing": spacing}
     if arguments.support_ratio:
         water["params"]["support_ratio"] = arguments.support_ratio
@@ -73,7 +73,7 @@ def main():
     parser.add_argument("--spacings", type=numbers, default=numbers("0.04,0.025,0.015"), metavar="M,…")
     parser.add_argument("--steps-ms", type=numbers, default=numbers("1,3,10"), metavar="MS,…")
     parser.add_argument("--duration", type=float, default=1, metavar="S")
-    parser.add_argument("--solver", metavar="JSON", default='{"type": "AcceleratedSolver"}')
+    parser.add_argument("--solver", metavar="JSON", help="in place of none")
     parser.add_argument("--support-ratio", type=float, metavar="R", help="instead of the default")
     arguments = parser.parse_args()
     columns = ["scene", "d (m)", "dt (ms)", "particles", "K (MPa)", "mean (%)", "end (%)", "iterations a step",

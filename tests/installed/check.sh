@@ -157,7 +157,7 @@ cat >"$folder/bounds/scene.json" <<'TEXT'
 { "weir": 1, "nodes": {
     "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.1, 0.1, 0.1] } },
     "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
-               "modules": { "wrong": { "type": "OutOfBounds", "before": "predict" } } } },
+               "modules": { "solver": {"type": "SemiImplicitSolver"}, "wrong": { "type": "OutOfBounds", "before": "predict" } } } },
   "links": [ "drop.particles -> water.initial" ] }
 TEXT
 build_and_test "$folder/bounds" -DWEIR_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=address

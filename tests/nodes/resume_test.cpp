@@ -98,8 +98,10 @@ constexpr const char* kHeldBody = R"({
 const std::map<std::string, const char*> kMoreNodes{{"BodyContacts", kBody}, {"Joint", kHeldBody}};
 
 /// Modules that take the place of another one; all others stand before "predict".
-const std::map<std::string, std::string> kInPlaceOf{
-    {"Pbf", "solver"}, {"Dfsph", "solver"}, {"AcceleratedSolver", "solver"}};
+const std::map<std::string, std::string> kInPlaceOf{{"Pbf", "solver"},
+                                                    {"Dfsph", "solver"},
+                                                    {"AcceleratedSolver", "solver"},
+                                                    {"SemiImplicitSolver", "solver"}};
 
 /// Reads a mesh without looking into the file.
 class Tetrahedra final : public MeshReader {

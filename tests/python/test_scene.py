@@ -112,8 +112,7 @@ def test_parameters_that_moved_make_the_solver_the_other_one(scene):
     modules["solver"].iterations = 40
     modules["solver"].tolerance = 0.01
     written = json.loads(scene.to_json())["nodes"]["water"]["modules"]["solver"]
-    assert written == {"type": "AcceleratedSolver",
-                       "params": {"tolerance": 0.01, "max_iterations": 40, "acceleration": "none"}}
+    assert written == {"params": {"tolerance": 0.01, "max_iterations": 40, "acceleration": "none"}}
     modules["solver"].acceleration = "nesterov"
     assert modules["solver"].acceleration == "nesterov"
     modules.replace("solver", weir.modules.SemiImplicitSolver, tolerance=0.02)

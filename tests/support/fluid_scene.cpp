@@ -6,6 +6,17 @@
 
 namespace weir::test {
 
+namespace {
+
+/// The paper's solver, with its few iterations, where a test names none.
+Value withSolver(Value modules) {
+  if (Value& solver = modules["solver"]; solver.find("type") == nullptr)
+    solver["type"] = "SemiImplicitSolver";
+  return modules;
+}
+
+}  // namespace
+
 FluidScene::FluidScene(Device& device, std::vector<Vec3f> positions, std::vector<Vec3f> velocities,
                        const Value& parameters, const Value& modules)
     : device_(device) {
@@ -19,7 +30,7 @@ FluidScene::FluidScene(Device& device, std::vector<Vec3f> positions, std::vector
   Value all = parameters;
   if (!all.find("support_ratio")) all["support_ratio"] = 1.5;
   fluid_->assignAll(all, {"test", "", ""});
-  fluid_->pipeline()->assign(modules, registry_, {"test", "", ""});
+  fluid_->pipeline()->assign(withSolver(modules), registry_, {"test", "", ""});
   graph_.link(SceneGraph::parseLink("given.particles -> water.initial"));
 }
 

@@ -28,7 +28,7 @@ class GivenParticles final : public Node {
 class FluidScene {
  public:
   /// `parameters` are those of the ParticleFluid, with a support of 1.5 spacings if they have none, `modules`
-  /// its "modules", both as JSON-like values.
+  /// its "modules", both as JSON-like values. The solver is SemiImplicitSolver where they name none.
   FluidScene(Device& device, std::vector<Vec3f> positions, std::vector<Vec3f> velocities,
              const Value& parameters, const Value& modules = Value::object());
 

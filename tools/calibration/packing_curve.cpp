@@ -95,7 +95,8 @@ class Column {
                              {"calibration", calibration},
                              {"bulk_modulus", kBulkModulus}}),
                      {});
-    Value solver = object({{"params", object({{"iterations", kIterations}})}});
+    Value solver =
+        object({{"type", "SemiImplicitSolver"}, {"params", object({{"iterations", kIterations}})}});
     fluid->pipeline()->assign(object({{"solver", solver}}), registry_, {});
     fluid_ = static_cast<ParticleFluid*>(&graph_.add(std::move(fluid), "water"));
     graph_.link(SceneGraph::parseLink("block.particles -> water.initial"));

@@ -19,7 +19,8 @@ constexpr const char* kLongTank = R"({
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [5, 1, 0.4], "inverted": true } },
     "water": { "type": "ParticleFluid",
-               "params": { "spacing": 0.01, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 } }
+               "params": { "spacing": 0.01, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
+               "modules": { "solver": { "type": "SemiImplicitSolver" } } }
   },
   "links": [ "block.particles -> water.initial", "tank.boundary -> water.boundaries" ]
 })";

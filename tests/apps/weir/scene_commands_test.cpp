@@ -218,20 +218,25 @@ TEST_F(SceneCommands, UpgradeSaysWhatItChanged) {
 }
 
 TEST_F(SceneCommands, UpgradeLeavesOutWhatHasNoEffect) {
-  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "iterations": 5, "acceleration": "none" } })")),
-            withSolver(R"({ "params": { "iterations": 5 } })"));
-  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "tolerance": null, "iterations": 5 } })")),
-            withSolver(R"({ "params": { "iterations": 5 } })"));
-  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "tolerance": null, "acceleration": "none" } })")),
-            withSolver(R"({ "params": { } })"));
-  EXPECT_EQ(upgraded(withSolver(
-                "{ \"params\": {\n  \"iterations\": 5, // few\n  \"tolerance\": null // none\n} }")),
-            withSolver("{ \"params\": {\n  \"iterations\": 5 // few\n  // none\n} }"));
+  const auto papers = [&](const std::string& params) {
+    return withSolver(R"({ "type": "SemiImplicitSolver", "params": )" + params + " }");
+  };
+  EXPECT_EQ(upgraded(papers(R"({ "iterations": 5, "acceleration": "none" })")),
+            papers(R"({ "iterations": 5 })"));
+  EXPECT_EQ(upgraded(papers(R"({ "tolerance": null, "iterations": 5 })")), papers(R"({ "iterations": 5 })"));
+  EXPECT_EQ(upgraded(papers(R"({ "tolerance": null, "acceleration": "none" })")), papers("{ }"));
+  EXPECT_EQ(upgraded(papers("{\n  \"iterations\": 5, // few\n  \"tolerance\": null // none\n}")),
+            papers("{\n  \"iterations\": 5 // few\n  // none\n}"));
+}
+
+TEST_F(SceneCommands, UpgradeNamesTheSolverThatIterationsAreOf) {
+  EXPECT_EQ(upgraded(withSolver(R"({ "params": { "iterations": 5 } })")),
+            withSolver(R"({ "type": "SemiImplicitSolver", "params": { "iterations": 5 } })"));
 }
 
 TEST_F(SceneCommands, UpgradeReachesIncludedFilesAndRepetitions) {
   const std::string part =
-      folder.write("solver.json", "{ \"params\": { \"tolerance\": \"=t\" } } // a part\n");
+      folder.write("solver.json", "{ \"params\": { \"tolerance\": \"=t\", \"iterations\": 9 } } // a part\n");
   const std::string scene = R"({
   "weir": 1,
   "let": { "t": 0.01 },
@@ -255,7 +260,7 @@ TEST_F(SceneCommands, UpgradeReachesIncludedFilesAndRepetitions) {
 TEST_F(SceneCommands, UpgradeRefusesWhatOneTextCannotSay) {
   const std::string text =
       R"({ "weir": 1, "nodes": { "w_{i}": { "repeat": 2, "node": { "type": "ParticleFluid",
-    "modules": { "solver": { "params": { "neighbor_searches": "=i+1" } } } } } } })";
+    "modules": { "solver": { "params": { "iterations": 3, "neighbor_searches": "=i+1" } } } } } } })";
   const std::string file = folder.write("old.json", text);
   expectFailure(runWeir({"upgrade", file}), 3, {"old.json:2:", "several modules"});
   EXPECT_EQ(readFile(file), text);
@@ -272,7 +277,7 @@ TEST_F(SceneCommands, UpgradeTellsOfWhatItCannotRead) {
   expectFailure(runWeir({"upgrade", folder / "a.json"}), 3,
                 {"files include each other: a.json -> b.json -> a.json"});
   const std::string locked =
-      folder.write("locked.json", withSolver(R"({ "params": { "tolerance": 0.01 } })"));
+      folder.write("locked.json", withSolver(R"({ "params": { "tolerance": 0.01, "iterations": 9 } })"));
   fs::permissions(locked, fs::perms::owner_read);
   const ChildResult refused = runWeir({"upgrade", locked});
   expectFailure(refused, 5, {"locked.json", "read-only"});

@@ -118,7 +118,8 @@ constexpr const char* kPool = R"({
     "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.16, 0.1, 0.16] } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [0.16, 0.3, 0.16], "inverted": true } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.01 } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.01 },
+               "modules": {"solver": {"type": "SemiImplicitSolver"}}},
     "surface": { "type": "FluidSurface" }
   },
   "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",

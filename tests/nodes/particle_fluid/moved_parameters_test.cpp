@@ -70,11 +70,13 @@ TEST(MovedParameters, AnOldSceneGetsTheOtherSolverAndAWarningThatSaysWhatToWrite
 }
 
 TEST(MovedParameters, WhatAnOldSceneLeavesOutIsWhatItWas) {
-  const Built old = built(R"({"params": {"acceleration": "nesterov"}})");
+  const Built old = built(R"({"type": "SemiImplicitSolver", "params": {"acceleration": "nesterov"}})");
   EXPECT_EQ(old.type, "AcceleratedSolver");
   EXPECT_EQ(*old.params.find("max_iterations"), Value(3));
   EXPECT_TRUE(old.params.find("tolerance")->isNull());
-  EXPECT_EQ(*built(R"({"params": {"tolerance": 0.1}})").params.find("acceleration"), Value("none"));
+  EXPECT_EQ(
+      *built(R"({"type": "SemiImplicitSolver", "params": {"tolerance": 0.1}})").params.find("acceleration"),
+      Value("none"));
 }
 
 TEST(MovedParameters, OverridesAreReadAlike) {
@@ -97,7 +99,8 @@ TEST(MovedParameters, WhatDidNothingIsLeftOutAndThePapersSolverStays) {
 }
 
 TEST(MovedParameters, WhatDidNothingIsCheckedAllTheSame) {
-  const Error error = errorOf([] { built(R"({"params": {"path_stages": 0}})"); });
+  const Error error =
+      errorOf([] { built(R"({"type": "SemiImplicitSolver", "params": {"path_stages": 0}})"); });
   EXPECT_CONTAINS(std::string(error.what()), "path_stages");
   EXPECT_CONTAINS(std::string(error.what()), "an integer of at least 1 and at most 100");
 }
@@ -115,6 +118,20 @@ TEST(MovedParameters, OtherScenesAreLeftAlone) {
                              R"({"type": "AcceleratedSolver", "params": {"tolerance": 0.01}})"})
     EXPECT_TRUE(built(solver).warnings.empty()) << solver;
   EXPECT_EQ(built(R"({"params": {"iterations": 5}})").type, "SemiImplicitSolver");
+}
+
+TEST(MovedParameters, ASolverWithoutATypeIsTheOneThatKnowsItsParameters) {
+  EXPECT_EQ(built("{}").type, "AcceleratedSolver");
+  EXPECT_EQ(built(R"({"params": {"tolerance": 0.01}})").type, "AcceleratedSolver");
+  EXPECT_EQ(built(R"({"params": {"conservative": false}})").type, "AcceleratedSolver");
+  EXPECT_EQ(built("{}", {"water.solver.iterations=5"}).type, "SemiImplicitSolver");
+  const Error error = errorOf([] { built(R"({"type": "AcceleratedSolver", "params": {"iterations": 5}})"); });
+  EXPECT_CONTAINS(std::string(error.what()), "no parameter 'iterations'");
+}
+
+TEST(MovedParameters, IterationsAloneEndInTheBitsOfTheSolverThatIsNamed) {
+  EXPECT_EQ(endOf(R"({"params": {"iterations": 5}})"),
+            endOf(R"({"type": "SemiImplicitSolver", "params": {"iterations": 5}})"));
 }
 
 TEST(MovedParameters, BothWordingsEndInTheSameBits) {

@@ -24,7 +24,8 @@ constexpr const char* kGood = R"({
               "params": { "shape": "box", "min": [0.3, 0, 0], "max": [0.34, 0.2, 0.2] } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0, "bulk_modulus": 1e6 } }
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 0, "bulk_modulus": 1e6 },
+               "modules": { "solver": { "type": "SemiImplicitSolver" } } }
   },
   "links": [ "block.particles -> water.initial", "ball.particles -> water.initial",
              "nozzle.particles -> water.emitters", "wall.boundary -> tank.boundaries",

@@ -128,7 +128,8 @@ constexpr const char* kSplash = R"({
                 "params": { "position": [0.3, 0.4, 0.1], "width": 0.08, "height": 0.08, "speed": 2 } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 0.5, 0.2], "inverted": true } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 } }
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 },
+               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
   },
   "links": [ "block.particles -> water.initial", "nozzle.particles -> water.emitters",
              "tank.boundary -> water.boundaries" ]

@@ -38,7 +38,7 @@ constexpr const char* kScene = R"({"weir": 1,
     "room": {"type": "BoxMesh", "params": {"min": [0, 0, 0], "max": [0.2, 0.2, 0.12]}},
     "tank": {"type": "SemiAnalyticalSFI", "params": {"fill": "container"}},
     "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0},
-              "modules": {"walls": WALLS, "solver": {"params": {"tolerance": 0.01, "path_stages": 2}}}}},
+              "modules": {"walls": WALLS, "solver": {"type": "SemiImplicitSolver", "params": {"tolerance": 0.01, "path_stages": 2}}}}},
   "links": ["block.particles -> water.initial", "room.surface -> tank.solids", "water.fluid -> tank.fluid"]})";
 
 class WallFinderRole : public testing::Test {

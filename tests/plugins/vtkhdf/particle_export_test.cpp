@@ -78,7 +78,9 @@ class ParticleExportTest : public InFolder, public testing::WithParamInterface<s
 
   static std::string fluid(const std::string& name, const std::string& file) {
     return "\"file_" + name + "\": {\"type\": \"ParticleFile\", \"params\": {\"file\": \"" + file +
-           "\"}}, \"" + name + "\": {\"type\": \"ParticleFluid\", \"params\": {\"spacing\": 0.1}}";
+           "\"}}, \"" + name +
+           "\": {\"type\": \"ParticleFluid\", \"params\": {\"spacing\": 0.1}, "
+           "\"modules\": {\"solver\": {\"type\": \"SemiImplicitSolver\"}}}";
   }
   static std::string link(const std::string& name) {
     return "\"file_" + name + ".particles -> " + name + ".initial\"";
@@ -304,7 +306,8 @@ TEST(VtkHdfPlugin, ExportsFromTheCommandLine) {
   const std::string scene = folder.write("scene.json", R"({
       "weir": 1, "world": {"duration": 0.1, "frame_rate": 20},
       "nodes": {"file": {"type": "ParticleFile", "params": {"file": "p.csv"}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
+               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
       "links": ["file.particles -> water.initial"]})");
   ChildOptions options;
   options.folder = folder.path();
@@ -322,7 +325,8 @@ TEST(VtkHdfPlugin, AFullDiskEndsTheProgramWithAMessage) {
   const std::string scene = folder.write("scene.json", R"({
       "weir": 1, "world": {"duration": 0.2, "frame_rate": 100},
       "nodes": {"file": {"type": "ParticleFile", "params": {"file": "p.csv"}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
+               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
       "links": ["file.particles -> water.initial"]})");
   const std::string file = folder / "run.vtkhdf";
   ChildOptions options;
@@ -349,7 +353,8 @@ TEST(VtkHdfPlugin, ADiskThatIsFullBeforeTheFirstFrameGetsOneMessage) {
       "weir": 1, "world": {"duration": 0.1},
       "nodes": {"jet": {"type": "SquareEmitter",
                         "params": {"position": [0, 1, 0], "width": 0.5, "height": 0.5, "speed": 1}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
+               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
       "links": ["jet.particles -> water.emitters"]})");
   const std::string disk = folder / "disk", file = disk + "/run.vtkhdf";
   std::filesystem::create_directory(disk);

@@ -202,7 +202,7 @@ constexpr const char* kFilm = R"({"weir": 1,
               "params": {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 0.03], "slip": 1}},
     FLOOR,
     "honey": {"type": "ParticleFluid", "params": {"spacing": 0.01, "rest_steps": 1000},
-              "modules": {"viscosity": {"enabled": false},
+              "modules": {"solver": {"type": "SemiImplicitSolver"}, "viscosity": {"enabled": false},
                           "viscous": {"type": "ViscositySolver", "after": "walls"}}}},
   "links": ["film.particles -> honey.initial", "left.boundary -> honey.boundaries",
             "right.boundary -> honey.boundaries", LINKS]})";
