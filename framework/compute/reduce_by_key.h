@@ -80,12 +80,11 @@ struct TakeOfKey {
 /// reduceKernel() for every key, by `blocks` blocks each.
 template <class T, class F, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
-    reduceByKeyKernel(Count count, int blocks, T identity, const __grid_constant__ F f, Op op, T* partial) {
+    reduceByKeyKernel(Count count, int blocks, T value, const __grid_constant__ F f, Op op, T* partial) {
   waitForPriorKernel();
   constexpr std::int64_t kStride = std::int64_t{kReduceBlocks} * kCudaBlock;
   const std::int64_t n = count.get();
   const int block = static_cast<int>(blockIdx.x) % blocks;
-  T value = identity;
   const TakeOfKey<T, Op> take{static_cast<int>(blockIdx.x) / blocks, op, &value};
   for (std::int64_t i = std::int64_t{block} * kCudaBlock + threadIdx.x; i < n; i += kStride) f(i, take);
   value = reduceBlock(value, op);
@@ -95,9 +94,8 @@ __global__ void __launch_bounds__(kCudaBlock)
 /// reducePartialsKernel() for every key.
 template <class T, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
-    reducePartialsByKeyKernel(int blocks, T identity, Op op, const T* partial, T* results) {
+    reducePartialsByKeyKernel(int blocks, T value, Op op, const T* partial, T* results) {
   waitForPriorKernel();
-  T value = identity;
   const T* const ofKey = partial + std::int64_t{blockIdx.x} * blocks;
   for (int b = static_cast<int>(threadIdx.x); b < blocks; b += kCudaBlock) value = op(value, ofKey[b]);
   value = reduceBlock(value, op);

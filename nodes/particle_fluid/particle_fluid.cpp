@@ -25,17 +25,6 @@
 
 namespace weir {
 
-namespace {
-
-/// What needs forces on solids, as these come out as 0 there in large fluids (engineering/ranks.md).
-void refuseOnGpus(const Communicator* ranks, const Device& device, const std::string& what) {
-  if (ranks != nullptr && device.kind() == DeviceKind::kCuda)
-    throw sceneError(what + " cannot be on ranks on GPUs yet", {},
-                     "run without --ranks on one GPU, or with --ranks on the CPU");
-}
-
-}  // namespace
-
 ParticleFluid::ParticleFluid() {
   fluid->offer(*this);
   pipeline_.add<Predict>("predict");
@@ -214,9 +203,6 @@ void ParticleFluid::reset(const SetupContext& context) {
   divided_.reset();
   if (ranks_ != nullptr) divideInitial();
   checkPeriodic(context.device);
-  for (std::size_t i = 0; i < boundaries.size(); ++i)
-    if (boundaries[i].impulse != nullptr)
-      refuseOnGpus(ranks_, context.device, "a boundary that reports its forces");
   const double images = PeriodicImages::shareOf(period(), constants_.supportRadius);
   if (maxParticles_ > 0)
     state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_ * (1 + images)));
@@ -316,8 +302,6 @@ void ParticleFluid::appendInitial() {
 std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solids) {
   for (const auto& solid : solids)
     checkSolid(period(), solid->view(0, 0), constants_.supportRadius, "a solid of the fluid");
-  if (!solids.empty())
-    refuseOnGpus(ranks_, state_->particles.device(), "meshes that meet the fluid, and bodies,");
   const std::int64_t removed = carve(solids);
   for (const auto& solid : solids) {
     state_->walls.solids.push_back(solid.get());

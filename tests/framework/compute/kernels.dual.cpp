@@ -75,6 +75,20 @@ struct ElementOfKey {
   WEIR_HD float operator()(std::int64_t i) const { return keys[i] == key ? values[i] : 0.0f; }
 };
 
+struct SixTimes {
+  ArrayView<const float> values;
+  WEIR_HD SixSums operator()(std::int64_t i) const { return sixTimes(values[i]); }
+};
+
+struct SixTimesByKey {
+  ArrayView<const float> values;
+  ArrayView<const int> keys;
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t i, const Give& give) const {
+    if (keys[i] >= 0) give(keys[i], [&] { return sixTimes(values[i]); });
+  }
+};
+
 struct PointBox {
   ArrayView<const Vec3f> points;
   WEIR_HD Aabb operator()(std::int64_t i) const { return {points[i], points[i]}; }
@@ -153,6 +167,14 @@ void sumOfKey(Backend& device, Count count, ArrayView<const float> values, Array
 }
 
 template <class Backend>
+void sixSums(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys,
+             SixSums* all, ArrayView<SixSums> byKey) {
+  reduce(device, "sixSums", count, SixSums{}, SixTimes{values}, Plus{}, all);
+  reduceByKey(device, "sixSumsByKey", count, byKey.size, SixSums{}, SixTimesByKey{values, keys}, Plus{},
+              byKey.data);
+}
+
+template <class Backend>
 void boundingBox(Backend& device, Count count, ArrayView<const Vec3f> points, Aabb* result) {
   reduce(device, "boundingBox", count, Aabb{}, PointBox{points}, Union{}, result);
 }
@@ -177,6 +199,8 @@ template void sum(ThisBackend&, Count, ArrayView<const float>, float*);
 template void sum(ThisBackend&, Count, ArrayView<const int>, std::int64_t*);
 template void sumByKey(ThisBackend&, Count, ArrayView<const float>, ArrayView<const int>, ArrayView<float>);
 template void sumOfKey(ThisBackend&, Count, ArrayView<const float>, ArrayView<const int>, int, float*);
+template void sixSums(ThisBackend&, Count, ArrayView<const float>, ArrayView<const int>, SixSums*,
+                      ArrayView<SixSums>);
 template void boundingBox(ThisBackend&, Count, ArrayView<const Vec3f>, Aabb*);
 template void keepMultiples(ThisBackend&, Count, ArrayView<const int>, int, ArrayView<int>, int*);
 template void sortByCell(ThisBackend&, CellSort&, Count, int, ArrayView<const int>, int*);

@@ -3,6 +3,7 @@
 
 #include "framework/base/vec.h"
 #include "framework/compute/cell_sort.h"
+#include "framework/compute/exact_sum.h"
 #include "framework/compute/parallel.h"
 
 namespace weir::test {
@@ -42,6 +43,23 @@ void sumByKey(Backend& device, Count count, ArrayView<const float> values, Array
 template <class Backend>
 void sumOfKey(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys, int key,
               float* result);
+
+struct SixNumbers {
+  double numbers[6];
+};
+using SixSums = ExactSums<SixNumbers>;
+
+/// 1 to 6 times each value.
+WEIR_HD inline SixSums sixTimes(float value) {
+  SixNumbers times;
+  for (int k = 0; k < 6; ++k) times.numbers[k] = (k + 1) * double(value);
+  return {times, 1};
+}
+
+/// Results of more than 128 bytes: *all of the values, and byKey[k] of those whose keys are k.
+template <class Backend>
+void sixSums(Backend& device, Count count, ArrayView<const float> values, ArrayView<const int> keys,
+             SixSums* all, ArrayView<SixSums> byKey);
 
 /// The box around points; a result that is not a plain number.
 template <class Backend>

@@ -178,6 +178,29 @@ TEST_P(ParallelTest, ReduceByKeyHasTheBitsOfOneReduceForEachKey) {
   }
 }
 
+bool same(const SixSums& a, const SixSums& b) {
+  return std::memcmp(&a, &b, sizeof(SixSums)) == 0;  // which has no padding
+}
+
+TEST_P(ParallelTest, ResultsOfManyBytesAreReducedWhole) {
+  for (const int n : {1000, 70001, 600011}) {
+    const std::vector<float> values = randomFloats(n);
+    const std::vector<int> keys = randomInts(n, -1, 1);
+    SixSums expected;
+    std::vector<SixSums> expectedByKey(2);
+    for (int i = 0; i < n; ++i) {
+      expected += sixTimes(values[i]);
+      if (keys[i] >= 0) expectedByKey[keys[i]] += sixTimes(values[i]);
+    }
+    const Array<float> in(*device, values);
+    const Array<int> keyOf(*device, keys);
+    Array<SixSums> all(*device, 1), byKey(*device, 2);
+    dispatch(*device, [&](auto& d) { sixSums(d, n, in.view(), keyOf.view(), all.data(), byKey.view()); });
+    EXPECT_TRUE(same(all.toHost().front(), expected)) << n;
+    for (int k = 0; k < 2; ++k) EXPECT_TRUE(same(byKey.toHost()[k], expectedByKey[k])) << n << ", key " << k;
+  }
+}
+
 TEST_P(ParallelTest, ExclusiveScanMatchesTheLoop) {
   for (const int n : kSizes) {
     const std::vector<int> values = randomInts(n, -3, 1000);

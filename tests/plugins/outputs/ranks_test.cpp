@@ -177,24 +177,27 @@ TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
   expectSameForAnyNumber({"world.dt=0.002", "water.solver.record_objective=true"}, kFew);
 }
 
+/// Honey in a tank that reports forces, with a gauge of its flow.
+constexpr const char* kHoney = R"({
+  "weir": 1,
+  "world": { "dt": 0.004, "frame_rate": 30 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.3, 0.2] } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true,
+                          "friction": 0.1, "report_forces": true } },
+    "plane": { "type": "Gauge",
+               "params": { "shape": "plane", "position": [0.4, 0.2, 0.1], "normal": [1, 0, 0] } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
+               "modules": { "thick": { "type": "ViscositySolver", "after": "walls",
+                                       "params": { "viscosity": 2, "tolerance": 1e-4 } } } }
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+            "water.fluid -> plane.particles"]
+})";
+
 TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
-  scene_ = folder_.write("honey.json", R"({
-    "weir": 1,
-    "world": { "dt": 0.004, "frame_rate": 30 },
-    "nodes": {
-      "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.3, 0.2] } },
-      "tank": { "type": "StaticBoundary",
-                "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true,
-                            "friction": 0.1, "report_forces": true } },
-      "plane": { "type": "Gauge",
-                 "params": { "shape": "plane", "position": [0.4, 0.2, 0.1], "normal": [1, 0, 0] } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
-                 "modules": { "thick": { "type": "ViscositySolver", "after": "walls",
-                                         "params": { "viscosity": 2, "tolerance": 1e-4 } } } }
-    },
-    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
-              "water.fluid -> plane.particles"]
-  })");
+  scene_ = folder_.write("honey.json", kHoney);
   expectSameForAnyNumber({}, kFew);
   const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   const Value& nodes = *statistics.find("nodes");
@@ -213,26 +216,29 @@ TEST_F(RanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {
   EXPECT_LT(solid.find("force")->asArray()[1].asDouble(), 0);
 }
 
+/// A thin wall between two heights of water, on one of which a body floats.
+constexpr const char* kDivided = R"({
+  "weir": 1,
+  "world": { "dt": 0.004, "frame_rate": 50 },
+  "nodes": {
+    "left": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.29, 0.24, 0.24] } },
+    "right": { "type": "BoxSampler", "params": { "min": [0.31, 0, 0], "max": [0.6, 0.12, 0.24] } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [0.6, 1, 0.24], "inverted": true } },
+    "board": { "type": "BoxMesh", "params": { "min": [0.295, 0.04, -0.1], "max": [0.305, 0.5, 0.34] } },
+    "wall": { "type": "SemiAnalyticalSFI" },
+    "crate": { "type": "BoxMesh", "params": { "min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05] } },
+    "body": { "type": "RigidBody", "params": { "density": 400, "position": [0.15, 0.28, 0.12] } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
+  },
+  "links": ["left.particles -> water.initial", "right.particles -> water.initial",
+            "tank.boundary -> water.boundaries", "board.surface -> wall.solids", "water.fluid -> wall.fluid",
+            "crate.surface -> body.mesh", "water.fluid -> body.fluid", "tank.boundary -> body.walls"]
+})";
+
 TEST_F(RanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
   duration_ = "0.2";
-  scene_ = folder_.write("divided.json", R"({
-    "weir": 1,
-    "world": { "dt": 0.004, "frame_rate": 50 },
-    "nodes": {
-      "left": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.29, 0.24, 0.24] } },
-      "right": { "type": "BoxSampler", "params": { "min": [0.31, 0, 0], "max": [0.6, 0.12, 0.24] } },
-      "tank": { "type": "StaticBoundary",
-                "params": { "shape": "box", "min": [0, 0, 0], "max": [0.6, 1, 0.24], "inverted": true } },
-      "board": { "type": "BoxMesh", "params": { "min": [0.295, 0.04, -0.1], "max": [0.305, 0.5, 0.34] } },
-      "wall": { "type": "SemiAnalyticalSFI" },
-      "crate": { "type": "BoxMesh", "params": { "min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05] } },
-      "body": { "type": "RigidBody", "params": { "density": 400, "position": [0.15, 0.28, 0.12] } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
-    },
-    "links": ["left.particles -> water.initial", "right.particles -> water.initial",
-              "tank.boundary -> water.boundaries", "board.surface -> wall.solids", "water.fluid -> wall.fluid",
-              "crate.surface -> body.mesh", "water.fluid -> body.fluid", "tank.boundary -> body.walls"]
-  })");
+  scene_ = folder_.write("divided.json", kDivided);
   expectSameForAnyNumber({}, kFew);
   const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   EXPECT_GT(statistics.find("nodes")->find("body")->find("force")->asArray()[1].asDouble(), 0);
@@ -461,12 +467,25 @@ TEST_F(GpuRanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages
   expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
 }
 
-TEST_F(GpuRanksTest, MeshesAreRefusedWithWhatToDo) {
+TEST_F(GpuRanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
+  scene_ = folder_.write("honey.json", kHoney);
+  expectSameForAnyNumber({}, kFew);
+}
+
+TEST_F(GpuRanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {
   scene_ = folder_.write("stirred.json", kStateful);
-  const Outcome refused = run("refused", {}, {"--ranks", "2"});
-  EXPECT_EQ(refused.result.code, 3);
-  EXPECT_CONTAINS(refused.result.err,
-                  "meshes that meet the fluid, and bodies, cannot be on ranks on GPUs yet");
+  expectSameForAnyNumber({}, kFew);
+}
+
+TEST_F(GpuRanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
+  duration_ = "0.2";
+  scene_ = folder_.write("divided.json", kDivided);
+  expectSameForAnyNumber({}, kFew);
+}
+
+TEST_F(GpuRanksTest, ForcesOfMoreThan65536ParticlesOnARankAreTheSame) {
+  scene_ = resourcesFolder() + "/scenes/benchmark_sfi.json";
+  expectSameForAnyNumber({}, {"2", "3"});
 }
 
 TEST_F(RanksTest, MoreGpusThanThereAreAreRefused) {
