@@ -265,9 +265,11 @@ RunEnd RunCommand::runOnRanks() const {
   for (int rank = 0; rank < *ranks_; ++rank)
     scenes.push_back(rank == 0 ? program_.load(scene_, overrides()) : loadSilently());
   RunEnd end = RunEnd::kFailed;
+  std::vector<std::unique_ptr<Device>> devices(scenes.size());  // which outlive what ranks send each other
   runOnThreads(*ranks_, [&](Communicator& ranks) {
     const bool speaks = ranks.rank() == 0;
-    const std::unique_ptr<Device> device = openDeviceOf(ranks.rank(), ranks.size());
+    std::unique_ptr<Device>& device = devices[std::size_t(ranks.rank())];
+    device = openDeviceOf(ranks.rank(), ranks.size());
     Log silent;
     const RunEnd own = runScene(std::move(scenes[std::size_t(ranks.rank())]), *device,
                                 speaks ? program_.log() : silent, &ranks);

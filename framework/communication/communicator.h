@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/compute/parcel.h"
 
 namespace WEIR_API weir {
 
@@ -43,6 +44,11 @@ class Communicator {
   /// The next message of a rank to this one, in the order in which it posted them. Waits for it; throws
   /// RanksEnded if a rank has failed.
   virtual Message receive(int from) = 0;
+
+  /// The same for bytes on a device, for the device of the other rank. They go by way of the hosts, unless
+  /// the ranks share a process.
+  virtual void postParcel(int to, Parcel parcel) { post(to, parcel.toHost()); }
+  virtual Parcel receiveParcel(int from, Device& device);
 
   // All ranks take part in these.
   /// What each rank has given, by rank.

@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
@@ -18,6 +19,9 @@ namespace weir {
 
 namespace {
 
+/// In memory, or on a device.
+using Posted = std::variant<Message, Parcel>;
+
 /// What the ranks share.
 class Post {
  public:
@@ -26,15 +30,15 @@ class Post {
 
   int ranks() const { return ranks_; }
 
-  void put(int from, int to, Message message) {
+  void put(int from, int to, Posted message) {
     const std::lock_guard lock(mutex_);
     box(from, to).push_back(std::move(message));
     arrived_.notify_all();
   }
 
-  Message take(int from, int to) {
+  Posted take(int from, int to) {
     std::unique_lock lock(mutex_);
-    std::deque<Message>& messages = box(from, to);
+    std::deque<Posted>& messages = box(from, to);
     const auto isOver = [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; };
     if (!limit_)
       arrived_.wait(lock, isOver);
@@ -43,7 +47,7 @@ class Post {
     if (failed_) throw RanksEnded();
     const bool othersMakeTheSameCalls = !messages.empty();
     WEIR_CHECK(othersMakeTheSameCalls);
-    Message message = std::move(messages.front());
+    Posted message = std::move(messages.front());
     messages.pop_front();
     return message;
   }
@@ -76,7 +80,7 @@ class Post {
   }
 
  private:
-  std::deque<Message>& box(int from, int to) {
+  std::deque<Posted>& box(int from, int to) {
     const bool areRanks = from >= 0 && from < ranks_ && to >= 0 && to < ranks_;
     WEIR_CHECK(areRanks);
     return boxes_[std::size_t(to) * std::size_t(ranks_) + std::size_t(from)];
@@ -86,7 +90,7 @@ class Post {
   std::optional<std::chrono::duration<double>> limit_ = rankWaitLimit();
   std::mutex mutex_;  // of all below
   std::condition_variable arrived_;
-  std::vector<std::deque<Message>> boxes_;
+  std::vector<std::deque<Posted>> boxes_;
   std::vector<bool> ended_;
   std::exception_ptr failed_;
   int failedRank_ = 0;
@@ -100,7 +104,9 @@ class ThreadRank final : public Communicator {
   int size() const override { return post_.ranks(); }
   int sizeHere() const override { return post_.ranks(); }
   void post(int to, Message message) override { post_.put(rank_, to, std::move(message)); }
-  Message receive(int from) override { return post_.take(from, rank_); }
+  Message receive(int from) override { return std::get<Message>(post_.take(from, rank_)); }
+  void postParcel(int to, Parcel parcel) override { post_.put(rank_, to, std::move(parcel)); }
+  Parcel receiveParcel(int from, Device&) override { return std::get<Parcel>(post_.take(from, rank_)); }
 
  private:
   Post& post_;

@@ -96,6 +96,10 @@ std::unique_ptr<detail::Moment> detail::makeCudaMoment(CudaDevice&) {
   unreachable();
 }
 
+void detail::copyBetween(CudaDevice&, void*, const CudaDevice&, const void*, std::size_t) {
+  unreachable();
+}
+
 }  // namespace weir
 
 #endif

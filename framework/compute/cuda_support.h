@@ -20,5 +20,7 @@ CudaProbe probeCuda();
 std::unique_ptr<ReadbackSlot> makeCudaReadbackSlot(CudaDevice& device, std::size_t bytes);
 std::unique_ptr<HostCopyMemory> makeCudaHostCopyMemory(CudaDevice& device);
 std::unique_ptr<Moment> makeCudaMoment(CudaDevice& device);
+/// Copies in the order of the reader's work, directly where the two GPUs reach each other.
+void copyBetween(CudaDevice& reader, void* to, const CudaDevice& owner, const void* from, std::size_t bytes);
 
 }  // namespace weir::detail

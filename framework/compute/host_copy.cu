@@ -1,5 +1,7 @@
 #include <cuda_runtime.h>
 
+#include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -109,7 +111,7 @@ class CudaMoment final : public detail::Moment {
   // The device is at work for another thread: errors are the reader's.
   void letWait(Device& reader) override {
     const auto& cuda = static_cast<CudaDevice&>(reader);
-    makeCurrent(cuda);
+    cuda.check(cudaSetDevice(cuda.index()), "frame copy");
     cuda.check(cudaStreamWaitEvent(cuda.stream(), event_, 0), "frame copy");
   }
 
@@ -121,6 +123,21 @@ class CudaMoment final : public detail::Moment {
   cudaEvent_t event_ = nullptr;
 };
 
+/// Lets the current device read the memory of another one, if it can; otherwise copies go by way of the host.
+/// It holds for the process, and is asked for once for each pair.
+void letReach(const CudaDevice& reader, const CudaDevice& owner) {
+  static std::mutex mutex;
+  static std::set<std::pair<int, int>> asked;
+  const std::lock_guard lock(mutex);
+  if (!asked.emplace(reader.index(), owner.index()).second) return;
+  int can = 0;
+  reader.check(cudaDeviceCanAccessPeer(&can, reader.index(), owner.index()), "copy between devices");
+  if (can == 0) return;
+  const cudaError_t error = cudaDeviceEnablePeerAccess(owner.index(), 0);
+  static_cast<void>(cudaGetLastError());
+  if (error != cudaErrorPeerAccessAlreadyEnabled) reader.check(error, "copy between devices");
+}
+
 }  // namespace
 
 std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevice& device) {
@@ -129,6 +146,19 @@ std::unique_ptr<detail::HostCopyMemory> detail::makeCudaHostCopyMemory(CudaDevic
 
 std::unique_ptr<detail::Moment> detail::makeCudaMoment(CudaDevice& device) {
   return std::make_unique<CudaMoment>(device);
+}
+
+void detail::copyBetween(CudaDevice& reader, void* to, const CudaDevice& owner, const void* from,
+                         std::size_t bytes) {
+  reader.check(cudaSetDevice(reader.index()), "copy between devices");
+  const cudaStream_t stream = reader.stream();
+  if (reader.index() == owner.index()) {
+    reader.check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream), "copy between devices");
+    return;
+  }
+  letReach(reader, owner);
+  reader.check(cudaMemcpyPeerAsync(to, reader.index(), from, owner.index(), bytes, stream),
+               "copy between devices");
 }
 
 }  // namespace weir

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "framework/base/error.h"
 #include "framework/particles/pack_layout.h"
 
 namespace weir {
@@ -30,6 +31,13 @@ DividedParticles::DividedParticles(Communicator& ranks, ParticleSet& particles, 
       foundCount_(particles.device(), 1),
       owners_(particles.device()),
       buffer_(particles.device()) {}
+
+DividedParticles::~DividedParticles() {
+  try {
+    releaseParcels();
+  } catch (const Error&) {  // of the device, which whoever uses it next is told of
+  }
+}
 
 void DividedParticles::cut(const Aabb& box) {
   cutLayersOf(box, particles_.positions().toHost(particles_.refreshCount()), false);
@@ -95,17 +103,30 @@ void DividedParticles::appendOwn(ParticleSet& all) {
   particles_.refreshCount();
 }
 
-Message DividedParticles::packed(const PackLayout& layout, ArrayView<const int> indices) {
-  particles_.pack(layout, indices, buffer_);
-  return buffer_.toHost();
+Parcel DividedParticles::packed(const PackLayout& layout, ArrayView<const int> indices) {
+  Array<std::byte> bytes(particles_.device());
+  particles_.pack(layout, indices, bytes);
+  return Parcel(std::move(bytes));
 }
 
-ArrayView<const std::byte> DividedParticles::uploaded(const Message& message) {
-  buffer_.assign(message);
+const Parcel& DividedParticles::nextOf(int rank) {
+  return parcels_.emplace_back(ranks_.receiveParcel(rank, particles_.device()));
+}
+
+ArrayView<const std::byte> DividedParticles::unpackedOf(int rank) {
+  const Parcel& parcel = nextOf(rank);
+  buffer_.resizeDiscarding(parcel.size());
+  parcel.copyTo(particles_.device(), buffer_.data());
   return std::as_const(buffer_).view();
 }
 
+void DividedParticles::releaseParcels() {
+  particles_.device().synchronize();
+  parcels_.clear();
+}
+
 void DividedParticles::migrate() {
+  releaseParcels();
   const std::int64_t count = particles_.refreshCount();
   std::int64_t leaving = 0;
   if (count > 0) leaving = dispatch(particles_.device(), [&](auto& device) { return findLeavingOn(device); });
@@ -116,13 +137,13 @@ void DividedParticles::migrate() {
   for (int to = 0; to < ranks_.size(); ++to) {
     if (to == ranks_.rank()) continue;
     const Array<int> going(particles_.device(), byRank[std::size_t(to)]);
-    ranks_.post(to, packed(layout, going.view()));
+    ranks_.postParcel(to, packed(layout, going.view()));
   }
   if (leaving > 0) particles_.remove({found_.data(), leaving});
   particles_.dropHalo();
   particles_.refreshCount();
   for (int from = 0; from < ranks_.size(); ++from)
-    if (from != ranks_.rank()) particles_.appendPacked(layout, uploaded(ranks_.receive(from)));
+    if (from != ranks_.rank()) particles_.appendPacked(layout, unpackedOf(from));
   particles_.refreshCount();
 }
 
@@ -136,35 +157,37 @@ void DividedParticles::showHalo() {
     if (count > 0) {
       const std::int64_t shown =
           dispatch(particles_.device(), [&](auto& device) { return findShownOn(device, rank); });
-      neighbor.shown.assign(found_.toHost(shown));
+      neighbor.shown.resizeDiscarding(shown);
+      particles_.device().copy(neighbor.shown.data(), found_.data(), std::size_t(shown) * sizeof(int));
     }
-    ranks_.post(rank, packed(layout, neighbor.shown.view()));
+    ranks_.postParcel(rank, packed(layout, neighbor.shown.view()));
   }
   for (Neighbor& neighbor : neighbors_)
-    neighbor.halo = particles_.appendHalo(layout, uploaded(ranks_.receive(neighbor.rank)));
+    neighbor.halo = particles_.appendHalo(layout, unpackedOf(neighbor.rank));
 }
 
 void DividedParticles::refresh(std::initializer_list<std::string_view> attributes) {
   const PackLayout layout(particles_, attributes);
   for (const Neighbor& neighbor : neighbors_)
-    ranks_.post(neighbor.rank, packed(layout, neighbor.shown.view()));
+    ranks_.postParcel(neighbor.rank, packed(layout, neighbor.shown.view()));
   for (const Neighbor& neighbor : neighbors_)
-    particles_.refreshHalo(layout, uploaded(ranks_.receive(neighbor.rank)), neighbor.halo);
+    particles_.refreshHalo(layout, unpackedOf(neighbor.rank), neighbor.halo);
 }
 
 void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInOne) {
   Device& device = particles_.device();
   for (const Neighbor& neighbor : neighbors_) {
+    Array<std::byte> bytes(device);
     dispatch(device, [&](auto& backend) {
-      gatherWordsOn(backend, {words.data, words.size}, wordsInOne, neighbor.shown.view());
+      gatherWordsOn(backend, {words.data, words.size}, wordsInOne, neighbor.shown.view(), bytes);
     });
-    ranks_.post(neighbor.rank, buffer_.toHost());
+    ranks_.postParcel(neighbor.rank, Parcel(std::move(bytes)));
   }
   for (const Neighbor& neighbor : neighbors_) {
-    const Message message = ranks_.receive(neighbor.rank);
+    const Parcel& parcel = nextOf(neighbor.rank);
     std::uint32_t* const to = words.data + wordsInOne * (particles_.bound() + neighbor.halo.first);
-    WEIR_CHECK(std::ssize(message) == neighbor.halo.count * wordsInOne * std::int64_t{sizeof(*to)});
-    if (!message.empty()) device.upload(to, message.data(), message.size());
+    WEIR_CHECK(parcel.size() == neighbor.halo.count * wordsInOne * std::int64_t{sizeof(*to)});
+    parcel.copyTo(device, to);
   }
 }
 
@@ -173,10 +196,11 @@ void DividedParticles::gather(ParticleSet* all) {
   std::vector<int> indices(std::size_t(particles_.refreshCount()));
   std::iota(indices.begin(), indices.end(), 0);
   const Array<int> owned(particles_.device(), indices);
-  ranks_.post(0, packed(layout, owned.view()));
+  ranks_.postParcel(0, packed(layout, owned.view()));
   if (all == nullptr) return;
   addAttributes(layout, *all);
-  for (int from = 0; from < ranks_.size(); ++from) all->appendPacked(layout, uploaded(ranks_.receive(from)));
+  for (int from = 0; from < ranks_.size(); ++from) all->appendPacked(layout, unpackedOf(from));
+  releaseParcels();  // which are as large as all particles
   all->continueIdsFrom(particles_.nextId());
   all->refreshCount();
 }

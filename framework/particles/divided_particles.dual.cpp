@@ -78,15 +78,15 @@ std::int64_t DividedParticles::findShownOn(Backend& device, int rank) {
 
 template <class Backend>
 void DividedParticles::gatherWordsOn(Backend& device, ArrayView<const std::uint32_t> words, int wordsInOne,
-                                     ArrayView<const int> indices) {
-  buffer_.resizeDiscarding(indices.size * wordsInOne * std::int64_t{sizeof(std::uint32_t)});
+                                     ArrayView<const int> indices, Array<std::byte>& to) {
+  to.resizeDiscarding(indices.size * wordsInOne * std::int64_t{sizeof(std::uint32_t)});
   parallelFor(device, "pack", indices.size,
-              GatherWords{words, wordsInOne, indices, reinterpret_cast<std::uint32_t*>(buffer_.data())});
+              GatherWords{words, wordsInOne, indices, reinterpret_cast<std::uint32_t*>(to.data())});
 }
 
 template std::int64_t DividedParticles::findLeavingOn(ThisBackend&);
 template std::int64_t DividedParticles::findShownOn(ThisBackend&, int);
 template void DividedParticles::gatherWordsOn(ThisBackend&, ArrayView<const std::uint32_t>, int,
-                                              ArrayView<const int>);
+                                              ArrayView<const int>, Array<std::byte>&);
 
 }  // namespace weir

@@ -27,8 +27,10 @@ namespace WEIR_API weir {
 
 class DividedParticles {
  public:
-  /// Cells of that size, m; all particles belong to rank 0 at first.
+  /// Cells of that size, m; all particles belong to rank 0 at first. The devices of all ranks must outlive
+  /// those of all.
   DividedParticles(Communicator& ranks, ParticleSet& particles, float cellSize);
+  ~DividedParticles();
 
   Communicator& ranks() const { return ranks_; }
   const Slabs& slabs() const { return slabs_; }
@@ -78,9 +80,13 @@ class DividedParticles {
   void appendOwn(ParticleSet& all);
   void cutLayersOf(const Aabb& box, const std::vector<Vec3f>& positions, bool ofAllRanks);
   SlabsView onDevice() const;
-  Message packed(const PackLayout& layout, ArrayView<const int> indices);
-  /// On the device, until the next call.
-  ArrayView<const std::byte> uploaded(const Message& message);
+  Parcel packed(const PackLayout& layout, ArrayView<const int> indices);
+  /// The next parcel of a rank.
+  const Parcel& nextOf(int rank);
+  /// Its bytes on this rank's device, until the next call.
+  ArrayView<const std::byte> unpackedOf(int rank);
+  /// Gives the memory of all parcels that have come back to their senders.
+  void releaseParcels();
 
   // Both leave indices in `found_`; how many is returned, once the device has told.
   template <class Backend>
@@ -89,7 +95,7 @@ class DividedParticles {
   std::int64_t findShownOn(Backend& device, int rank);
   template <class Backend>
   void gatherWordsOn(Backend& device, ArrayView<const std::uint32_t> words, int wordsInOne,
-                     ArrayView<const int> indices);
+                     ArrayView<const int> indices, Array<std::byte>& to);
 
   Communicator& ranks_;
   ParticleSet& particles_;
@@ -97,6 +103,7 @@ class DividedParticles {
   Array<int> cuts_;  // of the slabs, on the device
   Array<int> found_, foundCount_, owners_;
   Array<std::byte> buffer_;
+  std::vector<Parcel> parcels_;  // which the device may still be reading
   std::vector<Neighbor> neighbors_;
 };
 
