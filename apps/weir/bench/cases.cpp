@@ -13,10 +13,11 @@ namespace {
 // has half as many neighbours again as with the packing, the default.
 constexpr const char* kLattice = "water.calibration=lattice";
 
-BenchCase damBreak(std::string name, std::string about, std::vector<std::string> set, StepPasses passes) {
+BenchCase damBreak(std::string name, std::string about, std::vector<std::string> set,
+                   std::optional<StepPasses> passes, std::string scene = "benchmark_dam_break.json") {
   return {.name = std::move(name),
           .about = std::move(about),
-          .scene = "benchmark_dam_break.json",
+          .scene = std::move(scene),
           .set = std::move(set),
           .hasSizes = true,
           .isClosed = true,
@@ -28,13 +29,17 @@ BenchCase damBreak(std::string name, std::string about, std::vector<std::string>
 std::vector<BenchCase> benchCases() {
   return {
       damBreak("dam-inviscid", "a cube of water collapses; no viscosity",
-               {kLattice, "water.viscosity.enabled=false"}, {.viscositySweeps = 0}),
-      damBreak("dam", "the same with one sweep of XSPH", {kLattice}, {}),
+               {kLattice, "water.viscosity.enabled=false"}, StepPasses{.viscositySweeps = 0}),
+      damBreak("dam", "the same with one sweep of XSPH", {kLattice}, StepPasses{}),
       damBreak("dam-3-sweeps", "the same with three sweeps of XSPH (its implicit form)",
-               {kLattice, "water.viscosity.form=implicit"}, {.viscositySweeps = 3}),
+               {kLattice, "water.viscosity.form=implicit"}, StepPasses{.viscositySweeps = 3}),
       damBreak("dam-pbf", "as dam, but position based fluids in place of the solver",
-               {kLattice, "water.solver.type=Pbf"}, {}),
-      damBreak("dam-packing", "as dam, but with the default calibration, which has fewer neighbours", {}, {}),
+               {kLattice, "water.solver.type=Pbf"}, StepPasses{}),
+      damBreak("dam-packing", "as dam, but with the default calibration, which has fewer neighbours", {},
+               StepPasses{}),
+      damBreak("dam-default",
+               "with the solver and neighbours of the defaults: to a compression of 0.1 %, at 2 spacings", {},
+               {}, "benchmark_defaults.json"),
       {.name = "emitter",
        .about = "a nozzle has poured half a million particles into the tank, and goes on",
        .scene = "benchmark_emitter.json",

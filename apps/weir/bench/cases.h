@@ -41,7 +41,7 @@ std::vector<BlockSize> blockSizes();
 /// nearest to a cube: its base is a square, and its height takes up the rest.
 BlockSize blockOf(std::int64_t particles);
 
-/// What makes the cube of benchmark_dam_break.json, 0.81 m wide, of that many particles.
+/// What makes the cube of a dam break, 0.81 m wide, of that many particles.
 std::vector<std::string> settingsOf(const BlockSize& size);
 
 /// The text of a file of resources/scenes that a case names; it is part of the program.
