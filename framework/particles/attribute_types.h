@@ -133,7 +133,8 @@ struct AttributeInfo {
   AttributeType type = AttributeType::kFloat;
   std::string unit;
   std::string doc;
-  bool derived = false;  ///< made anew for every frame, so it does not travel with its particle in between
+  bool derived = false;   ///< made anew for every frame, so it does not travel with its particle in between
+  bool internal = false;  ///< means nothing between steps, so it is neither shown nor exported nor saved
 };
 
 }  // namespace weir

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include "framework/base/error.h"
 #include "framework/particles/pack_layout.h"
@@ -8,11 +11,13 @@
 
 namespace weir {
 
+using detail::PackedColumns;
+
 /// The columns of a layout, as many at a time as a launch takes. f(columns)
 template <class F>
 void ParticleSet::forEachPacked(const PackLayout& layout, std::uint32_t* buffer, std::int64_t particles,
                                 const F& f) {
-  detail::PackedColumns columns;
+  PackedColumns columns;
   for (const AttributeInfo& info : layout.attributes()) {
     const Storage found = storage(info.name);
     if (found == nullptr || found->info().type != info.type)
@@ -22,7 +27,7 @@ void ParticleSet::forEachPacked(const PackLayout& layout, std::uint32_t* buffer,
     const auto [words, wordsInOne] = found->words();
     columns.all[columns.used++] = {words.data, buffer, wordsInOne};
     buffer += particles * wordsInOne;
-    if (columns.used < detail::PackedColumns::kMax) continue;
+    if (columns.used < PackedColumns::kMax) continue;
     f(columns);
     columns.used = 0;
   }
@@ -112,12 +117,34 @@ void ParticleSet::dropHalo() {
   if (halo_ > 0) rearrange();
 }
 
-void ParticleSet::remove(ArrayView<const int> indices) {
-  if (indices.size == 0) return;
-  const std::int64_t n = bound_;
-  const Lease<Vec4f> room = leaseUnordered((2 * n + 3) / 4);
-  int* const here = reinterpret_cast<int*>(room.data());
-  dispatch(*device_, [&](auto& device) { removeOn(device, indices, {here, n}, {here + n, n}); });
+void ParticleSet::remove(std::vector<int> indices) {
+  if (indices.empty()) return;
+  std::sort(indices.begin(), indices.end());
+  const auto all = static_cast<int>(refreshCount()), kept = all - static_cast<int>(indices.size());
+  const auto behind = std::lower_bound(indices.begin(), indices.end(), kept);
+  const Array<int> to(*device_, std::vector<int>(indices.begin(), behind));
+  std::vector<int> last(std::size_t(all - kept));
+  std::iota(last.begin(), last.end(), kept);
+  std::vector<int> staying;
+  std::set_difference(last.begin(), last.end(), behind, indices.end(), std::back_inserter(staying));
+  const Array<int> from(*device_, staying);
+
+  settle();
+  rearrange();
+  PackedColumns columns;
+  const auto move = [&] {
+    dispatch(*device_, [&](auto& device) { moveOn(device, columns, from.view(), to.view()); });
+    columns.used = 0;
+  };
+  for (const Storage& storage : storages_) {
+    if (storage->info().derived) continue;
+    const auto [words, wordsInOne] = storage->words();
+    columns.all[columns.used++] = {words.data, nullptr, wordsInOne};
+    if (columns.used == PackedColumns::kMax) move();
+  }
+  if (columns.used > 0) move();
+  bound_ = kept;
+  device_->upload(counter_.data(), &kept, sizeof(kept));
 }
 
 }  // namespace weir

@@ -38,15 +38,18 @@ struct Unpack {
   }
 };
 
-struct Mark {
-  ArrayView<const int> indices;
-  ArrayView<int> marks;
-  WEIR_HD void operator()(std::int64_t k) const { marks[indices[k]] = 1; }
-};
+struct Move {
+  PackedColumns columns;
+  ArrayView<const int> from, to;
 
-struct IsUnmarked {
-  ArrayView<const int> marks;
-  WEIR_HD bool operator()(std::int64_t i) const { return marks[i] == 0; }
+  WEIR_HD void operator()(std::int64_t k) const {
+    const std::int64_t i = from[k], j = to[k];
+    for (int c = 0; c < columns.used; ++c) {
+      const PackedColumns::Column& column = columns.all[c];
+      for (int w = 0; w < column.words; ++w)
+        column.elements[j * column.words + w] = column.elements[i * column.words + w];
+    }
+  }
 };
 
 }  // namespace
@@ -63,16 +66,14 @@ void ParticleSet::unpackOn(Backend& device, const PackedColumns& columns, std::i
 }
 
 template <class Backend>
-void ParticleSet::removeOn(Backend& device, ArrayView<const int> indices, ArrayView<int> marks,
-                           ArrayView<int> order) {
-  device.fillBytes(marks.data, 0, static_cast<std::size_t>(marks.size) * sizeof(int));
-  parallelFor(device, "mark", indices.size, Mark{indices, marks});
-  compact(device, "stay", count(), IsUnmarked{marks}, order, counter_.data());
-  permuteOn(device, order);
+void ParticleSet::moveOn(Backend& device, const PackedColumns& columns, ArrayView<const int> from,
+                         ArrayView<const int> to) {
+  parallelFor(device, "fill places", from.size, Move{columns, from, to});
 }
 
 template void ParticleSet::packOn(ThisBackend&, const PackedColumns&, ArrayView<const int>);
 template void ParticleSet::unpackOn(ThisBackend&, const PackedColumns&, std::int64_t, const Count&);
-template void ParticleSet::removeOn(ThisBackend&, ArrayView<const int>, ArrayView<int>, ArrayView<int>);
+template void ParticleSet::moveOn(ThisBackend&, const PackedColumns&, ArrayView<const int>,
+                                  ArrayView<const int>);
 
 }  // namespace weir

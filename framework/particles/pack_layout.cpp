@@ -7,7 +7,7 @@
 namespace weir {
 
 PackLayout::PackLayout(const ParticleSet& particles) {
-  for (const AttributeInfo& info : particles.attributes())
+  for (const AttributeInfo& info : particles.allAttributes())
     if (!info.derived) add(info);
 }
 
@@ -19,7 +19,7 @@ PackLayout::PackLayout(const ParticleSet& particles, std::initializer_list<std::
       continue;
     }
     std::vector<std::string> known;
-    for (const AttributeInfo& attribute : particles.attributes()) known.push_back(attribute.name);
+    for (const AttributeInfo& attribute : particles.allAttributes()) known.push_back(attribute.name);
     throw simulationError(
         "the particles have no attribute " + inQuotes(std::string(name)) + " that others could be told of",
         joinNames(known), didYouMean(std::string(name), known));

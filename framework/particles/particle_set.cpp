@@ -96,6 +96,12 @@ const AttributeInfo* ParticleSet::find(std::string_view name) const {
 }
 
 std::vector<AttributeInfo> ParticleSet::attributes() const {
+  std::vector<AttributeInfo> shown = allAttributes();
+  std::erase_if(shown, [](const AttributeInfo& info) { return info.internal; });
+  return shown;
+}
+
+std::vector<AttributeInfo> ParticleSet::allAttributes() const {
   std::vector<AttributeInfo> infos;
   for (const auto& storage : storages_) infos.push_back(storage->info());
   return infos;
@@ -253,7 +259,8 @@ void ParticleSet::save(const StateWriter& to) const {
   position_->settle();
   to.put("count", bound_);
   to.put("next_id", nextId_);
-  for (const auto& storage : storages_) storage->save(to, bound_);
+  for (const auto& storage : storages_)
+    if (!storage->info().internal) storage->save(to, bound_);
 }
 
 void ParticleSet::restore(const StateReader& from) {
@@ -264,7 +271,8 @@ void ParticleSet::restore(const StateReader& from) {
   makeRoom(bound_);
   const int count = static_cast<int>(bound_);
   device_->upload(counter_.data(), &count, sizeof(int));
-  for (const auto& storage : storages_) storage->restore(from);
+  for (const auto& storage : storages_)
+    if (!storage->info().internal) storage->restore(from);
 }
 
 }  // namespace weir

@@ -111,7 +111,10 @@ class ParticleSet {
     return handleOf<T>(storage(name));
   }
   const AttributeInfo* find(std::string_view name) const;
+  /// What is shown, exported and saved.
   std::vector<AttributeInfo> attributes() const;
+  /// The same and the internal ones.
+  std::vector<AttributeInfo> allAttributes() const;
 
   Attribute<Vec3f> positions() { return handleOf<Vec3f>(position_); }
   Attribute<Vec3f> velocities() { return handleOf<Vec3f>(velocity_); }
@@ -184,9 +187,9 @@ class ParticleSet {
   /// the order in which they came (a simulation Error if they are not as many).
   void refreshHalo(const PackLayout& layout, ArrayView<const std::byte> from, const HaloRange& range);
   void dropHalo();
-  /// Takes out owned particles, as those that have migrated; `indices` are on the device, in any order, each
-  /// once. The others keep their order. The host counts all until the next refreshCount().
-  void remove(ArrayView<const int> indices);
+  /// Takes out owned particles, as those that have migrated; `indices` are in any order, each once. The last
+  /// ones take their places.
+  void remove(std::vector<int> indices);
 
   /// All particles in their order, with all attributes that the set has at the time.
   void save(const StateWriter& to) const;
@@ -215,7 +218,8 @@ class ParticleSet {
   template <class Backend>
   void countMoreOn(Backend& device, const Count& amount);
   template <class Backend>
-  void removeOn(Backend& device, ArrayView<const int> indices, ArrayView<int> marks, ArrayView<int> order);
+  void moveOn(Backend& device, const detail::PackedColumns& columns, ArrayView<const int> from,
+              ArrayView<const int> to);
 
   template <class F>
   void forEachPacked(const PackLayout& layout, std::uint32_t* buffer, std::int64_t particles, const F& f);

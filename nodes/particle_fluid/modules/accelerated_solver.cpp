@@ -62,9 +62,12 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
   directions_.release();
-  carried_ = carries() ? fluid.particles.add<Vec3f>({"displacement", AttributeType::kVec3, "m",
-                                                     "By pressure and walls, at the last search in a step."})
-                       : Attribute<Vec3f>();
+  carried_ = carries()
+                 ? fluid.particles.add<Vec3f>({.name = "displacement",
+                                               .unit = "m",
+                                               .doc = "By pressure and walls, at the last search in a step.",
+                                               .internal = true})
+                 : Attribute<Vec3f>();
 }
 
 void AcceleratedSolver::warn(const FluidOutlook& outlook) const {

@@ -164,7 +164,7 @@ class HaloTest : public OnDevice {
         if (m == k) continue;
         const Array<int> leaving = parts[k].within(parts.cuts[m], parts.cuts[m + 1]);
         from.pack(layout, leaving.view(), message);
-        from.remove(leaving.view());
+        from.remove(leaving.toHost());
         moved += int(leaving.size());
       }
     }

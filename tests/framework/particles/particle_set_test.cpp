@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/particles/pack_layout.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 
@@ -115,6 +116,26 @@ TEST_P(ParticleSetTest, RefusesCheckpointsWithIdsOf32Bits) {
   const Error error = errorOf([&] { particles.restore(StateReader(arrays)); });
   EXPECT_EQ(error.kind(), ErrorKind::kIo);
   EXPECT_CONTAINS(error.message(), "'id' is not what this program would write");
+}
+
+TEST_P(ParticleSetTest, WhatIsInternalTravelsAndIsNeitherShownNorSaved) {
+  ParticleSet particles(*device);
+  ParticleBatch batch;
+  batch.assign(*device, std::vector<Vec3f>(2), Vec3f{});
+  particles.append(batch);
+  const Attribute<float> way = particles.add<float>({.name = "way", .internal = true});
+  way.assign(std::vector<float>{1, 2});
+  const Array<int> order(*device, std::vector<int>{1, 0});
+  particles.permute(order.view());
+  EXPECT_EQ(way.toHost(2), (std::vector<float>{2, 1}));
+  EXPECT_EQ(particles.attributes().size(), 3u);  // position, velocity, id
+  EXPECT_EQ(particles.allAttributes().back().name, "way");
+  EXPECT_EQ(PackLayout(particles).attributes().back().name, "way");
+  StateArrays arrays;
+  particles.save(StateWriter(arrays));
+  EXPECT_FALSE(arrays.contains("way"));
+  particles.restore(StateReader(arrays));
+  EXPECT_EQ(particles.bound(), 2);
 }
 
 /// Particles with an attribute: the heat of particle i is `heat` + i.
