@@ -206,7 +206,7 @@ def test_close(sim, scene):
 def test_changes_that_take_a_reset(sim, scene):
     sim.step()
     scene.world.gravity = (0, 0, 0)
-    scene.water.modules["solver"].iterations = 5
+    scene.water.modules["solver"].max_iterations = 500
     sim.step()
     scene.water.spacing = 0.08
     with pytest.raises(weir.Error, match="water.spacing") as caught:

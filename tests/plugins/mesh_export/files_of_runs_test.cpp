@@ -16,8 +16,7 @@ constexpr const char* kScene = R"({
   "world": { "gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 50, "duration": 0.04 },
   "nodes": {
     "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.1, 0.1, 0.1], "velocity": [1, 0, 0] } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}},
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 } },
     "skin": { "type": "FluidSurface" }
   },
   "links": ["block.particles -> water.initial", "water.fluid -> skin.fluid"]

@@ -14,8 +14,7 @@ namespace {
 constexpr const char* kScene = R"({"weir": 1,
   "world": {"dt": 0.005, "frame_rate": 50, "duration": 0.06},
   "nodes": {"block": {"type": "BoxSampler", "params": {"min": [0.1, -0.2, 0.3], "max": [0.3, 0, 0.4]}},
-            "water": {"type": "ParticleFluid", "params": {"spacing": 0.02},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+            "water": {"type": "ParticleFluid", "params": {"spacing": 0.02}}},
   "links": ["block.particles -> water.initial"]})";
 
 class VolumeExportTest : public testing::Test {

@@ -13,7 +13,7 @@ constexpr const char* kTagged = R"({
   "nodes": {
     "block": { "type": "BoxSampler", "params": { "min": [-0.3, 0, -0.3], "max": [0.3, 0.5, 0.3] } },
     "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 },
-               "modules": { "solver": {"type": "SemiImplicitSolver"}, "tag": { "type": "Tagger", "after": "boundary" } } } },
+               "modules": { "tag": { "type": "Tagger", "after": "boundary" } } } },
   "links": [ "block.particles -> water.initial" ]
 })";
 

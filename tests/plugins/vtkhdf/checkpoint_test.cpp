@@ -105,8 +105,7 @@ TEST_F(CheckpointOfRun, HoldsTheStatesOfAPluginsNode) {
           "walls": {"type": "SemiAnalyticalSFI", "params": {"fill": "container"}},
           "board": {"type": "BoxMesh", "params": {"min": [-0.06, 0, 0], "max": [0, 0.3, 0.2]}},
           "paddle": {"type": "WavePaddle", "params": {"stroke": 0.2, "period": 0.5, "ramp": 0}},
-          "water": {"type": "ParticleFluid", "params": {"spacing": 0.03},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+          "water": {"type": "ParticleFluid", "params": {"spacing": 0.03}}},
         "links": ["block.particles -> water.initial", "room.surface -> walls.solids", "water.fluid -> walls.fluid",
                   "board.surface -> paddle.solids", "water.fluid -> paddle.fluid"]})");
   folder_.write("scene.json", readFile(file));
@@ -212,8 +211,7 @@ TEST_F(CheckpointOfRun, IsRefusedWhereAFileThatTheSceneReadsHasChanged) {
     "nodes": {"drops": {"type": "ParticleFile", "params": {"file": "drops.csv"}},
               "solid": {"type": "MeshFile", "params": {"file": "mesh.ply"}},
               "wall": {"type": "StaticBoundary", "params": {"inverted": true}},
-              "water": {"type": "ParticleFluid", "params": {"spacing": 0.05},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+              "water": {"type": "ParticleFluid", "params": {"spacing": 0.05}}},
     "links": ["drops.particles -> water.initial", "solid.surface -> wall.meshes",
               "wall.boundary -> water.boundaries"]})");
   const ChildResult first =

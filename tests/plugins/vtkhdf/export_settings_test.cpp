@@ -56,8 +56,7 @@ TEST(ExportSettings, ChooseFrames) {
 constexpr const char* kScene = R"({"weir": 1,
   "world": {"dt": 0.005, "frame_rate": 50, "duration": 0.2},
   "nodes": {"block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.1, 0.1, 0.1], "jitter": 0.1}},
-            "water": {"type": "ParticleFluid", "params": {"spacing": 0.02},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+            "water": {"type": "ParticleFluid", "params": {"spacing": 0.02}}},
   "links": ["block.particles -> water.initial"]})";
 
 class ExportOfRun : public testing::Test {
@@ -126,8 +125,7 @@ TEST_F(ExportOfRun, IsReadAtATime) {
     const std::string text =
         R"({"weir": 1, "world": {"dt": 0.005, "frame_rate": 50, "duration": 0.2},
             "nodes": {"file": {"type": "ParticleFile", "params": {"file": "run.vtkhdf", "time": )" +
-        time + R"(}}, "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+        time + R"(}}, "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0}}},
             "links": ["file.particles -> water.initial"]})";
     return runWeir({"run", folder.write("from.json", text), "--device", "cpu", "--frames", "0", "--export",
                     folder / "from.vtkhdf"});

@@ -16,8 +16,7 @@ constexpr const char* kScene = R"({"weir": 1, "title": "A drop",
   "world": {"dt": 0.005, "frame_rate": 100, "duration": 0.05},
   "nodes": {
     "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.2, 0.2]}},
-    "water": {"type": "ParticleFluid", "params": {"spacing": 0.05},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.05}},
     "skin": {"type": "FluidSurface", "params": {"cell_size": 1}}},
   "links": ["block.particles -> water.initial", "water.fluid -> skin.fluid"]})";
 

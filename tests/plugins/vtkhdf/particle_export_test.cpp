@@ -78,9 +78,7 @@ class ParticleExportTest : public InFolder, public testing::WithParamInterface<s
 
   static std::string fluid(const std::string& name, const std::string& file) {
     return "\"file_" + name + "\": {\"type\": \"ParticleFile\", \"params\": {\"file\": \"" + file +
-           "\"}}, \"" + name +
-           "\": {\"type\": \"ParticleFluid\", \"params\": {\"spacing\": 0.1}, "
-           "\"modules\": {\"solver\": {\"type\": \"SemiImplicitSolver\"}}}";
+           "\"}}, \"" + name + "\": {\"type\": \"ParticleFluid\", \"params\": {\"spacing\": 0.1}}";
   }
   static std::string link(const std::string& name) {
     return "\"file_" + name + ".particles -> " + name + ".initial\"";
@@ -306,8 +304,7 @@ TEST(VtkHdfPlugin, ExportsFromTheCommandLine) {
   const std::string scene = folder.write("scene.json", R"({
       "weir": 1, "world": {"duration": 0.1, "frame_rate": 20},
       "nodes": {"file": {"type": "ParticleFile", "params": {"file": "p.csv"}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
       "links": ["file.particles -> water.initial"]})");
   ChildOptions options;
   options.folder = folder.path();
@@ -325,8 +322,7 @@ TEST(VtkHdfPlugin, AFullDiskEndsTheProgramWithAMessage) {
   const std::string scene = folder.write("scene.json", R"({
       "weir": 1, "world": {"duration": 0.2, "frame_rate": 100},
       "nodes": {"file": {"type": "ParticleFile", "params": {"file": "p.csv"}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
       "links": ["file.particles -> water.initial"]})");
   const std::string file = folder / "run.vtkhdf";
   ChildOptions options;
@@ -353,8 +349,7 @@ TEST(VtkHdfPlugin, ADiskThatIsFullBeforeTheFirstFrameGetsOneMessage) {
       "weir": 1, "world": {"duration": 0.1},
       "nodes": {"jet": {"type": "SquareEmitter",
                         "params": {"position": [0, 1, 0], "width": 0.5, "height": 0.5, "speed": 1}},
-                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1},
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}},
+                "water": {"type": "ParticleFluid", "params": {"spacing": 0.1}}},
       "links": ["jet.particles -> water.emitters"]})");
   const std::string disk = folder / "disk", file = disk + "/run.vtkhdf";
   std::filesystem::create_directory(disk);

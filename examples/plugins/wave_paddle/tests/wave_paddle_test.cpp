@@ -24,8 +24,7 @@ constexpr const char* kScene = R"({
     "tank": { "type": "SemiAnalyticalSFI", "params": { "fill": "container" } },
     "board": { "type": "BoxMesh", "params": { "min": [-0.06, -0.02, -0.02], "max": [0, 0.5, 0.17] } },
     "paddle": { "type": "WavePaddle", "params": { "stroke": 0.1, "period": 0.5, "ramp": 0.2, ACCELERATION } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 } }
   },
   "links": ["block.particles -> water.initial", "water.fluid -> tank.fluid", "walls.surface -> tank.solids",
             "water.fluid -> paddle.fluid", "board.surface -> paddle.solids"]

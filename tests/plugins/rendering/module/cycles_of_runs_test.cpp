@@ -18,8 +18,7 @@ constexpr const char* kScene = R"({
   "world": { "dt": 0.005, "duration": 0.04, "frame_rate": 50, "gravity": [0, 0, 0] },
   "nodes": {
     "ball": { "type": "SphereSampler", "params": { "center": [0, 0.5, 0], "radius": 0.1 } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
   },
   "links": [ "ball.particles -> water.initial" ],
   "render": { "width": 48, "height": 32, "overlay": false, "fluids": [ { "node": "water" } ] }

@@ -20,8 +20,7 @@ constexpr const char* kBall = R"({
   "world": { "dt": 0.005, "duration": 0.02, "frame_rate": 50, "gravity": [0, 0, 0] },
   "nodes": {
     "ball": { "type": "SphereSampler", "params": { "center": [0, 0.5, 0], "radius": 0.2 } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 } }
     NODES
   },
   "links": [ "ball.particles -> water.initial" LINKS ],

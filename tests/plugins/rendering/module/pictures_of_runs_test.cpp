@@ -20,8 +20,7 @@ constexpr const char* kFallingCube = R"({
   "nodes": {
     "block": { "type": "BoxSampler", "params": { "min": [0, 0.3, 0], "max": [0.2, 0.5, 0.2] } },
     "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.02 } }
   },
   "links": [ "block.particles -> water.initial", "floor.boundary -> water.boundaries" ],
   "render": { "width": 320, "height": 180 }
@@ -293,8 +292,7 @@ std::string plateScene(const std::string& plate, const std::string& motion) {
          plate + R"( } },
       "motion": { "type": "SemiAnalyticalSFI", "params": { )" +
          motion + R"( } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.05 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.05 } }
     },
     "links": [ "block.particles -> water.initial", "water.fluid -> motion.fluid",
                "plate.surface -> motion.solids" ],

@@ -15,8 +15,7 @@ class VideoSettingsOfRuns : public testing::Test {
     "world": { "dt": 0.005, "duration": 0.1, "frame_rate": 50, "gravity": [0, 0, 0] },
     "nodes": {
       "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.2, 0.2, 0.2] } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.05 },
-               "modules": {"solver": {"type": "SemiImplicitSolver"}}}
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.05 } }
     },
     "links": [ "block.particles -> water.initial" ],
     "render": { "width": 128, "height": 72 }
