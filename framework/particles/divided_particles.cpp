@@ -1,6 +1,7 @@
 #include "framework/particles/divided_particles.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <utility>
 
@@ -13,6 +14,13 @@ namespace {
 
 /// More layers than this are not told apart: the outermost ones hold what is beyond.
 constexpr std::int64_t kMaxLayers = 1 << 16;
+
+/// A power of two, unless that is much: what is sent differs in size from step to step, and so finds memory
+/// that has come back.
+std::int64_t roomFor(std::int64_t bytes) {
+  constexpr std::int64_t kMuch = std::int64_t{1} << 26;
+  return bytes > kMuch ? bytes : std::int64_t(std::bit_ceil(std::uint64_t(bytes)));
+}
 
 void addAttributes(const PackLayout& layout, ParticleSet& to) {
   for (const AttributeInfo& info : layout.attributes())
@@ -107,6 +115,7 @@ void DividedParticles::appendOwn(ParticleSet& all) {
 
 Parcel DividedParticles::packed(const PackLayout& layout, ArrayView<const int> indices) {
   Array<std::byte> bytes(particles_.device());
+  bytes.reserveDiscarding(roomFor(layout.bytesOf(indices.size)));
   particles_.pack(layout, indices, bytes);
   return Parcel(std::move(bytes));
 }
@@ -159,6 +168,7 @@ void DividedParticles::showHalo() {
     if (count > 0) {
       const std::int64_t shown =
           dispatch(particles_.device(), [&](auto& device) { return findShownOn(device, rank); });
+      neighbor.shown.reserveDiscarding(roomFor(shown));
       neighbor.shown.resizeDiscarding(shown);
       particles_.device().copy(neighbor.shown.data(), found_.data(), std::size_t(shown) * sizeof(int));
     }
@@ -180,6 +190,8 @@ void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInO
   Device& device = particles_.device();
   for (const Neighbor& neighbor : neighbors_) {
     Array<std::byte> bytes(device);
+    bytes.reserveDiscarding(
+        roomFor(neighbor.shown.size() * wordsInOne * std::int64_t{sizeof(std::uint32_t)}));
     dispatch(device, [&](auto& backend) {
       gatherWordsOn(backend, {words.data, words.size}, wordsInOne, neighbor.shown.view(), bytes);
     });
