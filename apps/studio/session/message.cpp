@@ -71,6 +71,11 @@ std::int64_t wholeMember(const Value& message, std::string_view name, std::int64
   return v.asInt();
 }
 
+std::optional<std::int64_t> frameMember(const Value& message) {
+  if (message.find("frame") == nullptr) return std::nullopt;
+  return wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
+}
+
 bool switchMember(const Value& message, std::string_view name) {
   const Value& v = member(message, name);
   if (!v.isBool()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "true or false");

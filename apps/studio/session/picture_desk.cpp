@@ -206,6 +206,11 @@ void PictureDesk::leave() {
   renderer_.reset();
 }
 
+void PictureDesk::settle() {
+  Lock lock(mutex_);
+  idle_.wait(lock, [this] { return !busy_ && nextRequest() == requests_.end(); });
+}
+
 void PictureDesk::fail(const Error& problem, Lock& lock) {
   idle_.wait(lock, [this] { return !busy_; });
   for (const auto& [client, request] : requests_) request.done({.problem = problem});

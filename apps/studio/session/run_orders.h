@@ -18,6 +18,7 @@ struct RunOrders {
   struct Load {
     std::unique_ptr<Scene> scene;
     std::string device;
+    std::unique_ptr<Scene> again = {};  ///< once more, for those who look back
     /// To go on from this frame of the run that is there, or the last one before it that is kept; none: from
     /// time 0.
     std::optional<std::int64_t> from = {};

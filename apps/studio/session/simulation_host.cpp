@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/base/check.h"
 #include "framework/base/interruption.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/run/statistics.h"
 
 namespace weir::studio {
@@ -53,6 +55,7 @@ SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener&
       threads_(threads),
       maxStateBytes_(maxStateBytes),
       states_(maxStateBytes),
+      past_(registry, threads, [this] { listener_.pastLeaving(); }),
       thread_([this] { work(); }) {}
 
 SimulationHost::~SimulationHost() {
@@ -70,15 +73,16 @@ void SimulationHost::order(const std::function<void(RunOrders&)>& add) {
   wake_.notify_one();
 }
 
-void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
+void SimulationHost::load(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device) {
   order([&](RunOrders& orders) {
-    orders.addLoad({std::move(scene), std::move(device)});
+    orders.addLoad({std::move(scene), std::move(device), std::move(again)});
     replaced_ = true;
   });
 }
-void SimulationHost::goOn(std::unique_ptr<Scene> scene, std::string device, std::int64_t frame) {
+void SimulationHost::goOn(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device,
+                          std::int64_t frame) {
   order([&](RunOrders& orders) {
-    orders.addLoad({std::move(scene), std::move(device), frame});
+    orders.addLoad({std::move(scene), std::move(device), std::move(again), frame});
     replaced_ = true;
   });
 }
@@ -125,6 +129,7 @@ void SimulationHost::work() {
     guarded([this] { answerOne(); });
     if (state_ == HostState::kPlaying && !quit_) guarded([this] { advanceNow(); });
   }
+  past_.begin(nullptr, {});
   listener_.leaving();
 }
 
@@ -174,6 +179,17 @@ void SimulationHost::answerOne() {
   nextAnswer_ = end + kAnswersShare * (end - start);
 }
 
+Simulation& SimulationHost::runAt(std::int64_t frame) {
+  WEIR_CHECK(simulation_ != nullptr);
+  if (simulation_->atFrame() && simulation_->frame() == frame) return *simulation_;
+  const RunState state = states_.nearest(frame);
+  if (!state)
+    throw usageError("no frame of this run is kept whole: one would take more memory than the " +
+                         shortBytes(static_cast<double>(maxStateBytes_)) + " that there are for it",
+                     {}, "start the studio with a larger --frames-mb");
+  return past_.at(state);
+}
+
 void SimulationHost::guarded(const std::function<void()>& f) {
   try {
     f();
@@ -197,11 +213,15 @@ void SimulationHost::takeScene(RunOrders::Load load) {
   const RunState from = load.from ? states_.lastUpTo(*load.from) : nullptr;
   // The old simulation gives its memory back first.
   listener_.leaving();
+  past_.begin(std::move(load.again), load.device);
   frames_.reset();
   simulation_.reset();
   problem_.reset();
   pauseAt_.reset();
-  if (!from) states_.clear();
+  if (!from) {
+    states_.clear();
+    keeping_ = {};  // its first frame is kept, however short ago it is that another run's was
+  }
   if (!load.scene) return tell(HostState::kEmpty);
   tell(HostState::kBuilding);
   if (!device_ || load.device != deviceName_) device_ = openDevice(load.device, threads_);

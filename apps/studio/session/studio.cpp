@@ -68,6 +68,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
             [this](const VideoStatus& video) {
               server_.post([this, video] { tell("video", videoValue(video)); });
             }),
+      pastDesk_(registry, [](const VideoStatus&) {}),
       host_(registry, log, *this, options_.threads, options_.maxRecordedBytes / 2) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
@@ -105,6 +106,7 @@ void Studio::opened(ClientId client) {
 void Studio::closed(ClientId client) {
   clients_.erase(client);
   desk_.forget(client);
+  pastDesk_.forget(client);
   host_.forget(client);
   if (writer_ != client) return;
   writer_.reset();
@@ -309,7 +311,7 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   reset_.reset();
   recording_.clear();
   geometry_.reset();
-  host_.load(nullptr, device_);
+  host_.load(nullptr, nullptr, device_);
   result = sceneState();
 }
 

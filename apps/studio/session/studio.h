@@ -75,6 +75,7 @@ class Studio final : private ServerEvents, private HostListener {
   void wentBack(std::int64_t frame) override;
   void serve(Simulation* simulation) override;
   void leaving() override;
+  void pastLeaving() override;
 
   HttpReply page(const std::string& path) const;
   HttpReply files(const HttpRequest& request);
@@ -107,12 +108,17 @@ class Studio final : private ServerEvents, private HostListener {
   void askParticles(ClientId client, const Value& message, Value& result);
   void setStream(ClientId client, const Value& message, Value& result);
   void askPicture(ClientId client, const Value& message, Value& result);
+  /// Of the run as it was at a frame.
+  void askPastPicture(ClientId client, std::int64_t frame, const LivePictureOptions& options,
+                      const PictureDone& done);
   void startVideo(ClientId client, const Value& message, Value& result);
   void moveVideo(ClientId client, const Value& message, Value& result);
   void stopVideo(ClientId client, const Value& message, Value& result);
   static const std::map<std::string, Command, std::less<>>& commands();
 
   CheckedScene check(const Value& scene) const;
+  /// The question waits for its turn at the simulation. Throws a usage Error if too many of the client wait.
+  void askHost(ClientId client, QuestionQueue::Question question);
   /// Gives a scene to the simulation, which then is that one's.
   void run(const Value& scene);
   /// Into saved_, with a warning of what saving would lose.
@@ -126,7 +132,8 @@ class Studio final : private ServerEvents, private HostListener {
   void findDraft();
   void keepDraft();
   void requireWriter(ClientId client) const;
-  /// Answers with what f makes of the simulation, between two of its steps.
+  /// Answers with what f makes of the simulation, between two of its steps, or of how it was at the frame
+  /// that the message names.
   void answerLater(ClientId client, const Value& message, Value& result,
                    std::function<Value(const Simulation&)> f);
   void sendPicture(ClientId client, const Value& id, const LivePictureOptions& options, PictureAnswer answer);
@@ -164,7 +171,8 @@ class Studio final : private ServerEvents, private HostListener {
 
   HttpServer server_;
   PictureDesk desk_;
-  SimulationHost host_;  // last: it calls the rest
+  PictureDesk pastDesk_;  // of runs as they were
+  SimulationHost host_;   // last: it calls the rest
 };
 
 }  // namespace weir::studio

@@ -47,7 +47,7 @@ void Studio::run(const Value& scene) {
       reset_ = differenceOf(*running_, *edited.scene).reset;
   recording_.clear();
   geometry_.reset();
-  host_.load(std::move(checked.scene), device_);
+  host_.load(std::move(checked.scene), check(scene).scene, device_);
   // Before the simulation tells so: it is not as it was any more.
   status_["state"] = nameOf(HostState::kBuilding);
 }
@@ -79,7 +79,7 @@ void Studio::cancel(ClientId client, const Value&, Value&) {
   reset_.reset();
   recording_.clear();
   geometry_.reset();
-  host_.load(nullptr, device_);
+  host_.load(nullptr, nullptr, device_);
 }
 
 void Studio::step(ClientId client, const Value& message, Value& result) {
@@ -103,7 +103,7 @@ void Studio::goOn(ClientId client, const Value& message, Value& result) {
         inQuotes(*reset) + " has changed since the run began, so it cannot go on from a frame of it",
         "changes of what may change during a run", "reset to see the others");
   running_ = check(scene_).scene;
-  host_.goOn(std::move(checked.scene), device_, frame);
+  host_.goOn(std::move(checked.scene), check(scene_).scene, device_, frame);
   status_["state"] = nameOf(HostState::kBuilding);
   result = sceneState();
 }
@@ -134,22 +134,26 @@ void Studio::confirm(ClientId client, const Value&, Value& result) {
 void Studio::answerLater(ClientId client, const Value& message, Value& result,
                          std::function<Value(const Simulation&)> f) {
   const Value* id = message.find("id");
-  const auto answer = [this, client, f = std::move(f),
+  const auto answer = [this, client, f = std::move(f), frame = frameMember(message),
                        id = id != nullptr ? *id : Value()](Simulation* simulation) {
     Value reply = Value::object();
     reply["id"] = id;
     try {
-      reply["result"] = simulation != nullptr ? f(*simulation) : Value();
+      reply["result"] = simulation != nullptr ? f(frame ? host_.runAt(*frame) : *simulation) : Value();
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kUsage) throw;  // the simulation failed
       reply["error"] = problemOf(e);
     }
     server_.sendText(client, writeJsonLine(reply));
   };
-  if (!host_.ask(client, answer))
+  askHost(client, answer);
+  result = {};
+}
+
+void Studio::askHost(ClientId client, QuestionQueue::Question question) {
+  if (!host_.ask(client, std::move(question)))
     throw usageError("this window asks faster than the simulation answers",
                      "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
-  result = {};
 }
 
 void Studio::askParticle(ClientId client, const Value& message, Value& result) {
@@ -194,9 +198,7 @@ void Studio::askCost(ClientId client, const Value& message, Value& result) {
         }
         server_.sendText(client, writeJsonLine(reply));
       };
-  if (!host_.ask(client, answer))
-    throw usageError("this window asks faster than the simulation answers",
-                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
+  askHost(client, answer);
   result = {};
 }
 
@@ -246,6 +248,11 @@ void Studio::serve(Simulation* simulation) {
 
 void Studio::leaving() {
   desk_.leave();
+}
+
+void Studio::pastLeaving() {
+  pastDesk_.settle();
+  pastDesk_.leave();
 }
 
 void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {

@@ -120,13 +120,16 @@ export function Viewport({ dark }: { dark: boolean }) {
     else view?.fitAnew();
   }, [view, opened, types]); // eslint-disable-line
 
-  // The server draws the run alone: recorded frames are shown by the page.
+  // Where the server cannot draw recorded frames, the page shows them as particles, and says why.
+  const [unkept, setUnkept] = useState<string | null>(null);
+  const builds = useStudio((s) => s.builds);
   const looking = useStudio((s) => s.looking !== null);
-  const pictured = rendered && !looking;
+  const pictured = rendered && !(looking && unkept !== null);
+  useEffect(() => setUnkept(null), [builds, rendered]);
   useEffect(() => {
     const { looking: frame } = useStudio.getState();
-    if (rendered && looking && frame !== null) void lookAt(frame, true);
-  }, [rendered, looking]);
+    if (!pictured && frame !== null) void lookAt(frame, true);
+  }, [pictured]);
 
   const show = (name: string, count: number) => {
     useStudio.setState({ attribute: name, looking: null });
@@ -202,9 +205,9 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
-      {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
+      {rendered && looking && unkept !== null && <p className="told over" role="status">A recorded frame, as particles: it cannot be rendered, as {unkept}.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
       {key && !pictured && (
         <div className="color-key">
