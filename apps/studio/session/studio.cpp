@@ -222,6 +222,8 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
   pictures["videos"] = stringsValue(desk_.videoExtensions());
   result["pictures"] = std::move(pictures);
   result["video"] = videoValue(desk_.video());
+  result["history"] = history_.value();
+  result["numbers"] = history_.last();
   if (geometry_) server_.sendBinary(client, geometry_);
   if (const Packet last = recording_.nearest(std::numeric_limits<std::int64_t>::max()))
     sendFrame(client, clients_[client], last);
@@ -309,8 +311,7 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   // The world of before goes, too.
   running_.reset();
   reset_.reset();
-  recording_.clear();
-  geometry_.reset();
+  forgetRun();
   host_.load(nullptr, nullptr, device_);
   result = sceneState();
 }

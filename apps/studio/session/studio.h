@@ -13,6 +13,7 @@
 #include "apps/studio/server/http_server.h"
 #include "apps/studio/server/served_folder.h"
 #include "apps/studio/session/draft.h"
+#include "apps/studio/session/number_history.h"
 #include "apps/studio/session/picture_desk.h"
 #include "apps/studio/session/recording.h"
 #include "apps/studio/session/scene_files.h"
@@ -123,6 +124,8 @@ class Studio final : private ServerEvents, private HostListener {
   void run(const Value& scene);
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
+  /// What is kept of the run for those who look is gone with it.
+  void forgetRun();
   /// Whether the simulation has last told that it is in a state.
   bool isState(HostState state) const;
   /// Whether there is no run that could go on.
@@ -167,6 +170,7 @@ class Studio final : private ServerEvents, private HostListener {
   Value status_ = Value::object();
   Packet geometry_;
   Recording recording_;
+  NumberHistory history_;
   std::string videoPath_;  // of the last one, below the served folder
 
   HttpServer server_;

@@ -45,11 +45,16 @@ void Studio::run(const Value& scene) {
   if (!(scene == scene_))
     if (const CheckedScene edited = check(scene_); edited.scene)
       reset_ = differenceOf(*running_, *edited.scene).reset;
-  recording_.clear();
-  geometry_.reset();
+  forgetRun();
   host_.load(std::move(checked.scene), check(scene).scene, device_);
   // Before the simulation tells so: it is not as it was any more.
   status_["state"] = nameOf(HostState::kBuilding);
+}
+
+void Studio::forgetRun() {
+  recording_.clear();
+  history_.clear();
+  geometry_.reset();
 }
 
 bool Studio::isState(HostState state) const {
@@ -77,8 +82,7 @@ void Studio::cancel(ClientId client, const Value&, Value&) {
   if (!isState(HostState::kBuilding)) return;
   running_.reset();
   reset_.reset();
-  recording_.clear();
-  geometry_.reset();
+  forgetRun();
   host_.load(nullptr, nullptr, device_);
 }
 
@@ -217,7 +221,10 @@ void Studio::status(const Value& status) {
 }
 
 void Studio::numbers(const Value& numbers) {
-  server_.post([this, numbers] { tell("numbers", numbers); });
+  server_.post([this, numbers] {
+    history_.add(numbers);
+    tell("numbers", numbers);
+  });
 }
 
 void Studio::geometry(const Packet& packet) {

@@ -5,7 +5,7 @@ import { Client, fetchTypes, isKnown, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Owner, type Scene } from "./scene";
-import type { Run, Sample } from "./runs";
+import { samplesOf, type History, type Run, type Sample } from "./runs";
 import { forRunner, fromFile } from "./switchedOff";
 import type { JsonObject, Parameter, Problem, Types } from "./types";
 
@@ -299,6 +299,8 @@ export type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_writ
 
 interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: ServedScene;
+  history: History;
+  numbers: JsonObject | null;
 }
 
 /** Another scene is there, and nothing of the one before. */
@@ -362,7 +364,8 @@ const sameScene = (a: Scene, b: Scene): boolean => JSON.stringify(forRunner(a, g
 async function greet(): Promise<void> {
   try {
     if (!get().types) set({ types: await fetchTypes() });
-    const { scene: served, ...hello } = await client.ask<Hello>("hello");
+    const { scene: served, history, numbers, ...hello } = await client.ask<Hello>("hello");
+    const told = { numbers, samples: samplesOf(history) };
     const { scene, draft, draft_written, ...sceneState } = served;
     const before = get();
     const restarted = before.server !== "" && before.server !== hello.server;
@@ -371,12 +374,12 @@ async function greet(): Promise<void> {
     const lost = !keep && (unsent || restarted) && Object.keys(before.scene.nodes).length > 0 ? before.scene : null;
     unsent = false;
     if (keep) {
-      set({ ...hello, sceneState });
+      set({ ...hello, ...told, sceneState });
       return void send();
     }
     const another = restarted || sceneState.path !== before.sceneState.path;
     const file = another || lost ? { path: sceneState.path } : before.file;
-    take(scene, { ...hello, file, ...(another && opened()) }, sceneState, lost !== null);
+    take(scene, { ...hello, file, ...(another && opened()), ...told }, sceneState, lost !== null);
     if (hello.status.state === "failed") set({ failed: get().scene });
     if (hello.status.state === "empty") clearView();
     const left = lost ? { scene: lost, written: Date.now() / 1000 } : before.server === "" ? readUnsent() : null;
