@@ -33,7 +33,7 @@ void PastRun::build(const RunState& state) {
 }
 
 Simulation& PastRun::at(const RunState& state) {
-  WEIR_CHECK(scene_ || simulation_);
+  WEIR_CHECK((scene_ || simulation_));
   if (shown_ == state) return *simulation_;
   if (simulation_) leaving_();
   shown_.reset();

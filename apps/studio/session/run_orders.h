@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/studio/session/body_pull.h"
 #include "apps/studio/session/frame_packet.h"
 #include "apps/studio/session/scene_check.h"
 
@@ -28,12 +29,16 @@ struct RunOrders {
   std::optional<FrameView> view;
   std::optional<Load> load;
   std::vector<LiveChange> changes;
+  bool release = false;  ///< what is pulled
+  std::optional<BodyWish> pull;
   bool serve = false;
   bool pause = false, play = false;
   std::int64_t frames = 0;  ///< to advance by
 
   void addLoad(Load next);
   void addChanges(std::vector<LiveChange> more);
+  void addPull(BodyWish wish);
+  void addRelease();
   void addPause();
   void addPlay();
   bool empty() const;

@@ -98,6 +98,12 @@ void SimulationHost::advance(std::int64_t frames) {
 void SimulationHost::change(std::vector<LiveChange> changes) {
   order([&](RunOrders& orders) { orders.addChanges(std::move(changes)); });
 }
+void SimulationHost::pull(BodyWish wish) {
+  order([&](RunOrders& orders) { orders.addPull(std::move(wish)); });
+}
+void SimulationHost::release() {
+  order([](RunOrders& orders) { orders.addRelease(); });
+}
 void SimulationHost::show(FrameView view) {
   order([&](RunOrders& orders) { orders.view = std::move(view); });
 }
@@ -146,6 +152,8 @@ void SimulationHost::obey(RunOrders orders) {
   if (orders.load) takeScene(std::move(*orders.load));
   if (simulation_)
     for (const LiveChange& change : orders.changes) apply(change, simulation_->scene());
+  if (orders.release && simulation_) pull_.release(*simulation_);
+  if (orders.pull && simulation_) pull_.pull(*simulation_, std::move(*orders.pull));
   if (orders.view && !orders.load && simulation_ && simulation_->atFrame()) tellFrame();
   if (orders.serve) listener_.serve(simulation_.get());
   if (orders.pause && state_ == HostState::kPlaying) tell(HostState::kPaused);
@@ -215,6 +223,7 @@ void SimulationHost::takeScene(RunOrders::Load load) {
   listener_.leaving();
   past_.begin(std::move(load.again), load.device);
   frames_.reset();
+  pull_.forget();
   simulation_.reset();
   problem_.reset();
   pauseAt_.reset();
@@ -270,6 +279,7 @@ void SimulationHost::advanceNow() {
   // At least one step between orders, and between questions, however many of them come.
   std::atomic<bool> stop = false;
   const auto afterStep = [&] {
+    pull_.update(*simulation_);
     stop = ordered_ || (asked_ && mayAnswer());
     if (isTime(told_, kStatusEvery)) listener_.status(status());
   };

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "apps/studio/session/body_pull.h"
 #include "apps/studio/session/busy_share.h"
 #include "apps/studio/session/past_run.h"
 #include "apps/studio/session/question_queue.h"
@@ -77,6 +78,8 @@ class SimulationHost {
   void pause();
   void advance(std::int64_t frames);  ///< that many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
+  void pull(BodyWish wish);  ///< see BodyPull; of the scene that was given last, which has this body
+  void release();
   void show(FrameView view);
   /// Has the listener's serve() called before the next step.
   void serve();
@@ -143,6 +146,7 @@ class SimulationHost {
   const std::int64_t maxStateBytes_;
   KeptStates states_;
   PastRun past_;
+  BodyPull pull_;
   FrameView view_;
   BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last

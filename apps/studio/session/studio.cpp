@@ -109,6 +109,7 @@ void Studio::closed(ClientId client) {
   pastDesk_.forget(client);
   host_.forget(client);
   if (writer_ != client) return;
+  host_.release();
   writer_.reset();
   if (clients_.empty()) return;
   writer_ = clients_.begin()->first;
@@ -132,6 +133,8 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
       {"run.step", &Studio::step},
       {"run.reset", &Studio::reset},
       {"run.go_on", &Studio::goOn},
+      {"body.pull", &Studio::pullBody},
+      {"body.release", &Studio::releaseBody},
       {"run.seek", &Studio::seek},
       {"view.set", &Studio::setView},
       {"frame.seen", &Studio::confirm},
@@ -231,6 +234,7 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
 
 void Studio::claim(ClientId client, const Value&, Value&) {
   if (writer_ == client) return;
+  host_.release();
   const std::optional<ClientId> before = std::exchange(writer_, client);
   if (before) tellRole(*before);
   tellRole(client);

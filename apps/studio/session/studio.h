@@ -98,6 +98,8 @@ class Studio final : private ServerEvents, private HostListener {
   void cancel(ClientId client, const Value& message, Value& result);
   void step(ClientId client, const Value& message, Value& result);
   void reset(ClientId client, const Value& message, Value& result);
+  void pullBody(ClientId client, const Value& message, Value& result);
+  void releaseBody(ClientId client, const Value& message, Value& result);
   void goOn(ClientId client, const Value& message, Value& result);
   void seek(ClientId client, const Value& message, Value& result);
   void setView(ClientId client, const Value& message, Value& result);

@@ -112,6 +112,19 @@ void Studio::goOn(ClientId client, const Value& message, Value& result) {
   result = sceneState();
 }
 
+void Studio::pullBody(ClientId client, const Value& message, Value&) {
+  requireWriter(client);
+  if (!running_) throw usageError("there is no run with a body to pull", {}, "play it first");
+  BodyWish wish{textMember(message, "node"), pointMember(message, "to")};
+  requirePullable(*running_, wish.node);
+  host_.pull(std::move(wish));
+}
+
+void Studio::releaseBody(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  host_.release();
+}
+
 void Studio::seek(ClientId client, const Value& message, Value& result) {
   const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
   const Packet packet = recording_.nearest(frame);
