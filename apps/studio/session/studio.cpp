@@ -5,6 +5,7 @@
 
 #include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
+#include "apps/studio/session/preview.h"
 #include "apps/studio/session/versions.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -276,11 +277,22 @@ CheckedScene Studio::check(const Value& scene) const {
                     [&](const Scene& built) { sceneFiles_.check(built, folder); });
 }
 
+CheckedScene Studio::checkRun(const Value& scene, int coarser) const {
+  CheckedScene checked = check(scene);
+  try {
+    if (checked.scene) coarsen(*checked.scene, coarser);
+  } catch (const Error& e) {
+    checked.scene.reset();
+    checked.problem = problemOf(e);
+  }
+  return checked;
+}
+
 void Studio::takeScene(Value scene, std::string path, ClientId from) {
   scene_ = std::move(scene);
   path_ = std::move(path);
   ++revision_;
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   problem_ = std::move(checked.problem);
   warnings_ = std::move(checked.warnings);
   if (!lossWarning_.empty()) warnings_.insert(warnings_.begin(), lossWarning_);
@@ -313,6 +325,7 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   lossWarning_.clear();
   draft_.reset();
   // The world of before goes, too.
+  coarser_ = 1;
   running_.reset();
   reset_.reset();
   forgetRun();
@@ -349,6 +362,7 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   readScene(isTemplate ? ServedFolder(options_.templates) : folder_, path);
   if (isTemplate) lossWarning_.clear();
   running_.reset();
+  coarser_ = 1;
   takeScene(saved_, isTemplate ? "" : path, client);
   draft_.reset();
   if (!isTemplate) findDraft();

@@ -120,10 +120,12 @@ class Studio final : private ServerEvents, private HostListener {
   static const std::map<std::string, Command, std::less<>>& commands();
 
   CheckedScene check(const Value& scene) const;
+  /// As it is run: `coarser` times as coarse.
+  CheckedScene checkRun(const Value& scene, int coarser) const;
   /// The question waits for its turn at the simulation. Throws a usage Error if too many of the client wait.
   void askHost(ClientId client, QuestionQueue::Question question);
-  /// Gives a scene to the simulation, which then is that one's.
-  void run(const Value& scene);
+  /// Gives a scene to the simulation, which then is that one's, or a preview of it.
+  void run(const Value& scene, int coarser);
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
   /// What is kept of the run for those who look is gone with it.
@@ -169,6 +171,7 @@ class Studio final : private ServerEvents, private HostListener {
   std::unique_ptr<Scene> running_;    // what the simulation was last given, to compare with
   std::optional<std::string> reset_;  // why the simulation must be reset to be as scene_ is
   std::string device_;
+  int coarser_ = 1;  // times as coarse as its scene is what runs, or is to run: more than 1 is a preview
   Value status_ = Value::object();
   Packet geometry_;
   Recording recording_;

@@ -93,6 +93,8 @@ void Studio::startVideo(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
   const std::string path = textMember(message, "path");
   const LivePictureOptions options = pictureOptionsOf(message);
+  if (coarser_ > 1)
+    throw usageError("a preview is not written as a video", "a run in full", "end the preview, and play");
   if (const auto problem = desk_.problem()) throw *problem;
   const fs::path file = folder_.resolve(path);
   const std::vector<std::string>& allowed = desk_.videoExtensions();

@@ -30,23 +30,27 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
   const std::optional<std::string> before = reset_;
   const Value* other = message.find("scene");
   if (other != nullptr && !other->isObject()) throw usageError("'scene' is " + other->brief(), "an object");
-  run(other != nullptr ? *other : scene_);
+  constexpr std::int64_t kCoarsest = 8;
+  const bool changes = message.find("coarser") != nullptr;
+  run(other != nullptr ? *other : scene_,
+      changes ? static_cast<int>(wholeMember(message, "coarser", 1, kCoarsest)) : coarser_);
   if (reset_ != before) tell("scene", sceneValue(), client);
   result = sceneState();
   result["device"] = device_;
 }
 
-void Studio::run(const Value& scene) {
-  CheckedScene checked = check(scene);
+void Studio::run(const Value& scene, int coarser) {
+  CheckedScene checked = checkRun(scene, coarser);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
-  running_ = check(scene).scene;
+  coarser_ = coarser;
+  running_ = checkRun(scene, coarser).scene;
   reset_.reset();
   // Where it is another one than is edited.
   if (!(scene == scene_))
-    if (const CheckedScene edited = check(scene_); edited.scene)
+    if (const CheckedScene edited = checkRun(scene_, coarser); edited.scene)
       reset_ = differenceOf(*running_, *edited.scene).reset;
   forgetRun();
-  host_.load(std::move(checked.scene), check(scene).scene, device_);
+  host_.load(std::move(checked.scene), checkRun(scene, coarser).scene, device_);
   // Before the simulation tells so: it is not as it was any more.
   status_["state"] = nameOf(HostState::kBuilding);
 }
@@ -100,14 +104,14 @@ void Studio::goOn(ClientId client, const Value& message, Value& result) {
   const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
   if (!running_ || recording_.size() == 0)
     throw usageError("there is no run to go on from", {}, "play it first");
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
   if (const auto reset = differenceOf(*running_, *checked.scene).reset)
     throw usageError(
         inQuotes(*reset) + " has changed since the run began, so it cannot go on from a frame of it",
         "changes of what may change during a run", "reset to see the others");
-  running_ = check(scene_).scene;
-  host_.goOn(std::move(checked.scene), check(scene_).scene, device_, frame);
+  running_ = checkRun(scene_, coarser_).scene;
+  host_.goOn(std::move(checked.scene), checkRun(scene_, coarser_).scene, device_, frame);
   status_["state"] = nameOf(HostState::kBuilding);
   result = sceneState();
 }
@@ -197,7 +201,7 @@ void Studio::askParticles(ClientId client, const Value& message, Value& result) 
 }
 
 void Studio::askCost(ClientId client, const Value& message, Value& result) {
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
   const Value* id = message.find("id");
   const auto answer =
@@ -229,6 +233,7 @@ void Studio::status(const Value& status) {
   server_.post([this, status] {
     status_ = status;
     status_["recorded_every"] = recording_.every();
+    status_["coarser"] = coarser_;
     tell("status", status_);
   });
 }
