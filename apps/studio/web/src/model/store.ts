@@ -25,6 +25,8 @@ export interface Status {
   building?: { node: string; done: number; all: number };
   /** Of the frames of the run, 0, this and its multiples can be looked at again. */
   recorded_every?: number;
+  /** How many times as coarse as the scene the run is: above 1 it is a preview. */
+  coarser?: number;
   problem?: Problem;
 }
 
@@ -553,8 +555,8 @@ export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset"
 }
 
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
-export async function resetRun(device?: string): Promise<void> {
-  const state = await askRun<SceneState & { device: string }>("reset", device === undefined ? {} : { device });
+export async function resetRun(device?: string, coarser?: number): Promise<void> {
+  const state = await askRun<SceneState & { device: string }>("reset", { ...(device !== undefined && { device }), ...(coarser !== undefined && { coarser }) });
   if (!state) return;
   const { device: _, ...sceneState } = state;
   set({ sceneState });

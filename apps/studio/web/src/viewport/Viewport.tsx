@@ -48,6 +48,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const gathering = useStudio((s) => s.gathering);
   const writer = useStudio((s) => s.role === "writer");
   const canPin = useStudio((s) => (s.status.frame ?? 0) > 0 && s.status.state !== "building");
+  const preview = useStudio((s) => (s.status.coarser ?? 1) > 1);
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => useStudio.setState({ rendered: false }), []);
   const [most, setMost] = useState(kMaxChoices[1]!);
@@ -153,8 +154,8 @@ export function Viewport({ dark }: { dark: boolean }) {
     { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
     { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
-    { name: "Save a picture", take: () => void savePicture() },
-    { name: "Share the run as one file", off: !canPin, take: () => setSharing(true) },
+    { name: "Save a picture", off: preview, take: () => void savePicture() },
+    { name: "Share the run as one file", off: !canPin || preview, take: () => setSharing(true) },
     { name: rendered ? "Particles" : "Rendered", off: noPictures !== undefined, take: () => setRendered(!rendered) },
   );
   // A right drag moves the camera, a right click opens the menu.
@@ -181,8 +182,8 @@ export function Viewport({ dark }: { dark: boolean }) {
         >
           {gathering && !pinned ? `Keeping ${gathering.done} of ${gathering.all}` : "Compare"}
         </button>
-        <button aria-label="Save a picture" onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
-        <button disabled={!canPin} onClick={() => setSharing(true)} title="Save the run as one HTML file that replays it">Share</button>
+        <button aria-label="Save a picture" disabled={preview} onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
+        <button disabled={!canPin || preview} onClick={() => setSharing(true)} title={preview ? "A preview is not shared: end it, and play" : "Save the run as one HTML file that replays it"}>Share</button>
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
         <button aria-haspopup="menu" onClick={(e) => showMenu({ clientX: e.currentTarget.getBoundingClientRect().left, clientY: e.currentTarget.getBoundingClientRect().bottom }, "Views", views())}>View…</button>
         <button onClick={keepCamera} title="Use this camera for videos">Keep camera</button>
