@@ -4,6 +4,7 @@ import { examplesOf } from "../src/model/examples";
 import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
 import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
 import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
+import { bodyOfMesh, pullables } from "../src/model/pull";
 import { distanceBetween, probeType, withProbe } from "../src/model/probe";
 import { renameNode, type Scene } from "../src/model/scene";
 import { durationText } from "../src/model/time";
@@ -106,4 +107,11 @@ describe("arrows in the view", () => {
 test("examples of a type are scenes that have it, the smallest first", () => {
   const template = (path: string, ...uses: string[]) => ({ path, title: path, description: "", group: "", thumbnail: "", types: uses });
   expect(examplesOf("Wall", [template("large", "Wall", "Fluid", "Nozzle"), template("none", "Fluid"), template("small", "Wall")]).map((t) => t.path)).toEqual(["small", "large"]);
+});
+
+test("a mesh of the view belongs to the body that its node's mesh goes to", () => {
+  const some: Types = { ...types, nodes: { ...types.nodes, Cube: node([], [output("mesh", "TriangleMesh")]), Body: node([input("mesh", "TriangleMesh", false)], [], { parameters: [parameter("applied_force", "vec3", [0, 0, 0], "N")] }) } };
+  const bodies: Scene = { weir: 1, nodes: { cube: { type: "Cube" }, cup: { type: "Cube" }, ship: { type: "Body" } }, links: ["cube.mesh -> ship.mesh"] };
+  expect([bodyOfMesh(bodies, some, "cube"), bodyOfMesh(bodies, some, "ship"), bodyOfMesh(bodies, some, "cup")]).toEqual(["ship", "ship", null]);
+  expect(pullables(bodies, some)).toEqual(["ship"]);
 });

@@ -3,6 +3,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { forgetView, keepView, setParam, viewsOf } from "../model/scene";
 import { lookAt, pinRun } from "../model/recorded";
+import { pullables } from "../model/pull";
 import { edit, last, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
@@ -16,6 +17,7 @@ import { Arrows } from "./Arrows";
 import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
+import { Grab } from "./Grab";
 import { handleOf, outlinesOf } from "./outlines";
 import { PickedParticle } from "./PickedParticle";
 import { Recorder } from "./Recorder";
@@ -42,6 +44,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
   const [noView, setNoView] = useState(false);
   const [sharing, setSharing] = useState(false);
+  const [grabbing, setGrabbing] = useState(false);
   const rendered = useStudio((s) => s.rendered);
   const setRendered = (on: boolean) => useStudio.setState({ rendered: on });
   const pinned = useStudio((s) => s.pinned);
@@ -190,6 +193,9 @@ export function Viewport({ dark }: { dark: boolean }) {
         <button onClick={() => setMode(mode === "translate" ? "rotate" : "translate")} title="What the handle of the selected node does">
           {mode === "translate" ? "Move" : "Turn"}
         </button>
+        {writer && types && pullables(scene, types).length > 0 && (
+          <button aria-pressed={grabbing} onClick={() => setGrabbing(!grabbing)} title="Pull bodies with the pointer while the scene runs">Grab</button>
+        )}
         <select aria-label="Colour by" value={attribute} onChange={(e) => show(e.target.value, most)}>
           {attributes.map((a) => <option key={a}>{a}</option>)}
         </select>
@@ -206,7 +212,7 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
       {rendered && looking && unkept !== null && <p className="told over" role="status">A recorded frame, as particles: it cannot be rendered, as {unkept}.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}

@@ -266,6 +266,24 @@ export class View {
     return caster.ray;
   }
 
+  /** The middle of a mesh as it stands, m. */
+  centerOf(node: string): number[] | null {
+    const mesh = this.meshes.get(node);
+    return mesh ? new THREE.Box3().setFromObject(mesh).getCenter(new THREE.Vector3()).toArray() : null;
+  }
+
+  /** The first mesh under the pointer of those that are wanted, and its middle. */
+  meshAt(clientX: number, clientY: number, wanted: (node: string) => boolean): { node: string; center: number[] } | null {
+    const caster = new THREE.Raycaster();
+    caster.ray.copy(this.rayAt(clientX, clientY));
+    let best: { node: string; distance: number } | null = null;
+    for (const [node, mesh] of this.meshes) {
+      const hit = wanted(node) ? caster.intersectObject(mesh, false)[0] : undefined;
+      if (hit && (!best || hit.distance < best.distance)) best = { node, distance: hit.distance };
+    }
+    return best && { node: best.node, center: this.centerOf(best.node)! };
+  }
+
   /** The point on a line that is nearest to what lies under the pointer; null where one looks along it. `way` has length 1. */
   alongWay(clientX: number, clientY: number, point: number[], way: number[]): number[] | null {
     const { origin, direction } = this.rayAt(clientX, clientY), from = new THREE.Vector3().fromArray(point);
