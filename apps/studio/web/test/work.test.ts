@@ -2,6 +2,7 @@
 import { describe, expect, test } from "vitest";
 import { examplesOf } from "../src/model/examples";
 import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
+import { checkMesh, guessUnit, longestSide } from "../src/model/meshCheck";
 import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
 import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
 import { bodyOfMesh, pullables } from "../src/model/pull";
@@ -114,4 +115,37 @@ test("a mesh of the view belongs to the body that its node's mesh goes to", () =
   const bodies: Scene = { weir: 1, nodes: { cube: { type: "Cube" }, cup: { type: "Cube" }, ship: { type: "Body" } }, links: ["cube.mesh -> ship.mesh"] };
   expect([bodyOfMesh(bodies, some, "cube"), bodyOfMesh(bodies, some, "ship"), bodyOfMesh(bodies, some, "cup")]).toEqual(["ship", "ship", null]);
   expect(pullables(bodies, some)).toEqual(["ship"]);
+});
+
+describe("a mesh that was dropped", () => {
+  /** A box from 0 to a corner, its triangles facing outwards. */
+  const box = ([x, y, z]: [number, number, number]): number[] => {
+    const quad = (a: number[], b: number[], c: number[], d: number[]) => [...a, ...b, ...c, ...a, ...c, ...d];
+    const p = (i: number, j: number, k: number) => [i * x, j * y, k * z];
+    return [
+      ...quad(p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)), ...quad(p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)),
+      ...quad(p(0, 0, 0), p(0, 0, 1), p(0, 1, 1), p(0, 1, 0)), ...quad(p(1, 0, 0), p(1, 1, 0), p(1, 1, 1), p(1, 0, 1)),
+      ...quad(p(0, 0, 0), p(1, 0, 0), p(1, 0, 1), p(0, 0, 1)), ...quad(p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)),
+    ];
+  };
+  const reversed = (corners: number[]): number[] => {
+    const turned = [...corners];
+    for (let t = 0; t < corners.length; t += 9) for (let i = 0; i < 3; ++i) [turned[t + 3 + i], turned[t + 6 + i]] = [corners[t + 6 + i]!, corners[t + 3 + i]!];
+    return turned;
+  };
+  test("is measured, and told whether it is closed", () => {
+    const closed = checkMesh(box([200, 100, 50]));
+    expect(closed).toEqual({ triangles: 12, low: [0, 0, 0], high: [200, 100, 50], open: 0, insideOut: false });
+    expect(longestSide(closed)).toBe(200);
+    // Without one triangle its three edges are open.
+    expect(checkMesh(box([1, 1, 1]).slice(9))).toMatchObject({ triangles: 11, open: 3 });
+    expect(checkMesh(reversed(box([1, 1, 1])))).toMatchObject({ open: 0, insideOut: true });
+    // One face turned round: its two triangles do not fit to the others along four edges.
+    const mixed = [...reversed(box([1, 1, 1]).slice(0, 18)), ...box([1, 1, 1]).slice(18)];
+    expect(checkMesh(mixed)).toMatchObject({ open: 4 });
+  });
+  test("has the unit in which it fits the scene", () => {
+    const unit = (long: number, scene: number) => guessUnit(long, scene).name;
+    expect([unit(0.2, 1), unit(1, 1), unit(200, 1), unit(20, 0.5), unit(1e7, 1), unit(1e-5, 1)]).toEqual(["m", "m", "mm", "mm", "m", "m"]);
+  });
 });
