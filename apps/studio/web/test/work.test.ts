@@ -2,6 +2,7 @@
 import { describe, expect, test } from "vitest";
 import { examplesOf } from "../src/model/examples";
 import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
+import { cutsOf, footOf, isShown, withCut, withNormal, withPlane } from "../src/model/clips";
 import { checkMesh, guessUnit, longestSide } from "../src/model/meshCheck";
 import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
 import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
@@ -147,5 +148,26 @@ describe("a mesh that was dropped", () => {
   test("has the unit in which it fits the scene", () => {
     const unit = (long: number, scene: number) => guessUnit(long, scene).name;
     expect([unit(0.2, 1), unit(1, 1), unit(200, 1), unit(20, 0.5), unit(1e7, 1), unit(1e-5, 1)]).toEqual(["m", "m", "mm", "mm", "m", "m"]);
+  });
+});
+
+describe("a plane that cuts the fluids open", () => {
+  const cut = withCut({ weir: 1, nodes: {} }, [0.5, 0.25, 0.125]);
+  test("is moved along its normal, and turned about its handle", () => {
+    expect(cutsOf(cut)).toEqual([{ point: [0.5, 0.25, 0.125], normal: [0, 0, 1], thickness: null }]);
+    expect(footOf(cutsOf(cut)[0]!, [1, 2, 3])).toEqual([1, 2, 0.125]);
+    expect(cutsOf(withPlane(cut, 0, [9, 9, 0.75]))[0]!.point).toEqual([0.5, 0.25, 0.75]);
+    const turned = cutsOf(withNormal(cut, 0, [0, 0, 0.125], [3, 0, 4.125]))[0]!;
+    expect(turned.point).toEqual([0, 0, 0.125]);
+    turned.normal.forEach((x, i) => expect(x).toBeCloseTo([0.6, 0, 0.8][i]!));
+    // Nearly along an axis is along it.
+    expect(cutsOf(withNormal(cut, 0, [0, 0, 0], [1, 0.02, 0]))[0]!.normal).toEqual([1, 0, 0]);
+  });
+  test("hides what lies on the side of its normal, or all but a slice", () => {
+    const plane = { point: [0, 0, 1], normal: [0, 0, 1], thickness: null };
+    expect([isShown([plane], [5, 5, 0.9]), isShown([plane], [0, 0, 1.1])]).toEqual([true, false]);
+    const slice = { ...plane, thickness: 0.4 };
+    expect([0.7, 0.9, 1.1, 1.3].map((z) => isShown([slice], [0, 0, z]))).toEqual([false, true, true, false]);
+    expect(isShown([plane, { ...plane, normal: [1, 0, 0] }], [1, 0, 0])).toBe(false);
   });
 });

@@ -3,6 +3,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { forgetView, keepView, setParam, viewsOf } from "../model/scene";
 import { lookAt, pinRun } from "../model/recorded";
+import { canCut, cutsOf, withCut } from "../model/clips";
 import { pullables } from "../model/pull";
 import { edit, last, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
@@ -17,6 +18,7 @@ import { Arrows } from "./Arrows";
 import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
+import { Cuts } from "./Cuts";
 import { Grab } from "./Grab";
 import { handleOf, outlinesOf } from "./outlines";
 import { PickedParticle } from "./PickedParticle";
@@ -108,6 +110,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   useEffect(() => view?.choose(picked), [view, picked]);
   useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
   useEffect(() => view?.setColors(ramp, range), [view, ramp, range]);
+  useEffect(() => view?.setCuts(cutsOf(scene)), [view, render?.["clips"]]); // eslint-disable-line
   // Of the layout only what is switched off: a node that is dragged in the graph stays as it is here.
   const off = Object.keys(scene.nodes).filter((n) => offOf(scene, n)).join();
   useEffect(() => {
@@ -154,6 +157,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   );
   const tools = (): MenuItems => menuOf(
     ...views(), null,
+    ...(types && canCut(types) ? [{ name: "Cut the fluids open", off: !view || !writer, take: () => (useStudio.setState({ selected: [], selectedLinks: [] }), edit((s) => withCut(s, view!.extent().center))) }] : []),
     { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
     { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
@@ -212,7 +216,7 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && <Cuts view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
       {rendered && looking && unkept !== null && <p className="told over" role="status">A recorded frame, as particles: it cannot be rendered, as {unkept}.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}

@@ -4,6 +4,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { FramePacket, GeometryPacket } from "../protocol/packets";
 import { kColorMaps, type Ramp } from "./colorMaps";
+import type { Cut } from "../model/clips";
 import { Particles } from "./particles";
 
 export interface ViewEvents {
@@ -59,6 +60,7 @@ export class View {
   private chosen: { node: string; id: number } | null = null;
   private asked = false;
   private fitted = false;
+  private cuts: Cut[] = [];
   drawn = 0;
 
   constructor(private readonly element: HTMLElement, private readonly events: ViewEvents) {
@@ -100,9 +102,17 @@ export class View {
     this.draw();
   }
 
+  /** Planes that cut the fluids open. */
+  setCuts(cuts: Cut[]): void {
+    this.cuts = cuts;
+    for (const particles of this.fluids.values()) particles.cut(cuts);
+    this.draw();
+  }
+
   /** The colours of another view, over a range of values. */
   colorAs(other: View, range: [number, number] | null): void {
     this.setColors(other.map, range);
+    this.setCuts(other.cuts);
   }
 
   frame(packet: FramePacket): void {
@@ -112,6 +122,7 @@ export class View {
       if (!particles) {
         particles = new Particles();
         particles.setMap(this.map);
+        particles.cut(this.cuts);
         particles.choose(this.chosen?.node === fluid.node ? this.chosen.id : -1);
         this.fluids.set(fluid.node, particles);
         this.scene.add(particles.points);
