@@ -13,7 +13,7 @@ constexpr const char* kScene = R"({
   "weir": 1, "world": { "duration": 4, "frame_rate": 10, "dt": 0.002 },
   "nodes": { "cube": { "type": "BoxMesh", "params": { "min": [-0.1, -0.1, -0.1], "max": [0.1, 0.1, 0.1] } },
              "body": { "type": "RigidBody", "params": { "density": 500, "position": [0, 0.5, 0] } } },
-  "links": ["cube.mesh -> body.mesh"]
+  "links": ["cube.surface -> body.mesh"]
 })";
 
 class BodyPullTest : public testing::Test {

@@ -22,17 +22,16 @@ TEST(NumberHistoryTest, NumbersHaveTheNamesOfTheirReports) {
   EXPECT_TRUE(history.last().isNull());
   history.add(numbersAt(0.5));
   EXPECT_EQ(writeJsonLine(history.value()),
-            writeJsonLine(parseJson(R"({"times": [0.5], "values": {"particles": [8.0], "step (ms)": [2.5],
-                "water.compression.max": [0.5], "water.compression.mean": [0.25], "water.momentum": [5.0]
-}
-})",
+            writeJsonLine(parseJson(R"json({"times": [0.5], "values": {"particles": [8.0],
+                "step (ms)": [2.5], "water.compression.max": [0.5], "water.compression.mean": [0.25],
+                "water.momentum": [5.0]}})json",
                                     "expected")));
-Value later = numbersAt(1);
-later["nodes"]["gauge"]["flux"] = 7;
-history.add(later);
-const Value value = history.value();
-EXPECT_EQ(*value.find("values")->find("gauge.flux"), parseJson("[null, 7.0]", "row"));
-EXPECT_EQ(history.last(), later);
+  Value later = numbersAt(1);
+  later["nodes"]["gauge"]["flux"] = 7;
+  history.add(later);
+  const Value value = history.value();
+  EXPECT_EQ(*value.find("values")->find("gauge.flux"), parseJson("[null, 7.0]", "row"));
+  EXPECT_EQ(history.last(), later);
 }
 
 TEST(NumberHistoryTest, WhatARunHasTakenBackIsForgotten) {
