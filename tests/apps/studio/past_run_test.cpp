@@ -55,7 +55,9 @@ TEST_F(PastRunTest, AFrameThatIsLookedBackAtIsWhatTheRunWasAtIt) {
     const Value then = table(R"(, "frame": )" + std::to_string(frame));
     ASSERT_FALSE(then.isNull()) << frame;
     EXPECT_EQ(writeJsonLine(then), was[frameOf(then)]) << frame;
-    if (frame == 0 || frame == kFrames) EXPECT_EQ(frameOf(then), frame);
+    if (frame == 0 || frame == kFrames) {
+      EXPECT_EQ(frameOf(then), frame);
+    }
   }
   EXPECT_NE(was[0], was[kFrames]);
   EXPECT_EQ(writeJsonLine(table()), was[kFrames]);  // the run itself

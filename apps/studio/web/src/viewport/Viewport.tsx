@@ -15,6 +15,7 @@ import { Icon } from "../Icon";
 import { savePicture } from "../share/picture";
 import { ShareDialog } from "../share/ShareDialog";
 import { Arrows } from "./Arrows";
+import { Axes } from "./Axes";
 import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
@@ -84,6 +85,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           return turned ? setParam(placed, { node }, ["rotation"], rotation) : placed;
         }),
       picked: (node, id, more) => useStudio.setState((s) => ({ picked: { node, id }, pickedBefore: more ? s.picked : null })),
+      selected: (node, more) => useStudio.setState((s) => (node in s.scene.nodes ? { selected: more ? [...s.selected.filter((n) => n !== node), node] : [node], selectedLinks: [] } : {})),
       range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
     };
     try {
@@ -216,7 +218,7 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && <Cuts view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && <Cuts view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{view && <Axes view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
       {rendered && looking && unkept !== null && <p className="told over" role="status">A recorded frame, as particles: it cannot be rendered, as {unkept}.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
