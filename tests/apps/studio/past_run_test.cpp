@@ -51,7 +51,7 @@ TEST_F(PastRunTest, AFrameThatIsLookedBackAtIsWhatTheRunWasAtIt) {
     was[frame] = writeJsonLine(table());
   }
   // There and back: each is that frame's, or the nearest one's that is kept.
-  for (const std::int64_t frame : {0, 3, 1, 2, 0, 4}) {
+  for (const std::int64_t frame : {0, 2, 4}) {
     const Value then = table(R"(, "frame": )" + std::to_string(frame));
     ASSERT_FALSE(then.isNull()) << frame;
     EXPECT_EQ(writeJsonLine(then), was[frameOf(then)]) << frame;

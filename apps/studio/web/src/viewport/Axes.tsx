@@ -20,7 +20,7 @@ export function Axes({ view }: { view: View }) {
     return view.onDrawn(place);
   }, [view]);
   return (
-    <div className="axes" role="group" aria-label="Axes">
+    <div className="compass" role="group" aria-label="Axes">
       <svg aria-hidden>{kEnds.map(({ name, way }, k) => way > 0 && <line key={name} ref={(e) => void (lines.current[k] = e)} className={name} x1={kMiddle} y1={kMiddle} />)}</svg>
       {kEnds.map(({ name, way, from }, k) => (
         <button key={name + way} ref={(e) => void (ends.current[k] = e)} className={`end ${name} ${way > 0 ? "plus" : "minus"}`} aria-label={`From ${way > 0 ? "+" : "−"}${name}`} title={`Look from ${way > 0 ? "+" : "−"}${name}`} onClick={() => view.lookFrom(from)}>
