@@ -159,6 +159,18 @@ step("a click in the view selects a node, the axes turn the view, and Ctrl moves
   await saved((s) => s.nodes.block.params.max[0] > 0.75 && Math.abs(s.nodes.block.params.max[0] / kStep - Math.round(s.nodes.block.params.max[0] / kStep)) < 1e-6);
 });
 
+step("a number is typed with a unit", async () => {
+  await hands.select("water");
+  const field = hands.aside().getByLabel("spacing", { exact: true });
+  await hands.type(field, "2*20 mm");
+  assert.equal(await field.inputValue(), "0.04");
+  await hands.type(field, "3 s");
+  await hands.aside().getByText("also in a unit that can be turned into m").waitFor();
+  await hands.type(field, "3 cm");
+  await hands.pressInGraph("Control+s");
+  await saved((s) => s.nodes.water.params.spacing === 0.03);
+});
+
 /** A box of an STL file, from 0 to a corner in the file's unit; without its last triangle where it is open. */
 function stlBox(size, open) {
   const p = (i, j, k) => `vertex ${i * size} ${j * size} ${k * size}`;

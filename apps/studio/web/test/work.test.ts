@@ -10,6 +10,7 @@ import { bodyOfMesh, pullables } from "../src/model/pull";
 import { distanceBetween, probeType, withProbe } from "../src/model/probe";
 import { renameNode, type Scene } from "../src/model/scene";
 import { durationText } from "../src/model/time";
+import { quantityIn } from "../src/model/units";
 import type { InputType, NodeType, Parameter, Types } from "../src/model/types";
 
 const input = (name: string, type: string, many = true): InputType => ({ name, type, doc: "", required: false, many });
@@ -170,4 +171,12 @@ describe("a plane that cuts the fluids open", () => {
     expect([0.7, 0.9, 1.1, 1.3].map((z) => isShown([slice], [0, 0, z]))).toEqual([false, true, true, false]);
     expect(isShown([plane, { ...plane, normal: [1, 0, 0] }], [1, 0, 0])).toBe(false);
   });
+});
+
+test("numbers are typed with units of the parameter's kind", () => {
+  const typed: [string, string, number | null][] = [
+    ["10cm", "m", 0.1], ["2*3 mm", "m", 0.006], ["1e-3 km", "m", 1], ["5 s", "m", null], ["1.5 ms", "s", 0.0015], ["36 km/h", "m/s", 10], ["1 g/cm^3", "kg/m^3", 1000],
+    ["1 mPa s", "Pa*s", 0.001], ["1 bar", "Pa", 1e5], ["0.25 rev", "degrees", 90], ["60 rpm", "rad/s", 6.28318530718], ["3 1/(m^2 s)", "1/(m^2 s)", 3], ["5 apples", "m", null], ["cm", "m", null], ["2 N*m", "J", 2],
+  ];
+  for (const [text, unit, value] of typed) expect(quantityIn(text, unit), text).toBe(value);
 });
