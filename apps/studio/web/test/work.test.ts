@@ -10,6 +10,7 @@ import { bodyOfMesh, pullables } from "../src/model/pull";
 import { distanceBetween, probeType, withProbe } from "../src/model/probe";
 import { renameNode, type Scene } from "../src/model/scene";
 import { durationText } from "../src/model/time";
+import { commandOf } from "../src/model/sweep";
 import { quantityIn } from "../src/model/units";
 import type { InputType, NodeType, Parameter, Types } from "../src/model/types";
 
@@ -179,4 +180,10 @@ test("numbers are typed with units of the parameter's kind", () => {
     ["1 mPa s", "Pa*s", 0.001], ["1 bar", "Pa", 1e5], ["0.25 rev", "degrees", 90], ["60 rpm", "rad/s", 6.28318530718], ["3 1/(m^2 s)", "1/(m^2 s)", 3], ["5 apples", "m", null], ["cm", "m", null], ["2 N*m", "J", 2],
   ];
   for (const [text, unit, value] of typed) expect(quantityIn(text, unit), text).toBe(value);
+});
+
+test("a sweep is also a command", () => {
+  expect(commandOf("dam.json", { node: "water" }, ["spacing"], [0.01, 0.02])).toBe("weir sweep dam.json --out dam_sweep --set water.spacing=0.01,0.02");
+  expect(commandOf("my dam.json", { node: "water", module: "solver" }, ["iterations"], [5])).toBe("weir sweep 'my dam.json' --out 'my dam_sweep' --set water.solver.iterations=5");
+  expect(commandOf("a/b.json", { section: "world" }, ["dt"], [1e-3])).toBe("weir sweep a/b.json --out a/b_sweep --set world.dt=0.001");
 });
