@@ -8,12 +8,14 @@
 
 namespace weir::studio {
 
-PastRun::PastRun(const Registry& registry, int threads, std::function<void()> leaving)
-    : registry_(registry), threads_(threads), leaving_(std::move(leaving)) {}
+PastRun::PastRun(const Registry& registry, int threads, std::function<void()> changing,
+                 std::function<void()> leaving)
+    : registry_(registry), threads_(threads), changing_(std::move(changing)), leaving_(std::move(leaving)) {}
 
 void PastRun::forget() {
   if (simulation_) leaving_();
   shown_.reset();
+  isSetUp_ = false;
   simulation_.reset();
   device_.reset();
 }
@@ -29,13 +31,19 @@ void PastRun::build(const RunState& state) {
     device_ = openDevice(deviceName_, threads_);
     simulation_ = std::make_unique<Simulation>(std::move(scene_), *device_, silent_, registry_);
   }
-  simulation_->resume(StateReader(*state));
+  if (!isSetUp_) simulation_->replay();
+  isSetUp_ = true;
+  const StateReader from(*state);
+  std::int64_t frame = 0;
+  from.in("clock").get("frame", frame);
+  simulation_->scene().graph.restore(from.in("nodes").on(*device_));
+  simulation_->showAt(frame, simulation_->clock().frameTime(frame));
 }
 
 Simulation& PastRun::at(const RunState& state) {
   WEIR_CHECK((scene_ || simulation_));
   if (shown_ == state) return *simulation_;
-  if (simulation_) leaving_();
+  if (simulation_) changing_();
   shown_.reset();
   try {
     build(state);

@@ -206,9 +206,10 @@ void PictureDesk::leave() {
   renderer_.reset();
 }
 
-void PictureDesk::settle() {
+void PictureDesk::change() {
   Lock lock(mutex_);
   idle_.wait(lock, [this] { return !busy_ && nextRequest() == requests_.end(); });
+  latest_.reset();
 }
 
 void PictureDesk::fail(const Error& problem, Lock& lock) {

@@ -55,7 +55,8 @@ SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener&
       threads_(threads),
       maxStateBytes_(maxStateBytes),
       states_(maxStateBytes),
-      past_(registry, threads, [this] { listener_.pastLeaving(); }),
+      past_(
+          registry, threads, [this] { listener_.pastChanging(); }, [this] { listener_.pastLeaving(); }),
       thread_([this] { work(); }) {}
 
 SimulationHost::~SimulationHost() {

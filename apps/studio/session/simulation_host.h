@@ -49,7 +49,9 @@ class HostListener {
   virtual void serve(Simulation* simulation) = 0;
   /// It will be gone when this returns.
   virtual void leaving() = 0;
-  /// The same of what runAt() has given back.
+  /// What runAt() has given back will be at another frame when this returns.
+  virtual void pastChanging() = 0;
+  /// The same, and it will be gone.
   virtual void pastLeaving() = 0;
 };
 

@@ -76,6 +76,7 @@ class Studio final : private ServerEvents, private HostListener {
   void wentBack(std::int64_t frame) override;
   void serve(Simulation* simulation) override;
   void leaving() override;
+  void pastChanging() override;
   void pastLeaving() override;
 
   HttpReply page(const std::string& path) const;

@@ -275,8 +275,12 @@ void Studio::leaving() {
   desk_.leave();
 }
 
+void Studio::pastChanging() {
+  pastDesk_.change();
+}
+
 void Studio::pastLeaving() {
-  pastDesk_.settle();
+  pastDesk_.change();
   pastDesk_.leave();
 }
 

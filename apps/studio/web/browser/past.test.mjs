@@ -60,10 +60,10 @@ step("a recorded frame is rendered, and told by its time", async () => {
   await look("Home");
   await page.locator('.told.over[data-frame="0"]').filter({ hasText: "Frame 0, 0.000 s" }).waitFor();
   assert.notEqual(await picture.getAttribute("src"), atEnd);
-  assert.equal(await page.locator(".stage .faces").count(), 0, "particles are not shown");
+  assert.equal(await page.locator(".stage .faces").count(), 0, "handles of the particles' view are shown");
   await page.locator(".time").filter({ hasText: "frame 0, 0.000 s" }).waitFor();
   await look("ArrowRight");
-  await page.waitForFunction(() => Number(document.querySelector(".told.over")?.dataset.frame) > 0);
+  await page.waitForFunction(() => document.querySelector(".told.over")?.dataset.asked === "1");
   const frame = await frameIn(".told.over");
   assert.match(await page.locator(".told.over").innerText(), new RegExp(`^Frame ${frame}, ${(frame / kRate).toFixed(3)} s`));
   await button("Follow the run").click();

@@ -14,10 +14,10 @@ export function Rendered({ view, onFailed, onUnkept }: { view: View; onFailed():
   const render = useStudio((s) => s.scene["render"]);
   const looking = useStudio((s) => s.looking);
   const loop = useRef<PictureLoop | null>(null);
-  const [shown, setShown] = useState<{ frame: number; time: number } | null>(null);
+  const [shown, setShown] = useState<{ frame: number; time: number; asked: number | null } | null>(null);
   useEffect(() => {
     const box = image.current!.parentElement!;
-    let address = "", come: PicturePacket | null = null;
+    let address = "", come: PicturePacket | null = null, asked: number | null = null;
     viewers.picture = (p) => (come = p);
     const past = () => useStudio.getState().looking;
     const made = new PictureLoop({
@@ -28,7 +28,7 @@ export function Rendered({ view, onFailed, onUnkept }: { view: View; onFailed():
       },
       follows: () => past() === null,
       ask: async (fields) => {
-        const frame = past();
+        const frame = (asked = past());
         try {
           return (await client.ask<{ drawn: boolean }>("picture", { ...fields, ...(frame !== null && { frame, newer: false }) })).drawn;
         } catch (e) {
@@ -43,8 +43,8 @@ export function Rendered({ view, onFailed, onUnkept }: { view: View; onFailed():
         URL.revokeObjectURL(address);
         address = URL.createObjectURL(new Blob([come.data], { type: come.type }));
         image.current!.src = address;
-        setShown({ frame, time });
-        if (past() !== null) useStudio.setState({ shown: { frame, time } });
+        setShown({ frame, time, asked });
+        if (asked !== null) useStudio.setState({ shown: { frame, time } });
       },
       failed: (e) => (say(e), onFailed()),
     });
@@ -63,13 +63,13 @@ export function Rendered({ view, onFailed, onUnkept }: { view: View; onFailed():
     };
   }, [view, onFailed, onUnkept]);
   useEffect(() => loop.current?.again(), [render, looking]);
-  const nearest = looking !== null && shown !== null && shown.frame !== looking;
   return (
     <>
       <img ref={image} className="rendered" alt="The simulation as the videos show it" />
       {looking !== null && shown && (
-        <p className="told over" role="status" data-frame={shown.frame}>
-          Frame {shown.frame}, {shown.time.toFixed(3)} s{nearest && `: the nearest to frame ${looking} that is kept whole`}
+        <p className="told over" role="status" data-frame={shown.frame} data-asked={shown.asked}>
+          Frame {shown.frame}, {shown.time.toFixed(3)} s
+          {shown.asked === looking ? shown.frame !== looking && `: the nearest to frame ${looking} that is kept whole` : `; drawing frame ${looking}…`}
         </p>
       )}
     </>
