@@ -142,7 +142,7 @@ step("a click in the view selects a node, the axes turn the view, and Ctrl moves
   let found = false;
   for (let i = 0; i < 30 && !found; ++i) {
     await page.mouse.click(x + ((2 + (i % 10)) / 20) * width, y + (0.4 + 0.1 * Math.floor(i / 10)) * height);
-    found = (await selected.count()) > 0;
+    found = await selected.first().waitFor({ timeout: 1000 }).then(() => true, () => false);
   }
   assert.ok(found, "a click on the cube selects nothing");
   await hands.select("block");
