@@ -71,15 +71,18 @@ std::int64_t wholeMember(const Value& message, std::string_view name, std::int64
   return v.asInt();
 }
 
+std::optional<std::int64_t> frameMember(const Value& message) {
+  if (message.find("frame") == nullptr) return std::nullopt;
+  return wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
+}
+
 bool switchMember(const Value& message, std::string_view name) {
   const Value& v = member(message, name);
   if (!v.isBool()) throw usageError("'" + std::string(name) + "' is " + v.brief(), "true or false");
   return v.asBool();
 }
 
-namespace {
-
-Vec3f vectorMember(const Value& message, std::string_view name) {
+Vec3f pointMember(const Value& message, std::string_view name) {
   constexpr double kFarthest = 1e6;
   const Value& v = member(message, name);
   Vec3f result;
@@ -93,14 +96,12 @@ Vec3f vectorMember(const Value& message, std::string_view name) {
   return result;
 }
 
-}  // namespace
-
 LiveCamera cameraOf(const Value& message) {
   constexpr double kNarrowest = 1, kWidest = 170;
   LiveCamera camera;
-  camera.eye = vectorMember(message, "eye");
-  camera.target = vectorMember(message, "target");
-  if (message.find("up") != nullptr) camera.up = vectorMember(message, "up");
+  camera.eye = pointMember(message, "eye");
+  camera.target = pointMember(message, "target");
+  if (message.find("up") != nullptr) camera.up = pointMember(message, "up");
   if (const Value* fov = message.find("fov")) {
     if (!fov->isNumber() || !(fov->asDouble() >= kNarrowest && fov->asDouble() <= kWidest))
       throw usageError("'fov' is " + fov->brief(), "1 to 170 degrees");

@@ -23,7 +23,11 @@ std::optional<std::int64_t> idOf(std::string_view text);
 const Value& member(const Value& message, std::string_view name);
 std::string textMember(const Value& message, std::string_view name);
 std::int64_t wholeMember(const Value& message, std::string_view name, std::int64_t min, std::int64_t max);
+/// The member "frame", where it is given: a frame of the run that is looked back at.
+std::optional<std::int64_t> frameMember(const Value& message);
 bool switchMember(const Value& message, std::string_view name);
+/// [x, y, z], m.
+Vec3f pointMember(const Value& message, std::string_view name);
 
 /// The members "eye" and "target", and "up" and "fov" where they are given.
 LiveCamera cameraOf(const Value& message);

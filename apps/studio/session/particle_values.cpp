@@ -161,6 +161,7 @@ Value particlePageValue(const Simulation& simulation, const ParticlePage& page) 
   }
   Value result = Value::object();
   result["node"] = page.node;
+  result["frame"] = simulation.frame();
   result["time"] = simulation.time();
   result["total"] = total;
   result["from"] = from;

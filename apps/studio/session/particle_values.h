@@ -21,11 +21,11 @@ struct ParticlePage {
   std::int64_t from = 0, count = 50;
 };
 
-/// {"node", "time", "total", "from", "columns": [{"name", "unit"}], "rows": [[number, …]]}: the first column
-/// is "id", a vector has the columns "name.x", "name.y" and "name.z", and "speed" is among them. Null if
-/// there is no such fluid. Numbers that are none, null in rows, come last in either order. Where there are no
-/// longer that many particles, it is the last page. Throws a usage Error for an unknown column. Waits for the
-/// device; takes as long as to copy and partition one attribute.
+/// {"node", "frame", "time", "total", "from", "columns": [{"name", "unit"}], "rows": [[number, …]]}: the
+/// first column is "id", a vector has the columns "name.x", "name.y" and "name.z", and "speed" is among them.
+/// Null if there is no such fluid. Numbers that are none, null in rows, come last in either order. Where
+/// there are no longer that many particles, it is the last page. Throws a usage Error for an unknown column.
+/// Waits for the device; takes as long as to copy and partition one attribute.
 Value particlePageValue(const Simulation& simulation, const ParticlePage& page);
 
 }  // namespace weir::studio

@@ -206,6 +206,12 @@ void PictureDesk::leave() {
   renderer_.reset();
 }
 
+void PictureDesk::change() {
+  Lock lock(mutex_);
+  idle_.wait(lock, [this] { return !busy_ && nextRequest() == requests_.end(); });
+  latest_.reset();
+}
+
 void PictureDesk::fail(const Error& problem, Lock& lock) {
   idle_.wait(lock, [this] { return !busy_; });
   for (const auto& [client, request] : requests_) request.done({.problem = problem});

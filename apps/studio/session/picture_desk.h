@@ -81,6 +81,8 @@ class PictureDesk {
   /// The simulation will be gone: completes the video, and waits until nothing of it is used. Requests are
   /// drawn from the next one.
   void leave();
+  /// The simulation will be at another time: waits until what may be drawn is drawn.
+  void change();
 
  private:
   struct Held {

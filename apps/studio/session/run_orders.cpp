@@ -10,6 +10,8 @@ void RunOrders::addLoad(Load next) {
   load = std::move(next);
   // What was to be done with the simulation that goes.
   changes.clear();
+  pull.reset();
+  release = false;
   pause = play = false;
   frames = 0;
 }
@@ -27,6 +29,15 @@ void RunOrders::addChanges(std::vector<LiveChange> more) {
   }
 }
 
+void RunOrders::addPull(BodyWish wish) {
+  pull = std::move(wish);
+}
+
+void RunOrders::addRelease() {
+  pull.reset();
+  release = true;
+}
+
 void RunOrders::addPause() {
   pause = true;
   play = false;
@@ -39,7 +50,8 @@ void RunOrders::addPlay() {
 }
 
 bool RunOrders::empty() const {
-  return !serveFirst && !view && !load && changes.empty() && !serve && !pause && !play && frames == 0;
+  return !serveFirst && !view && !load && changes.empty() && !release && !pull && !serve && !pause && !play &&
+         frames == 0;
 }
 
 }  // namespace weir::studio

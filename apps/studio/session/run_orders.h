@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/studio/session/body_pull.h"
 #include "apps/studio/session/frame_packet.h"
 #include "apps/studio/session/scene_check.h"
 
@@ -18,6 +19,7 @@ struct RunOrders {
   struct Load {
     std::unique_ptr<Scene> scene;
     std::string device;
+    std::unique_ptr<Scene> again = {};  ///< once more, for those who look back
     /// To go on from this frame of the run that is there, or the last one before it that is kept; none: from
     /// time 0.
     std::optional<std::int64_t> from = {};
@@ -27,12 +29,16 @@ struct RunOrders {
   std::optional<FrameView> view;
   std::optional<Load> load;
   std::vector<LiveChange> changes;
+  bool release = false;  ///< what is pulled
+  std::optional<BodyWish> pull;
   bool serve = false;
   bool pause = false, play = false;
   std::int64_t frames = 0;  ///< to advance by
 
   void addLoad(Load next);
   void addChanges(std::vector<LiveChange> more);
+  void addPull(BodyWish wish);
+  void addRelease();
   void addPause();
   void addPlay();
   bool empty() const;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/base/check.h"
 #include "framework/base/interruption.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/run/statistics.h"
 
 namespace weir::studio {
@@ -53,6 +55,8 @@ SimulationHost::SimulationHost(const Registry& registry, Log& log, HostListener&
       threads_(threads),
       maxStateBytes_(maxStateBytes),
       states_(maxStateBytes),
+      past_(
+          registry, threads, [this] { listener_.pastChanging(); }, [this] { listener_.pastLeaving(); }),
       thread_([this] { work(); }) {}
 
 SimulationHost::~SimulationHost() {
@@ -70,15 +74,16 @@ void SimulationHost::order(const std::function<void(RunOrders&)>& add) {
   wake_.notify_one();
 }
 
-void SimulationHost::load(std::unique_ptr<Scene> scene, std::string device) {
+void SimulationHost::load(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device) {
   order([&](RunOrders& orders) {
-    orders.addLoad({std::move(scene), std::move(device)});
+    orders.addLoad({std::move(scene), std::move(device), std::move(again)});
     replaced_ = true;
   });
 }
-void SimulationHost::goOn(std::unique_ptr<Scene> scene, std::string device, std::int64_t frame) {
+void SimulationHost::goOn(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device,
+                          std::int64_t frame) {
   order([&](RunOrders& orders) {
-    orders.addLoad({std::move(scene), std::move(device), frame});
+    orders.addLoad({std::move(scene), std::move(device), std::move(again), frame});
     replaced_ = true;
   });
 }
@@ -93,6 +98,12 @@ void SimulationHost::advance(std::int64_t frames) {
 }
 void SimulationHost::change(std::vector<LiveChange> changes) {
   order([&](RunOrders& orders) { orders.addChanges(std::move(changes)); });
+}
+void SimulationHost::pull(BodyWish wish) {
+  order([&](RunOrders& orders) { orders.addPull(std::move(wish)); });
+}
+void SimulationHost::release() {
+  order([](RunOrders& orders) { orders.addRelease(); });
 }
 void SimulationHost::show(FrameView view) {
   order([&](RunOrders& orders) { orders.view = std::move(view); });
@@ -125,6 +136,7 @@ void SimulationHost::work() {
     guarded([this] { answerOne(); });
     if (state_ == HostState::kPlaying && !quit_) guarded([this] { advanceNow(); });
   }
+  past_.begin(nullptr, {});
   listener_.leaving();
 }
 
@@ -141,6 +153,8 @@ void SimulationHost::obey(RunOrders orders) {
   if (orders.load) takeScene(std::move(*orders.load));
   if (simulation_)
     for (const LiveChange& change : orders.changes) apply(change, simulation_->scene());
+  if (orders.release && simulation_) pull_.release(*simulation_);
+  if (orders.pull && simulation_) pull_.pull(*simulation_, std::move(*orders.pull));
   if (orders.view && !orders.load && simulation_ && simulation_->atFrame()) tellFrame();
   if (orders.serve) listener_.serve(simulation_.get());
   if (orders.pause && state_ == HostState::kPlaying) tell(HostState::kPaused);
@@ -174,6 +188,17 @@ void SimulationHost::answerOne() {
   nextAnswer_ = end + kAnswersShare * (end - start);
 }
 
+Simulation& SimulationHost::runAt(std::int64_t frame) {
+  WEIR_CHECK(simulation_ != nullptr);
+  if (simulation_->atFrame() && simulation_->frame() == frame) return *simulation_;
+  const RunState state = states_.nearest(frame);
+  if (!state)
+    throw usageError("no frame of this run is kept whole: one would take more memory than the " +
+                         shortBytes(static_cast<double>(maxStateBytes_)) + " that there are for it",
+                     {}, "start the studio with a larger --frames-mb");
+  return past_.at(state);
+}
+
 void SimulationHost::guarded(const std::function<void()>& f) {
   try {
     f();
@@ -197,11 +222,16 @@ void SimulationHost::takeScene(RunOrders::Load load) {
   const RunState from = load.from ? states_.lastUpTo(*load.from) : nullptr;
   // The old simulation gives its memory back first.
   listener_.leaving();
+  past_.begin(std::move(load.again), load.device);
   frames_.reset();
+  pull_.forget();
   simulation_.reset();
   problem_.reset();
   pauseAt_.reset();
-  if (!from) states_.clear();
+  if (!from) {
+    states_.clear();
+    keeping_ = {};  // its first frame is kept, however short ago it is that another run's was
+  }
   if (!load.scene) return tell(HostState::kEmpty);
   tell(HostState::kBuilding);
   if (!device_ || load.device != deviceName_) device_ = openDevice(load.device, threads_);
@@ -250,6 +280,7 @@ void SimulationHost::advanceNow() {
   // At least one step between orders, and between questions, however many of them come.
   std::atomic<bool> stop = false;
   const auto afterStep = [&] {
+    pull_.update(*simulation_);
     stop = ordered_ || (asked_ && mayAnswer());
     if (isTime(told_, kStatusEvery)) listener_.status(status());
   };

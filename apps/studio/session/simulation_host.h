@@ -12,7 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "apps/studio/session/body_pull.h"
 #include "apps/studio/session/busy_share.h"
+#include "apps/studio/session/past_run.h"
 #include "apps/studio/session/question_queue.h"
 #include "apps/studio/session/recording.h"
 #include "apps/studio/session/run_orders.h"
@@ -47,6 +49,10 @@ class HostListener {
   virtual void serve(Simulation* simulation) = 0;
   /// It will be gone when this returns.
   virtual void leaving() = 0;
+  /// What runAt() has given back will be at another frame when this returns.
+  virtual void pastChanging() = 0;
+  /// The same, and it will be gone.
+  virtual void pastLeaving() = 0;
 };
 
 class SimulationHost {
@@ -64,14 +70,18 @@ class SimulationHost {
 
   /// Takes another scene and brings it to time 0 on a device, "auto", "cpu", "cuda:0". What was before is
   /// gone, and a scene that was still waiting for its turn or being built is passed over. Null for no scene.
-  void load(std::unique_ptr<Scene> scene, std::string device);
+  /// `again` is the same scene once more, for runAt.
+  void load(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device);
   /// The same from a frame of the run that is there, or the last one before it that is kept, in place of time
   /// 0. The scene differs from that run's in no more than what may change during a run.
-  void goOn(std::unique_ptr<Scene> scene, std::string device, std::int64_t frame);
+  void goOn(std::unique_ptr<Scene> scene, std::unique_ptr<Scene> again, std::string device,
+            std::int64_t frame);
   void play();
   void pause();
   void advance(std::int64_t frames);  ///< that many more than were asked for, and then pauses
   void change(std::vector<LiveChange> changes);
+  void pull(BodyWish wish);  ///< see BodyPull; of the scene that was given last, which has this body
+  void release();
   void show(FrameView view);
   /// Has the listener's serve() called before the next step.
   void serve();
@@ -81,6 +91,12 @@ class SimulationHost {
   [[nodiscard]] bool ask(std::uint64_t client, QuestionQueue::Question f);
   /// The client is gone: nobody wants to know what it has asked.
   void forget(std::uint64_t client);
+
+  // On its own thread, in the answer to a question and while there is a simulation.
+
+  /// The run as it was at a frame, or at the nearest one whose state is kept; the run itself where it stands
+  /// there. Throws a usage Error if there is none, with the reason.
+  Simulation& runAt(std::int64_t frame);
 
  private:
   /// Adds to the orders, and wakes the thread.
@@ -131,6 +147,8 @@ class SimulationHost {
   std::optional<std::int64_t> pauseAt_;  // a frame
   const std::int64_t maxStateBytes_;
   KeptStates states_;
+  PastRun past_;
+  BodyPull pull_;
   FrameView view_;
   BusyShare busy_;
   std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last

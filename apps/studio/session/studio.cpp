@@ -5,6 +5,7 @@
 
 #include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
+#include "apps/studio/session/preview.h"
 #include "apps/studio/session/versions.h"
 #include "framework/base/build_info.h"
 #include "framework/base/text.h"
@@ -68,6 +69,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
             [this](const VideoStatus& video) {
               server_.post([this, video] { tell("video", videoValue(video)); });
             }),
+      pastDesk_(registry, [](const VideoStatus&) {}),
       host_(registry, log, *this, options_.threads, options_.maxRecordedBytes / 2) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
@@ -105,8 +107,10 @@ void Studio::opened(ClientId client) {
 void Studio::closed(ClientId client) {
   clients_.erase(client);
   desk_.forget(client);
+  pastDesk_.forget(client);
   host_.forget(client);
   if (writer_ != client) return;
+  host_.release();
   writer_.reset();
   if (clients_.empty()) return;
   writer_ = clients_.begin()->first;
@@ -130,6 +134,8 @@ const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {
       {"run.step", &Studio::step},
       {"run.reset", &Studio::reset},
       {"run.go_on", &Studio::goOn},
+      {"body.pull", &Studio::pullBody},
+      {"body.release", &Studio::releaseBody},
       {"run.seek", &Studio::seek},
       {"view.set", &Studio::setView},
       {"frame.seen", &Studio::confirm},
@@ -220,6 +226,8 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
   pictures["videos"] = stringsValue(desk_.videoExtensions());
   result["pictures"] = std::move(pictures);
   result["video"] = videoValue(desk_.video());
+  result["history"] = history_.value();
+  result["numbers"] = history_.last();
   if (geometry_) server_.sendBinary(client, geometry_);
   if (const Packet last = recording_.nearest(std::numeric_limits<std::int64_t>::max()))
     sendFrame(client, clients_[client], last);
@@ -227,6 +235,7 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
 
 void Studio::claim(ClientId client, const Value&, Value&) {
   if (writer_ == client) return;
+  host_.release();
   const std::optional<ClientId> before = std::exchange(writer_, client);
   if (before) tellRole(*before);
   tellRole(client);
@@ -268,11 +277,22 @@ CheckedScene Studio::check(const Value& scene) const {
                     [&](const Scene& built) { sceneFiles_.check(built, folder); });
 }
 
+CheckedScene Studio::checkRun(const Value& scene, int coarser) const {
+  CheckedScene checked = check(scene);
+  try {
+    if (checked.scene) coarsen(*checked.scene, coarser);
+  } catch (const Error& e) {
+    checked.scene.reset();
+    checked.problem = problemOf(e);
+  }
+  return checked;
+}
+
 void Studio::takeScene(Value scene, std::string path, ClientId from) {
   scene_ = std::move(scene);
   path_ = std::move(path);
   ++revision_;
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   problem_ = std::move(checked.problem);
   warnings_ = std::move(checked.warnings);
   if (!lossWarning_.empty()) warnings_.insert(warnings_.begin(), lossWarning_);
@@ -305,11 +325,11 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   lossWarning_.clear();
   draft_.reset();
   // The world of before goes, too.
+  coarser_ = 1;
   running_.reset();
   reset_.reset();
-  recording_.clear();
-  geometry_.reset();
-  host_.load(nullptr, device_);
+  forgetRun();
+  host_.load(nullptr, nullptr, device_);
   result = sceneState();
 }
 
@@ -342,6 +362,7 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   readScene(isTemplate ? ServedFolder(options_.templates) : folder_, path);
   if (isTemplate) lossWarning_.clear();
   running_.reset();
+  coarser_ = 1;
   takeScene(saved_, isTemplate ? "" : path, client);
   draft_.reset();
   if (!isTemplate) findDraft();

@@ -13,6 +13,7 @@
 #include "apps/studio/server/http_server.h"
 #include "apps/studio/server/served_folder.h"
 #include "apps/studio/session/draft.h"
+#include "apps/studio/session/number_history.h"
 #include "apps/studio/session/picture_desk.h"
 #include "apps/studio/session/recording.h"
 #include "apps/studio/session/scene_files.h"
@@ -75,6 +76,8 @@ class Studio final : private ServerEvents, private HostListener {
   void wentBack(std::int64_t frame) override;
   void serve(Simulation* simulation) override;
   void leaving() override;
+  void pastChanging() override;
+  void pastLeaving() override;
 
   HttpReply page(const std::string& path) const;
   HttpReply files(const HttpRequest& request);
@@ -96,6 +99,8 @@ class Studio final : private ServerEvents, private HostListener {
   void cancel(ClientId client, const Value& message, Value& result);
   void step(ClientId client, const Value& message, Value& result);
   void reset(ClientId client, const Value& message, Value& result);
+  void pullBody(ClientId client, const Value& message, Value& result);
+  void releaseBody(ClientId client, const Value& message, Value& result);
   void goOn(ClientId client, const Value& message, Value& result);
   void seek(ClientId client, const Value& message, Value& result);
   void setView(ClientId client, const Value& message, Value& result);
@@ -107,16 +112,25 @@ class Studio final : private ServerEvents, private HostListener {
   void askParticles(ClientId client, const Value& message, Value& result);
   void setStream(ClientId client, const Value& message, Value& result);
   void askPicture(ClientId client, const Value& message, Value& result);
+  /// Of the run as it was at a frame.
+  void askPastPicture(ClientId client, std::int64_t frame, const LivePictureOptions& options,
+                      const PictureDone& done);
   void startVideo(ClientId client, const Value& message, Value& result);
   void moveVideo(ClientId client, const Value& message, Value& result);
   void stopVideo(ClientId client, const Value& message, Value& result);
   static const std::map<std::string, Command, std::less<>>& commands();
 
   CheckedScene check(const Value& scene) const;
-  /// Gives a scene to the simulation, which then is that one's.
-  void run(const Value& scene);
+  /// As it is run: `coarser` times as coarse.
+  CheckedScene checkRun(const Value& scene, int coarser) const;
+  /// The question waits for its turn at the simulation. Throws a usage Error if too many of the client wait.
+  void askHost(ClientId client, QuestionQueue::Question question);
+  /// Gives a scene to the simulation, which then is that one's, or a preview of it.
+  void run(const Value& scene, int coarser);
   /// Into saved_, with a warning of what saving would lose.
   void readScene(const ServedFolder& folder, const std::string& path);
+  /// What is kept of the run for those who look is gone with it.
+  void forgetRun();
   /// Whether the simulation has last told that it is in a state.
   bool isState(HostState state) const;
   /// Whether there is no run that could go on.
@@ -126,7 +140,8 @@ class Studio final : private ServerEvents, private HostListener {
   void findDraft();
   void keepDraft();
   void requireWriter(ClientId client) const;
-  /// Answers with what f makes of the simulation, between two of its steps.
+  /// Answers with what f makes of the simulation, between two of its steps, or of how it was at the frame
+  /// that the message names.
   void answerLater(ClientId client, const Value& message, Value& result,
                    std::function<Value(const Simulation&)> f);
   void sendPicture(ClientId client, const Value& id, const LivePictureOptions& options, PictureAnswer answer);
@@ -157,14 +172,17 @@ class Studio final : private ServerEvents, private HostListener {
   std::unique_ptr<Scene> running_;    // what the simulation was last given, to compare with
   std::optional<std::string> reset_;  // why the simulation must be reset to be as scene_ is
   std::string device_;
+  int coarser_ = 1;  // times as coarse as its scene is what runs, or is to run: more than 1 is a preview
   Value status_ = Value::object();
   Packet geometry_;
   Recording recording_;
+  NumberHistory history_;
   std::string videoPath_;  // of the last one, below the served folder
 
   HttpServer server_;
   PictureDesk desk_;
-  SimulationHost host_;  // last: it calls the rest
+  PictureDesk pastDesk_;  // of runs as they were
+  SimulationHost host_;   // last: it calls the rest
 };
 
 }  // namespace weir::studio

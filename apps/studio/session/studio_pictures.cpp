@@ -25,12 +25,29 @@ void Studio::askPicture(ClientId client, const Value& message, Value& result) {
   const LivePictureOptions options = pictureOptionsOf(message);
   const bool newer = message.find("newer") != nullptr && switchMember(message, "newer");
   const Value* id = message.find("id");
-  desk_.ask(client, options, newer,
-            [this, client, options, id = id != nullptr ? *id : Value()](PictureAnswer answer) {
-              sendPicture(client, id, options, std::move(answer));
-            });
-  if (!newer) host_.serve();
+  const auto done = [this, client, options, id = id != nullptr ? *id : Value()](PictureAnswer answer) {
+    sendPicture(client, id, options, std::move(answer));
+  };
   result = {};
+  if (const auto frame = frameMember(message)) return askPastPicture(client, *frame, options, done);
+  desk_.ask(client, options, newer, done);
+  if (!newer) host_.serve();
+}
+
+void Studio::askPastPicture(ClientId client, std::int64_t frame, const LivePictureOptions& options,
+                            const PictureDone& done) {
+  if (const auto problem = pastDesk_.problem()) throw *problem;
+  askHost(client, [=, this](Simulation* simulation) {
+    try {
+      if (simulation == nullptr) throw usageError("there is nothing to draw yet", {}, "play the scene");
+      Simulation& then = host_.runAt(frame);
+      PictureDesk& desk = &then == simulation ? desk_ : pastDesk_;
+      desk.ask(client, options, false, done);
+      desk.serve(&then);
+    } catch (const Error& e) {
+      done({.problem = e});
+    }
+  });
 }
 
 void Studio::sendPicture(ClientId client, const Value& id, const LivePictureOptions& options,
@@ -76,6 +93,8 @@ void Studio::startVideo(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
   const std::string path = textMember(message, "path");
   const LivePictureOptions options = pictureOptionsOf(message);
+  if (coarser_ > 1)
+    throw usageError("a preview is not written as a video", "a run in full", "end the preview, and play");
   if (const auto problem = desk_.problem()) throw *problem;
   const fs::path file = folder_.resolve(path);
   const std::vector<std::string>& allowed = desk_.videoExtensions();

@@ -30,26 +30,35 @@ void Studio::reset(ClientId client, const Value& message, Value& result) {
   const std::optional<std::string> before = reset_;
   const Value* other = message.find("scene");
   if (other != nullptr && !other->isObject()) throw usageError("'scene' is " + other->brief(), "an object");
-  run(other != nullptr ? *other : scene_);
+  constexpr std::int64_t kCoarsest = 8;
+  const bool changes = message.find("coarser") != nullptr;
+  run(other != nullptr ? *other : scene_,
+      changes ? static_cast<int>(wholeMember(message, "coarser", 1, kCoarsest)) : coarser_);
   if (reset_ != before) tell("scene", sceneValue(), client);
   result = sceneState();
   result["device"] = device_;
 }
 
-void Studio::run(const Value& scene) {
-  CheckedScene checked = check(scene);
+void Studio::run(const Value& scene, int coarser) {
+  CheckedScene checked = checkRun(scene, coarser);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
-  running_ = check(scene).scene;
+  coarser_ = coarser;
+  running_ = checkRun(scene, coarser).scene;
   reset_.reset();
   // Where it is another one than is edited.
   if (!(scene == scene_))
-    if (const CheckedScene edited = check(scene_); edited.scene)
+    if (const CheckedScene edited = checkRun(scene_, coarser); edited.scene)
       reset_ = differenceOf(*running_, *edited.scene).reset;
-  recording_.clear();
-  geometry_.reset();
-  host_.load(std::move(checked.scene), device_);
+  forgetRun();
+  host_.load(std::move(checked.scene), checkRun(scene, coarser).scene, device_);
   // Before the simulation tells so: it is not as it was any more.
   status_["state"] = nameOf(HostState::kBuilding);
+}
+
+void Studio::forgetRun() {
+  recording_.clear();
+  history_.clear();
+  geometry_.reset();
 }
 
 bool Studio::isState(HostState state) const {
@@ -77,9 +86,8 @@ void Studio::cancel(ClientId client, const Value&, Value&) {
   if (!isState(HostState::kBuilding)) return;
   running_.reset();
   reset_.reset();
-  recording_.clear();
-  geometry_.reset();
-  host_.load(nullptr, device_);
+  forgetRun();
+  host_.load(nullptr, nullptr, device_);
 }
 
 void Studio::step(ClientId client, const Value& message, Value& result) {
@@ -96,16 +104,29 @@ void Studio::goOn(ClientId client, const Value& message, Value& result) {
   const std::int64_t frame = wholeMember(message, "frame", 0, std::numeric_limits<std::int64_t>::max());
   if (!running_ || recording_.size() == 0)
     throw usageError("there is no run to go on from", {}, "play it first");
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
   if (const auto reset = differenceOf(*running_, *checked.scene).reset)
     throw usageError(
         inQuotes(*reset) + " has changed since the run began, so it cannot go on from a frame of it",
         "changes of what may change during a run", "reset to see the others");
-  running_ = check(scene_).scene;
-  host_.goOn(std::move(checked.scene), device_, frame);
+  running_ = checkRun(scene_, coarser_).scene;
+  host_.goOn(std::move(checked.scene), checkRun(scene_, coarser_).scene, device_, frame);
   status_["state"] = nameOf(HostState::kBuilding);
   result = sceneState();
+}
+
+void Studio::pullBody(ClientId client, const Value& message, Value&) {
+  requireWriter(client);
+  if (!running_) throw usageError("there is no run with a body to pull", {}, "play it first");
+  BodyWish wish{textMember(message, "node"), pointMember(message, "to")};
+  requirePullable(*running_, wish.node);
+  host_.pull(std::move(wish));
+}
+
+void Studio::releaseBody(ClientId client, const Value&, Value&) {
+  requireWriter(client);
+  host_.release();
 }
 
 void Studio::seek(ClientId client, const Value& message, Value& result) {
@@ -134,22 +155,26 @@ void Studio::confirm(ClientId client, const Value&, Value& result) {
 void Studio::answerLater(ClientId client, const Value& message, Value& result,
                          std::function<Value(const Simulation&)> f) {
   const Value* id = message.find("id");
-  const auto answer = [this, client, f = std::move(f),
+  const auto answer = [this, client, f = std::move(f), frame = frameMember(message),
                        id = id != nullptr ? *id : Value()](Simulation* simulation) {
     Value reply = Value::object();
     reply["id"] = id;
     try {
-      reply["result"] = simulation != nullptr ? f(*simulation) : Value();
+      reply["result"] = simulation != nullptr ? f(frame ? host_.runAt(*frame) : *simulation) : Value();
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kUsage) throw;  // the simulation failed
       reply["error"] = problemOf(e);
     }
     server_.sendText(client, writeJsonLine(reply));
   };
-  if (!host_.ask(client, answer))
+  askHost(client, answer);
+  result = {};
+}
+
+void Studio::askHost(ClientId client, QuestionQueue::Question question) {
+  if (!host_.ask(client, std::move(question)))
     throw usageError("this window asks faster than the simulation answers",
                      "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
-  result = {};
 }
 
 void Studio::askParticle(ClientId client, const Value& message, Value& result) {
@@ -176,7 +201,7 @@ void Studio::askParticles(ClientId client, const Value& message, Value& result) 
 }
 
 void Studio::askCost(ClientId client, const Value& message, Value& result) {
-  CheckedScene checked = check(scene_);
+  CheckedScene checked = checkRun(scene_, coarser_);
   if (!checked.scene) throw sceneError(checked.problem->find("message")->asString());
   const Value* id = message.find("id");
   const auto answer =
@@ -194,9 +219,7 @@ void Studio::askCost(ClientId client, const Value& message, Value& result) {
         }
         server_.sendText(client, writeJsonLine(reply));
       };
-  if (!host_.ask(client, answer))
-    throw usageError("this window asks faster than the simulation answers",
-                     "at most " + std::to_string(QuestionQueue::kMaxOfAClient) + " questions that wait");
+  askHost(client, answer);
   result = {};
 }
 
@@ -210,12 +233,16 @@ void Studio::status(const Value& status) {
   server_.post([this, status] {
     status_ = status;
     status_["recorded_every"] = recording_.every();
+    status_["coarser"] = coarser_;
     tell("status", status_);
   });
 }
 
 void Studio::numbers(const Value& numbers) {
-  server_.post([this, numbers] { tell("numbers", numbers); });
+  server_.post([this, numbers] {
+    history_.add(numbers);
+    tell("numbers", numbers);
+  });
 }
 
 void Studio::geometry(const Packet& packet) {
@@ -246,6 +273,15 @@ void Studio::serve(Simulation* simulation) {
 
 void Studio::leaving() {
   desk_.leave();
+}
+
+void Studio::pastChanging() {
+  pastDesk_.change();
+}
+
+void Studio::pastLeaving() {
+  pastDesk_.change();
+  pastDesk_.leave();
 }
 
 void Studio::sendFrame(ClientId id, Client& client, const Packet& packet) {

@@ -126,6 +126,31 @@ TEST_F(PicturesTest, ShowTheSceneFromAnySide) {
   EXPECT_EQ(seen.size(), 2u);
 }
 
+TEST_F(PicturesTest, AFrameThatIsLookedBackAtLooksAsItDid) {
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  const auto picture = [&](const Value& request) {
+    socket.sendText(writeJsonLine(request));
+    const auto packet = socket.until([](const Socket::Message& message) {
+      return !message.text && Socket::headerOf(message).find("kind")->asString() == "picture";
+    });
+    const Value answer = socket.answer(1);
+    EXPECT_EQ(answer.find("result")->find("frame")->asInt(),
+              Socket::headerOf(*packet).find("frame")->asInt());
+    return std::pair(answer.find("result")->find("frame")->asInt(), std::string(Socket::payloadOf(*packet)));
+  };
+  const auto beginning = picture(parseJson(kAsk, "request"));
+  socket.sendText(R"({"id": 6, "do": "run.play"})");
+  socket.state("finished");
+  const auto end = picture(parseJson(kAsk, "request"));
+  EXPECT_NE(end.second, beginning.second);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(picture(with(kAsk, "frame", 0)), beginning);
+    EXPECT_EQ(picture(with(kAsk, "frame", 4)), end);
+  }
+}
+
 TEST_F(PicturesTest, TheNewestRequestWinsAndAllAreAnswered) {
   start(true);
   const Socket socket = studio->socket();

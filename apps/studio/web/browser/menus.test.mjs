@@ -112,6 +112,7 @@ step("a right click tells what can be done with nodes, links, the ground, values
   await hands.edge("block.particles -> water.initial").waitFor({ state: "detached" });
   await hands.pressInGraph("Control+z");
   await hands.edge("block.particles -> water.initial").waitFor({ state: "attached" });
+  await hands.stillness();
   const spot = await hands.edge("block.particles -> water.initial").evaluate((edge) => {
     const path = edge.querySelector("path");
     const { x, y } = path.getPointAtLength(path.getTotalLength() / 2).matrixTransform(path.getScreenCTM());

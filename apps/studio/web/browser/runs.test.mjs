@@ -138,6 +138,12 @@ step("several values of a parameter are tried, looked at side by side, and one i
   await box.getByRole("alert").filter({ hasText: "-1 cannot be" }).waitFor();
   assert.ok(await box.getByRole("button", { name: "Start" }).isDisabled());
   await hands.type(box.getByLabel("Values", { exact: true }), "0.04, 0.05, 0.2", "Tab");
+  // The command line would do the same.
+  await box.getByText("On a cluster, or several at once").click();
+  const command = (await box.getByLabel("The sweep as a command").innerText()).split(" ");
+  assert.equal(command.shift(), "weir");
+  const points = execFileSync(process.env.WEIR ?? "weir", [...command, "--list"], { cwd: server.folder, encoding: "utf8" });
+  for (const value of ["0.04", "0.05", "0.2"]) assert.ok(points.includes(value), points);
   await box.getByRole("button", { name: "Start" }).click();
   await box.locator(".progress").waitFor();
   await box.locator(".progress").waitFor({ state: "detached" });

@@ -9,7 +9,7 @@ import {
 } from "../src/model/scene";
 import { afterChoice, isUsed, labelOf } from "../src/model/parameters";
 import { menuOf } from "../src/Menu";
-import { otherChoices, shorterSteps } from "../src/model/remedy";
+import { followMotion, otherChoices, shorterSteps } from "../src/model/remedy";
 import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
 import { differencesOf, frameAt, lean, pointAt, strideFor, type Run } from "../src/model/runs";
 import { evenly, firstValues, readOff, readValues, tableOf } from "../src/model/sweep";
@@ -20,7 +20,7 @@ import { distance, search } from "../src/model/search";
 import { hostOf, nodesToAdd } from "../src/graph/addable";
 import { isScene, kindOfFile, stemOf } from "../src/files/kinds";
 import { kUses, withMesh, withParticles } from "../src/model/fromFile";
-import { lightsOf, nodeIn, warningsOf, worst } from "../src/model/health";
+import { lightsOf, measuresOf, nodeIn, warningsOf, worst } from "../src/model/health";
 import { Box3, PerspectiveCamera, Vector3 } from "three";
 import { distanceFor } from "../src/viewport/view";
 import { boxOf, withFace } from "../src/viewport/outlines";
@@ -488,13 +488,30 @@ describe("the health of a run", () => {
   const report = (mean: number, escaped = 0, bad = 0) => ({ nodes: { water: { particles: 1000, compression: { mean, max: 2 * mean }, particles_escaped: escaped, particles_not_finite: bad }, tank: { type: "StaticBoundary" } } });
   const levels = (numbers: ReturnType<typeof report>) => lightsOf(numbers, []).map((l) => l.level);
   test("is told by compression and lost particles, with the node", () => {
-    expect(levels(report(0.0006))).toEqual(["good", "good", "unknown"]);
+    expect(levels(report(0.0006))).toEqual(["good", "good", "unknown", "unknown"]);
     expect(levels(report(0.02))[0]).toBe("watch");
     expect(levels(report(1.78))[0]).toBe("bad");
     expect(lightsOf(report(1.78), [])[0]).toMatchObject({ value: "180 %", node: "water" });
     expect(levels(report(0, 1))[1]).toBe("watch");
     expect(levels(report(0, 0, 5))[1]).toBe("bad");
-    expect(lightsOf(null, []).map((l) => l.level)).toEqual(["unknown", "unknown", "unknown"]);
+    expect(lightsOf(null, []).map((l) => l.level)).toEqual(["unknown", "unknown", "unknown", "unknown"]);
+  });
+  test("is told by how many spacings a particle flies in a step", () => {
+    const told = (max_speed: number, rare_events: JsonObject[] = []) => ({ time_step: { longest: 0.001 }, rare_events, nodes: { water: { max_speed }, foam: { max_speed: 1e6 } } });
+    const cfl = (max_speed: number, bound: number | null = null, events: JsonObject[] = []) => lightsOf(told(max_speed, events), [], { spacings: { water: 0.01 }, cfl: bound })[3]!;
+    expect(cfl(4)).toMatchObject({ level: "good", value: "0.4", node: "water" });
+    expect(cfl(6).level).toBe("watch");
+    expect(cfl(40)).toMatchObject({ level: "bad", value: "4" });
+    expect(cfl(40).why).toContain("4 spacings in a step of 0.001 s");
+    // Steps that follow the motion are as short as they should be, unless they may not be.
+    expect(cfl(40, 0.5)).toMatchObject({ level: "good", value: "0.5" });
+    expect(cfl(40, 0.5, [{ node: "world", what: "steps were longer than cfl allows", count: 3 }]).level).toBe("bad");
+    const fluids: Types = { ...types, nodes: { Fluid: { ...fluid, parameters: [{ name: "spacing", kind: "float", doc: "", default: 0.02, live: false, animated: false }] } } };
+    const wet: Scene = { weir: 1, world: { cfl: 0.5 }, nodes: { water: { type: "Fluid" }, oil: { type: "Fluid", params: { spacing: 0.01 } }, box: { type: "Box" } } };
+    expect(measuresOf(wet, fluids, 2)).toEqual({ spacings: { water: 0.04, oil: 0.02 }, cfl: 0.5 });
+    const world = [{ name: "cfl", kind: "float", doc: "", default: null, live: false, animated: false }];
+    expect(followMotion({ weir: 1, nodes: {} }, world)!.change({ weir: 1, nodes: {} })["world"]).toEqual({ cfl: 0.5 });
+    expect(followMotion(wet, world)).toBeNull();
   });
   test("is told by energy that grows while no particles come", () => {
     const sample = (time: number, kinetic: number, potential: number, particles = 10) => ({ time, values: { "water.kinetic_energy": kinetic, "water.potential_energy": potential, particles } });

@@ -2,11 +2,16 @@
 import { describe, expect, test } from "vitest";
 import { examplesOf } from "../src/model/examples";
 import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
+import { cutsOf, footOf, isShown, withCut, withNormal, withPlane } from "../src/model/clips";
+import { checkMesh, guessUnit, longestSide } from "../src/model/meshCheck";
 import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
 import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
+import { bodyOfMesh, pullables } from "../src/model/pull";
 import { distanceBetween, probeType, withProbe } from "../src/model/probe";
 import { renameNode, type Scene } from "../src/model/scene";
 import { durationText } from "../src/model/time";
+import { commandOf } from "../src/model/sweep";
+import { quantityIn } from "../src/model/units";
 import type { InputType, NodeType, Parameter, Types } from "../src/model/types";
 
 const input = (name: string, type: string, many = true): InputType => ({ name, type, doc: "", required: false, many });
@@ -106,4 +111,79 @@ describe("arrows in the view", () => {
 test("examples of a type are scenes that have it, the smallest first", () => {
   const template = (path: string, ...uses: string[]) => ({ path, title: path, description: "", group: "", thumbnail: "", types: uses });
   expect(examplesOf("Wall", [template("large", "Wall", "Fluid", "Nozzle"), template("none", "Fluid"), template("small", "Wall")]).map((t) => t.path)).toEqual(["small", "large"]);
+});
+
+test("a mesh of the view belongs to the body that its node's mesh goes to", () => {
+  const some: Types = { ...types, nodes: { ...types.nodes, Cube: node([], [output("mesh", "TriangleMesh")]), Body: node([input("mesh", "TriangleMesh", false)], [], { parameters: [parameter("applied_force", "vec3", [0, 0, 0], "N")] }) } };
+  const bodies: Scene = { weir: 1, nodes: { cube: { type: "Cube" }, cup: { type: "Cube" }, ship: { type: "Body" } }, links: ["cube.mesh -> ship.mesh"] };
+  expect([bodyOfMesh(bodies, some, "cube"), bodyOfMesh(bodies, some, "ship"), bodyOfMesh(bodies, some, "cup")]).toEqual(["ship", "ship", null]);
+  expect(pullables(bodies, some)).toEqual(["ship"]);
+});
+
+describe("a mesh that was dropped", () => {
+  /** A box from 0 to a corner, its triangles facing outwards. */
+  const box = ([x, y, z]: [number, number, number]): number[] => {
+    const quad = (a: number[], b: number[], c: number[], d: number[]) => [...a, ...b, ...c, ...a, ...c, ...d];
+    const p = (i: number, j: number, k: number) => [i * x, j * y, k * z];
+    return [
+      ...quad(p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)), ...quad(p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)),
+      ...quad(p(0, 0, 0), p(0, 0, 1), p(0, 1, 1), p(0, 1, 0)), ...quad(p(1, 0, 0), p(1, 1, 0), p(1, 1, 1), p(1, 0, 1)),
+      ...quad(p(0, 0, 0), p(1, 0, 0), p(1, 0, 1), p(0, 0, 1)), ...quad(p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)),
+    ];
+  };
+  const reversed = (corners: number[]): number[] => {
+    const turned = [...corners];
+    for (let t = 0; t < corners.length; t += 9) for (let i = 0; i < 3; ++i) [turned[t + 3 + i], turned[t + 6 + i]] = [corners[t + 6 + i]!, corners[t + 3 + i]!];
+    return turned;
+  };
+  test("is measured, and told whether it is closed", () => {
+    const closed = checkMesh(box([200, 100, 50]));
+    expect(closed).toEqual({ triangles: 12, low: [0, 0, 0], high: [200, 100, 50], open: 0, insideOut: false });
+    expect(longestSide(closed)).toBe(200);
+    // Without one triangle its three edges are open.
+    expect(checkMesh(box([1, 1, 1]).slice(9))).toMatchObject({ triangles: 11, open: 3 });
+    expect(checkMesh(reversed(box([1, 1, 1])))).toMatchObject({ open: 0, insideOut: true });
+    // One face turned round: its two triangles do not fit to the others along four edges.
+    const mixed = [...reversed(box([1, 1, 1]).slice(0, 18)), ...box([1, 1, 1]).slice(18)];
+    expect(checkMesh(mixed)).toMatchObject({ open: 4 });
+  });
+  test("has the unit in which it fits the scene", () => {
+    const unit = (long: number, scene: number) => guessUnit(long, scene).name;
+    expect([unit(0.2, 1), unit(1, 1), unit(200, 1), unit(20, 0.5), unit(1e7, 1), unit(1e-5, 1)]).toEqual(["m", "m", "mm", "mm", "m", "m"]);
+  });
+});
+
+describe("a plane that cuts the fluids open", () => {
+  const cut = withCut({ weir: 1, nodes: {} }, [0.5, 0.25, 0.125]);
+  test("is moved along its normal, and turned about its handle", () => {
+    expect(cutsOf(cut)).toEqual([{ point: [0.5, 0.25, 0.125], normal: [0, 0, 1], thickness: null }]);
+    expect(footOf(cutsOf(cut)[0]!, [1, 2, 3])).toEqual([1, 2, 0.125]);
+    expect(cutsOf(withPlane(cut, 0, [9, 9, 0.75]))[0]!.point).toEqual([0.5, 0.25, 0.75]);
+    const turned = cutsOf(withNormal(cut, 0, [0, 0, 0.125], [3, 0, 4.125]))[0]!;
+    expect(turned.point).toEqual([0, 0, 0.125]);
+    turned.normal.forEach((x, i) => expect(x).toBeCloseTo([0.6, 0, 0.8][i]!));
+    // Nearly along an axis is along it.
+    expect(cutsOf(withNormal(cut, 0, [0, 0, 0], [1, 0.02, 0]))[0]!.normal).toEqual([1, 0, 0]);
+  });
+  test("hides what lies on the side of its normal, or all but a slice", () => {
+    const plane = { point: [0, 0, 1], normal: [0, 0, 1], thickness: null };
+    expect([isShown([plane], [5, 5, 0.9]), isShown([plane], [0, 0, 1.1])]).toEqual([true, false]);
+    const slice = { ...plane, thickness: 0.4 };
+    expect([0.7, 0.9, 1.1, 1.3].map((z) => isShown([slice], [0, 0, z]))).toEqual([false, true, true, false]);
+    expect(isShown([plane, { ...plane, normal: [1, 0, 0] }], [1, 0, 0])).toBe(false);
+  });
+});
+
+test("numbers are typed with units of the parameter's kind", () => {
+  const typed: [string, string, number | null][] = [
+    ["10cm", "m", 0.1], ["2*3 mm", "m", 0.006], ["1e-3 km", "m", 1], ["5 s", "m", null], ["1.5 ms", "s", 0.0015], ["36 km/h", "m/s", 10], ["1 g/cm^3", "kg/m^3", 1000],
+    ["1 mPa s", "Pa*s", 0.001], ["1 bar", "Pa", 1e5], ["0.25 rev", "degrees", 90], ["60 rpm", "rad/s", 6.28318530718], ["3 1/(m^2 s)", "1/(m^2 s)", 3], ["5 apples", "m", null], ["cm", "m", null], ["2 N*m", "J", 2],
+  ];
+  for (const [text, unit, value] of typed) expect(quantityIn(text, unit), text).toBe(value);
+});
+
+test("a sweep is also a command", () => {
+  expect(commandOf("dam.json", { node: "water" }, ["spacing"], [0.01, 0.02])).toBe("weir sweep dam.json --out dam_sweep --set water.spacing=0.01,0.02");
+  expect(commandOf("my dam.json", { node: "water", module: "solver" }, ["iterations"], [5])).toBe("weir sweep 'my dam.json' --out 'my dam_sweep' --set water.solver.iterations=5");
+  expect(commandOf("a/b.json", { section: "world" }, ["dt"], [1e-3])).toBe("weir sweep a/b.json --out a/b_sweep --set world.dt=0.001");
 });

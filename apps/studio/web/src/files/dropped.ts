@@ -1,6 +1,6 @@
 // Files that are dropped on the page: scenes are opened, meshes are asked about, particles are read; all else is refused.
 import { surface } from "../graph/surface";
-import { withMesh, withParticles, type Use } from "../model/fromFile";
+import { withMesh, withParticles, type Reading, type Use } from "../model/fromFile";
 import type { Scene } from "../model/scene";
 import { openScene } from "../model/documents";
 import { edit, resetRun, say, useStudio } from "../model/store";
@@ -32,10 +32,10 @@ function add(change: (scene: Scene, types: Types) => [Scene, string]): void {
   if ((status.frame ?? 0) === 0 && status.state !== "playing") void resetRun();
 }
 
-export async function useMesh(file: File, use: Use, at: Place): Promise<void> {
+export async function useMesh(file: File, use: Use, at: Place, how: Reading = {}): Promise<void> {
   try {
     const path = await put(`meshes/${file.name}`, file);
-    add((s, types) => withMesh(s, types, path, stemOf(file.name), use, at));
+    add((s, types) => withMesh(s, types, path, stemOf(file.name), use, at, how));
   } catch (e) {
     say(e);
   }

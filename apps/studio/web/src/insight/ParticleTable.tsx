@@ -8,6 +8,7 @@ import type { Json } from "../model/types";
 /** See "particles" in PROTOCOL.md. */
 interface Table {
   node: string;
+  frame: number;
   time: number;
   total: number;
   from: number;
@@ -20,12 +21,16 @@ const kRows = 50;
 export function ParticleTable() {
   const fluids = useStudio((s) => s.fluids);
   const picked = useStudio((s) => s.picked);
+  // Of the frame that is looked at, or of the nearest one that the server has kept whole.
+  const looking = useStudio((s) => s.looking);
+  const [refused, setRefused] = useState<string | null>(null);
   const [wish, setWish] = useState<string | null>(null);
   const [sort, setSort] = useState({ by: "id", descending: false });
   const [from, setFrom] = useState(0);
   const [{ table, sorted }, setShown] = useState<{ table: Table | null; sorted: typeof sort }>({ table: null, sorted: sort });
   const node = wish !== null && fluids.includes(wish) ? wish : fluids[0];
-  useAnswer<Table | null>(node === undefined ? null : { do: "particles", node, sort: sort.by, descending: sort.descending, from, count: kRows }, (answer) => setShown({ table: answer, sorted: sort }));
+  useAnswer<Table | null>(node === undefined ? null : { do: "particles", node, sort: sort.by, descending: sort.descending, from, count: kRows, ...(looking !== null && { frame: looking }) }, (answer) => (setRefused(null), setShown({ table: answer, sorted: sort })), (e) => setRefused(e.message));
+  if (refused !== null && looking !== null) return <p className="hint" role="status">No table of frame {looking}: {refused}</p>;
   if (node === undefined || table?.node !== node) return <p className="hint">No particles yet.</p>;
   const { total, columns } = table;
   const pages = Math.max(1, Math.ceil(total / kRows));
@@ -47,7 +52,9 @@ export function ParticleTable() {
         <span>{total === 0 ? "none" : `${(table.from + 1).toLocaleString("en")}–${(table.from + table.rows.length).toLocaleString("en")} of ${total.toLocaleString("en")}`}</span>
         <button aria-label="Next page" disabled={page >= pages - 1} onClick={() => turn(page + 1)}>›</button>
         <button aria-label="Last page" disabled={page >= pages - 1} onClick={() => turn(pages - 1)}>»</button>
-        <small title="The table shows the run, not the recorded frame that is looked at">at {table.time.toFixed(3)} s</small>
+        <small title={looking === null ? "The table shows the run" : "The table shows the recorded frame that is looked at"} data-frame={table.frame}>
+          at {table.time.toFixed(3)} s{looking !== null && table.frame !== looking && `, frame ${table.frame}: the nearest that is kept whole`}
+        </small>
       </div>
       <div className="scroll">
         <table>

@@ -9,13 +9,13 @@ export interface Question {
   [field: string]: unknown;
 }
 
-/** Calls back with each answer. A null question asks nothing; a new one is asked at once. */
-export function useAnswer<T>(question: Question | null, onAnswer: (answer: T) => void): void {
+/** Calls back with each answer, or with what was refused. A null question asks nothing; a new one is asked at once. */
+export function useAnswer<T>(question: Question | null, onAnswer: (answer: T) => void, onRefused: (why: Error) => void = () => {}): void {
   const status = useStudio((s) => s.status);
   const connected = useStudio((s) => s.connected);
   const text = JSON.stringify(question);
-  const latest = useRef({ text, onAnswer });
-  latest.current = { text, onAnswer };
+  const latest = useRef({ text, onAnswer, onRefused });
+  latest.current = { text, onAnswer, onRefused };
   const asked = useRef({ text: "", at: 0, waiting: false, again: false });
   useEffect(() => {
     const a = asked.current;
@@ -23,7 +23,7 @@ export function useAnswer<T>(question: Question | null, onAnswer: (answer: T) =>
       if (a.waiting) return void (a.again = true);
       const { do: what, ...fields } = JSON.parse(latest.current.text) as Question;
       Object.assign(a, { text: latest.current.text, at: performance.now(), waiting: true });
-      client.ask<T>(what, fields).then((answer) => a.text === latest.current.text && latest.current.onAnswer(answer), () => {}).finally(() => {
+      client.ask<T>(what, fields).then((answer) => a.text === latest.current.text && latest.current.onAnswer(answer), (e: Error) => a.text === latest.current.text && latest.current.onRefused(e)).finally(() => {
         a.waiting = false;
         if (!a.again) return;
         a.again = false;

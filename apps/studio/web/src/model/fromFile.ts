@@ -51,9 +51,23 @@ const linkIfFits = (scene: Scene, types: Types, link: LinkEnds): Scene => (linkP
 const fluidWith = (scene: Scene, types: Types, port: string): string | undefined =>
   Object.entries(scene.nodes).find(([, n]) => types.nodes[n.type]?.inputs.some((i) => i.name === port) && types.nodes[n.type]?.outputs.some((o) => o.type === "Particles"))?.[0];
 
+/** How a mesh is read: the length of the file's unit, m, and whether it is turned inside out. */
+export interface Reading {
+  unit?: number;
+  flip?: boolean;
+}
+
+/** What is not the default of the reader, which has such parameters. */
+const reading = (scene: Scene, types: Types, node: string, how: Reading): Scene =>
+  types.nodes[scene.nodes[node]!.type]!.parameters.reduce((s, { name, default: usual }) => {
+    const wanted = name === "unit" || name === "flip" ? how[name] : undefined;
+    return wanted === undefined || wanted === usual ? s : setParam(s, { node }, [name], wanted);
+  }, scene);
+
 /** The scene with a mesh of a file and its use, and the name of the node of that. */
-export function withMesh(scene: Scene, types: Types, path: string, name: string, use: Use, at: Place): [Scene, string] {
-  const [read, mesh, surface] = withReader(scene, types, kMesh, path, at, name);
+export function withMesh(scene: Scene, types: Types, path: string, name: string, use: Use, at: Place, how: Reading = {}): [Scene, string] {
+  const [plain, mesh, surface] = withReader(scene, types, kMesh, path, at, name);
+  const read = reading(plain, types, mesh, how);
   if (!use.by) return [read, mesh];
   const { gives, word, to, params } = use.by;
   const found = typeWith(types, kMesh, gives, word);

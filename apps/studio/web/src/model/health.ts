@@ -1,7 +1,8 @@
 // Whether a run can be trusted: lights, each with what it means and what helps.
 import type { Sample } from "./runs";
 import type { LogLine } from "./store";
-import type { JsonObject } from "./types";
+import type { Scene } from "./scene";
+import type { JsonObject, Parameter, Types } from "./types";
 
 export type Level = "unknown" | "good" | "watch" | "bad";
 
@@ -98,9 +99,44 @@ function energy(samples: Sample[]): Light {
   return { name: "Energy", level: found, value: grown > kEnergy.watch ? `+${percent(grown)}` : "steady", why };
 }
 
-export function lightsOf(numbers: JsonObject | null, samples: Sample[]): Light[] {
+/** How far a particle may fly in a step, in spacings. */
+const kTravel = { watch: 0.5, bad: 1 };
+
+/** What a run is measured by: the spacings of its fluids, m, and the bound that its steps follow, where it has one. */
+export interface Measures {
+  spacings: { [node: string]: number };
+  cfl: number | null;
+}
+
+/** How many spacings the fastest particle flies in a step: the Courant number v·dt/d. */
+function travel(numbers: JsonObject | null, reports: Reports, { spacings, cfl }: Measures): Light {
+  const dt = (numbers?.["time_step"] as JsonObject | undefined)?.["longest"];
+  const speeds = all(reports, (r) => r["max_speed"] as number | undefined).filter(([node]) => spacings[node] !== undefined);
+  if (typeof dt !== "number" || !(dt > 0) || speeds.length === 0) return { name: "CFL", level: "unknown", value: "–", why: "Nothing of it is known yet." };
+  const [node, far, speed] = speeds.map(([n, v]) => [n, (v * dt) / spacings[n]!, v] as const).reduce((a, b) => (b[1] > a[1] ? b : a));
+  // Steps that follow the motion are shorter now than the longest that there was.
+  const kept = cfl !== null && !((numbers?.["rare_events"] as { node: string }[] | undefined) ?? []).some((e) => e.node === "world");
+  const found = kept ? Math.min(far, cfl) : far;
+  const short = (v: number) => Number(v.toPrecision(2));
+  const flies = `The fastest particle of ${node}, at ${short(speed)} m/s, flies ${short(found)} spacings in a step${kept ? ", which world.cfl bounds" : ` of ${short(dt)} s`}. `;
+  const judged = level(found, kTravel.watch, kTravel.bad);
+  return { name: "CFL", level: judged, value: String(short(found)), node, why: judged === "good" ? `${flies}Up to half a spacing is good.` : `${flies}Beyond half a spacing it may pass what it should meet, and walls. A smaller world.dt, or world.cfl, which makes steps follow the motion, helps.` };
+}
+
+export function lightsOf(numbers: JsonObject | null, samples: Sample[], measures: Measures = { spacings: {}, cfl: null }): Light[] {
   const reports = Object.entries((numbers?.["nodes"] as JsonObject | undefined) ?? {}) as Reports;
-  return [compression(reports), lost(reports), energy(samples)];
+  return [compression(reports), lost(reports), energy(samples), travel(numbers, reports, measures)];
+}
+
+/** Of a scene that runs, `coarser` times as coarse as it says. */
+export function measuresOf(scene: Scene, types: Types, coarser: number): Measures {
+  const given = (params: JsonObject | undefined, parameters: Parameter[], name: string): unknown => params?.[name] ?? parameters.find((p) => p.name === name)?.default;
+  const spacings = Object.entries(scene.nodes).flatMap(([node, { type, params }]): [string, number][] => {
+    const spacing = given(params, types.nodes[type]?.parameters ?? [], "spacing");
+    return typeof spacing === "number" ? [[node, coarser * spacing]] : [];
+  });
+  const cfl = given(scene.world, types.world, "cfl");
+  return { spacings: Object.fromEntries(spacings), cfl: typeof cfl === "number" ? cfl : null };
 }
 
 /** The node that a message names: "node 'water': …", or "water: …". */

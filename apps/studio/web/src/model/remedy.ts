@@ -25,6 +25,14 @@ export function shorterSteps(scene: Scene, world: Parameter[]): Remedy | null {
   return null;
 }
 
+const kTravel = 0.5;
+
+/** Steps that follow the motion, where the scene's do not yet. */
+export function followMotion(scene: Scene, world: Parameter[]): Remedy | null {
+  if (!world.some((p) => p.name === "cfl") || typeof ((scene["world"] ?? {}) as JsonObject)["cfl"] === "number") return null;
+  return { text: `Set cfl to ${kTravel} and begin anew`, change: (s) => setParam(s, kWorld, ["cfl"], kTravel) };
+}
+
 const kMostChoices = 3;
 
 /** Where a problem of a node names one of its choices, such as its shape: the others that there are. */

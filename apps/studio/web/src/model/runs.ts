@@ -13,6 +13,15 @@ export interface Sample {
 
 export type Point = readonly [time: number, value: number];
 
+/** The numbers of a run before this window came; see HISTORY in PROTOCOL.md. */
+export interface History {
+  times: number[];
+  values: { [name: string]: (number | null)[] };
+}
+
+export const samplesOf = ({ times, values }: History): Sample[] =>
+  times.map((time, i) => ({ time, values: Object.fromEntries(Object.entries(values).flatMap(([name, row]) => (row[i] === null ? [] : [[name, row[i]!]]))) }));
+
 /** A quantity over time, in the unit that it is shown in. */
 export const pointsOf = (name: string, samples: Sample[]): Point[] =>
   samples.flatMap((s): Point[] => (Number.isFinite(s.values[name]) ? [[s.time, inUnit(name, s.values[name]!)]] : []));

@@ -5,7 +5,7 @@ import { Client, fetchTypes, isKnown, Refusal } from "../protocol/client";
 import type { FramePacket, GeometryPacket, PicturePacket } from "../protocol/packets";
 import { placeAll } from "../graph/arrange";
 import { emptyScene, type Clip, type Owner, type Scene } from "./scene";
-import type { Run, Sample } from "./runs";
+import { samplesOf, type History, type Run, type Sample } from "./runs";
 import { forRunner, fromFile } from "./switchedOff";
 import type { JsonObject, Parameter, Problem, Types } from "./types";
 
@@ -25,6 +25,8 @@ export interface Status {
   building?: { node: string; done: number; all: number };
   /** Of the frames of the run, 0, this and its multiples can be looked at again. */
   recorded_every?: number;
+  /** How many times as coarse as the scene the run is: above 1 it is a preview. */
+  coarser?: number;
   problem?: Problem;
 }
 
@@ -299,6 +301,8 @@ export type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_writ
 
 interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: ServedScene;
+  history: History;
+  numbers: JsonObject | null;
 }
 
 /** Another scene is there, and nothing of the one before. */
@@ -362,7 +366,8 @@ const sameScene = (a: Scene, b: Scene): boolean => JSON.stringify(forRunner(a, g
 async function greet(): Promise<void> {
   try {
     if (!get().types) set({ types: await fetchTypes() });
-    const { scene: served, ...hello } = await client.ask<Hello>("hello");
+    const { scene: served, history, numbers, ...hello } = await client.ask<Hello>("hello");
+    const told = { numbers, samples: samplesOf(history) };
     const { scene, draft, draft_written, ...sceneState } = served;
     const before = get();
     const restarted = before.server !== "" && before.server !== hello.server;
@@ -371,12 +376,12 @@ async function greet(): Promise<void> {
     const lost = !keep && (unsent || restarted) && Object.keys(before.scene.nodes).length > 0 ? before.scene : null;
     unsent = false;
     if (keep) {
-      set({ ...hello, sceneState });
+      set({ ...hello, ...told, sceneState });
       return void send();
     }
     const another = restarted || sceneState.path !== before.sceneState.path;
     const file = another || lost ? { path: sceneState.path } : before.file;
-    take(scene, { ...hello, file, ...(another && opened()) }, sceneState, lost !== null);
+    take(scene, { ...hello, file, ...(another && opened()), ...told }, sceneState, lost !== null);
     if (hello.status.state === "failed") set({ failed: get().scene });
     if (hello.status.state === "empty") clearView();
     const left = lost ? { scene: lost, written: Date.now() / 1000 } : before.server === "" ? readUnsent() : null;
@@ -550,8 +555,8 @@ export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset"
 }
 
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
-export async function resetRun(device?: string): Promise<void> {
-  const state = await askRun<SceneState & { device: string }>("reset", device === undefined ? {} : { device });
+export async function resetRun(device?: string, coarser?: number): Promise<void> {
+  const state = await askRun<SceneState & { device: string }>("reset", { ...(device !== undefined && { device }), ...(coarser !== undefined && { coarser }) });
   if (!state) return;
   const { device: _, ...sceneState } = state;
   set({ sceneState });

@@ -2,6 +2,7 @@
 import { evaluate } from "./expression";
 import { rangeProblem } from "./parameters";
 import { pointsOf, type Run, type Sample } from "./runs";
+import type { Owner } from "./scene";
 import type { Json, Parameter } from "./types";
 
 /** "0.1", or the name of a choice. */
@@ -78,4 +79,12 @@ export function readValues(p: Parameter, text: string): { values: Json[]; proble
   }
   const problem = values.length < 2 ? "Two values at least." : values.length > kMost ? `At most ${kMost} values.` : null;
   return { values: [...new Set(values)], problem };
+}
+
+const quoted = (word: string): string => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+
+/** The same sweep of the scene's file by the command line, which runs several at once, as an array of Slurm too, and goes on where it was stopped. */
+export function commandOf(file: string, owner: Owner, path: string[], values: Json[]): string {
+  const of = "section" in owner ? owner.section : "module" in owner ? `${owner.node}.${owner.module}` : owner.node;
+  return ["weir", "sweep", file, "--out", `${file.replace(/\.json$/, "")}_sweep`, "--set", `${of}.${path.join(".")}=${values.map(valueName).join(",")}`].map(quoted).join(" ");
 }

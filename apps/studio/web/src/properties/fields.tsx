@@ -1,5 +1,6 @@
 // One editor for each kind of parameter value, made from the parameter's description alone.
 import { useEffect, useRef, useState } from "react";
+import { quantityIn, unitOf } from "../model/units";
 import { evaluate, numberText } from "../model/expression";
 import { rangeProblem } from "../model/parameters";
 import { fetchFiles, type ServedFile } from "../protocol/client";
@@ -33,8 +34,8 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
   const drag = useRef<{ x: number; at: number; by: number; moved: boolean } | null>(null);
 
   const take = (t: string) => {
-    const v = evaluate(t);
-    const wrong = v === null ? "a number, or an expression such as 2*pi/3" : rangeProblem(parameter, v) ?? refuse?.(v) ?? null;
+    const v = evaluate(t) ?? (parameter.unit ? quantityIn(t, parameter.unit) : null);
+    const wrong = v === null ? `a number, or an expression such as 2*pi/3${parameter.unit && unitOf(parameter.unit) ? `, also in a unit that can be turned into ${parameter.unit}` : ""}` : rangeProblem(parameter, v) ?? refuse?.(v) ?? null;
     setProblem(wrong);
     if (!wrong && v !== value) onChange(v);
   };

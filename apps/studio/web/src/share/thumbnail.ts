@@ -13,7 +13,7 @@ let at = "";
 export function keepThumbnail(): void {
   const { sceneState, status, builds, role } = useStudio.getState();
   const now = `${sceneState.path} ${builds} ${status.frame}`;
-  if (role !== "writer" || !sceneState.path || !mainView.current || now === at) return;
+  if (role !== "writer" || !sceneState.path || (status.coarser ?? 1) > 1 || !mainView.current || now === at) return;
   at = now;
   mainView.current.picture(kWidth, kHeight).toBlob((jpeg) => {
     // Without a picture a scene is as good as before.

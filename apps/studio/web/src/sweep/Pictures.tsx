@@ -17,7 +17,7 @@ function useDrawing() {
   const stage = useRef<HTMLDivElement>(null);
   const [view, setView] = useState<View | null>(null);
   useEffect(() => {
-    const made = new View(stage.current!, { moved: () => {}, picked: () => {}, range: () => {} });
+    const made = new View(stage.current!, { moved: () => {}, picked: () => {}, selected: () => {}, range: () => {} });
     if (mainView.current) made.lookAs(mainView.current);
     setView(made);
     return () => made.dispose();

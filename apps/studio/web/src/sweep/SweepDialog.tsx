@@ -9,7 +9,7 @@ import { counted } from "../model/playback";
 import { titleOf } from "../model/quantities";
 import { paramsOf, setParam } from "../model/scene";
 import { edit, resetRun, say, useStudio, type Sweepable } from "../model/store";
-import { evenly, firstValues, kMost, kReadings, readValues, tableOf, valueName, type Reading, type Tried } from "../model/sweep";
+import { commandOf, evenly, firstValues, kMost, kReadings, readValues, tableOf, valueName, type Reading, type Tried } from "../model/sweep";
 import type { Json } from "../model/types";
 import { AgainstValue } from "./AgainstValue";
 import { Pictures } from "./Pictures";
@@ -53,6 +53,8 @@ function Ask({ of, onStart, onClose }: { of: Sweepable; onStart(values: Json[]):
   const [text, setText] = useState(first.map(valueName).join(", "));
   const { values, problem } = readValues(p, text);
   const pace = usePace();
+  const file = useStudio((s) => s.sceneState.path);
+  const command = commandOf(file, of.owner, of.path, values);
   return (
     <form onSubmit={(e) => (e.preventDefault(), problem === null && onStart(values))}>
       {typeof first[0] === "number" && <Range first={first as number[]} onValues={(v) => setText(v.join(", "))} />}
@@ -61,6 +63,13 @@ function Ask({ of, onStart, onClose }: { of: Sweepable; onStart(values: Json[]):
       </label>
       {problem && <p role="alert">{problem}</p>}
       <p className="hint">{counted(values.length, "run")} of the scene, one after another: {pace}. The scene stays as it is.</p>
+      {file && problem === null && (
+        <details>
+          <summary>On a cluster, or several at once</summary>
+          <p className="hint">The same of the file as it was saved. Further parameters make a grid or samples; see <code>weir sweep --help</code>.</p>
+          <pre aria-label="The sweep as a command">{command}</pre> <button type="button" onClick={() => void copyText(command)}>Copy the command</button>
+        </details>
+      )}
       <button type="submit" className="wanted" disabled={problem !== null}>Start</button> <button type="button" onClick={onClose}>Cancel</button>
     </form>
   );

@@ -32,6 +32,7 @@ export function Cost() {
   const taken = useStudio((s) => s.taken && s.connected);
   const wanted = useStudio((s) => (s.sceneState.reset !== undefined || s.status.state === "empty" || (s.status.state === "paused" && s.status.frame === 0)) && s.sceneState.problem === undefined && Object.keys(s.scene.nodes).length > 0);
   const device = useStudio((s) => s.status.device ?? "");
+  const coarser = useStudio((s) => s.status.coarser ?? 1);
   const [cost, setCost] = useState<Costs | null>(null);
   const [refused, setRefused] = useState("");
   useEffect(() => {
@@ -39,7 +40,7 @@ export function Cost() {
     let late = false;
     const timer = setTimeout(() => client.ask<Costs>("scene.cost").then((c) => late || (setCost(c), setRefused("")), (e: Error) => late || (setCost(null), setRefused(e.message))), kRestMs);
     return () => (clearTimeout(timer), void (late = true));
-  }, [wanted, taken, scene.nodes, scene.links, scene.world]);
+  }, [wanted, coarser, taken, scene.nodes, scene.links, scene.world]);
   if (wanted && refused) return <span className="cost lost" role="status" aria-label="Cost of the run" title={refused}>cannot be built</span>;
   if (!wanted || !cost || cost.particles === 0) return null;
   const paces = readPaces();

@@ -1,9 +1,9 @@
 // The health of the run: a light each for what can go wrong, and why.
 import { useEffect, useMemo, useRef, useState } from "react";
 import { Icon } from "../Icon";
-import { lightsOf, worst, type Level } from "../model/health";
+import { lightsOf, measuresOf, worst, type Level, type Light } from "../model/health";
 import { counted } from "../model/playback";
-import { shorterSteps } from "../model/remedy";
+import { followMotion, shorterSteps, type Remedy } from "../model/remedy";
 import { askRun, edit, useStudio } from "../model/store";
 import { useWarnings } from "../model/warnings";
 
@@ -15,16 +15,22 @@ export function Health() {
   const warnings = useWarnings();
   const [open, setOpen] = useState(false);
   const box = useRef<HTMLDivElement>(null);
-  const lights = useMemo(() => lightsOf(numbers, samples), [numbers, samples]);
+  const scene = useStudio((s) => s.scene);
+  const types = useStudio((s) => s.types);
+  const coarser = useStudio((s) => s.status.coarser ?? 1);
+  const lights = useMemo(() => lightsOf(numbers, samples, types ? measuresOf(scene, types, coarser) : undefined), [numbers, samples, scene.nodes, scene.world, types, coarser]); // eslint-disable-line
   useEffect(() => {
     if (!open) return;
     const leave = (e: Event) => (e instanceof KeyboardEvent ? e.key === "Escape" : !box.current?.contains(e.target as globalThis.Node)) && setOpen(false);
     for (const type of ["pointerdown", "keydown"]) addEventListener(type, leave, true);
     return () => ["pointerdown", "keydown"].forEach((type) => removeEventListener(type, leave, true));
   }, [open]);
-  const remedy = useStudio((s) => s.role === "writer" && s.types !== null) ? shorterSteps(useStudio.getState().scene, useStudio.getState().types!.world) : null;
-  const help = async () => {
-    if (!remedy) return;
+  const writer = useStudio((s) => s.role === "writer");
+  const remedyOf = ({ name, level }: Light): Remedy | null => {
+    if (!writer || !types || (level !== "watch" && level !== "bad")) return null;
+    return (name === "CFL" ? followMotion(scene, types.world) : null) ?? shorterSteps(scene, types.world);
+  };
+  const help = async (remedy: Remedy) => {
     setOpen(false);
     edit(remedy.change);
     if (await askRun("reset")) await askRun("play");
@@ -35,15 +41,15 @@ export function Health() {
     <div className="health" ref={box}>
       <button aria-expanded={open} title="Why?" onClick={() => setOpen(!open)}>
         <span className="unseen">Health: {kWords[all]}, </span>
-        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i />{l.name.toLowerCase()} <b>{l.value}</b></span>)}
+        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i />{l.name === "CFL" ? l.name : l.name.toLowerCase()} <b>{l.value}</b></span>)}
         {warnings.length > 0 && <span className="light watch"><Icon name="warning" /> <b>{counted(warnings.length, "warning")}</b></span>}
       </button>
       {open && (
         <div className="why" role="dialog" aria-label="Health of the run">
-          {lights.map((l) => (
+          {lights.map((l) => ({ ...l, remedy: remedyOf(l) })).map(({ remedy, ...l }) => (
             <p key={l.name} className={`light ${l.level}`}>
               <i /><span><b>{l.name}: {l.value}</b>, {kWords[l.level]}. {l.why} {l.node && l.level !== "good" && <button onClick={() => select(l.node!)}>Show {l.node}</button>}{" "}
-                {remedy && (l.level === "watch" || l.level === "bad") && <button className="wanted" onClick={() => void help()}>{remedy.text}</button>}</span>
+                {remedy && <button className="wanted" onClick={() => void help(remedy)}>{remedy.text}</button>}</span>
             </p>
           ))}
           {warnings.map((w) => (

@@ -5,6 +5,9 @@ import { askRun, resetRun, useStudio } from "../model/store";
 import { Cost } from "./Cost";
 import { Health } from "./Health";
 
+/** Of a preview, in spacings of the scene. */
+const kCoarser = 2;
+
 export function Transport() {
   const status = useStudio((s) => s.status);
   const devices = useStudio((s) => s.devices);
@@ -14,6 +17,7 @@ export function Transport() {
   const writer = useStudio((s) => s.role === "writer");
   const shown = useStudio((s) => (s.looking === null || s.looking === s.status.frame ? null : s.shown));
   const playing = status.state === "playing";
+  const coarser = status.coarser ?? 1;
 
   const frame = status.frame ?? 0;
   const frames = status.frames ?? 0;
@@ -26,6 +30,13 @@ export function Transport() {
       ) : (
         <button disabled={!writer || problem !== undefined} onClick={() => void askRun("play")} title="Play (Space)"><Icon name="play" /> Play</button>
       )}
+      <button
+        aria-pressed={coarser > 1} disabled={!writer || problem !== undefined} onClick={() => void resetRun(device, coarser > 1 ? 1 : kCoarser)}
+        title={coarser > 1 ? "End the preview: the scene as it is, from time 0" : `A quick preview: ${kCoarser} times the spacing, from time 0. The scene stays as it is`}
+      >
+        Preview
+      </button>
+      {coarser > 1 && <span className="preview-hint" role="status">preview: {coarser} × the spacing, no exports</span>}
       <button disabled={!writer || playing} onClick={() => void askRun("step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
       <span className="time">
         {shown && <><b>frame {shown.frame}, {shown.time.toFixed(3)} s</b> · run: </>}

@@ -10,6 +10,8 @@ const kEnds = ["min", "max"] as const;
 /** Of a side, for a press of an arrow key. */
 const kStep = 0.01;
 
+const snapped = (v: number, step: number): number => Number((step * Math.round(v / step)).toPrecision(12));
+
 const centerOf = (box: Corners, end: "min" | "max", axis: number): number[] => box.min.map((low, i) => (i === axis ? box[end][axis]! : (low + box.max[i]!) / 2));
 
 export function BoxHandles({ view }: { view: View }) {
@@ -43,12 +45,12 @@ function Faces({ node, box, view }: { node: string; box: Corners; view: View }) 
       {faces.map(({ axis, i, end }, k) => (
         <button
           key={axis + end} ref={(e) => void (handles.current[k] = e)} className={`face ${axis}`} role="slider" aria-label={`${end} ${axis} of ${node}`} aria-valuenow={box[end][i]!}
-          title={`${end} ${axis}: ${box[end][i]} m. Drag it, or use the arrow keys`}
+          title={`${end} ${axis}: ${box[end][i]} m. Drag it, with Ctrl in round steps, or use the arrow keys`}
           onPointerDown={(e) => (e.button === 0 && e.currentTarget.setPointerCapture(e.pointerId), e.stopPropagation())}
           onPointerMove={(e) => {
             if (!e.currentTarget.hasPointerCapture(e.pointerId)) return;
             const to = view.along(e.clientX, e.clientY, centerOf(latest.current, end, i), i);
-            if (to !== null) put(end, i, to);
+            if (to !== null) put(end, i, e.ctrlKey ? snapped(to, view.snapStep()) : to);
           }}
           onKeyDown={(e) => {
             const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[e.key];

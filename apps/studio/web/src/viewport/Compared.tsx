@@ -47,7 +47,7 @@ export function Compared({ run, view, ramp, range, dark }: {
   const time = useStudio((s) => (s.rendered && s.looking === null ? undefined : s.shown?.time) ?? s.status.time ?? 0);
   const frame = useMemo(() => frameAt(run.frames, time), [run, time]);
   useEffect(() => {
-    const made = new View(element.current!, { moved: () => {}, picked: () => {}, range: () => {} });
+    const made = new View(element.current!, { moved: () => {}, picked: () => {}, selected: () => {}, range: () => {} });
     if (run.geometry) made.geometry(run.geometry);
     const { types } = useStudio.getState();
     if (types) made.setOutlines(outlinesOf(run.scene, types));

@@ -17,7 +17,8 @@ type Which = Pick<Found, "node" | "id"> | null;
 /** What the server tells of a particle: undefined while it has told nothing, null where the particle is not there. */
 function useParticle(which: Which): Found | null | undefined {
   const [found, setFound] = useState<Found | null | undefined>();
-  useAnswer<Found | null>(which && { do: "particle", node: which.node, particle: which.id }, setFound);
+  const looking = useStudio((s) => s.looking);
+  useAnswer<Found | null>(which && { do: "particle", node: which.node, particle: which.id, ...(looking !== null && { frame: looking }) }, setFound);
   return found && which && found.node === which.node && found.id === which.id ? found : found === null ? null : undefined;
 }
 

@@ -73,7 +73,8 @@ export function Recorder({ view }: { view: View | null }) {
     const leave = view.onCamera(() => (timer ??= setTimeout(send, kCameraMs)));
     return () => (clearTimeout(timer), leave());
   }, [view, recording, writer]);
-  const why = pictures.problem?.message;
+  const preview = useStudio((s) => (s.status.coarser ?? 1) > 1);
+  const why = preview ? "A preview is not written as a video: end it, and play" : pictures.problem?.message;
   return (
     <>
       {recording ? (

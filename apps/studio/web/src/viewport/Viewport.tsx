@@ -3,6 +3,8 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { copyText, menuOf, showMenu, type MenuItems } from "../Menu";
 import { forgetView, keepView, setParam, viewsOf } from "../model/scene";
 import { lookAt, pinRun } from "../model/recorded";
+import { canCut, cutsOf, withCut } from "../model/clips";
+import { pullables } from "../model/pull";
 import { edit, last, request, useStudio, viewers } from "../model/store";
 import { shortText } from "../model/numbers";
 import { forRunner, offOf } from "../model/switchedOff";
@@ -13,9 +15,12 @@ import { Icon } from "../Icon";
 import { savePicture } from "../share/picture";
 import { ShareDialog } from "../share/ShareDialog";
 import { Arrows } from "./Arrows";
+import { Axes } from "./Axes";
 import { BoxHandles } from "./BoxHandles";
 import { Building } from "./Building";
 import { Compared, Differences } from "./Compared";
+import { Cuts } from "./Cuts";
+import { Grab } from "./Grab";
 import { handleOf, outlinesOf } from "./outlines";
 import { PickedParticle } from "./PickedParticle";
 import { Recorder } from "./Recorder";
@@ -42,12 +47,14 @@ export function Viewport({ dark }: { dark: boolean }) {
   const [mode, setMode] = useState<"translate" | "rotate">("translate");
   const [noView, setNoView] = useState(false);
   const [sharing, setSharing] = useState(false);
+  const [grabbing, setGrabbing] = useState(false);
   const rendered = useStudio((s) => s.rendered);
   const setRendered = (on: boolean) => useStudio.setState({ rendered: on });
   const pinned = useStudio((s) => s.pinned);
   const gathering = useStudio((s) => s.gathering);
   const writer = useStudio((s) => s.role === "writer");
   const canPin = useStudio((s) => (s.status.frame ?? 0) > 0 && s.status.state !== "building");
+  const preview = useStudio((s) => (s.status.coarser ?? 1) > 1);
   const noPictures = useStudio((s) => s.pictures.problem?.message);
   const stopRendered = useCallback(() => useStudio.setState({ rendered: false }), []);
   const [most, setMost] = useState(kMaxChoices[1]!);
@@ -78,6 +85,7 @@ export function Viewport({ dark }: { dark: boolean }) {
           return turned ? setParam(placed, { node }, ["rotation"], rotation) : placed;
         }),
       picked: (node, id, more) => useStudio.setState((s) => ({ picked: { node, id }, pickedBefore: more ? s.picked : null })),
+      selected: (node, more) => useStudio.setState((s) => (node in s.scene.nodes ? { selected: more ? [...s.selected.filter((n) => n !== node), node] : [node], selectedLinks: [] } : {})),
       range: (low, high, name, unit) => setKey((k) => (k && k.low === low && k.high === high && k.name === name ? k : { low, high, name, unit })),
     };
     try {
@@ -104,6 +112,7 @@ export function Viewport({ dark }: { dark: boolean }) {
   useEffect(() => view?.choose(picked), [view, picked]);
   useEffect(() => view?.setBackground(dark ? "#171c22" : "#eef2f6"), [view, dark]);
   useEffect(() => view?.setColors(ramp, range), [view, ramp, range]);
+  useEffect(() => view?.setCuts(cutsOf(scene)), [view, render?.["clips"]]); // eslint-disable-line
   // Of the layout only what is switched off: a node that is dragged in the graph stays as it is here.
   const off = Object.keys(scene.nodes).filter((n) => offOf(scene, n)).join();
   useEffect(() => {
@@ -120,13 +129,16 @@ export function Viewport({ dark }: { dark: boolean }) {
     else view?.fitAnew();
   }, [view, opened, types]); // eslint-disable-line
 
-  // The server draws the run alone: recorded frames are shown by the page.
+  // Where the server cannot draw recorded frames, the page shows them as particles, and says why.
+  const [unkept, setUnkept] = useState<string | null>(null);
+  const builds = useStudio((s) => s.builds);
   const looking = useStudio((s) => s.looking !== null);
-  const pictured = rendered && !looking;
+  const pictured = rendered && !(looking && unkept !== null);
+  useEffect(() => setUnkept(null), [builds, rendered]);
   useEffect(() => {
     const { looking: frame } = useStudio.getState();
-    if (rendered && looking && frame !== null) void lookAt(frame, true);
-  }, [rendered, looking]);
+    if (!pictured && frame !== null) void lookAt(frame, true);
+  }, [pictured]);
 
   const show = (name: string, count: number) => {
     useStudio.setState({ attribute: name, looking: null });
@@ -147,11 +159,12 @@ export function Viewport({ dark }: { dark: boolean }) {
   );
   const tools = (): MenuItems => menuOf(
     ...views(), null,
+    ...(types && canCut(types) ? [{ name: "Cut the fluids open", off: !view || !writer, take: () => (useStudio.setState({ selected: [], selectedLinks: [] }), edit((s) => withCut(s, view!.extent().center))) }] : []),
     { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
     { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
-    { name: "Save a picture", take: () => void savePicture() },
-    { name: "Share the run as one file", off: !canPin, take: () => setSharing(true) },
+    { name: "Save a picture", off: preview, take: () => void savePicture() },
+    { name: "Share the run as one file", off: !canPin || preview, take: () => setSharing(true) },
     { name: rendered ? "Particles" : "Rendered", off: noPictures !== undefined, take: () => setRendered(!rendered) },
   );
   // A right drag moves the camera, a right click opens the menu.
@@ -178,14 +191,17 @@ export function Viewport({ dark }: { dark: boolean }) {
         >
           {gathering && !pinned ? `Keeping ${gathering.done} of ${gathering.all}` : "Compare"}
         </button>
-        <button aria-label="Save a picture" onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
-        <button disabled={!canPin} onClick={() => setSharing(true)} title="Save the run as one HTML file that replays it">Share</button>
+        <button aria-label="Save a picture" disabled={preview} onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
+        <button disabled={!canPin || preview} onClick={() => setSharing(true)} title={preview ? "A preview is not shared: end it, and play" : "Save the run as one HTML file that replays it"}>Share</button>
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
         <button aria-haspopup="menu" onClick={(e) => showMenu({ clientX: e.currentTarget.getBoundingClientRect().left, clientY: e.currentTarget.getBoundingClientRect().bottom }, "Views", views())}>View…</button>
         <button onClick={keepCamera} title="Use this camera for videos">Keep camera</button>
         <button onClick={() => setMode(mode === "translate" ? "rotate" : "translate")} title="What the handle of the selected node does">
           {mode === "translate" ? "Move" : "Turn"}
         </button>
+        {writer && types && pullables(scene, types).length > 0 && (
+          <button aria-pressed={grabbing} onClick={() => setGrabbing(!grabbing)} title="Pull bodies with the pointer while the scene runs">Grab</button>
+        )}
         <select aria-label="Colour by" value={attribute} onChange={(e) => show(e.target.value, most)}>
           {attributes.map((a) => <option key={a}>{a}</option>)}
         </select>
@@ -202,9 +218,9 @@ export function Viewport({ dark }: { dark: boolean }) {
       <div
         className="stage" ref={element} onContextMenu={(e) => e.preventDefault()} onPointerUpCapture={menu}
         onPointerDownCapture={(e) => (pressed.current = { x: e.clientX, y: e.clientY })}
-      >{pictured && view && <Rendered view={view} onFailed={stopRendered} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
+      >{pictured && view && <Rendered view={view} onFailed={stopRendered} onUnkept={setUnkept} />}{view && !pictured && <BoxHandles view={view} />}{view && !pictured && <Arrows view={view} />}{view && !pictured && <Cuts view={view} />}{view && !pictured && writer && grabbing && <Grab view={view} stage={element} />}{view && <Axes view={view} />}{pinned && <p className="side"><b>B</b> the present run</p>}</div>
       </div>
-      {rendered && looking && <p className="told over" role="status">A recorded frame, as particles: Rendered shows the run.</p>}
+      {rendered && looking && unkept !== null && <p className="told over" role="status">A recorded frame, as particles: it cannot be rendered, as {unkept}.</p>}
       {noView && <p className="empty-hint" role="status">This browser has no WebGL, so there is no view here. All else works.</p>}
       {key && !pictured && (
         <div className="color-key">

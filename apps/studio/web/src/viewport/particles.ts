@@ -1,10 +1,14 @@
 // Particles as shaded spheres: one point each, drawn by a shader that knows where a ball's surface is.
 import * as THREE from "three";
 import type { FluidFrame } from "../protocol/packets";
+import { isShown, type Cut } from "../model/clips";
 import { colorTable, type Ramp } from "./colorMaps";
 
 const kVertexShader = /* glsl */ `
   uniform vec3 low, extent;
+  uniform vec4 cuts[4];
+  uniform float halves[4];
+  uniform int cutCount;
   uniform float radius, pixels, valueLow, valueHigh, rangeLow, rangeHigh;
   attribute float value;
   attribute float marked;
@@ -12,13 +16,18 @@ const kVertexShader = /* glsl */ `
   varying vec3 center;
   flat varying float mark;
   void main() {
-    vec4 eye = modelViewMatrix * vec4(low + extent * position, 1.0);
+    vec3 place = low + extent * position;
+    vec4 eye = modelViewMatrix * vec4(place, 1.0);
     center = eye.xyz;
     mark = marked;
     float v = mix(valueLow, valueHigh, value);
     t = clamp((v - rangeLow) / max(rangeHigh - rangeLow, 1e-12), 0.0, 1.0);
     gl_Position = projectionMatrix * eye;
     gl_PointSize = max(2.0, pixels * radius * projectionMatrix[1][1] / max(-eye.z, 1e-4));
+    for (int i = 0; i < 4; ++i) {
+      float beyond = dot(cuts[i].xyz, place) - cuts[i].w;
+      if (i < cutCount && (halves[i] < 0.0 ? beyond > 0.0 : abs(beyond) > halves[i])) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    }
   }`;
 
 const kFragmentShader = /* glsl */ `
@@ -43,6 +52,9 @@ const kFragmentShader = /* glsl */ `
     gl_FragColor = vec4(base * light, 1.0);
   }`;
 
+/** Of more, the first are shown. */
+const kMostCuts = 4;
+
 /** The particles of one fluid. */
 export class Particles {
   readonly points: THREE.Points;
@@ -50,6 +62,7 @@ export class Particles {
   private readonly material: THREE.ShaderMaterial;
   private shown: FluidFrame | null = null;
   private chosen = -1;
+  private cuts: Cut[] = [];
 
   constructor() {
     this.material = new THREE.ShaderMaterial({
@@ -59,6 +72,7 @@ export class Particles {
         low: { value: new THREE.Vector3() }, extent: { value: new THREE.Vector3() }, radius: { value: 0.01 },
         pixels: { value: 1 }, valueLow: { value: 0 }, valueHigh: { value: 1 }, rangeLow: { value: 0 },
         rangeHigh: { value: 1 }, map: { value: null }, projection: { value: new THREE.Matrix4() },
+        cuts: { value: Array.from({ length: kMostCuts }, () => new THREE.Vector4()) }, halves: { value: new Array<number>(kMostCuts).fill(-1) }, cutCount: { value: 0 },
         plain: { value: false }, color: { value: new THREE.Color("#4aa3e2") },
       },
     });
@@ -102,6 +116,17 @@ export class Particles {
     this.material.uniforms["map"]!.value = texture;
   }
 
+  cut(cuts: Cut[]): void {
+    this.cuts = cuts.slice(0, kMostCuts);
+    const u = this.material.uniforms;
+    this.cuts.forEach(({ point, normal, thickness }, i) => {
+      const [x, y, z] = normal as [number, number, number];
+      (u["cuts"]!.value as THREE.Vector4[])[i]!.set(x, y, z, x * point[0]! + y * point[1]! + z * point[2]!);
+      (u["halves"]!.value as number[])[i] = thickness === null ? -1 : thickness / 2;
+    });
+    u["cutCount"]!.value = this.cuts.length;
+  }
+
   choose(id: number): void {
     this.chosen = id;
     this.mark();
@@ -132,7 +157,8 @@ export class Particles {
       );
       const along = p.dot(ray.direction);
       if (along <= 0 || p.lengthSq() - along * along > radius * radius) continue;
-      if (!best || along < best.distance) best = { id: f.ids[i]!, distance: along };
+      if (best && along >= best.distance) continue;
+      if (isShown(this.cuts, p.add(ray.origin).toArray())) best = { id: f.ids[i]!, distance: along };
     }
     return best;
   }

@@ -9,8 +9,12 @@ export interface Camera {
 export interface PictureSource {
   camera(): Camera;
   size(): { width: number; height: number };
+  /** Whether what there is to see goes on by itself. */
+  follows(): boolean;
   /** Resolves to whether a picture was drawn. */
   ask(fields: object): Promise<boolean>;
+  /** The one that was drawn last is to be seen. */
+  show(): void;
   failed(reason: unknown): void;
 }
 
@@ -72,10 +76,13 @@ export class PictureLoop {
       });
       if (!this.running || own !== this.asked) return;
       if (!drawn) return this.later();
+      this.source.show();
     } catch (e) {
+      if (!this.running || own !== this.asked) return;
       this.running = false;
       return this.source.failed(e);
     }
-    void this.request(!this.dirty);
+    if (this.dirty || this.source.follows()) return void this.request(!this.dirty);
+    this.waiting = null;
   }
 }

@@ -3,13 +3,17 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { FramePacket, GeometryPacket } from "../protocol/packets";
+import { niceStep } from "../model/playback";
 import { kColorMaps, type Ramp } from "./colorMaps";
+import type { Cut } from "../model/clips";
 import { Particles } from "./particles";
 
 export interface ViewEvents {
   /** A handle was let go of: the new place, and the turn in degrees about fixed x, y, z. */
   moved(node: string, position: number[], rotation: number[]): void;
   picked(node: string, id: number, more: boolean): void;
+  /** A click where no particle is, on the mesh or the outline of a node. */
+  selected(node: string, more: boolean): void;
   range(low: number, high: number, name: string, unit: string): void;
 }
 
@@ -59,6 +63,7 @@ export class View {
   private chosen: { node: string; id: number } | null = null;
   private asked = false;
   private fitted = false;
+  private cuts: Cut[] = [];
   drawn = 0;
 
   constructor(private readonly element: HTMLElement, private readonly events: ViewEvents) {
@@ -77,6 +82,7 @@ export class View {
       if (!e.value) this.letGo();
     });
     this.handle.addEventListener("change", () => this.draw());
+    for (const type of ["keydown", "keyup"] as const) addEventListener(type, this.snapByKey);
     this.scene.add(this.handle.getHelper(), this.outlines);
     this.scene.add(new THREE.HemisphereLight("#ffffff", "#6b7480", 2.2));
     const sun = new THREE.DirectionalLight("#ffffff", 1.6);
@@ -100,9 +106,17 @@ export class View {
     this.draw();
   }
 
+  /** Planes that cut the fluids open. */
+  setCuts(cuts: Cut[]): void {
+    this.cuts = cuts;
+    for (const particles of this.fluids.values()) particles.cut(cuts);
+    this.draw();
+  }
+
   /** The colours of another view, over a range of values. */
   colorAs(other: View, range: [number, number] | null): void {
     this.setColors(other.map, range);
+    this.setCuts(other.cuts);
   }
 
   frame(packet: FramePacket): void {
@@ -112,6 +126,7 @@ export class View {
       if (!particles) {
         particles = new Particles();
         particles.setMap(this.map);
+        particles.cut(this.cuts);
         particles.choose(this.chosen?.node === fluid.node ? this.chosen.id : -1);
         this.fluids.set(fluid.node, particles);
         this.scene.add(particles.points);
@@ -204,6 +219,19 @@ export class View {
     this.fitted = false;
   }
 
+  /** While Ctrl is down, the handle moves and turns in steps. */
+  private readonly snapByKey = (e: KeyboardEvent): void => {
+    const kTurn = 15;
+    this.handle.setTranslationSnap(e.ctrlKey ? this.snapStep() : null);
+    this.handle.setRotationSnap(e.ctrlKey ? THREE.MathUtils.degToRad(kTurn) : null);
+  };
+
+  /** The round step, m, in which things are moved while Ctrl is down: about a fiftieth of what the scene holds. */
+  snapStep(): number {
+    const kSteps = 50;
+    return niceStep(this.extent().size / kSteps);
+  }
+
   /** Around all that the scene holds; empty where it holds nothing. */
   private bounds(): THREE.Box3 {
     const box = new THREE.Box3();
@@ -219,12 +247,25 @@ export class View {
   }
 
   fit(preset?: Preset): void {
+    this.fitFrom(preset ? new THREE.Vector3(...kPresets[preset]) : this.camera.position.clone().sub(this.controls.target));
+  }
+
+  /** From a direction, such as that of an axis, all that the scene holds. */
+  lookFrom(direction: number[]): void {
+    const kUpright = 1e-3;
+    // Straight from above or below the camera would not know which way is up.
+    this.fitFrom(new THREE.Vector3().fromArray(direction).add(new THREE.Vector3(0, 0, direction[1] !== 0 && direction[2] === 0 ? kUpright : 0)));
+  }
+
+  /** A direction of the world as the camera sees it: to the right, upwards, towards it. */
+  seenAs(direction: number[]): number[] {
+    return new THREE.Vector3().fromArray(direction).applyQuaternion(this.camera.quaternion.clone().invert()).toArray();
+  }
+
+  private fitFrom(direction: THREE.Vector3): void {
     const box = this.bounds();
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
     else this.fitted = true;
-    const direction = preset
-      ? new THREE.Vector3(...kPresets[preset])
-      : this.camera.position.clone().sub(this.controls.target);
     const tall = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
     // The tools lie on the upper edge; below there is as much left free.
     const free = Math.max(0.5, 1 - (2 * kTools) / Math.max(this.element.clientHeight, 1));
@@ -264,6 +305,24 @@ export class View {
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2), this.camera);
     return caster.ray;
+  }
+
+  /** The middle of a mesh as it stands, m. */
+  centerOf(node: string): number[] | null {
+    const mesh = this.meshes.get(node);
+    return mesh ? new THREE.Box3().setFromObject(mesh).getCenter(new THREE.Vector3()).toArray() : null;
+  }
+
+  /** The first mesh under the pointer of those that are wanted, and its middle. */
+  meshAt(clientX: number, clientY: number, wanted: (node: string) => boolean): { node: string; center: number[] } | null {
+    const caster = new THREE.Raycaster();
+    caster.ray.copy(this.rayAt(clientX, clientY));
+    let best: { node: string; distance: number } | null = null;
+    for (const [node, mesh] of this.meshes) {
+      const hit = wanted(node) ? caster.intersectObject(mesh, false)[0] : undefined;
+      if (hit && (!best || hit.distance < best.distance)) best = { node, distance: hit.distance };
+    }
+    return best && { node: best.node, center: this.centerOf(best.node)! };
   }
 
   /** The point on a line that is nearest to what lies under the pointer; null where one looks along it. `way` has length 1. */
@@ -332,6 +391,7 @@ export class View {
   }
 
   dispose(): void {
+    for (const type of ["keydown", "keyup"] as const) removeEventListener(type, this.snapByKey);
     this.controls.dispose();
     this.handle.dispose();
     for (const particles of this.fluids.values()) particles.dispose();
@@ -383,7 +443,21 @@ export class View {
         const hit = particles.pick(caster.ray);
         if (hit && (!best || hit.distance < best.distance)) best = { node, ...hit };
       }
-      if (best) this.events.picked(best.node, best.id, e.shiftKey);
+      if (best) return this.events.picked(best.node, best.id, e.shiftKey);
+      const node = this.nodeAt(caster);
+      if (node !== null) this.events.selected(node, e.shiftKey);
     });
+  }
+
+  /** The node whose mesh or outline a ray meets first, or comes near to. */
+  private nodeAt(caster: THREE.Raycaster): string | null {
+    const kNear = 0.01;
+    caster.params.Line.threshold = kNear * this.camera.position.distanceTo(this.controls.target);
+    let best: { node: string; distance: number } | null = null;
+    for (const [node, object] of [...this.meshes, ...this.outlineOf]) {
+      const hit = caster.intersectObject(object, true)[0];
+      if (hit && (!best || hit.distance < best.distance)) best = { node, distance: hit.distance };
+    }
+    return best?.node ?? null;
   }
 }

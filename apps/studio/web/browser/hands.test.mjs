@@ -1,0 +1,206 @@
+// What hands do to a run and in its view, by mouse and keyboard alone: a preview, a body that is pulled, a plane that cuts, and a
+// mesh that is dropped.
+import assert from "node:assert/strict";
+import { writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before } from "node:test";
+import { step } from "./steps.mjs";
+import { Hands, openPage, startServer } from "./studio.mjs";
+
+// A cube that floats freely beside a block of water at rest; nothing falls.
+const kScene = {
+  weir: 1, title: "Adrift", world: { duration: 60, frame_rate: 30, gravity: [0, 0, 0] },
+  nodes: {
+    block: { type: "BoxSampler", params: { min: [0.5, 0, 0], max: [0.74, 0.24, 0.24] } },
+    water: { type: "ParticleFluid", params: { spacing: 0.03, rest_steps: 0 } },
+    cube: { type: "BoxMesh", params: { min: [-0.1, -0.1, -0.1], max: [0.1, 0.1, 0.1] } },
+    raft: { type: "RigidBody", params: { density: 500, position: [0, 0.1, 0.1] } },
+  },
+  links: ["block.particles -> water.initial", "cube.surface -> raft.mesh"],
+};
+
+let server, browser, page, mistakes, hands;
+
+before(async () => {
+  server = await startServer();
+  await writeFile(join(server.folder, "adrift.json"), JSON.stringify(kScene));
+  ({ browser, page, mistakes } = await openPage(server.address));
+  hands = new Hands(page);
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+const state = (name) => page.locator(`.state.${name}`).waitFor();
+const button = (name) => page.getByRole("button", { name, exact: true });
+const saved = (isRight) => server.written("adrift.json", isRight);
+const particles = async () => Number(/([\d,]+) particle/.exec(await page.locator(".load").innerText())[1].replaceAll(",", ""));
+const tidy = async () => {
+  await hands.pointAtGraph();
+  await hands.pressInGraph("Escape");
+};
+
+step("a preview is coarser, is marked, writes nothing, and leaves the scene as it is", async () => {
+  await button("Open").click();
+  await page.getByRole("dialog", { name: "Open a scene" }).getByRole("button", { name: /^adrift / }).click();
+  await hands.node("water").waitFor();
+  await state("paused");
+  await hands.arrange();
+  const all = await particles();
+  await button("Preview").click();
+  await page.locator(".preview-hint").filter({ hasText: "2 × the spacing" }).waitFor();
+  await page.waitForFunction((n) => Number(/([\d,]+) particle/.exec(document.querySelector(".load").innerText)[1].replaceAll(",", "")) === n, all / 8);
+  assert.ok(await button("Record").isDisabled());
+  await page.locator('.bar .title').filter({ hasText: "Adrift" }).waitFor();
+  assert.equal(await page.locator(".reset-hint").count(), 0);
+  await button("Preview").click();
+  await page.locator(".preview-hint").waitFor({ state: "detached" });
+  await page.waitForFunction((n) => Number(/([\d,]+) particle/.exec(document.querySelector(".load").innerText)[1].replaceAll(",", "")) === n, all);
+  await saved((s) => s.nodes.water.params.spacing === 0.03);
+});
+
+step("a light tells how far particles fly in a step", async () => {
+  await hands.pressInGraph("Space");
+  await page.locator(".light.good").filter({ hasText: /^CFL 0/ }).waitFor();
+  await hands.pressInGraph("Space");
+  await state("paused");
+});
+
+step("a body is pulled by the pointer while the scene runs, and drifts on when it is let go", async () => {
+  await tidy();
+  await button("From +z").click();
+  await button("Grab").click();
+  await hands.pressInGraph("Space");
+  await state("playing");
+  const { x, y, width, height } = await page.locator(".stage").boundingBox();
+  const status = page.locator(".told.over").filter({ hasText: "Pulling raft to" });
+  // All that there is fills the view: the cube is at its left.
+  const held = x + 0.2 * width;
+  await page.mouse.move(held, y + 0.55 * height);
+  await page.mouse.down();
+  await status.waitFor();
+  const height0 = Number((await status.innerText()).split(", ")[1]);
+  await page.mouse.move(held, y + 0.2 * height, { steps: 8 });
+  const height1 = Number((await status.innerText()).split(", ")[1]);
+  assert.ok(height1 > height0 + 0.05, `${height0} to ${height1}`);
+  // What the server measures of it comes up to the hand.
+  await page.getByRole("tab", { name: "Plots", exact: true }).click();
+  await page.getByLabel("Filter plots").fill("raft.position");
+  const place = () => page.locator('.plot[data-quantity="raft.position"] figcaption b').last().innerText();
+  await page.waitForFunction((far) => Number.parseFloat(document.querySelector('.plot[data-quantity="raft.position"] figcaption b:last-of-type')?.innerText) > far, Math.hypot(height1, 0.1) - 0.1);
+  await page.mouse.up();
+  await status.waitFor({ state: "detached" });
+  assert.ok(Number.parseFloat(await place()) > 0);
+  await button("Grab").click();
+  await hands.pressInGraph("Space");
+  await state("paused");
+});
+
+step("a plane that cuts the water open is moved and turned by its handles", async () => {
+  await tidy();
+  await page.locator(".stage > canvas").click({ button: "right", position: { x: 30, y: 200 } });
+  await page.getByRole("menuitem", { name: "Cut the fluids open" }).click();
+  await hands.pressInGraph("Control+s");
+  const place = page.getByRole("slider", { name: "Place of cut 1" });
+  await place.waitFor();
+  await saved((s) => s.render?.clips?.length === 1 && s.render?.clips[0].normal.join() === "0,0,1");
+  const before = await server.read("adrift.json");
+  await place.focus();
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowRight");
+  await hands.pressInGraph("Control+s");
+  await saved((s) => s.render?.clips[0].point[2] > before.render.clips[0].point[2]);
+  const normal = page.getByRole("slider", { name: "Normal of cut 1" });
+  const { x, y } = await normal.boundingBox();
+  await page.mouse.move(x + 5, y + 5);
+  await page.mouse.down();
+  await page.mouse.move(x + 90, y - 60, { steps: 5 });
+  await page.mouse.up();
+  await hands.pressInGraph("Control+s");
+  await saved((s) => s.render?.clips[0].normal.join() !== "0,0,1" && Math.abs(Math.hypot(...s.render?.clips[0].normal) - 1) < 1e-3);
+  // One drag is one step of undo.
+  await hands.pressInGraph("Control+z", "Control+s");
+  await saved((s) => s.render?.clips[0].normal.join() === "0,0,1");
+});
+
+step("a click in the view selects a node, the axes turn the view, and Ctrl moves in round steps", async () => {
+  await tidy();
+  await hands.pressInGraph("r");
+  await page.locator(".time").filter({ hasText: "frame 0/" }).waitFor();
+  await state("paused");
+  await button("From +z").click();
+  // What looks at the camera is in the middle of the axes.
+  const end = (name) => button(name).evaluate((e) => new DOMMatrix(getComputedStyle(e).transform)).then(({ e, f }) => [e, f].map(Math.round));
+  assert.deepEqual(await end("From +z"), [34, 34]);
+  assert.deepEqual(await end("From +x"), [58, 34]);
+  const { x, y, width, height } = await page.locator(".stage").boundingBox();
+  const selected = page.locator('[data-node="cube"].selected, [data-node="raft"].selected');
+  let found = false;
+  for (let i = 0; i < 30 && !found; ++i) {
+    await page.mouse.click(x + ((2 + (i % 10)) / 20) * width, y + (0.4 + 0.1 * Math.floor(i / 10)) * height);
+    found = await selected.first().waitFor({ timeout: 1000 }).then(() => true, () => false);
+  }
+  assert.ok(found, "a click on the cube selects nothing");
+  await hands.select("block");
+  const face = page.getByRole("slider", { name: "max x of block" });
+  const from = await face.boundingBox();
+  await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
+  await page.mouse.down();
+  await page.keyboard.down("Control");
+  await page.mouse.move(from.x + 33, from.y + 7, { steps: 5 });
+  await page.mouse.up();
+  await page.keyboard.up("Control");
+  await hands.pressInGraph("Control+s");
+  const kStep = 0.02;
+  await saved((s) => s.nodes.block.params.max[0] > 0.75 && Math.abs(s.nodes.block.params.max[0] / kStep - Math.round(s.nodes.block.params.max[0] / kStep)) < 1e-6);
+});
+
+step("a number is typed with a unit", async () => {
+  await hands.select("water");
+  const field = hands.aside().getByLabel("spacing", { exact: true });
+  await hands.type(field, "2*20 mm");
+  assert.equal(await field.inputValue(), "0.04");
+  await hands.type(field, "3 s");
+  await hands.aside().getByText("also in a unit that can be turned into m").waitFor();
+  await hands.type(field, "3 cm");
+  await hands.pressInGraph("Control+s");
+  await saved((s) => s.nodes.water.params.spacing === 0.03);
+});
+
+/** A box of an STL file, from 0 to a corner in the file's unit; without its last triangle where it is open. */
+function stlBox(size, open) {
+  const p = (i, j, k) => `vertex ${i * size} ${j * size} ${k * size}`;
+  const quads = [
+    [p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)], [p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)], [p(0, 0, 0), p(0, 0, 1), p(0, 1, 1), p(0, 1, 0)],
+    [p(1, 0, 0), p(1, 1, 0), p(1, 1, 1), p(1, 0, 1)], [p(0, 0, 0), p(1, 0, 0), p(1, 0, 1), p(0, 0, 1)], [p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)],
+  ];
+  const triangles = quads.flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]).slice(0, open ? -1 : undefined);
+  return `solid box\n${triangles.map((t) => `facet normal 0 0 0\nouter loop\n${t.join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid box\n`;
+}
+
+async function drop(name, text) {
+  const data = await page.evaluateHandle(([name, text]) => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([text], name));
+    return dropped;
+  }, [name, text]);
+  await page.dispatchEvent(".app", "drop", { dataTransfer: data });
+}
+
+step("a mesh that is dropped is measured: its unit is guessed, and what is open is told", async () => {
+  const dialog = page.getByRole("dialog", { name: "What shall it be?" });
+  await drop("torn.stl", stlBox(0.2, true));
+  await dialog.getByText("11 triangles, open: 3 edges without a triangle on each side").waitFor();
+  await dialog.getByText("0.2 × 0.2 × 0.2 m").waitFor();
+  await dialog.getByRole("button", { name: "Cancel" }).click();
+  await drop("part.stl", stlBox(200, false));
+  await dialog.getByText("12 triangles, closed").waitFor();
+  await dialog.getByText("It looks like mm").waitFor();
+  await dialog.getByText("0.2 × 0.2 × 0.2 m").waitFor();
+  await dialog.getByRole("button", { name: /^Only the mesh/ }).click();
+  await hands.node("part").waitFor();
+  await hands.pressInGraph("Control+s");
+  await saved((s) => s.nodes.part?.params.unit === 0.001);
+});
+
+step("nothing went wrong on the way", () => assert.deepEqual(mistakes, []));
