@@ -1,7 +1,7 @@
 // The keys of the graph.
 import { useCallback, type KeyboardEvent, type RefObject } from "react";
-import { redo, undo } from "../model/documents";
 import { useStudio } from "../model/store";
+import { toggleModules } from "./NodeModules";
 import {
   arrangeNodes, chosenNodes, copy, cut, duplicate, focusName, focusNote, focusProperties, fold, nudge, paste, remove, select, selectAll, selectNext, switchOff,
 } from "./actions";
@@ -26,9 +26,7 @@ export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: R
     const at = pointer.current ?? { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     const step = e.shiftKey ? kLongStep : kStep;
     if (e.ctrlKey || e.metaKey) {
-      if (key === "z") void (e.shiftKey ? redo() : undo());
-      else if (key === "y") void redo();
-      else if (key === "a") selectAll();
+      if (key === "a") selectAll();
       else if (key === "c") copy();
       else if (key === "x") cut();
       else if (key === "v") paste();
@@ -51,7 +49,7 @@ export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: R
     else if (key === "b") switchOff("bypassed");
     else if (key === "l") arrangeNodes();
     else if (key === "f") asked.fit();
-    else if (key === "enter" && one) useStudio.setState({ inside: selected[0]! });
+    else if (key === "enter" && one) toggleModules(selected[0]!);
     else if (key === "arrowleft") nudge(-step, 0);
     else if (key === "arrowright") nudge(step, 0);
     else if (key === "arrowup") nudge(0, -step);
