@@ -1,10 +1,10 @@
-// Pictures of the page for the documentation: node browser/shots.mjs SCENE FOLDER [FRAME=60]. Both sizes, light and dark, as
+// Pictures of the page for the documentation: node browser/shots.mjs SCENE FOLDER [FRAME=60]. Three sizes, light and dark, as
 // JPEG. The small one in light colours has the table of particles.
 import { copyFile } from "node:fs/promises";
 import { basename, join } from "node:path";
 import { Hands, openPage, startServer } from "./studio.mjs";
 
-const kSizes = [[1280, 800], [1920, 1080]];
+const kSizes = [[1280, 800], [1920, 1080], [2560, 1440]];
 const kQuality = 72;
 const kPatience = 600_000;
 const [scene, folder, frame = "60"] = process.argv.slice(2);

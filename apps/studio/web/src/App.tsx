@@ -7,6 +7,7 @@ import { FileBar, save } from "./files/FileBar";
 import { Offer } from "./files/Offer";
 import { Reference, referenceFor } from "./files/Reference";
 import { GraphEditor } from "./graph/GraphEditor";
+import { surface } from "./graph/surface";
 import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
 import { redo, undo } from "./model/documents";
@@ -48,6 +49,9 @@ function useGlobalKeys(): void {
         e.preventDefault();
         return useStudio.setState((s) => ({ reference: s.reference === null ? referenceFor() : null }));
       }
+      // Where nothing has the keyboard, the graph has it; but Tab goes into the page.
+      if (at === document.body && e.key !== "Tab" && !document.querySelector("[aria-modal=true]")) surface.key(e);
+      if (e.defaultPrevented) return;
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === " " && at.closest("button, summary, a")) return;
       if (e.key === " ") void askRun(status.state === "playing" ? "pause" : "play");

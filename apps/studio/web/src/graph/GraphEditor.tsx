@@ -214,6 +214,7 @@ export function GraphEditor() {
     fit: () => fit({ duration: kGlideMs }),
   }), [flow, fit, openMenu]);
   const key = useKeys(pointer, surface, wishes);
+  useEffect(() => void (asked.key = key), [key]);
   const onNodeMenu = useCallback((e: React.MouseEvent, n: Node) => {
     e.preventDefault();
     if (!useStudio.getState().selected.includes(n.id)) select([n.id]);

@@ -17,13 +17,14 @@ const kStep = 10;
 const kLongStep = 50;
 
 export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: RefObject<HTMLDivElement | null>, asked: Asked) {
-  return useCallback((e: KeyboardEvent) => {
+  return useCallback((e: KeyboardEvent | globalThis.KeyboardEvent) => {
     if ((e.target as Element).closest("input, textarea, select, [contenteditable], [role=dialog]")) return;
     const { selected } = useStudio.getState();
     const nodes = chosenNodes(), one = selected.length === 1;
     const key = e.key.toLowerCase();
     const box = surface.current!.getBoundingClientRect();
-    const at = pointer.current ?? { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+    const { x, y } = pointer.current!, over = x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+    const at = over ? { x, y } : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     const step = e.shiftKey ? kLongStep : kStep;
     if (e.ctrlKey || e.metaKey) {
       if (key === "a") selectAll();
