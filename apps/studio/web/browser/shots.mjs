@@ -24,7 +24,7 @@ try {
   await page.getByRole("dialog").getByRole("button", { name: basename(scene, ".json") }).click();
   await hands.node("water").waitFor();
   await hands.arrange();
-  await page.locator(".time").filter({ hasText: "frame 0/" }).waitFor();
+  await page.locator(".state.paused").waitFor();
   await hands.pressInGraph("Space");
   await page.waitForFunction((n) => Number(/frame (\d+)/.exec(document.querySelector(".time").textContent)[1]) >= n, Number(frame), { timeout: kPatience });
   await hands.pressInGraph("Space");

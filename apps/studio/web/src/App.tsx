@@ -51,7 +51,6 @@ function useGlobalKeys(): void {
       }
       // Where nothing has the keyboard, the graph has it; but Tab goes into the page.
       if (at === document.body && e.key !== "Tab" && !document.querySelector("[aria-modal=true]")) surface.key(e);
-      if (e.defaultPrevented) return;
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === " " && at.closest("button, summary, a")) return;
       if (e.key === " ") void askRun(status.state === "playing" ? "pause" : "play");
