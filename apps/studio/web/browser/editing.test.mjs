@@ -522,7 +522,9 @@ step("every press of a step is one frame, also in a video", async () => {
 
 step("a plugin's module is inserted into a node, and runs", async () => {
   await hands.select("water");
-  await hands.pressInGraph("Enter");
+  // It is unfolded since Ctrl+K has put a module into it.
+  await hands.pressInGraph("f");
+  await hands.stillness();
   await hands.node("water").getByRole("button", { name: "Insert a module…" }).click();
   await page.getByRole("combobox", { name: "Search modules" }).waitFor();
   await page.keyboard.type("Lift");
