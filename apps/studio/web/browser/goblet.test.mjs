@@ -84,6 +84,10 @@ step("the page knows no type by its name: what it shows comes from what the serv
 step("an empty page has no nodes", async () => {
   assert.equal(await page.locator(".scene-node").count(), 0);
   assert.ok(await undoButton().isDisabled());
+  // The graph has the keyboard before anything was clicked.
+  await page.keyboard.press("a");
+  await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
+  await page.keyboard.press("Escape");
 });
 
 step("nodes, their parameters and modules are made by hand", async () => {

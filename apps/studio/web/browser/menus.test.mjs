@@ -224,6 +224,31 @@ step("links are made, and values reached, by the keyboard alone", async () => {
   assert.equal(await page.locator(".add-menu").count(), 0);
 });
 
+step("what Ctrl+K finds is typed over, and Ctrl+Z takes that back where the keyboard still is", async () => {
+  const value = (v) => page.waitForFunction((text) => document.activeElement.getAttribute("aria-label") === "rest_density" && document.activeElement.value === text, v);
+  await page.keyboard.press("Control+k");
+  await page.getByRole("combobox", { name: "Find anything" }).waitFor();
+  await page.keyboard.type("rest dens");
+  await page.locator('.palette [aria-selected="true"]').filter({ hasText: "rest_density" }).waitFor();
+  await page.keyboard.press("Enter");
+  await value("1000");
+  await page.keyboard.type("1234");
+  await page.keyboard.press("Enter");
+  await saved((s) => s.nodes.water.params.rest_density === 1234);
+  await page.keyboard.press("Control+z");
+  await value("1000");
+  await page.keyboard.press("Control+Shift+z");
+  await value("1234");
+  // What is typed and not taken is the field's own to take back; then nothing has the keyboard, and the scene goes back.
+  const field = hands.aside().getByLabel("rest_density", { exact: true });
+  await page.keyboard.type("5");
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Escape");
+  assert.equal(await field.inputValue(), "1234");
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => document.querySelector('aside .properties [aria-label="rest_density"]').value === "1000");
+});
+
 step("a node unfolds to its modules in the graph: one is found by its text, comes behind another, and is dragged", async () => {
   const inner = hands.node("water").locator(".inner");
   const modules = () => inner.locator("li").evaluateAll((all) => all.map((m) => m.dataset.module));
