@@ -13,6 +13,7 @@
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #ifdef WEIR_HAS_STUDIO
+#include "apps/studio/server/kept_token.h"
 #include "apps/studio/session/studio.h"
 #endif
 
@@ -55,6 +56,9 @@ StudioCommand::StudioCommand(CLI::App& app, Program& program)
       ->type_name("MB")
       ->check(CLI::Range(1, kMaxFramesMb))
       ->capture_default_str();
+  command_->add_flag(
+      "--new-token", newToken_,
+      "With --port: a new token; else windows that are open go on with that of the last start");
   command_->add_flag("--no-browser", stay_, "Print the address, and open no browser");
 }
 
@@ -88,6 +92,8 @@ int StudioCommand::run() {
   options.sceneFolders.assign(sceneFolders_.begin(), sceneFolders_.end());
   options.page = dataFolder() / "studio";
   options.templates = dataFolder() / "scenes";
+  options.tokens = studio::folderOfTokens();
+  options.newToken = newToken_;
   options.types = writeJsonLine(typesAsValue(program_.registry(), ""));
   (void)openDevice(device_, threads_);  // a wrong one is told now
 

@@ -31,6 +31,7 @@ class StudioCommand {
   int threads_ = 0;
   int framesMb_ = 1024;
   bool stay_ = false;
+  bool newToken_ = false;
 };
 
 }  // namespace weir::app

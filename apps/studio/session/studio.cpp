@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/studio/server/kept_token.h"
 #include "apps/studio/session/draft.h"
 #include "apps/studio/session/message.h"
 #include "apps/studio/session/preview.h"
@@ -45,10 +46,13 @@ class FileExists : public Error {
             usageError("there is a file " + inQuotes(path) + " already", "another name, or to replace it")) {}
 };
 
-ServerOptions serverOptions(const StudioOptions& options) {
+ServerOptions serverOptions(const StudioOptions& options, Log& log) {
+  const KeptToken kept =
+      keptToken(options.tokens, {options.folder, options.host, options.port}, options.newToken);
+  if (!kept.problem.empty()) log.warn("the studio has a new token: " + kept.problem);
   return {.host = options.host,
           .port = options.port,
-          .token = randomToken(),
+          .token = kept.token,
           .largestUpload = options.largestUpload,
           .largestMessage = kLargestSceneFile,
           .maxWaitingBytes = options.maxWaitingBytes};
@@ -64,7 +68,7 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       sceneFiles_(folder_, options_.sceneFolders),
       device_(options_.device),
       recording_(options_.maxRecordedBytes),
-      server_(serverOptions(options_), *this),
+      server_(serverOptions(options_, log), *this),
       desk_(registry,
             [this](const VideoStatus& video) {
               server_.post([this, video] { tell("video", videoValue(video)); });

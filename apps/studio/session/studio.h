@@ -31,6 +31,8 @@ struct StudioOptions {
   std::filesystem::path page;                       ///< the built web page
   std::filesystem::path templates;                  ///< scenes to start from
   std::string types;                                ///< what `weir nodes --json` prints
+  std::filesystem::path tokens;  ///< where tokens are kept, see keptToken(); empty: nowhere
+  bool newToken = false;         ///< the one that was kept is not valid any more
   std::int64_t maxRecordedBytes = std::int64_t{1}
                                   << 30;  ///< bytes of frames that are kept; half as much of states
   std::int64_t largestUpload = ServedFolder::kLargestUpload;  ///< bytes

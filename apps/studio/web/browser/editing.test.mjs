@@ -434,6 +434,20 @@ step("the table has all particles, sorted by any attribute, and goes on while th
   await page.locator(".picked").getByRole("button", { name: "Close" }).click();
 });
 
+step("nodes tell the time that they take, where that is worth a word, and are no wider for it", async () => {
+  const timed = hands.node("water").locator(".took"), width = async (name) => (await hands.node(name).boundingBox()).width;
+  await timed.filter({ hasText: /\d ms$/ }).waitFor();
+  for (const name of ["block", "floor", "tank"]) assert.equal(await hands.node(name).locator(".took, .share").count(), 0);
+  const before = await width("water");
+  await page.getByRole("button", { name: "Reset", exact: true }).click();
+  await timed.waitFor({ state: "detached" });
+  assert.equal(await width("water"), before);
+  for (let i = 1; i <= 3; ++i) {
+    await hands.pressInGraph(".");
+    await time(`frame ${i}/`).waitFor();
+  }
+});
+
 step("recorded frames are seen again", async () => {
   await page.locator(".state.paused").waitFor();
   const last = await seen();
@@ -508,16 +522,17 @@ step("every press of a step is one frame, also in a video", async () => {
 
 step("a plugin's module is inserted into a node, and runs", async () => {
   await hands.select("water");
-  await hands.pressInGraph("Enter");
-  const inside = page.getByRole("dialog", { name: "Inside water" });
-  await inside.getByRole("button", { name: "Insert a module…" }).click();
-  await inside.getByRole("combobox", { name: "Search modules" }).waitFor();
+  // It is unfolded since Ctrl+K has put a module into it.
+  await hands.pressInGraph("f");
+  await hands.stillness();
+  await hands.node("water").getByRole("button", { name: "Insert a module…" }).click();
+  await page.getByRole("combobox", { name: "Search modules" }).waitFor();
   await page.keyboard.type("Lift");
   await page.keyboard.press("Enter");
-  await inside.locator('[data-module="lift"]').waitFor();
-  await inside.locator('button.title[aria-expanded="true"]').filter({ hasText: "lift" }).waitFor();
-  await hands.set(inside.locator('[data-module="lift"]'), "speed", "float", 2);
-  await page.keyboard.press("Escape");
+  await hands.node("water").locator('[data-module="lift"]').waitFor();
+  const lift = hands.aside().locator('[data-module="lift"]');
+  await lift.locator('button.title[aria-expanded="true"]').waitFor();
+  await hands.set(lift, "speed", "float", 2);
   await hands.pressInGraph("r");
   await time("frame 0/").waitFor();
   await hands.pressInGraph(".");

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFile, readdir } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before } from "node:test";
+import { fileURLToPath } from "node:url";
 import { particlesOfPage, particlesOfPly } from "./particles.mjs";
 import { step } from "./steps.mjs";
 import { Hands, openPage, startServer, weir } from "./studio.mjs";
@@ -68,9 +69,25 @@ async function pressUntilDisabled(keys, button) {
   assert.ok(await button.isDisabled());
 }
 
+step("the page knows no type by its name: what it shows comes from what the server tells", async () => {
+  const folder = fileURLToPath(new URL("../src/", import.meta.url));
+  const names = [...Object.keys(types.nodes), ...Object.keys(types.modules)].join("|"), named = new RegExp(`["'\`](?:${names})["'\`]`);
+  const found = [];
+  for (const file of (await readdir(folder, { recursive: true })).filter((f) => /\.tsx?$/.test(f))) {
+    const code = (await readFile(join(folder, file), "utf8")).replace(/\/\*[\s\S]*?\*\/|\/\/ .*/g, "");
+    if (named.test(code)) found.push(file);
+  }
+  // The tour builds a scene of three nodes.
+  assert.deepEqual(found, ["Tour.tsx"]);
+});
+
 step("an empty page has no nodes", async () => {
   assert.equal(await page.locator(".scene-node").count(), 0);
   assert.ok(await undoButton().isDisabled());
+  // The graph has the keyboard before anything was clicked.
+  await page.keyboard.press("a");
+  await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
+  await page.keyboard.press("Escape");
 });
 
 step("nodes, their parameters and modules are made by hand", async () => {

@@ -225,27 +225,86 @@ step("links are made, and values reached, by the keyboard alone", async () => {
   assert.equal(await page.locator(".add-menu").count(), 0);
 });
 
-step("a module is found by its text, comes behind the chosen one, is opened, and is dragged", async () => {
-  const modules = () => page.locator("aside .modules > ol > li").evaluateAll((all) => all.map((m) => m.dataset.module));
+step("what Ctrl+K finds is typed over, and Ctrl+Z takes that back where the keyboard still is", async () => {
+  const value = (v) => page.waitForFunction((text) => document.activeElement.getAttribute("aria-label") === "rest_density" && document.activeElement.value === text, v);
+  await page.keyboard.press("Control+k");
+  await page.getByRole("combobox", { name: "Find anything" }).waitFor();
+  await page.keyboard.type("rest dens");
+  await page.locator('.palette [aria-selected="true"]').filter({ hasText: "rest_density" }).waitFor();
+  await page.keyboard.press("Enter");
+  await value("1000");
+  await page.keyboard.type("1234");
+  await page.keyboard.press("Enter");
+  await saved((s) => s.nodes.water.params.rest_density === 1234);
+  await page.keyboard.press("Control+z");
+  await value("1000");
+  await page.keyboard.press("Control+Shift+z");
+  await value("1234");
+  // What is typed and not taken is the field's own to take back; then nothing has the keyboard, and the scene goes back.
+  const field = hands.aside().getByLabel("rest_density", { exact: true });
+  await page.keyboard.type("5");
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Escape");
+  assert.equal(await field.inputValue(), "1234");
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => document.querySelector('aside .properties [aria-label="rest_density"]').value === "1000");
+});
+
+step("a node unfolds to its modules in the graph: one is found by its text, comes behind another, and is dragged", async () => {
+  const inner = hands.node("water").locator(".inner");
+  const modules = () => inner.locator("li").evaluateAll((all) => all.map((m) => m.dataset.module));
   await hands.select("water");
-  await hands.aside().getByRole("button", { name: "viscosity", exact: true }).click();
-  await hands.aside().getByRole("button", { name: "Insert a module…" }).click();
+  const edges = await hands.edge("tank.boundary -> water.boundaries").locator("path").first().getAttribute("d");
+  await hands.pressInGraph("Enter");
+  await inner.waitFor();
+  // Ports stay where they are, and the keyboard is at the first module.
+  await page.waitForFunction(() => document.activeElement.closest(".inner li")?.previousElementSibling === null);
+  assert.equal(await hands.edge("tank.boundary -> water.boundaries").locator("path").first().getAttribute("d"), edges);
+  await inner.locator('[data-module="viscosity"] .title').click({ button: "right" });
+  await take("viscosity", "Insert behind it…");
   await page.getByRole("combobox", { name: "Search modules" }).waitFor();
   await page.keyboard.type("eddies");
-  await page.locator('.inserter [aria-selected="true"]').filter({ hasText: "VorticityConfinement" }).waitFor();
+  await page.locator('.add-menu [aria-selected="true"]').filter({ hasText: "VorticityConfinement" }).waitFor();
   await page.keyboard.press("Enter");
   await page.locator('aside [data-module="vorticity_confinement"] button.title[aria-expanded="true"]').waitFor();
   const names = await modules();
   assert.equal(names[names.indexOf("viscosity") + 1], "vorticity_confinement");
-  await hands.aside().locator('[data-module="vorticity_confinement"] .module').dragTo(hands.aside().locator('[data-module="viscosity"] .module'), { sourcePosition: { x: 4, y: 8 }, targetPosition: { x: 4, y: 8 } });
-  await page.waitForFunction(() => document.querySelector('aside [data-module="vorticity_confinement"]').nextElementSibling?.dataset.module === "viscosity");
+  assert.match(await inner.locator('[data-module="vorticity_confinement"] .title').getAttribute("title"), /eddies/);
+  await inner.locator('[data-module="vorticity_confinement"] .handle').dragTo(inner.locator('[data-module="viscosity"] .handle'));
+  const comesBefore = (one, other) => page.waitForFunction(([a, b]) => document.querySelector(`.inner [data-module="${a}"]`).nextElementSibling?.dataset.module === b, [one, other]);
+  await comesBefore("vorticity_confinement", "viscosity");
+  await saved((s) => s.nodes.water.modules.vorticity_confinement.before === "viscosity");
   await hands.pressInGraph("Control+z", "Control+z");
-  await page.locator('aside [data-module="vorticity_confinement"]').waitFor({ state: "detached" });
-  // The modules of a node lie beside the view, which stays as it is seen.
+  await inner.locator('[data-module="vorticity_confinement"]').waitFor({ state: "detached" });
+});
+
+step("modules are ordered, left out and opened by the keyboard, and never is the node deleted with one", async () => {
+  const inner = hands.node("water").locator(".inner"), viscosity = inner.locator('[data-module="viscosity"]');
+  const focused = (name) => page.waitForFunction((n) => document.activeElement.closest(".inner li")?.dataset.module === n, name);
+  const names = await inner.locator("li").evaluateAll((all) => all.map((m) => m.dataset.module)), before = names[names.indexOf("viscosity") - 1];
+  await viscosity.locator(".title").focus();
+  await page.keyboard.press("ArrowUp");
+  await focused(before);
+  await page.keyboard.press("Alt+ArrowDown");
+  await page.waitForFunction((n) => document.querySelector('.inner [data-module="viscosity"]').nextElementSibling?.dataset.module === n, before);
+  await focused(before);
+  await page.keyboard.press("Space");
+  await inner.locator(`li.off[data-module="${before}"]`).waitFor();
+  await page.keyboard.press("Space");
+  await inner.locator(`li.off[data-module="${before}"]`).waitFor({ state: "detached" });
+  await page.keyboard.press("Delete");
+  await inner.locator(`li.off[data-module="${before}"]`).waitFor();
+  await hands.node("water").waitFor();
+  await page.keyboard.press("ArrowUp");
+  await focused("viscosity");
+  await page.keyboard.press("Enter");
+  await page.locator('aside [data-module="viscosity"] button.title[aria-expanded="true"]').waitFor();
+  await inner.locator('li.shown[data-module="viscosity"]').waitFor();
+  await hands.pressInGraph(...Array(4).fill("Control+z"));
+  assert.deepEqual(await inner.locator("li").evaluateAll((all) => all.map((m) => m.dataset.module)), names);
+  assert.equal(await inner.locator("li.off").count(), 0);
   await hands.pressInGraph("Enter");
-  await page.getByRole("dialog", { name: "Inside water" }).waitFor();
-  assert.equal(await page.locator(".shade").count(), 0);
-  await page.keyboard.press("Escape");
+  await inner.waitFor({ state: "detached" });
 });
 
 step("the graph is fitted again when its pane changes, unless it was moved, and its map covers nothing", async () => {

@@ -169,7 +169,7 @@ step("what a window has edited outlives a server that was started again", async 
   await server.crash();
   await page.getByRole("alert").filter({ hasText: "There is no connection to the studio" }).waitFor();
   await hands.type(spacing(), 0.017);
-  server = await startServer(["--port", port], { folder: server.folder });
+  server = await startServer(["--port", port, "--new-token"], { folder: server.folder });
   await page.getByRole("alert").filter({ hasText: "open the address that it printed" }).waitFor();
   const other = await openWindow(context, server.address);
   await offer().getByText("This window has changes that the server does not have").waitFor();
@@ -179,4 +179,18 @@ step("what a window has edited outlives a server that was started again", async 
   await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.017");
   await other.locator('[data-node="water"]').waitFor();
   await written(".untitled.json.draft", (s) => s?.nodes.water.params.spacing === 0.017);
+});
+
+step("a window goes on with a server that was started again at its port, without another address", async () => {
+  const port = new URL(server.address).port, lost = page.getByRole("alert").filter({ hasText: "There is no connection to the studio" });
+  await server.crash();
+  await lost.waitFor();
+  await hands.type(spacing(), 0.019);
+  server = await startServer(["--port", port, join(server.folder, "blocks.json")], { folder: server.folder });
+  await lost.waitFor({ state: "detached" });
+  await offer().getByText("This window has changes that the server does not have").waitFor();
+  await offer().getByRole("button", { name: "Restore" }).click();
+  await hands.select("water");
+  await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.019");
+  await written(".blocks.json.draft", (s) => s?.nodes.water.params.spacing === 0.019);
 });

@@ -1,10 +1,10 @@
-// Pictures of the page for the documentation: node browser/shots.mjs SCENE FOLDER [FRAME=60]. Both sizes, light and dark, as
+// Pictures of the page for the documentation: node browser/shots.mjs SCENE FOLDER [FRAME=60]. Three sizes, light and dark, as
 // JPEG. The small one in light colours has the table of particles.
 import { copyFile } from "node:fs/promises";
 import { basename, join } from "node:path";
 import { Hands, openPage, startServer } from "./studio.mjs";
 
-const kSizes = [[1280, 800], [1920, 1080]];
+const kSizes = [[1280, 800], [1920, 1080], [2560, 1440]];
 const kQuality = 72;
 const kPatience = 600_000;
 const [scene, folder, frame = "60"] = process.argv.slice(2);
@@ -24,7 +24,7 @@ try {
   await page.getByRole("dialog").getByRole("button", { name: basename(scene, ".json") }).click();
   await hands.node("water").waitFor();
   await hands.arrange();
-  await page.locator(".time").filter({ hasText: "frame 0/" }).waitFor();
+  await page.locator(".state.paused").waitFor();
   await hands.pressInGraph("Space");
   await page.waitForFunction((n) => Number(/frame (\d+)/.exec(document.querySelector(".time").textContent)[1]) >= n, Number(frame), { timeout: kPatience });
   await hands.pressInGraph("Space");

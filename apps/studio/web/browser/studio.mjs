@@ -35,7 +35,7 @@ async function addressOf(server) {
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
   const server = spawn(kWeir, ["studio", "--no-browser", "--folder", own, "--device", "cpu", "--threads", "2", ...options], {
-    stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, ...env },
+    stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: join(own, ".state"), ...env },
   });
   const ended = new Promise((resolve) => server.once("close", resolve));
   const end = async (signal) => {

@@ -233,6 +233,10 @@ step("everything that can be used has a name and a role", async () => {
   await look("scene");
   await hands.select("water");
   await look("node");
+  await hands.pressInGraph("Enter");
+  await hands.node("water").locator(".inner").waitFor();
+  await look("modules in the graph");
+  await hands.pressInGraph("Enter");
   for (const name of ["Open", "Templates", "Versions", "Help", "Find"]) {
     await button(name).click();
     await page.getByRole("dialog").waitFor();

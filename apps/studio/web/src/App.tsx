@@ -1,19 +1,19 @@
 // The whole page: bar, graph, view, properties, insight, transport.
 import { ReactFlowProvider } from "@xyflow/react";
 import { useEffect, useRef, useState, type CSSProperties } from "react";
-import { Dialog } from "./files/Dialog";
 import { takeFiles } from "./files/dropped";
 import { DropDialog } from "./files/DropDialog";
 import { FileBar, save } from "./files/FileBar";
 import { Offer } from "./files/Offer";
 import { Reference, referenceFor } from "./files/Reference";
 import { GraphEditor } from "./graph/GraphEditor";
+import { surface } from "./graph/surface";
 import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
+import { redo, undo } from "./model/documents";
 import { otherChoices } from "./model/remedy";
 import { askRun, client, edit, problemOf, resetRun, useStudio } from "./model/store";
 import { SweepDialog } from "./sweep/SweepDialog";
-import { Modules } from "./properties/Modules";
 import { PropertyPanel } from "./properties/PropertyPanel";
 import { Tour } from "./Tour";
 import { Timeline } from "./transport/Timeline";
@@ -22,6 +22,10 @@ import { Viewport } from "./viewport/Viewport";
 
 const kThemeKey = "weir-theme";
 const kMessageMs = 8000;
+
+/** Whether something is typed there that is not taken yet, or is no value of the scene: the browser takes that back. */
+const hasUndo = (at: Element): boolean =>
+  at.closest("textarea, [role=dialog], input[data-draft]") !== null || (at.matches("input:not([type=range], [type=checkbox], [type=color])") && !at.closest(".parameters, .name-field"));
 
 /** Keys that work everywhere but where somebody types. */
 function useGlobalKeys(): void {
@@ -36,11 +40,17 @@ function useGlobalKeys(): void {
         e.preventDefault();
         return useStudio.setState({ dialog: "find" });
       }
+      const at = e.target as Element;
+      if ((e.ctrlKey || e.metaKey) && /^[zy]$/i.test(e.key) && !hasUndo(at)) {
+        e.preventDefault();
+        return void (e.shiftKey || e.key.toLowerCase() === "y" ? redo() : undo());
+      }
       if (e.key === "F1") {
         e.preventDefault();
         return useStudio.setState((s) => ({ reference: s.reference === null ? referenceFor() : null }));
       }
-      const at = e.target as Element;
+      // Where nothing has the keyboard, the graph has it; but Tab goes into the page.
+      if (at === document.body && e.key !== "Tab" && !document.querySelector("[aria-modal=true]")) surface.key(e);
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === " " && at.closest("button, summary, a")) return;
       if (e.key === " ") void askRun(status.state === "playing" ? "pause" : "play");
@@ -112,20 +122,6 @@ function Problem() {
   );
 }
 
-function Inside() {
-  const inside = useStudio((s) => s.inside);
-  const there = useStudio((s) => inside !== null && inside in s.scene.nodes);
-  if (!inside || !there) return null;
-  const close = () => useStudio.setState({ inside: null });
-  return (
-    <Dialog title={`Inside ${inside}`} className="inside" beside onClose={close}>
-      <h2>{inside}</h2>
-      <Modules node={inside} />
-      <button data-first onClick={close}>Close</button>
-    </Dialog>
-  );
-}
-
 const within = (v: number, least: number, most: number): number => Math.min(Math.max(v, least), most);
 
 /** A number that the browser keeps. */
@@ -187,7 +183,6 @@ export function App() {
         <Insight />
       </aside>
       <div className="bottom"><Problem /><Timeline /><Transport /></div>
-      <Inside />
       <DropDialog />
       <SweepDialog />
       <Tour />

@@ -12,7 +12,8 @@ export function Dialog({ title, className = "", beside, onClose, children }: {
   // The keyboard goes back to where it was.
   useEffect(() => {
     const before = document.activeElement as HTMLElement | null;
-    if (!box.current!.contains(before)) box.current!.querySelector<HTMLElement>("[data-first], " + kReachable)?.focus();
+    const first = (which: string) => box.current!.querySelector<HTMLElement>(which);
+    if (!box.current!.contains(before)) (first("[data-first]") ?? first(kReachable))?.focus();
     return () => before?.focus();
   }, []);
   const key = (e: React.KeyboardEvent) => {

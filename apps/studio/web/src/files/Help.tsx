@@ -17,9 +17,12 @@ const kGroups: { name: string; keys: Keys }[] = [
   { name: "Graph: build", keys: [
     ["A, double click", "add a node; Tab, too, where nothing is selected"], ["drag from a port into the open", "add a node that fits"], ["K", "link a node to another one"],
     ["drag a node onto a link", "put it into the link"], ["double click on a link", "bend it there; the bend is dragged, Delete takes it away"],
-    ["Delete", "delete what is selected"], ["Ctrl+C, X, V, D", "copy, cut, paste, duplicate, with links and notes"], ["Enter, double click on a node", "its modules"], ["F2", "rename a node, write a note"],
+    ["Delete", "delete what is selected"], ["Ctrl+C, X, V, D", "copy, cut, paste, duplicate, with links and notes"], ["Enter, double click on a node", "unfold its modules, or fold them"], ["F2", "rename a node, write a note"],
     ["M", "mute nodes, or bring them back"], ["B", "bypass nodes: what comes in is passed on"], ["C", "fold nodes, or unfold them"], ["G", "put a group around nodes"], ["L", "arrange nodes"],
     ["Arrows (with Shift)", "move nodes by 10 (50)"],
+  ] },
+  { name: "Modules in the graph", keys: [
+    ["drag, Alt+Up, Alt+Down", "another place in the order"], ["Up, Down", "go through them"], ["Enter", "its values"], ["Space", "use it, or leave it out"], ["Insert", "a module behind it"], ["Delete", "take it out"],
   ] },
   { name: "Values", keys: [["drag a number, with Shift, with Ctrl", "change it, finely, coarsely"], ["Up, down", "change a number"], ["Enter, Escape", "take what is typed, take it back"]] },
   { name: "View", keys: [

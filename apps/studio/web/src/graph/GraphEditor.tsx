@@ -22,8 +22,10 @@ import { boundsOf, isFar, kLegible, placed, sizeOf, useFlow } from "./flow";
 import { FarLinks, Link } from "./Link";
 import { LinkMenu } from "./LinkMenu";
 import { NoteNode } from "./NoteNode";
+import { ModuleMenu } from "./ModuleMenu";
+import { toggleModules } from "./NodeModules";
 import { Overview } from "./Overview";
-import { SceneNode, type SceneNodeData } from "./SceneNode";
+import { SceneNode } from "./SceneNode";
 import { surface as asked } from "./surface";
 import { takeModule } from "./takeModule";
 import { useKeys, type Asked } from "./useKeys";
@@ -55,9 +57,7 @@ function fits(c: Connection | Edge): boolean {
   return types !== null && linkProblem(scene, types, endsOf(c)) === null;
 }
 
-const openInside = (_: unknown, n: Node): void => {
-  if (n.type === "scene" && (n.data as SceneNodeData).type?.modules) useStudio.setState({ inside: n.id });
-};
+const unfold = (_: unknown, n: Node): void => toggleModules(n.id);
 
 /** Where the list of nodes lies, and where the pointer was that asked for it. */
 interface Menu {
@@ -69,6 +69,11 @@ interface Menu {
 
 const kMenu = { width: 340, height: 350 };
 const inside = (v: number, most: number): number => Math.max(0, Math.min(v, most));
+/** Where a list lies in the graph that is asked for at a place of the page. */
+function insideOf(surface: Element, { x, y }: XYPosition): XYPosition {
+  const box = surface.getBoundingClientRect();
+  return { x: inside(x - box.left, box.width - kMenu.width), y: inside(y - box.top, box.height - kMenu.height) };
+}
 /** A new node lies with its name under the pointer. */
 const kGrip = { x: 40, y: 14 };
 const kApart = 36;
@@ -114,9 +119,19 @@ export function GraphEditor() {
     return () => clearTimeout(timer);
   }, [flow, chosen]);
 
+  // So is a node that is unfolded: all of it.
+  const unfolded = useStudio((s) => s.unfolded);
+  const before = useRef(unfolded);
+  useEffect(() => {
+    const newest = unfolded.length > before.current.length ? unfolded.at(-1) : undefined;
+    before.current = unfolded;
+    if (newest === undefined) return;
+    const timer = setTimeout(() => bringWholeIntoView(flow, surface.current!, newest), kMounted);
+    return () => clearTimeout(timer);
+  }, [flow, unfolded]);
+
   const openMenu = useCallback((x: number, y: number, dangling: Dangling | null = null) => {
-    const box = surface.current!.getBoundingClientRect();
-    setMenu({ x: inside(x - box.left, box.width - kMenu.width), y: inside(y - box.top, box.height - kMenu.height), point: { x, y }, dangling });
+    setMenu({ ...insideOf(surface.current!, { x, y }), point: { x, y }, dangling });
   }, []);
 
   const close = useCallback(() => (setMenu(null), surface.current?.focus({ preventScroll: true })), []);
@@ -186,18 +201,20 @@ export function GraphEditor() {
 
   const [linking, setLinking] = useState<{ node: string; x: number; y: number } | null>(null);
   const closeLinking = useCallback(() => (setLinking(null), surface.current?.focus({ preventScroll: true })), []);
+  const inserting = useStudio((s) => s.inserting);
+  const closeInserting = useCallback(() => (useStudio.setState({ inserting: null }), surface.current?.focus({ preventScroll: true })), []);
   const wishes = useMemo((): Asked => ({
     add: openMenu,
     link: () => {
       const [node] = chosenNodes();
       const at = node === undefined ? undefined : surface.current!.querySelector(`[data-node="${node}"]`)?.getBoundingClientRect();
-      const box = surface.current!.getBoundingClientRect();
-      if (at) setLinking({ node: node!, x: inside(at.left - box.left, box.width - kMenu.width), y: inside(at.bottom - box.top, box.height - kMenu.height) });
+      if (at) setLinking({ node: node!, ...insideOf(surface.current!, { x: at.left, y: at.bottom }) });
     },
     group: () => groupSelected(flow),
     fit: () => fit({ duration: kGlideMs }),
   }), [flow, fit, openMenu]);
   const key = useKeys(pointer, surface, wishes);
+  useEffect(() => void (asked.key = key), [key]);
   const onNodeMenu = useCallback((e: React.MouseEvent, n: Node) => {
     e.preventDefault();
     if (!useStudio.getState().selected.includes(n.id)) select([n.id]);
@@ -242,7 +259,7 @@ export function GraphEditor() {
         nodes={shown} edges={edges} nodeTypes={kNodeTypes} edgeTypes={kEdgeTypes} onNodesChange={onNodesChange} onNodeDrag={dragging} onNodeDragStop={dropped}
         onSelectionDragStop={selectionDropped}
         onEdgesChange={linksChosen} onConnect={connected} isValidConnection={fits} onConnectStart={connectStart} onConnectEnd={connectEnd}
-        onNodeDoubleClick={openInside} onEdgeDoubleClick={onBend}
+        onNodeDoubleClick={unfold} onEdgeDoubleClick={onBend}
         onNodeContextMenu={onNodeMenu} onSelectionContextMenu={onSelectionMenu} onEdgeContextMenu={onLinkMenu} onPaneContextMenu={onCanvasMenu}
         onMoveStart={moves} onMoveEnd={moved}
         nodeDragThreshold={kTremble} nodeClickDistance={kTremble} paneClickDistance={kTremble}
@@ -260,6 +277,7 @@ export function GraphEditor() {
       </FarLinks.Provider>
       {nodes.length === 0 && types && <Welcome />}
       {menu && <AddMenu at={menu} dangling={menu.dangling} onAdd={add} onModule={module} onNote={note} onClose={close} />}
+      {inserting && <ModuleMenu asked={inserting} at={insideOf(surface.current!, inserting)} onClose={closeInserting} />}
       {linking && <LinkMenu node={linking.node} at={linking} onClose={closeLinking} />}
     </div>
   );
@@ -381,6 +399,20 @@ function connectEnded(
   const type = (side === "output" ? t?.outputs : t?.inputs)?.find((p) => p.name === from.id)?.type;
   const at = "changedTouches" in event ? event.changedTouches[0]! : event;
   if (type) openMenu(at.clientX, at.clientY, { node: fromNode.id, port: from.id, type, side });
+}
+
+const kEdge = 12;
+
+/** Moves the graph so that all of a node is seen, and makes it smaller where it must be. */
+function bringWholeIntoView(flow: ReactFlowInstance, surface: Element, id: string): void {
+  const node = surface.querySelector(`[data-node="${id}"]`)?.getBoundingClientRect(), pane = surface.getBoundingClientRect();
+  if (!node) return;
+  const view = flow.getViewport(), scale = Math.min(1, (pane.height - 2 * kEdge) / node.height);
+  // Of the node at the new scale, in pixels of the pane.
+  const place = (at: number, size: number, most: number) => Math.max(kEdge, Math.min(at, most - size * scale - kEdge));
+  const left = node.left - pane.left, top = node.top - pane.top;
+  const x = place(left, node.width, pane.width) - scale * (left - view.x), y = place(top, node.height, pane.height) - scale * (top - view.y);
+  if (x !== view.x || y !== view.y) void flow.setViewport({ x: Math.round(x), y: Math.round(y), zoom: view.zoom * scale }, { duration: kGlideMs });
 }
 
 /** Moves the graph where nothing of a node is seen. */

@@ -9,6 +9,7 @@ import { inputFor, type Off } from "../model/switchedOff";
 import { kWorthTelling, msText } from "../model/time";
 import type { JsonObject, NodeType } from "../model/types";
 import { FarLinks } from "./Link";
+import { NodeModules, showModules } from "./NodeModules";
 import { portColor, roleColor } from "./ports";
 
 export interface SceneNodeData extends Record<string, unknown> {
@@ -71,6 +72,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
   const share = useShare(name);
   const costs = !off && time !== null && time >= kWorthTelling;
   const far = useContext(FarLinks) !== null;
+  const unfolded = useStudio((s) => s.unfolded.includes(name));
   const classes = ["scene-node", selected && "selected", off, problem && "wrong", collapsed && "collapsed"];
   return (
     <div className={classes.filter(Boolean).join(" ")} title={problem ?? type?.doc} data-node={name} style={{ "--role": roleColor(role) } as React.CSSProperties}>
@@ -85,7 +87,10 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
         <strong>{name}</strong>
         {warning && <span className="badge warns" title={warning} role="img" aria-label={`Warning: ${warning}`}><Icon name="warning" /></span>}
         {off && <span className="badge">{off}</span>}
-        <small><span className="sign" title={role.name}><Icon name={role.icon} /></span> {typeName} {type?.modules && <Icon name="modules" />}</small>
+        {type?.modules && (
+          <button className="unfold" aria-expanded={unfolded} aria-label={`Modules of ${name}`} title="Its modules, in their order (Enter)" onClick={() => showModules(name, !unfolded)}><Icon name="modules" /></button>
+        )}
+        <small><span className="sign" title={role.name}><Icon name={role.icon} /></span> {typeName}</small>
       </header>
       {costs && <span className="took">{msText(time)}</span>}
       {costs && <i className="share" title={`${msText(time)} a step, ${Math.round(100 * share)} % of all nodes`} style={{ width: `${100 * share}%` }} />}
@@ -111,6 +116,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
           ))}
         </div>
       </div>
+      {unfolded && !collapsed && type?.modules && <NodeModules node={name} type={type} />}
       {!type && <p className="unknown">no plugin here knows this type</p>}
       {problem && !collapsed && <p className="problem">{problem}</p>}
     </div>

@@ -49,7 +49,7 @@ export const switchOff = (how: Off): void => edit((s) => toggleOff(s, now().sele
 
 export function arrangeNodes(): void {
   const chosen = chosenNodes();
-  edit((s) => arrange(s, now().types, chosen.length > 1 ? chosen : undefined));
+  edit((s) => arrange(s, now().types, chosen.length > 1 ? chosen : undefined, now().unfolded));
 }
 
 export const nudge = (x: number, y: number): void => edit((s) => {

@@ -62,6 +62,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
   const selected = useStudio((s) => s.selected);
   const selectedLinks = useStudio((s) => s.selectedLinks);
   const warnings = useWarnings();
+  const unfolded = useStudio((s) => s.unfolded);
   const [sizes, setSizes] = useState<ReadonlyMap<string, Size>>(new Map());
   const kept = useRef({ data: new Kept<SceneNodeData>(), nodes: new Kept<Node>(), edges: new Kept<Edge>() }).current;
   const measured = useCallback((changes: NodeChange[]) => {
@@ -78,15 +79,15 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
     const node = (name: string, typeName: string): Node => {
       const { x, y } = at[name] ?? { x: 0, y: 0 };
       const collapsed = at[name]?.collapsed ?? false, type = types?.nodes[typeName], off = offOf(scene, name);
-      const told = wrong(name) ? text ?? null : null, wrongPort = portOf(problem, name), isSelected = chosen.has(name);
+      const told = wrong(name) ? text ?? null : null, wrongPort = portOf(problem, name), isSelected = chosen.has(name), zIndex = unfolded.includes(name) ? 1 : 0;
       const warning = warnings.filter((w) => w.node === name).map((w) => w.text).join("\n") || null;
       const data = kept.data.get(name, [typeName, type, off, collapsed, told, wrongPort, warning], () => ({ name, typeName, type, off, collapsed, problem: told, wrongPort, warning }));
-      return kept.nodes.get(name, [x, y, data, isSelected, sizes.get(name)], (before) => {
+      return kept.nodes.get(name, [x, y, data, isSelected, sizes.get(name), zIndex], (before) => {
         const was = before?.data as SceneNodeData | undefined;
         // Its ports are where they were, unless they are others now.
         const samePorts = !was || (was.type === type && was.collapsed === collapsed);
         return placed({
-          id: name, type: "scene", position: { x, y }, selected: isSelected, data,
+          id: name, type: "scene", position: { x, y }, selected: isSelected, data, zIndex,
           initialWidth: kSizeAtFirst.width, initialHeight: kSizeAtFirst.height, measured: samePorts ? sizes.get(name) : undefined,
         }, { x, y });
       });
@@ -110,7 +111,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
     });
     for (const k of Object.values(kept)) k.turn();
     return { nodes, edges };
-  }, [scene, types, problem, warnings, selected, selectedLinks, sizes, kept]);
+  }, [scene, types, problem, warnings, selected, selectedLinks, sizes, unfolded, kept]);
   return { ...flow, measured };
 }
 

@@ -6,6 +6,7 @@ import { edit, useStudio } from "../model/store";
 import {
   arrangeNodes, chosenNodes, copy, cut, disconnect, duplicate, focusName, focusNote, fold, linksAt, paste, remove, select, selectAll, switchOff,
 } from "./actions";
+import { toggleModules } from "./NodeModules";
 import type { Asked } from "./useKeys";
 
 /** Of what is selected. */
@@ -16,7 +17,7 @@ export function nodeMenu(asked: Asked): MenuItems {
   const isNode = nodes.length > 0;
   return menuOf(
     one !== null && { name: isNode ? "Rename" : "Write", keys: "F2", take: isNode ? focusName : focusNote },
-    type?.modules !== undefined && { name: "Modules", keys: "Enter", take: () => useStudio.setState({ inside: one }) },
+    type?.modules !== undefined && { name: "Modules", keys: "Enter", take: () => toggleModules(one!) },
     type !== undefined && { name: "Reference", keys: "F1", take: () => useStudio.setState({ reference: scene.nodes[one!]!.type }) },
     nodes.length === 1 && { name: "Link to…", keys: "K", take: asked.link },
     isNode && { name: "Disconnect", off: linksAt(scene, nodes).length === 0, take: disconnect },

@@ -2,6 +2,7 @@
 import { addNode, insertModule, pipelineOf, type Scene } from "../model/scene";
 import { edit, useStudio } from "../model/store";
 import { hostOf } from "./addable";
+import { showModules } from "./NodeModules";
 
 /** Shows a module of its node; inserts it where it is not there, and a node for it where there is none. */
 export function takeModule(module: string, at: { x: number; y: number }): void {
@@ -15,5 +16,6 @@ export function takeModule(module: string, at: { x: number; y: number }): void {
   const moduleOf = (s: Scene) => pipelineOf(s, name, type).find((m) => m.type === module)?.name;
   if (moduleOf(next) === undefined) next = insertModule(next, name, type, module);
   if (next !== scene) edit(() => next);
+  showModules(name, true);
   useStudio.setState({ selected: [name], selectedLinks: [], wanted: { module: moduleOf(next) } });
 }

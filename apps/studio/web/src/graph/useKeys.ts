@@ -1,7 +1,7 @@
 // The keys of the graph.
 import { useCallback, type KeyboardEvent, type RefObject } from "react";
-import { redo, undo } from "../model/documents";
 import { useStudio } from "../model/store";
+import { toggleModules } from "./NodeModules";
 import {
   arrangeNodes, chosenNodes, copy, cut, duplicate, focusName, focusNote, focusProperties, fold, nudge, paste, remove, select, selectAll, selectNext, switchOff,
 } from "./actions";
@@ -17,18 +17,17 @@ const kStep = 10;
 const kLongStep = 50;
 
 export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: RefObject<HTMLDivElement | null>, asked: Asked) {
-  return useCallback((e: KeyboardEvent) => {
+  return useCallback((e: KeyboardEvent | globalThis.KeyboardEvent) => {
     if ((e.target as Element).closest("input, textarea, select, [contenteditable], [role=dialog]")) return;
     const { selected } = useStudio.getState();
     const nodes = chosenNodes(), one = selected.length === 1;
     const key = e.key.toLowerCase();
     const box = surface.current!.getBoundingClientRect();
-    const at = pointer.current ?? { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+    const { x, y } = pointer.current!, over = x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+    const at = over ? { x, y } : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     const step = e.shiftKey ? kLongStep : kStep;
     if (e.ctrlKey || e.metaKey) {
-      if (key === "z") void (e.shiftKey ? redo() : undo());
-      else if (key === "y") void redo();
-      else if (key === "a") selectAll();
+      if (key === "a") selectAll();
       else if (key === "c") copy();
       else if (key === "x") cut();
       else if (key === "v") paste();
@@ -51,7 +50,7 @@ export function useKeys(pointer: RefObject<{ x: number; y: number }>, surface: R
     else if (key === "b") switchOff("bypassed");
     else if (key === "l") arrangeNodes();
     else if (key === "f") asked.fit();
-    else if (key === "enter" && one) useStudio.setState({ inside: selected[0]! });
+    else if (key === "enter" && one) toggleModules(selected[0]!);
     else if (key === "arrowleft") nudge(-step, 0);
     else if (key === "arrowright") nudge(step, 0);
     else if (key === "arrowup") nudge(0, -step);

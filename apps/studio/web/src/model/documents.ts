@@ -36,7 +36,7 @@ async function stepNow(which: "undo" | "redo"): Promise<void> {
   history[which]();
   set({ undone: get().undone + 1 });
   if (!other) return;
-  set({ selected: [], inside: null, offer: null, ...opened() });
+  set({ selected: [], unfolded: [], offer: null, ...opened() });
   await judged();
   await resetRun();
 }
@@ -60,7 +60,7 @@ export async function openScene(where: { path: string } | { template: string }):
   if (!state) return;
   const { scene, draft, draft_written, ...sceneState } = state;
   endPart();
-  take(scene, { selected: [], inside: null, file: { path: sceneState.path }, ...opened() }, sceneState, Object.keys(get().scene.nodes).length > 0);
+  take(scene, { selected: [], unfolded: [], file: { path: sceneState.path }, ...opened() }, sceneState, Object.keys(get().scene.nodes).length > 0);
   offerDraft({ draft, draft_written });
   // Not the button that asked for it, which Space would press again.
   document.querySelector<HTMLElement>(".graph")?.focus({ preventScroll: true });
@@ -90,7 +90,7 @@ export async function newScene(): Promise<void> {
   await judged();
   const sceneState = await request<SceneState>("scene.new");
   if (!sceneState) return;
-  set({ sceneState, selected: [], inside: null, ...opened() });
+  set({ sceneState, selected: [], unfolded: [], ...opened() });
   edit(() => emptyScene(), undefined, { file: { path: "" } });
 }
 

@@ -85,8 +85,12 @@ export interface Studio {
   log: LogLine[];
   selected: string[];
   selectedLinks: string[];
-  /** The node whose modules are shown. */
-  inside: string | null;
+  /** The nodes whose modules are unfolded in the graph. */
+  unfolded: string[];
+  /** The module of the selected node whose values are shown. */
+  module: string | null;
+  /** A module is chosen, to come behind one of a node; and where on the page that was asked. */
+  inserting: { node: string; after: string; x: number; y: number } | null;
   clip: Clip | null;
   attribute: string;
   attributes: string[];
@@ -180,7 +184,9 @@ export const useStudio = create<Studio>()(
       log: [],
       selected: [],
       selectedLinks: [],
-      inside: null,
+      unfolded: [],
+      module: null,
+      inserting: null,
       clip: null,
       attribute: "speed",
       attributes: ["speed"],

@@ -16,11 +16,11 @@ function NameField({ name }: { name: string }) {
   const take = () => {
     if (problem || text === name) return setText(name);
     edit((s) => renameNode(s, name, text));
-    useStudio.setState({ selected: [text] });
+    useStudio.setState(({ unfolded }) => ({ selected: [text], unfolded: unfolded.map((n) => (n === name ? text : n)) }));
   };
   return (
     <label className="name-field">
-      <input aria-label="Name" disabled={!writer} value={text} aria-invalid={problem !== null} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />
+      <input aria-label="Name" disabled={!writer} value={text} data-draft={text === name ? undefined : ""} aria-invalid={problem !== null} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />
       {problem && <em role="alert">{problem}</em>}
     </label>
   );
@@ -69,13 +69,17 @@ function useWanted() {
   const wanted = useStudio((s) => s.wanted);
   useEffect(() => {
     if (!wanted) return;
+    if (wanted.module !== undefined) useStudio.setState({ module: wanted.module });
     // What holds it may still have to be opened.
     const timer = setTimeout(() => {
       const own = wanted.module === undefined ? "" : `[data-module="${wanted.module}"] `;
-      const part = (document.querySelector(".dialog.inside") ?? panel.current)?.querySelector<HTMLElement>(own + (wanted.path ?? []).map((p) => `[data-param="${p}"]`).join(" "));
+      const part = panel.current?.querySelector<HTMLElement>(own + (wanted.path ?? []).map((p) => `[data-param="${p}"]`).join(" "));
       for (let at: Element | null = part ?? null; at; at = at.parentElement) if (at instanceof HTMLDetailsElement) at.open = true;
       part?.scrollIntoView({ block: "nearest" });
-      part?.querySelector<HTMLElement>(wanted.path ? "input, select, textarea" : "button.title")?.focus();
+      const field = part?.querySelector<HTMLElement>(wanted.path ? "input, select, textarea" : "button.title");
+      field?.focus();
+      // What is typed next takes the place of what stands there.
+      if (field instanceof HTMLInputElement) field.select();
       useStudio.setState({ wanted: null });
     }, kShownMs);
     return () => clearTimeout(timer);

@@ -96,7 +96,7 @@ export function NumberField({ parameter, value, onChange, label, placeholder, re
     <span className={typeof value === "number" ? "number drags" : "number"} title={problem ? `allowed: ${problem}` : undefined}>
       <input
         value={text} aria-label={label} aria-invalid={problem !== null} inputMode="decimal" placeholder={placeholder} {...dragging}
-        onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)} ref={input}
+        onChange={(e) => setText(e.target.value)} onBlur={() => text !== shown && take(text)} ref={input} data-draft={text === shown ? undefined : ""}
         onKeyDown={(e) => {
           if (e.key === "Enter") take(text);
           else if (e.key === "Escape") (setText(shown), setProblem(null), e.currentTarget.blur());
@@ -178,7 +178,7 @@ function TextField({ value, onChange, label }: FieldProps) {
   const shown = typeof value === "string" ? value : "";
   const { text, setText } = useDraft(shown);
   const take = () => text !== shown && onChange(text);
-  return <input aria-label={label} value={text} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
+  return <input aria-label={label} value={text} data-draft={text === shown ? undefined : ""} onChange={(e) => setText(e.target.value)} onBlur={take} onKeyDown={(e) => e.key === "Enter" && take()} />;
 }
 
 /** A file below the served folder. */

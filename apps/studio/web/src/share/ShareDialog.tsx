@@ -43,12 +43,12 @@ export function ShareDialog({ look, onClose }: { look(): Omit<ReplayLook, "lines
       <p>An HTML file that replays what is recorded in any browser, without Weir: it is turned, zoomed and played there. It carries the scene: dropped on the studio, that opens.</p>
       <form onSubmit={(e) => (e.preventDefault(), void write())}>
         <label className="row"><span className="name">Frames</span>
-          <select data-first aria-label="Frames" value={every} onChange={(e) => setEvery(Number(e.target.value))}>
+          <select aria-label="Frames" value={every} onChange={(e) => setEvery(Number(e.target.value))}>
             {kEvery.map((n) => <option key={n} value={n}>{n === 1 ? "all that are recorded" : `every ${n}${n === 2 ? "nd" : "th"}`}</option>)}
           </select>
         </label>
         <p className="hint" role="status">{gathering ? `Frame ${gathering.done} of ${gathering.all}…` : `${counted(frames, "frame")} of ${counted(status.particles ?? 0, "particle")}, ${sizeText(frames * (status.particles ?? 0) * kBytes)}.`}</p>
-        <button type="submit" className="wanted" disabled={busy}>Save the file</button> <button type="button" onClick={onClose}>Cancel</button>
+        <button type="submit" data-first className="wanted" disabled={busy}>Save the file</button> <button type="button" onClick={onClose}>Cancel</button>
       </form>
     </Dialog>
   );
