@@ -1,11 +1,14 @@
-// Measures the inner friction of the fluid's packing: shear stress over pressure in steady shear, without
-// walls.
+// Measures the inner friction of the fluid's packing, shear stress over pressure in steady shear, or its
+// stiffness and loss in a small swinging shear; both without walls.
 //
 //   weir_shear_friction [NAME=VALUE…]
 //
 //   ratio       H/d                                            1.5
 //   exponent    n of the kernel (1 − r/H)^n; the spiky one: 3  3
+//   wendland    2 or 4: Wendland's kernel C2 or C4 in its place  0
 //   rate        of shear, 1/s                                  20
+//   strain      largest, of a swinging shear; 0: steady shear  0
+//   period      of the swing, s                                1
 //   pressure    Pa; the calibration follows it                 2000
 //   modulus     K, Pa                                          1e6
 //   step        s                                              5e-4
@@ -14,6 +17,7 @@
 //   shifting    particles move by shifting·d²·V0·Σ∇W at the end of a step
 //   relief      0 to 1: share of the stress's deviator that a force takes back, see below
 //   memory      s, of the deviators that it takes back         0
+//   spread      how often deviators are replaced by their means over neighbours, weighted by W  0
 //   seeds       runs to take the mean of                       3
 //
 // Particles, one in each d³ = 1 cm³ of water, are in a periodic cube of 10 spacings, whose images above and
@@ -22,6 +26,10 @@
 // iterate Eq. 14. The stress is the virial one of the pairs, from a shear of 1.5 to one of 5:
 // σ = −(1/V)·½·Σ_ij K·V0²·(Ḃ_i + Ḃ_j)·|W'|/r·(r ⊗ r)/2.
 // Agitation is the root of the mean square of velocities beside those of the shear.
+//
+// A swing, γ = strain·sin(2πt/period) after 0.3 s at rest, moves all particles with it. Over two periods
+// the parts of the stress in phase with γ and with dγ/dt, over strain and pressure, are the storage and the
+// loss modulus: what makes waves too fast, and what damps them. A fluid without viscosity has neither.
 //
 // With `relief`, S_i being a particle's part of σ and m_i = ⅓·Σ_j V0·|W'|·r, velocities change by
 // relief·(dt/ρ0)·Σ_j V0·(D_i + D_j)·|W'|/r·r_ij, where D_i is the deviator of −S_i/m_i: of a uniform D that
@@ -50,6 +58,8 @@ using Tensor = std::array<double, 6>;  // xx, yy, zz, xy, xz, yz
 constexpr int kSide = 10;
 constexpr double kSpacing = 0.01, kVolume = kSpacing * kSpacing * kSpacing, kDensity = 1000;
 constexpr double kBegin = 1.5, kEnd = 5;  // of shear
+constexpr double kRest = 0.3;             // s, before a swing
+constexpr int kSwings = 2;
 
 Tensor squareOf(const Vec3d& r, double weight) {
   return {weight * r.x * r.x, weight * r.y * r.y, weight * r.z * r.z,
@@ -65,25 +75,38 @@ void add(Tensor& to, const Tensor& t) {
 
 struct Kernel {
   double radius, exponent;
+  int wendland;
   /// Roots and products are quicker than powers.
   static double power(double t, double n) {
     if (n == 3) return t * t * t;
     return n == 2 ? t * t : n == 1.5 ? t * std::sqrt(t) : n == 2.5 ? t * t * std::sqrt(t) : std::pow(t, n);
   }
-  double value(double r) const { return r < radius ? power(1 - r / radius, exponent) : 0; }
+  double value(double r) const {
+    if (r >= radius) return 0;
+    const double q = r / radius, t = 1 - q;
+    if (wendland == 2) return t * t * t * t * (1 + 4 * q);
+    if (wendland == 4) return std::pow(t, 6) * (1 + 6 * q + 35.0 / 3 * q * q);
+    return power(t, exponent);
+  }
   double slope(double r) const {
-    return r < radius ? exponent / radius * power(1 - r / radius, exponent - 1) : 0;
+    if (r >= radius) return 0;
+    const double q = r / radius, t = 1 - q;
+    if (wendland == 2) return 20 / radius * q * t * t * t;
+    if (wendland == 4) return 56.0 / 3 / radius * q * (1 + 5 * q) * std::pow(t, 5);
+    return exponent / radius * power(t, exponent - 1);
   }
 };
 
 struct Result {
-  double pairs = 0, relieved = 0, agitation = 0, neighbors = 0;  // the first two over the pressure
+  // The first four over the pressure: shear stress, or moduli of pairs and relief together.
+  double pairs = 0, relieved = 0, storage = 0, loss = 0, agitation = 0, neighbors = 0;
 };
 
 class ShearedFluid {
  public:
   ShearedFluid(Settings settings, std::uint64_t seed)
-      : s_(std::move(settings)), kernel_{s_["ratio"] * kSpacing, s_["exponent"]} {
+      : s_(std::move(settings)),
+        kernel_{s_["ratio"] * kSpacing, s_["exponent"], static_cast<int>(s_["wendland"])} {
     for (int i = 0; i < kSide * kSide * kSide; ++i) {
       constexpr double kJitter = 0.35;
       const auto k = static_cast<std::uint64_t>(3 * i);
@@ -92,7 +115,7 @@ class ShearedFluid {
                                             i / kSide / kSide + 0.5 + kJitter * noise(seed, k + 2)});
     }
     relax();
-    for (const Vec3d& p : positions_) velocities_.push_back({s_["rate"] * (p.y - kLength / 2), 0, 0});
+    for (const Vec3d& p : positions_) velocities_.push_back({rateAt(0) * (p.y - kLength / 2), 0, 0});
     displacement_.resize(positions_.size());
     derivative_.resize(positions_.size());
     stress_.resize(positions_.size());
@@ -100,10 +123,12 @@ class ShearedFluid {
   }
 
   Result run() {
-    const int steps = static_cast<int>(kEnd / (s_["rate"] * s_["step"]));
-    double pressure = 0, shear = 0, relieved = 0, agitation = 0, pairs = 0;
+    const double end = swings() ? kRest + kSwings * s_["period"] : kEnd / s_["rate"];
+    const double begin = swings() ? kRest : kBegin / s_["rate"];
+    double pressure = 0, shear = 0, relieved = 0, inPhase = 0, outOfPhase = 0, agitation = 0, pairs = 0;
     int measured = 0;
-    for (int k = 0; k < steps; ++k) {
+    for (int k = 0; s_["step"] * k < end; ++k) {
+      time_ = s_["step"] * k;
       predict();
       findNeighbors();
       solve();
@@ -111,13 +136,16 @@ class ShearedFluid {
       findStress(mean);
       const double p = -(mean[0] + mean[1] + mean[2]) / 3;
       const double taken = s_["relief"] > 0 ? relieve() : 0;
-      if (s_["rate"] * s_["step"] * k > kBegin) {
+      time_ += s_["step"];
+      if (time_ > begin) {
         ++measured;
         pressure += p;
         shear += mean[3];
         relieved += taken;
+        inPhase += (mean[3] + taken) * std::sin(phase(time_));
+        outOfPhase += (mean[3] + taken) * std::cos(phase(time_));
         for (std::size_t i = 0; i < positions_.size(); ++i) {
-          const Vec3d v = velocities_[i] - Vec3d{s_["rate"] * (positions_[i].y - kLength / 2), 0, 0};
+          const Vec3d v = velocities_[i] - Vec3d{rateAt(time_) * (positions_[i].y - kLength / 2), 0, 0};
           agitation += dot(v, v) / static_cast<double>(positions_.size());
           pairs += static_cast<double>(lists_[i].size()) / static_cast<double>(positions_.size());
         }
@@ -127,7 +155,13 @@ class ShearedFluid {
       factor_ *= 1 + kFollow * std::clamp(1 - p / s_["pressure"], -1.0, 1.0) * s_["pressure"] / s_["modulus"];
       if (s_["shifting"] > 0) shift();
     }
-    return {shear / pressure, relieved / pressure, std::sqrt(agitation / measured), pairs / measured};
+    const double half = swings() ? pressure * s_["strain"] / 2 : 1;
+    return {shear / pressure,
+            relieved / pressure,
+            inPhase / half,
+            outOfPhase / half,
+            std::sqrt(agitation / measured),
+            pairs / measured};
   }
 
  private:
@@ -136,6 +170,13 @@ class ShearedFluid {
     int index;
     Vec3d image;  // from the particle itself
   };
+
+  bool swings() { return s_["strain"] > 0; }
+  double phase(double time) { return 2 * std::numbers::pi * (time - kRest) / s_["period"]; }
+  double rateAt(double time) {
+    if (!swings()) return s_["rate"];
+    return time < kRest ? 0 : s_["strain"] * 2 * std::numbers::pi / s_["period"] * std::cos(phase(time));
+  }
 
   Vec3d way(std::size_t i, const Neighbor& n) const {
     return positions_[static_cast<std::size_t>(n.index)] + n.image - positions_[i];
@@ -202,11 +243,13 @@ class ShearedFluid {
   }
 
   void predict() {
-    const double rise = s_["rate"] * kLength;  // m/s, of the image above
+    const double rise = rateAt(time_ + s_["step"]) * kLength;  // m/s, of the image above
+    const double faster = rise / kLength - rateAt(time_);
     offset_ += rise * s_["step"];
     offset_ -= kLength * std::floor(offset_ / kLength);
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       Vec3d& p = positions_[i];
+      velocities_[i].x += faster * (p.y - kLength / 2);
       p += s_["step"] * velocities_[i];
       const double over = std::floor(p.y / kLength);
       p.y -= over * kLength;
@@ -273,6 +316,23 @@ class ShearedFluid {
     }
   }
 
+  /// Replaces each tensor by the mean over its neighbours, weighted by W.
+  void spread(std::vector<Tensor>& of) const {
+    std::vector<Tensor> means(of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      double weights = kernel_.value(0);
+      for (std::size_t k = 0; k < of[i].size(); ++k) means[i][k] = weights * of[i][k];
+      for (const Neighbor& n : lists_[i]) {
+        const double w = kernel_.value(length(way(i, n)));
+        weights += w;
+        for (std::size_t k = 0; k < of[i].size(); ++k)
+          means[i][k] += w * of[static_cast<std::size_t>(n.index)][k];
+      }
+      for (double& t : means[i]) t /= weights;
+    }
+    of = std::move(means);
+  }
+
   /// Changes velocities, and returns the shear stress of the force that does.
   double relieve() {
     const double share = s_["step"] / (s_["step"] + s_["memory"]);
@@ -284,8 +344,12 @@ class ShearedFluid {
       }
       const double p = -(stress_[i][0] + stress_[i][1] + stress_[i][2]) / 3;
       for (std::size_t k = 0; k < stress_[i].size(); ++k)
-        deviator_[i][k] += share * (-(stress_[i][k] + (k < 3 ? p : 0)) / m - deviator_[i][k]);
+        stress_[i][k] = -(stress_[i][k] + (k < 3 ? p : 0)) / m;
     }
+    for (int k = 0; k < static_cast<int>(s_["spread"]); ++k) spread(stress_);
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      for (std::size_t k = 0; k < stress_[i].size(); ++k)
+        deviator_[i][k] += share * (stress_[i][k] - deviator_[i][k]);
     double shear = 0;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       Vec3d force{};
@@ -311,6 +375,7 @@ class ShearedFluid {
   Settings s_;
   Kernel kernel_;
   double factor_ = 1, offset_ = 0;  // λ = factor·Σ(1 − r/H)^n; m, of the image above
+  double time_ = 0;                 // s
   std::vector<Vec3d> positions_, velocities_, displacement_;
   std::vector<double> derivative_;  // Ḃ
   std::vector<Tensor> stress_, deviator_;
@@ -323,7 +388,8 @@ class ShearedFluid {
 int main(int count, char** arguments) {
   weir::Settings settings{{"ratio", 1.5},   {"exponent", 3}, {"rate", 20},      {"pressure", 2000},
                           {"modulus", 1e6}, {"step", 5e-4},  {"iterations", 8}, {"smoothing", 0},
-                          {"shifting", 0},  {"relief", 0},   {"memory", 0},     {"seeds", 3}};
+                          {"shifting", 0},  {"relief", 0},   {"memory", 0},     {"seeds", 3},
+                          {"wendland", 0},  {"strain", 0},   {"period", 1},     {"spread", 0}};
   for (int k = 1; k < count; ++k) {
     const std::string word = arguments[k];
     const auto equal = word.find('=');
@@ -344,8 +410,15 @@ int main(int count, char** arguments) {
     const weir::Result one = weir::ShearedFluid(settings, static_cast<std::uint64_t>(seed)).run();
     mean.pairs += one.pairs / seeds;
     mean.relieved += one.relieved / seeds;
+    mean.storage += one.storage / seeds;
+    mean.loss += one.loss / seeds;
     mean.agitation += one.agitation / seeds;
     mean.neighbors += one.neighbors / seeds;
+  }
+  if (settings["strain"] > 0) {
+    fmt::print("moduli over pressure: storage {:.4f}, loss {:.4f}; agitation {:.3f} m/s; {:.1f} neighbours\n",
+               mean.storage, mean.loss, mean.agitation, mean.neighbors);
+    return 0;
   }
   fmt::print("shear stress over pressure {:.4f}, of pairs {:.4f}; agitation {:.3f} m/s; {:.1f} neighbours\n",
              mean.pairs + mean.relieved, mean.pairs, mean.agitation, mean.neighbors);
