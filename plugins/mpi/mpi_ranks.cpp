@@ -106,6 +106,18 @@ class MpiRank final : public Communicator {
   std::list<Sent> sent_;
 };
 
+/// Whether all ranks find the same by themselves: a wrong scene, or wrong arguments. Whoever is the first to
+/// say so is then not told that another one has failed.
+bool isOfAll(const std::exception_ptr& failed) {
+  try {
+    std::rethrow_exception(failed);
+  } catch (const Error& e) {
+    return e.kind() == ErrorKind::kScene || e.kind() == ErrorKind::kUsage;
+  } catch (...) {
+    return false;
+  }
+}
+
 /// Waits until all ranks have come here, at most 10 s, and ends the launch.
 [[noreturn]] void endTogether(int code) {
   constexpr std::chrono::seconds kMax{10};
@@ -154,7 +166,7 @@ void MpiRanks::run(const std::function<void(Communicator&)>& work,
   } catch (const RanksEnded&) {
     endTogether(kSimulationFailed);
   } catch (...) {
-    rank.tellOfFailure();
+    if (!isOfAll(std::current_exception())) rank.tellOfFailure();
     endTogether(failed(std::current_exception(), rank.rank()));
   }
   MPI_Finalize();

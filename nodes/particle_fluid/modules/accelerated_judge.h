@@ -69,7 +69,8 @@ struct Judge {
     constexpr int kInFlight = 3;
     // What overshoots is taken back. It can also tear the fluid apart, so little compression alone
     // does not mean that it is done.
-    const bool rose = sums->objective > (1 + kRounding) * control->objective;
+    // NaN counts as risen.
+    const bool rose = !(sums->objective <= (1 + kRounding) * control->objective);
     control->takesBack = control->momentum > 0 && rose ? 1 : 0;
     control->met = meets() && !control->takesBack ? 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&

@@ -368,6 +368,23 @@ TEST(Floats, StepsAllocateNothingAndReadNothingBack) {
   }
 }
 
+TEST(Floats, TheSameBitsForAnyInstructions) {
+  Pool pool;
+  pool.height = 0.12;
+  pool.body = R"("density": 300, "rotation": [10, 20, 30])";
+  const std::atomic<bool> stop = false;
+  std::vector<BodyState> found;
+  for (const CpuIsa isa : usableCpuIsas()) {
+    CpuDevice device(1, isa);
+    SimulatedScene scene(device, sceneOf(pool), {"water.rest_steps=20", "world.frame_rate=50"});
+    scene->reset();
+    for (int k = 0; k < 5; ++k) scene->advanceFrame(stop);
+    found.push_back(scene.node<RigidBody>("body").state());
+    EXPECT_EQ(found.back().center, found.front().center) << cpuIsaName(isa);
+    EXPECT_EQ(found.back().spin, found.front().spin) << cpuIsaName(isa);
+  }
+}
+
 TEST(Floats, TheSameBitsForAnyNumberOfThreads) {
   Pool pool;
   pool.height = 0.12;
