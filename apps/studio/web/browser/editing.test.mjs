@@ -14,7 +14,7 @@ const kScene = {
     block: { type: "BoxSampler", params: { min: [0.05, 0.05, 0.05], max: [0.25, 0.35, 0.25] } },
     floor: { type: "StaticBoundary", params: { shape: "plane" } },
     tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [0.5, 0.5, 0.3], inverted: true } },
-    water: { type: "ParticleFluid", params: { spacing: 0.025, rest_steps: 0 } },
+    water: { type: "ParticleFluid", params: { spacing: 0.025, rest_steps: 0 }, modules: { solver: { type: "SemiImplicitSolver" } } },
   },
   links: ["block.particles -> water.initial", "floor.boundary -> tank.boundaries", "tank.boundary -> water.boundaries"],
 };

@@ -12,7 +12,7 @@ const kScene = {
   nodes: {
     block: { type: "BoxSampler", params: { min: [0, 0, 0], max: [0.2, 0.2, 0.2] } },
     tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [1, 1, 1], inverted: true } },
-    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 } },
+    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 }, modules: { solver: { type: "SemiImplicitSolver" } } },
   },
   links: ["block.particles -> water.initial", "tank.boundary -> water.boundaries"],
 };
