@@ -32,7 +32,7 @@ struct SolverControl {
   int repeats = 0;          // of this stage, because particles have come far since the search
   int finals = 0;           // passes that the last stage has had, without repeats
   int begun = 0;            // passes of this step
-  int advance = 0;          // whether the next pass is another stage
+  int advance = 0;          // by how many stages the next pass goes on
   int over = 0;             // whether there is no next pass
   int surplus = 0;          // whether the present pass began when all was over
   int maxStages = 1;        // of all steps

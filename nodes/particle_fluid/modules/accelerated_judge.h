@@ -15,11 +15,12 @@ struct Judge {
   double tolerance;  // below 0: never done
   double settled;    // m², of each particle; see JudgeState
   bool accelerated;
-  double farthest;  // m², squared; from here on, lists no longer hold
-  double nearest;   // m², squared; up to here, they hold as well as new ones; below 0: nobody asks
-  int maxRepeats;   // of a stage
-  int passes;       // of the last stage
-  bool last;        // of the pass: its outcome is not judged, so it is plain
+  double farthest;    // m², squared; from here on, lists no longer hold
+  double nearest;     // m², squared; up to here, they hold as well as new ones; below 0: nobody asks
+  int maxRepeats;     // of a stage
+  int maxIterations;  // of a step
+  int passes;         // of the last stage
+  bool last;          // of the pass: its outcome is not judged, so it is plain
 
   WEIR_HD void operator()(std::int64_t) const {
     if (control->done) return;
@@ -30,18 +31,19 @@ struct Judge {
   /// What the next pass is.
   WEIR_HD void plan() const {
     const bool far = maxRepeats > 0 && sums->farthest > farthest;
-    if (far && control->repeats < maxRepeats) {
+    if (far && control->repeats < maxRepeats && !spent()) {
       ++control->repeats;
       control->advance = 0;
       return;
     }
-    control->advance = control->stage < control->stages ? 1 : 0;
+    const int left = control->stages - control->stage;
+    control->advance = spent() ? left : left > 0 ? 1 : 0;
     if (control->advance) {
-      ++control->stage;
+      control->stage += control->advance;
       control->repeats = 0;
       return;
     }
-    control->over = ++control->finals >= passes || sums->farthest <= nearest ? 1 : 0;
+    control->over = ++control->finals >= passes || sums->farthest <= nearest || spent() ? 1 : 0;
     // What lists that do not hold say of compression is not true.
     if (far) control->met = 0;
   }
@@ -51,6 +53,9 @@ struct Judge {
     const std::int64_t particles = count.get();
     return (particles > 0 ? sums->compression / double(particles) : 0.0) <= tolerance;
   }
+
+  /// Whether the step has had all its iterations.
+  WEIR_HD bool spent() const { return control->iterations >= maxIterations; }
 
   WEIR_HD void countIteration() const {
     ++control->iterations;
@@ -75,7 +80,8 @@ struct Judge {
     control->met = meets() && !control->takesBack ? 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    if (control->iterations >= kMin && (control->met || stalls)) {
+    const bool givesUp = spent() && !control->takesBack;
+    if (givesUp || (control->iterations >= kMin && (control->met || stalls))) {
       control->done = 1;
       return;
     }

@@ -79,7 +79,7 @@ struct MoveOut {
   WEIR_HD void operator()(std::int64_t i) const {
     carried[i] = displacement[i];
     positions[i] += displacement[i];
-    if (control->advance) positions[i] += control->stride * velocities[i];
+    if (control->advance) positions[i] += float(control->advance) * control->stride * velocities[i];
   }
 };
 

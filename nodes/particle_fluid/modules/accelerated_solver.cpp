@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "framework/graph/setting_warning.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/pressure_problem.h"
@@ -167,6 +169,7 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
           .farthest = reach * reach,
           .nearest = neighborSearches.get() ? -1 : near * near,
           .maxRepeats = maxRepeats(),
+          .maxIterations = maxRepeats() > 0 ? maxIterations : std::numeric_limits<int>::max(),
           .passes = passes(),
           .last = last};
 }

@@ -66,7 +66,11 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
       *this,
       "max_iterations",
       1000,
-      {.min = 1, .max = 10000, .live = true, .doc = "The most after each search for neighbours."}};
+      {.min = 1,
+       .max = 10000,
+       .live = true,
+       .doc = "The most of a step, which then goes on with what they have come to. With neighbor_searches or "
+              "without a tolerance: after each search for neighbours."}};
   Param<Acceleration> acceleration{
       *this, "acceleration", Acceleration::kAuto, {.doc = "How iterations build on earlier ones."}};
   Param<std::optional<int>> neighborSearches{

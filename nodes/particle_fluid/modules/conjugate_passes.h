@@ -130,7 +130,9 @@ struct JudgeState {
     const bool settled = control.sinceRestart > 0 ? gain < (small > ofBulk ? small : ofBulk) : again;
     const bool gains = control.objective == 0 || objective < (1 - least) * control.objective;
     control.withoutGain = gains ? 0 : control.withoutGain + 1;
-    if ((control.iterations >= kMin && control.met && settled) || control.withoutGain >= patience) {
+    const bool givesUp = judge.spent() && !rose;
+    if (givesUp || (control.iterations >= kMin && control.met && settled) ||
+        control.withoutGain >= patience) {
       control.done = 1;
       return;
     }

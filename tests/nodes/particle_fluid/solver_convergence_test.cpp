@@ -380,6 +380,30 @@ TEST_P(SolverStages, ChangeNothingInFreeFlight) {
   }
 }
 
+// 16 stages ask for three iterations each.
+TEST_P(SolverStages, AStepThatHasHadItsIterationsStillGoesAllTheWay) {
+  constexpr double kDt = 1e-2;
+  const Vec3f velocity{0, 0, 100};
+  const std::vector<Vec3f> positions = jitteredCube(6, 0.9f * kSpacing, 0.1f, 5);
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    Value solver = tolerantSolver(1e-6, GetParam());
+    solver["max_iterations"] = 5;
+    FluidScene scene = fluidWith(*device, positions, std::vector<Vec3f>(positions.size(), velocity), solver);
+    scene.gravity = {};
+    scene.reset(kDt);
+    scene.step();
+    const NodeReport report = scene.report();
+    EXPECT_LE(report.statistics.find("solver_iterations")->find("max")->asInt(), 6) << name;
+    EXPECT_EQ(*report.statistics.find("solver_iterations")->find("not_converged"), Value(1)) << name;
+    EXPECT_EQ(*report.statistics.find("solver_stages")->find("max"), Value(16)) << name;
+    const double count = double(positions.size());
+    const Vec3d way = sumOf(scene.positions()) - sumOf(positions);
+    EXPECT_NEAR(way.z / count, kDt * velocity.z, 1e-4) << name;
+    EXPECT_NEAR(way.x / count, 0, 1e-5) << name;
+  }
+}
+
 const auto kAccelerations = testing::Values("nesterov", "conjugate");
 const auto kByName = [](const auto& tested) { return tested.param; };
 INSTANTIATE_TEST_SUITE_P(, SolverAcceleration, kAccelerations, kByName);
