@@ -1,4 +1,5 @@
-"""Makes a wheel of the Python package of a build, without compiling again what is compiled.
+"""Makes a wheel of the Python package of a build, without compiling again what is compiled. It is for all Pythons that
+the build has an extension for (python/CMakeLists.txt), and for the systems that have the C library that it asks for.
 
 usage: make_wheel.py BUILD SOURCE OUTPUT_FOLDER      with the Python that the build was made for, which has `wheel`
 
@@ -29,17 +30,29 @@ def metadata_of(source: Path) -> tuple[str, str]:
     return version, "\n".join(lines)
 
 
-def platform_tag() -> str:
-    """Systems with this C library, or a newer one."""
-    name, libc = platform.libc_ver()
-    if name != "glibc":
+def platform_tag(package: Path) -> str:
+    """Systems with the C library whose symbols the package's files ask for, or a newer one."""
+    if platform.libc_ver()[0] != "glibc":
         return sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    return f"manylinux_{libc.replace('.', '_')}_{platform.machine()}"
+    asked = [(2, 17)]  # the oldest that such a tag can name
+    for file in package.rglob("*"):
+        if file.is_file() and not file.is_symlink() and file.open("rb").read(4) == b"\x7fELF":
+            symbols = subprocess.run(["objdump", "-T", file], check=True, capture_output=True, text=True).stdout
+            asked += [(int(major), int(minor)) for major, minor in re.findall(r"GLIBC_(\d+)\.(\d+)", symbols)]
+    return "manylinux_{}_{}_{}".format(*max(asked), platform.machine())
+
+
+def python_tags(package: Path) -> tuple[str, str]:
+    """For which Pythons, and which ABIs, it has an extension: of a version, or for all from 3.12 on (abi3)."""
+    versions = sorted(re.search(r"cpython-(3\d+)", file.name).group(1) for file in package.glob("_core.cpython-3*.so"))
+    pythons, abis = [f"cp{v}" for v in versions], [f"cp{v}" for v in versions]
+    if (package / "_core.abi3.so").exists():
+        pythons, abis = [*pythons, "cp312"], [*abis, "abi3"]
+    return ".".join(pythons), ".".join(sorted(abis))
 
 
 def main(build: Path, source: Path, output: Path) -> None:
     version, metadata = metadata_of(source)
-    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     if not list((build / "python" / "weir").glob(f"_core.{sys.implementation.cache_tag}*")):
         sys.exit(f"make_wheel: {build} has no Python package for this Python; see the end of its configuration")
     with tempfile.TemporaryDirectory() as folder:
@@ -56,12 +69,13 @@ def main(build: Path, source: Path, output: Path) -> None:
         shutil.copy(source / "LICENSE", info)
         (info / "METADATA").write_text(metadata)
         (info / "entry_points.txt").write_text("[console_scripts]\nweir = weir._program:main\n")
-        (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: weir\nRoot-Is-Purelib: false\n"
-                                    f"Tag: {python}-{python}-{platform_tag()}\n")
+        (pythons, abis), system = python_tags(package), platform_tag(package)
+        tags = "".join(f"Tag: {p}-{a}-{system}\n" for p in pythons.split(".") for a in abis.split("."))
+        (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: weir\nRoot-Is-Purelib: false\n{tags}")
         output.mkdir(parents=True, exist_ok=True)
         subprocess.run([sys.executable, "-m", "wheel", "pack", "--dest-dir", output, tree], check=True,
                        stdout=subprocess.DEVNULL)
-        print(output / f"weir-{version}-{python}-{python}-{platform_tag()}.whl")
+        print(output / f"weir-{version}-{pythons}-{abis}-{system}.whl")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 # scene there without installing anything and without a network. Needs root, debootstrap and a network; the bare
 # systems are kept in a folder for the next time, and what is tried happens in copies of them.
 #
-# usage: try_in_chroot.sh TARBALL [SYSTEM...]        SYSTEM: bookworm, trixie, noble (all of them by default)
+# usage: try_in_chroot.sh TARBALL [SYSTEM...]        SYSTEM: bookworm, trixie, noble, the default, or jammy, sid
 # WEIR_CHROOTS: the folder for the systems, /var/tmp/weir-chroots by default
 # WEIR_TRY_MORE=1: then install ffmpeg, Mesa and a compiler there, make a video, so that drivers of that system meet
 #                  the bundled libraries, and build, test and run a new plugin
@@ -20,9 +20,9 @@ name=$(basename "$tarball" .tar.gz)
 
 make_system() {
   case "$1" in
-    noble)
+    jammy | noble)
       # debootstrap of Debian may not know Ubuntu's newer names and keys; its script for all of them is gutsy.
-      set -- --components=main,universe --no-check-gpg noble "$folder/$1" http://archive.ubuntu.com/ubuntu \
+      set -- --components=main,universe --no-check-gpg "$1" "$folder/$1" http://archive.ubuntu.com/ubuntu \
         /usr/share/debootstrap/scripts/gutsy ;;
     *) set -- "$1" "$folder/$1" http://deb.debian.org/debian ;;
   esac
