@@ -1,5 +1,6 @@
 """Where checks are made: runs scenes through the weir program and reads what it wrote."""
 
+import copy
 import shutil
 import sys
 import threading
@@ -103,6 +104,12 @@ class Lab:
         self.full, self._say = full, say
         self.seconds = 0.0  # of simulation, those of runs that were there already too
         self.machine = device
+
+    def on(self, device):
+        """The same on this device; its seconds and machine are not those of this one."""
+        other = copy.copy(self)
+        other.device = device
+        return other
 
     def scale(self, quick, full):
         """What to take at this scale."""
