@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "framework/particles/divided_particles.h"
 
@@ -37,6 +38,22 @@ bool RestState::liftUnheld(int steps) {
   return any;
 }
 
+namespace {
+
+/// Whether fluid becomes no calmer: at its last stops it was on average as fast as at those before. `peaks`
+/// has mean squares of the speed (m²/s²), one a stop. More than a little motion is never what a solver
+/// leaves.
+bool noCalmer(const std::vector<double>& peaks, double atRest) {
+  constexpr int kStops = 10;
+  constexpr double kProgress = 0.95, kMaxLeft = 20;
+  if (peaks.size() < 2 * kStops) return false;
+  const auto early = peaks.end() - 2 * kStops, late = peaks.end() - kStops;
+  const double before = std::accumulate(early, late, 0.0), now = std::accumulate(late, peaks.end(), 0.0);
+  return now >= kProgress * before && now <= kMaxLeft * kStops * atRest;
+}
+
+}  // namespace
+
 int RestState::reach(int max, const std::function<void()>& step) {
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
@@ -51,6 +68,7 @@ int RestState::reach(int max, const std::function<void()>& step) {
   double last = 0;
   int taken = 0, stopped = 0;
   bool moving = true;
+  std::vector<double> peaks;  // at stops
   while (taken < max && moving) {
     step();
     dispatch(fluid_.device, [&](auto& device) {
@@ -62,10 +80,12 @@ int RestState::reach(int max, const std::function<void()>& step) {
     dispatch(fluid_.device, [&](auto& device) { square = meanSquareSpeedOn(device); });
     // Motion is stopped where it is fastest, which is where the forces vanish.
     const bool fastest = square <= last && taken - stopped >= kMinMotion;
-    const bool calm = fastest && square <= atRest;
+    if (fastest) peaks.push_back(last);
+    const bool calm = fastest && (square <= atRest || noCalmer(peaks, atRest));
     // Before, pushes are those of particles on their way to where they will rest.
     const bool lifted = (calm || (fastest && 2 * taken > max)) && liftUnheld(taken - stopped);
     moving = lifted || !calm;
+    if (lifted) peaks.clear();
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
     last = fastest ? 0 : square;
     if (fastest) {
