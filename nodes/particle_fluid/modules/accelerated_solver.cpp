@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "framework/graph/setting_warning.h"
@@ -152,19 +153,29 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   return bytes;
 }
 
-detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
-  constexpr double kReach = 0.25, kNear = 0.1;  // spacings
+double AcceleratedSolver::settledEnergy(const PressureProblem& problem) const {
   // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a
   // collapse.
-  constexpr double kSettled = 0.05;
-  const double bulk = bulkEnergy_.value(tolerance.get().value_or(0.0f));
+  constexpr double kOfBulk = 0.05;
+  const double bulk =
+      kOfBulk * double(problem.stiffness()) * double(bulkEnergy_.value(tolerance.get().value_or(0.0f)));
+  // Of what weight does in a step, ½·(g·dt²)². If that were left, water at rest would sink until its
+  // compression asks for more, and bounce.
+  constexpr double kOfWeight = 0.1;
+  const double dt = problem.fluid.time.dt, sinks = double(length(problem.fluid.time.gravity)) * dt * dt;
+  return sinks > 0 ? std::min(bulk, kOfWeight * 0.5 * sinks * sinks) : bulk;
+}
+
+detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
+  constexpr double kReach = 0.25, kNear = 0.1;  // spacings
+  const double settled = settledEnergy(problem);
   const double reach = kReach * problem.fluid.constants.spacing;
   const double near = kNear * problem.fluid.constants.spacing;
   return {.control = control_->data(),
           .sums = sums,
           .count = all_,
           .tolerance = double(tolerance.get().value_or(-1.0f)),
-          .settled = kSettled * double(problem.stiffness()) * bulk,
+          .settled = settled,
           .accelerated = accelerated(),
           .farthest = reach * reach,
           .nearest = neighborSearches.get() ? -1 : near * near,

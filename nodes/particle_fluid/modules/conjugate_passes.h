@@ -116,8 +116,8 @@ struct JudgeState {
     const int patience = judge.tolerance > 0 ? 4 : 100;
     // Little compression alone does not mean that particles have come to rest, and energy that should be lost
     // would be left: the last step must not have lowered the objective by more than this share, or than the
-    // bulk energy that a calm fluid may keep.
-    constexpr double kSettled = 0.01;
+    // energy that a calm fluid may keep (engineering/convergence.md).
+    constexpr double kSettled = 0.005;
     constexpr int kMin = 3;  // see Judge::judge()
     const double objective = judge.sums->objective;
     const bool rose = control.sinceRestart > 0 && objective > (1 + kRounding) * control.objective;
