@@ -371,6 +371,22 @@ step("a build says what it is at, and can be given up", async () => {
   await page.locator(".building").getByRole("button", { name: "Cancel" }).click();
   await state("empty");
   await page.locator(".building").waitFor({ state: "detached" });
+  // Play is remembered while it is built, and taken back by the same key.
+  await hands.pressInGraph("r");
+  await page.locator("div.building").waitFor();
+  await hands.pressInGraph("Space");
+  await state("building, then plays");
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await hands.pressInGraph("Space");
+  await page.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await hands.pressInGraph("Space");
+  await state("building, then plays");
+  await hands.set(hands.aside(), "rest_steps", "int", 0);
+  await hands.pressInGraph("r");
+  await state("playing");
+  await hands.pressInGraph("Space");
+  await state("paused");
+  await hands.pressInGraph("Control+z");
   assert.equal(await page.locator(".problem-line").count(), 0);
   await hands.pressInGraph(...Array(3).fill("Control+z"));
   await hands.pressInGraph("r");
