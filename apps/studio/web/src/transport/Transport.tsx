@@ -36,7 +36,7 @@ export function Transport() {
       >
         Preview
       </button>
-      {coarser > 1 && <span className="preview-hint" role="status">preview: {coarser} × the spacing, no exports</span>}
+      {coarser > 1 && <span className="preview-hint" role="status">{coarser} × the spacing, no exports</span>}
       <button disabled={!writer || playing} onClick={() => void askRun("step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
       <span className="time">
         {shown && <><b>frame {shown.frame}, {shown.time.toFixed(3)} s</b> · run: </>}
@@ -51,7 +51,7 @@ export function Transport() {
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>
         {["auto", ...devices.map((d) => d.name)].map((d) => <option key={d} value={d}>{d}</option>)}
       </select>
-      {reset && <span className="reset-hint" role="status">{reset} changed: reset to see it</span>}
+      {reset && <span className="reset-hint" role="status" title="Reset builds the scene as it is now (R)">{reset} changed: reset to see it</span>}
     </footer>
   );
 }

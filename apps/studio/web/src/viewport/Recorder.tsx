@@ -21,7 +21,7 @@ const recordedHint = (frames: number, whole: number): string =>
 /** "12 frames", and of recorded ones how many they will be, or how many of them were kept. */
 function framesText({ state, frames, of, whole }: Video): string {
   if (of === undefined) return counted(frames, "frame");
-  if (state === "recording") return `${frames.toLocaleString("en")} of ${counted(of, "frame")}`;
+  if (state === "recording") return `${frames.toLocaleString("en")} of ${of.toLocaleString("en")}`;
   return whole !== undefined && whole < frames ? `${counted(frames, "frame")}, ${whole.toLocaleString("en")} of them kept` : counted(frames, "frame");
 }
 
