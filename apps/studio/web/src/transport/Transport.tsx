@@ -51,7 +51,7 @@ export function Transport() {
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>
         {["auto", ...devices.map((d) => d.name)].map((d) => <option key={d} value={d}>{d}</option>)}
       </select>
-      {reset && <span className="reset-hint" role="status" title="Reset builds the scene as it is now (R)">{reset} changed: reset to see it</span>}
+      {reset && <span className="reset-hint" role="status" title={`${reset} changed: reset to see it`}>{reset} changed: reset to see it</span>}
     </footer>
   );
 }
