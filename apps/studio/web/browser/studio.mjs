@@ -18,6 +18,12 @@ const kPatience = 60_000;
 // As where there is no graphics card: the page is drawn by the processor, WebGL too.
 const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
 
+/**
+ * What Playwright can do with the browser. With a Firefox of Debian (153, Playwright 1.60) it begins a drag of the browser's own and
+ * never drops, and tells of no file that is saved; hands can do both.
+ */
+export const canDo = { drop: !process.env.WEIR_FIREFOX, save: !process.env.WEIR_FIREFOX };
+
 /** The address that a server prints when it is ready. */
 async function addressOf(server) {
   let text = "";
