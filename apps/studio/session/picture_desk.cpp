@@ -77,12 +77,12 @@ void PictureDesk::forget(ClientId client) {
   seen_.erase(client);
 }
 
-void PictureDesk::startVideo(std::filesystem::path file, const LivePictureOptions& options,
-                             std::string scene) {
+void PictureDesk::startVideo(std::filesystem::path file, const LivePictureOptions& options, std::string scene,
+                             Begin begin) {
   if (!pictures_) throw noPictures();
   const std::lock_guard lock(mutex_);
   if (video_) throw usageError("a video is being made already", "one at a time", "stop it first");
-  video_ = Video{.file = std::move(file), .options = options, .scene = std::move(scene)};
+  video_ = Video{.file = std::move(file), .options = options, .scene = std::move(scene), .begin = begin};
   status_ = {.state = VideoState::kRecording};
   tell(true);
 }
@@ -161,9 +161,9 @@ bool PictureDesk::capture(Simulation& simulation, Lock& lock) {
   return true;
 }
 
-void PictureDesk::addToVideo() {
+void PictureDesk::addToVideo(std::int64_t times) {
   if (!video_ || video_->ending) return;
-  video_->frames.push_back(latest_);
+  video_->frames.insert(video_->frames.end(), static_cast<std::size_t>(times), latest_);
   video_->hasFrames = true;
 }
 
@@ -172,7 +172,8 @@ void PictureDesk::serve(Simulation* simulation) {
   const bool wanted = std::any_of(requests_.begin(), requests_.end(), [](const auto& entry) {
     return !entry.second.newer && !entry.second.ready;
   });
-  const bool begins = video_ && !video_->hasFrames && simulation != nullptr && simulation->atFrame();
+  const bool begins = video_ && video_->begin == Begin::kNow && !video_->hasFrames && simulation != nullptr &&
+                      simulation->atFrame();
   if (!wanted && !begins) return;
   if (simulation == nullptr)
     return fail(usageError("there is nothing to draw yet", {}, "play the scene, or reset it"), lock);
@@ -185,13 +186,13 @@ void PictureDesk::serve(Simulation* simulation) {
   wake_.notify_all();
 }
 
-void PictureDesk::frame(Simulation& simulation) {
+void PictureDesk::frame(Simulation& simulation, std::int64_t times) {
   Lock lock(mutex_);
   idle_.wait(lock, [this] { return !video_ || video_->ending || video_->frames.size() < kMaxVideoFrames; });
   const bool recording = video_ && !video_->ending;
   if (!recording && requests_.empty()) return;
   if (!capture(simulation, lock)) return;
-  addToVideo();
+  addToVideo(times);
   for (auto& [client, request] : requests_) request.ready = true;
   wake_.notify_all();
 }
@@ -208,8 +209,14 @@ void PictureDesk::leave() {
 
 void PictureDesk::change() {
   Lock lock(mutex_);
-  idle_.wait(lock, [this] { return !busy_ && nextRequest() == requests_.end(); });
+  // A picture that is being drawn has a copy of its own, and so have those of the video that wait.
+  idle_.wait(lock, [this] { return nextRequest() == requests_.end(); });
   latest_.reset();
+}
+
+void PictureDesk::fail(const Error& problem) {
+  Lock lock(mutex_);
+  fail(problem, lock);
 }
 
 void PictureDesk::fail(const Error& problem, Lock& lock) {

@@ -64,20 +64,28 @@ class PictureDesk {
   void ask(ClientId client, const LivePictureOptions& options, bool newer, PictureDone done);
   /// The client is gone.
   void forget(ClientId client);
-  /// A video has a picture of each frame from now on; serve() must follow. Throws problem(), or a usage Error
-  /// if there is a video that is not complete.
+  /// Where a video begins: with the frame that is there, for which serve() must follow, or with the next one
+  /// that frame() gets.
+  enum class Begin { kNow, kNextFrame };
+  /// A video has a picture of each frame from then on. Throws problem(), or a usage Error if there is a video
+  /// that is not complete.
   /// `scene`, as JSON text, is put into the file where that can carry one, see carryScene.
-  void startVideo(std::filesystem::path file, const LivePictureOptions& options, std::string scene);
+  void startVideo(std::filesystem::path file, const LivePictureOptions& options, std::string scene,
+                  Begin begin);
   void moveCamera(const LiveCamera& camera);
   void stopVideo();
   VideoStatus video() const;
+  /// Whether more frames come into a video.
+  bool isRecording() const { return video().state == VideoState::kRecording; }
 
   // On the simulation's thread.
 
   /// Lets what waits be drawn from the simulation as it is. Null: there is none.
   void serve(Simulation* simulation);
-  /// A new frame.
-  void frame(Simulation& simulation);
+  /// A new frame, which a video shows that many times.
+  void frame(Simulation& simulation, std::int64_t times = 1);
+  /// There will be no more frames, for this reason: those who wait are told, and the video is lost.
+  void fail(const Error& problem);
   /// The simulation will be gone: completes the video, and waits until nothing of it is used. Requests are
   /// drawn from the next one.
   void leave();
@@ -102,6 +110,7 @@ class PictureDesk {
     std::filesystem::path file;
     LivePictureOptions options;
     std::string scene;
+    Begin begin;
     bool hasFrames = false, started = false, ending = false;
     std::deque<HeldPointer> frames;
   };
@@ -110,7 +119,7 @@ class PictureDesk {
   /// Calls the plugin without the lock; what it throws names it.
   std::optional<Error> outside(Lock& lock, std::string_view hook, const std::function<void()>& f) const;
   bool capture(Simulation& simulation, Lock& lock);
-  void addToVideo();
+  void addToVideo(std::int64_t times = 1);
   /// Answers all requests with the problem, ends the video, and waits until nothing of the simulation is
   /// used.
   void fail(const Error& problem, Lock& lock);

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "apps/studio/session/packet.h"
@@ -53,6 +54,13 @@ class KeptFrames {
     const auto after = frames_.upper_bound(frame);
     return after == frames_.begin() ? nullptr : std::prev(after)->second;
   }
+  /// The first one that is not before this frame, with its own; nothing if there is none.
+  std::optional<std::pair<std::int64_t, Kept>> firstFrom(std::int64_t frame) const {
+    const auto after = frames_.lower_bound(frame);
+    if (after == frames_.end()) return std::nullopt;
+    return *after;
+  }
+  bool has(std::int64_t frame) const { return frames_.contains(frame); }
   /// Of frames, only multiples of this are kept.
   std::int64_t every() const { return every_; }
   std::int64_t bytes() const { return bytes_; }

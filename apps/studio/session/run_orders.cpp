@@ -50,8 +50,8 @@ void RunOrders::addPlay() {
 }
 
 bool RunOrders::empty() const {
-  return !serveFirst && !view && !load && changes.empty() && !release && !pull && !serve && !pause && !play &&
-         frames == 0;
+  return !serveFirst && !replay && !view && !load && changes.empty() && !release && !pull && !serve &&
+         !pause && !play && frames == 0;
 }
 
 }  // namespace weir::studio

@@ -26,6 +26,7 @@ struct RunOrders {
   };
 
   bool serveFirst = false;  ///< the simulation that is there is to be shown to those who asked, see serve
+  bool replay = false;      ///< the run that is there
   std::optional<FrameView> view;
   std::optional<Load> load;
   std::vector<LiveChange> changes;

@@ -111,6 +111,9 @@ void SimulationHost::show(FrameView view) {
 void SimulationHost::serve() {
   order([](RunOrders& orders) { orders.serve = true; });
 }
+void SimulationHost::replay() {
+  order([](RunOrders& orders) { orders.replay = true; });
+}
 
 bool SimulationHost::ask(std::uint64_t client, QuestionQueue::Question f) {
   {
@@ -134,6 +137,7 @@ void SimulationHost::work() {
     if (quit_) break;
     guarded([&] { obey(std::move(orders)); });
     guarded([this] { answerOne(); });
+    guarded([this] { advanceReplay(); });
     if (state_ == HostState::kPlaying && !quit_) guarded([this] { advanceNow(); });
   }
   past_.begin(nullptr, {});
@@ -142,13 +146,15 @@ void SimulationHost::work() {
 
 RunOrders SimulationHost::takeOrders() {
   std::unique_lock lock(mutex_);
-  if (state_ != HostState::kPlaying) wake_.wait(lock, [this] { return ordered_ || !questions_.empty(); });
+  if (state_ != HostState::kPlaying && !replay_)
+    wake_.wait(lock, [this] { return ordered_ || !questions_.empty(); });
   ordered_ = replaced_ = false;
   return std::exchange(orders_, {});
 }
 
 void SimulationHost::obey(RunOrders orders) {
   if (orders.serveFirst) listener_.serve(simulation_.get());
+  if (orders.replay) beginReplay();
   if (orders.view) view_ = *orders.view;
   if (orders.load) takeScene(std::move(*orders.load));
   if (simulation_)
@@ -220,6 +226,7 @@ void SimulationHost::guarded(const std::function<void()>& f) {
 
 void SimulationHost::takeScene(RunOrders::Load load) {
   const RunState from = load.from ? states_.lastUpTo(*load.from) : nullptr;
+  endReplay(std::nullopt);
   // The old simulation gives its memory back first.
   listener_.leaving();
   past_.begin(std::move(load.again), load.device);
@@ -307,13 +314,55 @@ void SimulationHost::keepState() {
   const SteadyClock::time_point start = SteadyClock::now();
   if (simulation_->frame() % states_.every() != 0 || start - kept_ < kStatesShare * keeping_) return;
   if (simulation_->particleCount() > maxStateBytes_ / kLeastBytes) return;
-  auto state = std::make_shared<StateArrays>();
-  simulation_->save(StateWriter(*state));
   // One alone that is too large would be kept for want of another.
-  if (RunState kept = std::move(state); bytesOf(kept) <= maxStateBytes_)
+  if (RunState kept = presentState(); bytesOf(kept) <= maxStateBytes_)
     states_.add(simulation_->frame(), std::move(kept));
   kept_ = SteadyClock::now();
   keeping_ = kept_ - start;
+}
+
+RunState SimulationHost::presentState() const {
+  auto state = std::make_shared<StateArrays>();
+  simulation_->save(StateWriter(*state));
+  return state;
+}
+
+void SimulationHost::beginReplay() {
+  if (!simulation_) return listener_.replayEnded(usageError("there is no run to look back at"));
+  const std::int64_t last = simulation_->frame();
+  replay_ = Replay{.next = 0, .last = last, .present = {}};
+  if (simulation_->atFrame() && !states_.has(last)) replay_->present = presentState();
+}
+
+std::optional<std::pair<std::int64_t, RunState>> SimulationHost::nextOfReplay(std::int64_t from) const {
+  const auto kept = states_.firstFrom(from);
+  if (kept && kept->first <= replay_->last) return kept;
+  if (replay_->present && from <= replay_->last) return std::pair(replay_->last, replay_->present);
+  return std::nullopt;
+}
+
+void SimulationHost::advanceReplay() {
+  if (!replay_ || !mayAnswer()) return;
+  const auto shown = nextOfReplay(replay_->next);
+  if (!shown) return endReplay(std::nullopt);
+  const auto following = nextOfReplay(shown->first + 1);
+  const std::int64_t next = following ? following->first : replay_->last + 1;
+  const SteadyClock::time_point start = SteadyClock::now();
+  bool wanted = false;
+  try {
+    wanted = listener_.replayReached(past_.at(shown->second), next - replay_->next);
+  } catch (const Error& e) {
+    return endReplay(e);  // the run itself has not failed
+  }
+  const SteadyClock::time_point end = SteadyClock::now();
+  nextAnswer_ = end + kAnswersShare * (end - start);
+  replay_->next = next;
+  if (!wanted || !following) endReplay(std::nullopt);
+}
+
+void SimulationHost::endReplay(const std::optional<Error>& problem) {
+  if (!std::exchange(replay_, std::nullopt)) return;
+  listener_.replayEnded(problem);
 }
 
 void SimulationHost::tellFrame() {
@@ -353,6 +402,8 @@ Value SimulationHost::status() {
     v["stepping_seconds"] = simulation_->stepSeconds();
     busy_.take(SteadyClock::now(), simulation_->stepSeconds());
     v["device_busy"] = state_ == HostState::kPlaying ? busy_.share() : 0;
+    const bool presentIsKept = !simulation_->atFrame() || states_.has(simulation_->frame());
+    v["whole"] = static_cast<std::int64_t>(states_.size()) + (presentIsKept ? 0 : 1);
   }
   if (problem_) v["problem"] = *problem_;
   return v;

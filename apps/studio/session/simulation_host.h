@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "apps/studio/session/body_pull.h"
@@ -18,6 +19,7 @@
 #include "apps/studio/session/question_queue.h"
 #include "apps/studio/session/recording.h"
 #include "apps/studio/session/run_orders.h"
+#include "framework/base/error.h"
 #include "framework/run/simulation.h"
 
 namespace weir::studio {
@@ -32,9 +34,10 @@ class HostListener {
  public:
   virtual ~HostListener() = default;
   /// {state, device, frame, frames, time, duration, steps, particles, stepping_seconds, device_busy,
-  /// building, problem}; the numbers only where there is a simulation, building {node, done, all} only while
-  /// its nodes are set up, the problem (see problemOf) only where it failed. device_busy is the share of the
-  /// last second that steps took, 0 where it does not play.
+  /// building, whole, problem}; the numbers only where there is a simulation, building {node, done, all} only
+  /// while its nodes are set up, the problem (see problemOf) only where it failed. device_busy is the share
+  /// of the last second that steps took, 0 where it does not play; whole is how many of the run's frames
+  /// replay() would find.
   virtual void status(const Value& status) = 0;
   /// Of the run so far, at a frame, see runStatistics; a few times a second, but more rarely where they would
   /// take more than a hundredth of the time.
@@ -53,6 +56,11 @@ class HostListener {
   virtual void pastChanging() = 0;
   /// The same, and it will be gone.
   virtual void pastLeaving() = 0;
+  /// What replay() has asked for: the run as it was at a frame that is kept whole. It stands for `frames` of
+  /// the run, up to the next that is. False: no more are wanted.
+  virtual bool replayReached(Simulation& then, std::int64_t frames) = 0;
+  /// That was the last one, or there are none for this reason, such as too little memory.
+  virtual void replayEnded(const std::optional<Error>& problem) = 0;
 };
 
 class SimulationHost {
@@ -85,6 +93,10 @@ class SimulationHost {
   void show(FrameView view);
   /// Has the listener's serve() called before the next step.
   void serve();
+  /// Goes through the frames of the run so far, in order, as far as they are kept whole: the listener's
+  /// replayReached() gets one between two steps, and while it plays in a small share of the time, as those
+  /// who ask. Another scene ends it.
+  void replay();
   /// Calls f with the simulation between two steps, or with null if there is none. While it plays, clients
   /// take turns, one between two steps, and a small share of the time. False if too many questions of the
   /// client wait, see QuestionQueue.
@@ -114,6 +126,12 @@ class SimulationHost {
   /// From a state, or to time 0 where that is null.
   void build(std::unique_ptr<Scene> scene, const RunState& from);
   void keepState();
+  RunState presentState() const;
+  void beginReplay();
+  void advanceReplay();
+  void endReplay(const std::optional<Error>& problem);
+  /// The first frame from this one on that is kept whole, with its state; nothing if the replay has no more.
+  std::optional<std::pair<std::int64_t, RunState>> nextOfReplay(std::int64_t from) const;
   void advanceBy(std::int64_t frames);
   void advanceNow();
   void frameReached();
@@ -148,6 +166,12 @@ class SimulationHost {
   const std::int64_t maxStateBytes_;
   KeptStates states_;
   PastRun past_;
+  struct Replay {
+    std::int64_t next = 0;  // frames before it were shown
+    std::int64_t last = 0;
+    RunState present;  // of the last frame, where it is not one of states_
+  };
+  std::optional<Replay> replay_;
   BodyPull pull_;
   FrameView view_;
   BusyShare busy_;

@@ -69,11 +69,8 @@ Studio::Studio(StudioOptions options, const Registry& registry, Log& log)
       device_(options_.device),
       recording_(options_.maxRecordedBytes),
       server_(serverOptions(options_, log), *this),
-      desk_(registry,
-            [this](const VideoStatus& video) {
-              server_.post([this, video] { tell("video", videoValue(video)); });
-            }),
-      pastDesk_(registry, [](const VideoStatus&) {}),
+      desk_(registry, [this](const VideoStatus& video) { tellVideo(video); }),
+      pastDesk_(registry, [this](const VideoStatus& video) { tellVideo(video); }),
       host_(registry, log, *this, options_.threads, options_.maxRecordedBytes / 2) {
   scene_["weir"] = kSceneVersion;
   scene_["nodes"] = Value::object();
@@ -229,7 +226,7 @@ void Studio::hello(ClientId client, const Value&, Value& result) {
   if (const auto problem = desk_.problem()) pictures["problem"] = problemOf(*problem);
   pictures["videos"] = stringsValue(desk_.videoExtensions());
   result["pictures"] = std::move(pictures);
-  result["video"] = videoValue(desk_.video());
+  result["video"] = videoValue(videoDesk().video());
   result["history"] = history_.value();
   result["numbers"] = history_.last();
   if (geometry_) server_.sendBinary(client, geometry_);
@@ -330,6 +327,7 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   draft_.reset();
   // The world of before goes, too.
   coarser_ = 1;
+  playsWhenBuilt_ = false;
   running_.reset();
   reset_.reset();
   forgetRun();
@@ -367,6 +365,7 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   if (isTemplate) lossWarning_.clear();
   running_.reset();
   coarser_ = 1;
+  playsWhenBuilt_ = false;
   takeScene(saved_, isTemplate ? "" : path, client);
   draft_.reset();
   if (!isTemplate) findDraft();

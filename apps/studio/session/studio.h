@@ -80,6 +80,8 @@ class Studio final : private ServerEvents, private HostListener {
   void leaving() override;
   void pastChanging() override;
   void pastLeaving() override;
+  bool replayReached(Simulation& then, std::int64_t frames) override;
+  void replayEnded(const std::optional<Error>& problem) override;
 
   HttpReply page(const std::string& path) const;
   HttpReply files(const HttpRequest& request);
@@ -135,6 +137,8 @@ class Studio final : private ServerEvents, private HostListener {
   void forgetRun();
   /// Whether the simulation has last told that it is in a state.
   bool isState(HostState state) const;
+  /// Tells everybody.
+  void setPlaysWhenBuilt(bool plays);
   /// Whether there is no run that could go on.
   bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);
@@ -147,8 +151,14 @@ class Studio final : private ServerEvents, private HostListener {
   void answerLater(ClientId client, const Value& message, Value& result,
                    std::function<Value(const Simulation&)> f);
   void sendPicture(ClientId client, const Value& id, const LivePictureOptions& options, PictureAnswer answer);
+  PictureDesk& videoDesk() { return video_.recorded ? pastDesk_ : desk_; }
+  /// Throws a usage Error if the message asks for a video that cannot be made.
+  std::filesystem::path videoPlace(const Value& message) const;
+  /// The same if the run has no frames that stand still.
+  void requireRecordedFrames() const;
   Value videoValue(const VideoStatus& video) const;
-  Value sceneState() const;  ///< all but the scene itself
+  void tellVideo(const VideoStatus& video);  // from any thread
+  Value sceneState() const;                  ///< all but the scene itself
   Value sceneValue() const;
   void tell(const std::string& event, Value data, std::optional<ClientId> except = {});
   void tellRole(ClientId client);
@@ -179,7 +189,15 @@ class Studio final : private ServerEvents, private HostListener {
   Packet geometry_;
   Recording recording_;
   NumberHistory history_;
-  std::string videoPath_;  // of the last one, below the served folder
+  bool playsWhenBuilt_ = false;  // somebody has asked for that while the scene is being built
+
+  /// The last video that was begun.
+  struct LastVideo {
+    std::string path;                    // below the served folder
+    bool recorded = false;               // of recorded frames, drawn by pastDesk_
+    std::int64_t frames = 0, whole = 0;  // of those: how many the run has, and how many pictures were kept
+  };
+  LastVideo video_;
 
   HttpServer server_;
   PictureDesk desk_;

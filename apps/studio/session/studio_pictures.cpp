@@ -83,19 +83,22 @@ void Studio::sendPicture(ClientId client, const Value& id, const LivePictureOpti
 Value Studio::videoValue(const VideoStatus& video) const {
   Value v = Value::object();
   v["state"] = nameOf(video.state);
-  v["path"] = videoPath_;
+  v["path"] = video_.path;
   v["frames"] = video.frames;
+  if (video_.recorded) {
+    v["of"] = video_.frames;
+    v["whole"] = video_.whole;
+  }
   if (video.problem) v["problem"] = problemOf(*video.problem);
   return v;
 }
 
-void Studio::startVideo(ClientId client, const Value& message, Value& result) {
-  requireWriter(client);
+void Studio::tellVideo(const VideoStatus& video) {
+  server_.post([this, video] { tell("video", videoValue(video)); });
+}
+
+fs::path Studio::videoPlace(const Value& message) const {
   const std::string path = textMember(message, "path");
-  const LivePictureOptions options = pictureOptionsOf(message);
-  if (coarser_ > 1)
-    throw usageError("a preview is not written as a video", "a run in full", "end the preview, and play");
-  if (const auto problem = desk_.problem()) throw *problem;
   const fs::path file = folder_.resolve(path);
   const std::vector<std::string>& allowed = desk_.videoExtensions();
   if (std::find(allowed.begin(), allowed.end(), file.extension().string()) == allowed.end())
@@ -106,21 +109,66 @@ void Studio::startVideo(ClientId client, const Value& message, Value& result) {
     throw usageError("there is no folder for " + inQuotes(path), "a folder that exists");
   if (fs::is_directory(file, error)) throw usageError(inQuotes(path) + " is a folder", "the name of a file");
   requireNew(path);
-  desk_.startVideo(file, options, writeJsonLine(scene_));
-  videoPath_ = path;
-  host_.serve();
-  result = videoValue(desk_.video());
+  return file;
+}
+
+void Studio::requireRecordedFrames() const {
+  if (!running_ || status_.find("frame") == nullptr || isState(HostState::kBuilding))
+    throw usageError("there is no run whose frames could be written", {}, "play it first");
+  if (isState(HostState::kPlaying))
+    throw usageError("the frames of a run that plays are not written", "one that stands still",
+                     "pause it first");
+  if (status_.find("frame")->asInt() > 0 && status_.find("whole")->asInt() < 2)
+    throw usageError("no frame of this run but the present one is kept whole", {},
+                     "start the studio with a larger --frames-mb, or record the run as it plays");
+}
+
+void Studio::startVideo(ClientId client, const Value& message, Value& result) {
+  requireWriter(client);
+  const LivePictureOptions options = pictureOptionsOf(message);
+  const bool recorded = message.find("recorded") != nullptr && switchMember(message, "recorded");
+  if (coarser_ > 1)
+    throw usageError("a preview is not written as a video", "a run in full", "end the preview, and play");
+  if (const auto problem = desk_.problem()) throw *problem;
+  const fs::path file = videoPlace(message);
+  if (recorded) requireRecordedFrames();
+  if (const VideoState last = videoDesk().video().state;
+      last == VideoState::kRecording || last == VideoState::kFinishing)
+    throw usageError("a video is being made already", "one at a time", "stop it first");
+  video_ = {.path = textMember(message, "path"), .recorded = recorded};
+  if (recorded) video_.frames = status_.find("frame")->asInt() + 1;
+  videoDesk().startVideo(file, options, writeJsonLine(scene_),
+                         recorded ? PictureDesk::Begin::kNextFrame : PictureDesk::Begin::kNow);
+  if (recorded)
+    host_.replay();
+  else
+    host_.serve();
+  result = videoValue(videoDesk().video());
 }
 
 void Studio::moveVideo(ClientId client, const Value& message, Value&) {
   requireWriter(client);
-  desk_.moveCamera(cameraOf(message));
+  // Recorded frames are drawn as fast as that goes: what hands do meanwhile has nothing to do with them.
+  if (!video_.recorded) desk_.moveCamera(cameraOf(message));
 }
 
 void Studio::stopVideo(ClientId client, const Value&, Value& result) {
   requireWriter(client);
-  desk_.stopVideo();
-  result = videoValue(desk_.video());
+  videoDesk().stopVideo();
+  result = videoValue(videoDesk().video());
+}
+
+bool Studio::replayReached(Simulation& then, std::int64_t frames) {
+  server_.post([this] { ++video_.whole; });
+  pastDesk_.frame(then, frames);
+  return pastDesk_.isRecording();
+}
+
+void Studio::replayEnded(const std::optional<Error>& problem) {
+  if (problem)
+    pastDesk_.fail(*problem);
+  else
+    pastDesk_.stopVideo();
 }
 
 }  // namespace weir::studio

@@ -51,6 +51,9 @@ void Studio::run(const Value& scene, int coarser) {
       reset_ = differenceOf(*running_, *edited.scene).reset;
   forgetRun();
   host_.load(std::move(checked.scene), checkRun(scene, coarser).scene, device_);
+  // Who wants to see it run wants that of what takes its place, too.
+  playsWhenBuilt_ = playsWhenBuilt_ && isState(HostState::kBuilding);
+  if (playsWhenBuilt_) host_.play();
   // Before the simulation tells so: it is not as it was any more.
   status_["state"] = nameOf(HostState::kBuilding);
 }
@@ -74,16 +77,25 @@ void Studio::play(ClientId client, const Value& message, Value& result) {
   requireWriter(client);
   if (needsReset()) reset(client, message, result);
   host_.play();
+  setPlaysWhenBuilt(isState(HostState::kBuilding));
 }
 
 void Studio::pause(ClientId client, const Value&, Value&) {
   requireWriter(client);
   host_.pause();
+  setPlaysWhenBuilt(false);
+}
+
+void Studio::setPlaysWhenBuilt(bool plays) {
+  if (std::exchange(playsWhenBuilt_, plays) == plays) return;
+  status_["plays"] = plays;
+  tell("status", status_);
 }
 
 void Studio::cancel(ClientId client, const Value&, Value&) {
   requireWriter(client);
   if (!isState(HostState::kBuilding)) return;
+  playsWhenBuilt_ = false;
   running_.reset();
   reset_.reset();
   forgetRun();
@@ -111,6 +123,7 @@ void Studio::goOn(ClientId client, const Value& message, Value& result) {
         inQuotes(*reset) + " has changed since the run began, so it cannot go on from a frame of it",
         "changes of what may change during a run", "reset to see the others");
   running_ = checkRun(scene_, coarser_).scene;
+  playsWhenBuilt_ = false;
   host_.goOn(std::move(checked.scene), checkRun(scene_, coarser_).scene, device_, frame);
   status_["state"] = nameOf(HostState::kBuilding);
   result = sceneState();
@@ -234,6 +247,8 @@ void Studio::status(const Value& status) {
     status_ = status;
     status_["recorded_every"] = recording_.every();
     status_["coarser"] = coarser_;
+    if (!isState(HostState::kBuilding)) playsWhenBuilt_ = false;
+    status_["plays"] = playsWhenBuilt_;
     tell("status", status_);
   });
 }

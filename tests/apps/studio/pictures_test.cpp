@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <thread>
 
 #include "framework/graph/plugin.h"
 #include "tests/apps/studio/web_client.h"
@@ -45,9 +47,10 @@ class Environment {
 
 class PicturesTest : public testing::Test {
  protected:
-  void start(bool withPlugin) {
+  void start(bool withPlugin, std::int64_t maxRecordedBytes = std::int64_t{1} << 30) {
     folder.write("scene.json", kBriefScene);
     StudioOptions options;
+    options.maxRecordedBytes = maxRecordedBytes;
     options.folder = folder.path();
     options.threads = 1;
     studio = std::make_unique<RunningStudio>(options, "scene.json", [&](Registry& registry) {
@@ -256,6 +259,106 @@ TEST_F(PicturesTest, AVideoHasAPictureOfEachFrame) {
   const Value scene = parseJson(video.substr(id + 20), "the scene in the video");
   EXPECT_TRUE(scene ==
               *socket.ask(R"({"id": 9, "do": "hello"})").find("result")->find("scene")->find("scene"));
+}
+
+/// The brief scene to its end, a frame at a time, so that there is time to keep the states between them.
+/// Gives back the last status.
+Value stepToTheEnd(const Socket& socket) {
+  constexpr int kFrames = 4;
+  Value last;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    socket.sendText(R"({"do": "run.step"})");
+    last = socket.event("status", [&](const Value& status) {
+      const Value* at = status.find("frame");
+      return at != nullptr && *at == Value(frame) && status.find("state")->asString() != "playing";
+    });
+  }
+  return last;
+}
+
+/// Its pictures as they are in the file, without the scene at its end.
+std::string picturesIn(const std::string& video) {
+  return video.substr(0, video.find("uuidweir-scene-json1") - 4);
+}
+
+constexpr const char* kRecorded =
+    R"({"id": 2, "do": "video.start", "recorded": true, "path": "b.mp4", "eye": [1, 1, 1], "target": [0, 0, 0], "width": 64, "height": 48})";
+
+TEST_F(PicturesTest, AVideoOfARunThatHasEndedIsOfItsRecordedFrames) {
+  if (test::findProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  start(true);
+  const Socket socket = studio->socket();
+  EXPECT_NE(socket.ask(kRecorded).find("error"), nullptr);  // there is no run
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.state("paused");
+  Value live = with(kRecorded, "recorded", false);
+  live["path"] = "a.mp4";
+  ASSERT_NE(socket.ask(live).find("result"), nullptr);
+  const Value before = stepToTheEnd(socket);
+  EXPECT_EQ(before.find("state")->asString(), "finished");
+  while (!hasEnded(*socket.ask(R"({"id": 9, "do": "hello"})").find("result")->find("video")))
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+
+  const Value started = socket.ask(kRecorded);
+  ASSERT_NE(started.find("result"), nullptr) << writeJsonLine(started);
+  EXPECT_EQ(started.find("result")->find("of")->asInt(), 5);
+  const Value done = socket.event("video", hasEnded);
+  EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
+  EXPECT_EQ(done.find("frames")->asInt(), 5);
+  const std::int64_t whole = done.find("whole")->asInt();
+  EXPECT_EQ(whole, before.find("whole")->asInt());
+  // Where each was kept, it is the video that was made while they came.
+  if (whole == 5) {
+    EXPECT_EQ(picturesIn(test::readFile(folder / "b.mp4")), picturesIn(test::readFile(folder / "a.mp4")));
+  }
+  // Not a step was made for it.
+  const Value after = *socket.ask(R"({"id": 9, "do": "hello"})").find("result")->find("status");
+  EXPECT_EQ(after.find("state")->asString(), "finished");
+  EXPECT_EQ(after.find("steps")->asInt(), before.find("steps")->asInt());
+}
+
+TEST_F(PicturesTest, AVideoTellsHowManyFramesWereKept) {
+  if (test::findProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  constexpr std::int64_t kRoomForFew = 50'000;  // half of it for states, of 125 particles each
+  start(true, kRoomForFew);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.state("paused");
+  const std::int64_t whole = stepToTheEnd(socket).find("whole")->asInt();
+  EXPECT_GE(whole, 2);
+  EXPECT_LT(whole, 5);
+  ASSERT_NE(socket.ask(kRecorded).find("result"), nullptr);
+  const Value done = socket.event("video", hasEnded);
+  EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
+  EXPECT_EQ(done.find("frames")->asInt(), 5);  // at the run's own pace
+  EXPECT_EQ(done.find("of")->asInt(), 5);
+  EXPECT_EQ(done.find("whole")->asInt(), whole);
+}
+
+TEST_F(PicturesTest, WhereNoFrameWasKeptThereIsNoVideoOfThem) {
+  start(true, 2000);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.state("paused");
+  stepToTheEnd(socket);
+  const Value refused = socket.ask(kRecorded);
+  ASSERT_NE(refused.find("error"), nullptr);
+  EXPECT_NE(refused.find("error")->find("message")->asString().find("kept whole"), std::string::npos);
+}
+
+TEST_F(PicturesTest, AResetCompletesAVideoOfRecordedFrames) {
+  if (test::findProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  start(true);
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "run.reset"})");
+  socket.state("paused");
+  stepToTheEnd(socket);
+  socket.sendText(kRecorded);
+  socket.sendText(R"({"id": 3, "do": "run.reset"})");
+  const Value done = socket.event("video", hasEnded);
+  EXPECT_EQ(done.find("state")->asString(), "done") << writeJsonLine(done);
+  EXPECT_LE(done.find("frames")->asInt(), 5);
 }
 
 TEST_F(PicturesTest, AVideoThatIsStoppedIsComplete) {

@@ -151,6 +151,38 @@ TEST_F(StudioTest, ASceneThatIsBuiltMakesWayForTheNextOne) {
   EXPECT_EQ(after.find("particles")->asInt(), 125);
 }
 
+TEST_F(StudioTest, PlayThatComesWhileASceneIsBuiltIsRemembered) {
+  const Socket socket = studio->socket();
+  const auto reset = [&](bool endless) {
+    Value message = parseJson(R"({"id": 1, "do": "run.reset"})", "request");
+    message["scene"] = parseJson(kBriefScene, "scene");
+    if (endless) message["scene"]["nodes"]["endless"]["type"] = "Endless";
+    socket.ask(message);
+  };
+  const auto plays = [&](bool expected) {
+    socket.event("status", [&](const Value& status) {
+      return status.find("state")->asString() == "building" && *status.find("plays") == Value(expected);
+    });
+  };
+  reset(true);
+  socket.sendText(R"({"do": "run.play"})");
+  plays(true);
+  reset(false);  // such as the page's own, of a scene that was just opened
+  socket.state("finished");
+  // It is taken back by Pause, and is for one run.
+  reset(true);
+  socket.sendText(R"({"do": "run.play"})");
+  plays(true);
+  socket.sendText(R"({"do": "run.pause"})");
+  plays(false);
+  reset(false);
+  socket.state("paused");
+  reset(false);
+  socket.state("paused");
+  socket.sendText(R"({"id": 5, "do": "run.play"})");
+  socket.state("finished");
+}
+
 TEST_F(StudioTest, ARunThatIsNotBuiltCannotBeCancelled) {
   const Socket socket = studio->socket();
   socket.ask(R"({"id": 1, "do": "run.reset"})");

@@ -1,11 +1,8 @@
 // What hands do to a run and in its view, by mouse and keyboard alone: a preview, a body that is pulled, a plane that cuts, and a
 // mesh that is dropped.
 import assert from "node:assert/strict";
-import { writeFile } from "node:fs/promises";
-import { join } from "node:path";
-import { after, before } from "node:test";
 import { step } from "./steps.mjs";
-import { Hands, openPage, startServer } from "./studio.mjs";
+import { openStudio } from "./studio.mjs";
 
 // A cube that floats freely beside a block of water at rest; nothing falls.
 const kScene = {
@@ -19,21 +16,8 @@ const kScene = {
   links: ["block.particles -> water.initial", "cube.surface -> raft.mesh"],
 };
 
-let server, browser, page, mistakes, hands;
+const { server, page, mistakes, hands, state, button, open } = await openStudio({ "adrift.json": kScene });
 
-before(async () => {
-  server = await startServer();
-  await writeFile(join(server.folder, "adrift.json"), JSON.stringify(kScene));
-  ({ browser, page, mistakes } = await openPage(server.address));
-  hands = new Hands(page);
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
-
-const state = (name) => page.locator(`.state.${name}`).waitFor();
-const button = (name) => page.getByRole("button", { name, exact: true });
 const saved = (isRight) => server.written("adrift.json", isRight);
 const particles = async () => Number(/([\d,]+) particle/.exec(await page.locator(".load").innerText())[1].replaceAll(",", ""));
 const tidy = async () => {
@@ -42,10 +26,7 @@ const tidy = async () => {
 };
 
 step("a preview is coarser, is marked, writes nothing, and leaves the scene as it is", async () => {
-  await button("Open").click();
-  await page.getByRole("dialog", { name: "Open a scene" }).getByRole("button", { name: /^adrift / }).click();
-  await hands.node("water").waitFor();
-  await state("paused");
+  await open("adrift");
   await hands.arrange();
   const all = await particles();
   await button("Preview").click();

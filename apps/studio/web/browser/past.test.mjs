@@ -1,10 +1,9 @@
 // What was is looked at again, by mouse and keyboard alone: recorded frames as pictures and in the table, and plots after a reload.
 import assert from "node:assert/strict";
-import { writeFile } from "node:fs/promises";
+import { execFileSync } from "node:child_process";
 import { join } from "node:path";
-import { after, before } from "node:test";
 import { step } from "./steps.mjs";
-import { Hands, openPage, openWindow, startServer } from "./studio.mjs";
+import { openStudio, openWindow } from "./studio.mjs";
 
 // Water that falls in a tank.
 const kFrames = 12, kRate = 30;
@@ -18,21 +17,8 @@ const kScene = {
   links: ["block.particles -> water.initial", "tank.boundary -> water.boundaries"],
 };
 
-let server, browser, context, page, mistakes, hands;
+const { server, context, page, mistakes, hands, state, button, open } = await openStudio({ "falling.json": kScene });
 
-before(async () => {
-  server = await startServer();
-  await writeFile(join(server.folder, "falling.json"), JSON.stringify(kScene));
-  ({ browser, context, page, mistakes } = await openPage(server.address));
-  hands = new Hands(page);
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
-
-const state = (name) => page.locator(`.state.${name}`).waitFor();
-const button = (name) => page.getByRole("button", { name, exact: true });
 const tab = (name) => page.getByRole("tab", { name, exact: true });
 /** The frame that a text tells, of the picture or of the table. */
 const frameIn = async (place) => Number(await page.locator(place).getAttribute("data-frame"));
@@ -41,11 +27,18 @@ const look = async (key) => {
   await page.keyboard.press(key);
 };
 
+/** Notes the states that the run comes to from now on; what is given back tells them. */
+async function watchStates() {
+  await page.evaluate(() => {
+    const told = document.querySelector(".state");
+    window.statesSeen = [];
+    new MutationObserver(() => window.statesSeen.push(told.textContent)).observe(told, { characterData: true, subtree: true, childList: true });
+  });
+  return () => page.evaluate(() => window.statesSeen);
+}
+
 step("a recorded frame is rendered, and told by its time", async () => {
-  await button("Open").click();
-  await page.getByRole("dialog", { name: "Open a scene" }).getByRole("button", { name: /^falling / }).click();
-  await hands.node("water").waitFor();
-  await state("paused");
+  await open("falling");
   // One after another, so that each is kept whole.
   await hands.arrange();
   for (let frame = 1; frame <= kFrames; ++frame) {
@@ -83,6 +76,22 @@ step("the table shows the particles of the recorded frame", async () => {
   await page.locator(".pager small").filter({ hasText: `at ${end} s` }).waitFor();
   assert.equal(await lines(), atEnd);
   await button("Rendered").click();
+});
+
+step("a video of a run that has ended is of its recorded frames, and the run stays as it is", async () => {
+  if (!(await page.evaluate(() => fetch("/api/types").then((r) => r.json()))).sections.render) return;
+  await state("finished");
+  await button("Record").click();
+  const dialog = page.getByRole("dialog", { name: "Record a video" });
+  await dialog.getByRole("combobox", { name: "Frames of the video" }).and(page.locator(":has(option[value=recorded]:checked)")).waitFor();
+  await dialog.locator(".hint").filter({ hasText: /Nothing is run again|kept whole/ }).waitFor();
+  const states = await watchStates();
+  await hands.type(dialog.getByRole("textbox", { name: "Video file" }), "recorded.mp4");
+  await page.getByRole("link", { name: /^recorded\.mp4 \(13 frames(, \d+ of them kept)?\)$/ }).waitFor();
+  const count = execFileSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of", "csv=p=0", join(server.folder, "recorded.mp4")]);
+  assert.equal(Number(String(count)), kFrames + 1);
+  assert.deepEqual(await states(), []);
+  await page.locator(".time").filter({ hasText: `frame ${kFrames}/${kFrames}` }).waitFor();
 });
 
 const plotted = (of) => of.locator('.plot[data-quantity="water.kinetic_energy"]');

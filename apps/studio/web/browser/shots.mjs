@@ -18,6 +18,8 @@ try {
     await page.getByRole("button", { name: "Fit", exact: true }).click();
     await hands.arrange();
     await hands.select(node);
+    await page.keyboard.press("Control+s");
+    await page.locator(".bar .title").filter({ hasNotText: "changed" }).waitFor();
     await page.screenshot({ path: join(folder, `${name}.jpg`), type: "jpeg", quality: kQuality });
   };
   await page.getByRole("button", { name: "Open", exact: true }).click();
@@ -28,6 +30,10 @@ try {
   await hands.pressInGraph("Space");
   await page.waitForFunction((n) => Number(/frame (\d+)/.exec(document.querySelector(".time").textContent)[1]) >= n, Number(frame), { timeout: kPatience });
   await hands.pressInGraph("Space");
+  await page.locator(".state.paused").waitFor();
+  // To a frame, for which the plots have numbers.
+  await hands.pressInGraph(".");
+  await page.waitForFunction((n) => Number(/frame (\d+)/.exec(document.querySelector(".time").textContent)[1]) > n, Number(frame));
   await page.locator(".state.paused").waitFor();
   for (const colorScheme of ["light", "dark"]) {
     if (colorScheme === "dark") await page.getByRole("button", { name: "Dark colours" }).click();

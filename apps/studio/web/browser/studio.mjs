@@ -2,9 +2,10 @@
 // program (weir). The browser is a Chromium, WEIR_CHROMIUM, or where WEIR_FIREFOX names one, a Firefox with a screen: under
 // xvfb-run where there is none. Without a screen Firefox has no WebGL.
 import { spawn } from "node:child_process";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { after } from "node:test";
 import { chromium, firefox } from "playwright-core";
 import { watch } from "./seen.mjs";
 
@@ -16,6 +17,12 @@ const kRestFrames = 10;
 const kPatience = 60_000;
 // As where there is no graphics card: the page is drawn by the processor, WebGL too.
 const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
+
+/**
+ * What Playwright can do with the browser. With a Firefox of Debian (153, Playwright 1.60) it begins a drag of the browser's own and
+ * never drops, and tells of no file that is saved; hands can do both.
+ */
+export const canDo = { drop: !process.env.WEIR_FIREFOX, save: !process.env.WEIR_FIREFOX };
 
 /** The address that a server prints when it is ready. */
 async function addressOf(server) {
@@ -107,6 +114,34 @@ export async function openPage(address, { width = 1600, height = 1000, colorSche
   const context = await browser.newContext({ viewport: { width, height }, ...(process.env.WEIR_FIREFOX ? {} : { colorScheme }) });
   const mistakes = [];
   return { browser, context, mistakes, page: await openWindow(context, address, mistakes) };
+}
+
+/**
+ * What a test of one page begins with: a server in a folder with these scenes, `{"name.json": {…}}`, a page of it, and hands on
+ * it. All of it is closed after the file's last test. `state` waits for a state of the run, `button` is one by its whole name, and
+ * `open` opens a scene by its name, without ".json", and waits until it stands at its beginning.
+ */
+export async function openStudio(scenes, size = {}) {
+  const server = await startServer();
+  for (const [name, scene] of Object.entries(scenes)) await writeFile(join(server.folder, name), JSON.stringify(scene));
+  const opened = await openPage(server.address, size).catch(async (e) => {
+    await server.close();
+    throw e;
+  });
+  after(async () => {
+    await opened.browser.close();
+    await server.close();
+  });
+  const { page } = opened;
+  const state = (name) => page.locator(`.state.${name}`).waitFor();
+  const button = (name) => page.getByRole("button", { name, exact: true });
+  const open = async (name) => {
+    await button("Open").click();
+    await page.getByRole("dialog", { name: "Open a scene" }).getByRole("button", { name: new RegExp(`^${name} `) }).click();
+    await page.locator(".bar .title").filter({ hasText: `${name}.json` }).waitFor();
+    await state("paused");
+  };
+  return { server, ...opened, hands: new Hands(page), state, button, open };
 }
 
 /** What hands do on a page: nothing here reaches behind the page's face. */

@@ -1,12 +1,11 @@
 // What makes work quick and safe: nodes put into links, links that are bent, an undo that goes on from scene to scene, versions,
 // pictures of scenes, what a run will cost, probes, arrows, examples; and names for those who do not see the page.
 import assert from "node:assert/strict";
-import { readFile, writeFile } from "node:fs/promises";
+import { readFile } from "node:fs/promises";
 import { join } from "node:path";
-import { after, before } from "node:test";
 import { namesThatAreMissing } from "./names.mjs";
 import { step } from "./steps.mjs";
-import { Hands, openPage, startServer } from "./studio.mjs";
+import { openStudio } from "./studio.mjs";
 
 const kScene = {
   weir: 1, title: "Blocks", world: { duration: 0.1, frame_rate: 100 },
@@ -20,31 +19,10 @@ const kScene = {
   layout: { nodes: { block: { x: 0, y: 0 }, tank: { x: 0, y: 260 }, floor: { x: 0, y: 480 }, water: { x: 620, y: 60 } } },
 };
 
-let server, browser, page, mistakes, hands;
+const { server, page, mistakes, hands, state, button, open } = await openStudio({ "blocks.json": kScene, "other.json": { ...kScene, title: "Other" } }, { width: 1280, height: 800 });
 
-before(async () => {
-  server = await startServer();
-  await writeFile(join(server.folder, "blocks.json"), JSON.stringify(kScene));
-  await writeFile(join(server.folder, "other.json"), JSON.stringify({ ...kScene, title: "Other" }));
-  ({ browser, page, mistakes } = await openPage(server.address, { width: 1280, height: 800 }));
-  hands = new Hands(page);
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
-
-const state = (name) => page.locator(`.state.${name}`).waitFor();
-const button = (name) => page.getByRole("button", { name, exact: true });
 const title = (text) => page.locator(".bar .title").filter({ hasText: text }).waitFor();
 const spacing = () => hands.aside().getByLabel("spacing", { exact: true });
-
-async function open(name) {
-  await button("Open").click();
-  await page.getByRole("dialog").getByRole("button", { name }).click();
-  await title(`${name}.json`);
-  await state("paused");
-}
 
 async function saved(isRight) {
   await page.keyboard.press("Control+s");
@@ -140,7 +118,35 @@ step("what a run will cost is told before it is made", async () => {
   await cost.filter({ hasText: "more than there is" }).waitFor();
   await hands.type(spacing(), 1e-5);
   await cost.filter({ hasText: "cannot be built" }).waitFor();
+  // Of the scene as it was: it goes with that, before the server says anything of the next one.
+  await server.meanwhile(async () => {
+    await hands.type(spacing(), 0.05);
+    await cost.filter({ hasText: "cannot be built" }).waitFor({ state: "detached" });
+  });
+  await cost.filter({ hasText: /≤ \d+ particles/ }).waitFor();
+});
+
+step("a module that is inserted by Ctrl+K into a run that is paused can be built", async () => {
+  await hands.type(spacing(), 1e-5);
+  await page.getByRole("status", { name: "Cost of the run" }).filter({ hasText: "cannot be built" }).waitFor();
   await hands.type(spacing(), 0.05);
+  await hands.pressInGraph("r", ".");
+  await page.locator(".time").filter({ hasText: "frame 1/" }).waitFor();
+  await state("paused");
+  await page.evaluate(() => {
+    window.costs = [];
+    new MutationObserver(() => window.costs.push(document.querySelector(".cost")?.textContent ?? "")).observe(document.querySelector(".transport"), { subtree: true, childList: true, characterData: true });
+  });
+  await page.keyboard.press("Control+k");
+  await page.getByRole("combobox", { name: "Find anything" }).waitFor();
+  await page.keyboard.type("surface tension");
+  await page.locator('.palette [aria-selected="true"]').filter({ hasText: "SurfaceTension" }).waitFor();
+  await page.keyboard.press("Enter");
+  await page.locator(".reset-hint").filter({ hasText: "the modules of water" }).waitFor();
+  await page.getByRole("status", { name: "Cost of the run" }).filter({ hasText: /≤ \d+ particles/ }).waitFor();
+  assert.deepEqual((await page.evaluate(() => window.costs)).filter((text) => text.includes("cannot")), []);
+  await hands.pressInGraph("Control+z", "r");
+  await state("paused");
 });
 
 step("scenes in Open have a picture of how their run ended", async () => {

@@ -12,7 +12,7 @@ import { Menu } from "./Menu";
 import { Insight } from "./insight/Insight";
 import { redo, undo } from "./model/documents";
 import { otherChoices } from "./model/remedy";
-import { askRun, client, edit, problemOf, resetRun, useStudio } from "./model/store";
+import { askRun, client, edit, problemOf, resetRun, togglePlay, useStudio } from "./model/store";
 import { SweepDialog } from "./sweep/SweepDialog";
 import { PropertyPanel } from "./properties/PropertyPanel";
 import { Tour } from "./Tour";
@@ -31,7 +31,7 @@ const hasUndo = (at: Element): boolean =>
 function useGlobalKeys(): void {
   useEffect(() => {
     const key = (e: KeyboardEvent) => {
-      const { status, device } = useStudio.getState();
+      const { device } = useStudio.getState();
       if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "s") {
         e.preventDefault();
         return save();
@@ -53,7 +53,7 @@ function useGlobalKeys(): void {
       if (at === document.body && e.key !== "Tab" && !document.querySelector("[aria-modal=true]")) surface.key(e);
       if (at.closest("input, textarea, select, [role=dialog]") || e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === " " && at.closest("button, summary, a")) return;
-      if (e.key === " ") void askRun(status.state === "playing" ? "pause" : "play");
+      if (e.key === " ") togglePlay();
       else if (e.key === ".") void askRun("step");
       else if (e.key.toLowerCase() === "r") void resetRun(device);
       else if (e.key === "?") useStudio.setState({ dialog: "help" });

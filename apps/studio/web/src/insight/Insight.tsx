@@ -1,8 +1,8 @@
 // What the run is like: where its time goes, plots, the device and its memory, and the log.
-import { useMemo, useState } from "react";
+import { Fragment, useMemo, useState } from "react";
 import { useStudio } from "../model/store";
 import { msText } from "../model/time";
-import { titleOf } from "../model/quantities";
+import { partsOf, titleOf } from "../model/quantities";
 import type { JsonObject } from "../model/types";
 import { ParticleTable } from "./ParticleTable";
 import { Plot } from "./Plot";
@@ -47,7 +47,18 @@ function Plots() {
   return (
     <>
       <input aria-label="Filter plots" placeholder="Filter, such as momentum" value={filter} onChange={(e) => setFilter(e.target.value)} />
-      <div className="plots">{shown.map((n) => <Plot key={n} name={n} samples={samples} cursor={cursor} others={others} />)}</div>
+      <div className="plots">
+        {shown.map((n, i) => {
+          const { node, quantity } = partsOf(n);
+          // What stands above the plots of a node need not stand above each.
+          return (
+            <Fragment key={n}>
+              {node !== partsOf(shown[i - 1] ?? "").node && <h3>{node || "The run"}</h3>}
+              <Plot name={n} title={quantity} samples={samples} cursor={cursor} others={others} />
+            </Fragment>
+          );
+        })}
+      </div>
     </>
   );
 }

@@ -10,11 +10,13 @@ const kMargin = 0.06;
 const kTicks = 4;
 /** Colours of other runs, which repeat. */
 const kColors = 6;
+/** Percent of the width from which on the unit stands below the axis, or the time that is read. */
+const kUnitFrom = 92, kTimeFrom = 70;
 /** Percent of the height below which a label stands above its line. */
 const kLow = 75;
 
 /** `others`: what the same quantity was in other runs. */
-export function Plot({ name, samples, cursor, others = [] }: { name: string; samples: Sample[]; cursor: number | null; others?: Pick<Run, "label" | "samples">[] }) {
+export function Plot({ name, title = titleOf(name), samples, cursor, others = [] }: { title?: string; name: string; samples: Sample[]; cursor: number | null; others?: Pick<Run, "label" | "samples">[] }) {
   const points = useMemo(() => pointsOf(name, samples), [name, samples]);
   const beside = useMemo(() => others.map((r) => ({ label: r.label, points: pointsOf(name, r.samples) })).filter((r) => r.points.length > 0), [name, others]);
   const [pointed, setPointed] = useState<number | null>(null);
@@ -32,10 +34,10 @@ export function Plot({ name, samples, cursor, others = [] }: { name: string; sam
   const read = pointed ?? cursor;
   const [time, value] = read === null ? points.at(-1)! : pointAt(points, read);
   const unit = unitOf(name);
-  const vertical = ticks(low, high, 3);
+  const vertical = ticks(low, high, large ? 4 : 2);
   return (
     <figure className={large ? "plot large" : "plot"} data-quantity={name}>
-      <figcaption><span title={name}>{titleOf(name)}</span><span className="values">{beside.map((r, i) => <b key={r.label} className={`other n${i % kColors}`} title={r.label}>{shortText(pointAt(r.points, time)[1])}</b>)} <b>{shortText(value)} {unit}</b></span></figcaption>
+      <figcaption><span title={name}>{title}</span><span className="values">{beside.map((r, i) => <b key={r.label} className={`other n${i % kColors}`} title={r.label}>{shortText(pointAt(r.points, time)[1])}</b>)} <b>{shortText(value)} {unit}</b></span></figcaption>
       <div
         className="field" role="img" aria-label={`${titleOf(name)}, ${shortText(value)} ${unit} at ${shortText(time)} s, from ${shortText(least)} to ${shortText(most)}`}
         title="A click makes it large, and small again" onClick={() => setLarge(!large)}
@@ -53,7 +55,7 @@ export function Plot({ name, samples, cursor, others = [] }: { name: string; sam
         {read !== null && read >= start && read <= end && <i className="cursor" style={{ left: `${x(read)}%` }} />}
         <i className="dot" style={{ left: `${x(time)}%`, top: `${y(value)}%` }} />
       </div>
-      <div className="axis">{ticks(start, end, kTicks).map((t) => <span key={t} style={{ left: `${x(t)}%` }}>{shortText(t)}</span>)}<small>{read === null ? "s" : `at ${shortText(time)} s`}</small></div>
+      <div className="axis">{ticks(start, end, kTicks).filter((t) => x(t) < (read === null ? kUnitFrom : kTimeFrom)).map((t) => <span key={t} style={{ left: `${x(t)}%` }}>{shortText(t)}</span>)}<small>{read === null ? "s" : `at ${shortText(time)} s`}</small></div>
     </figure>
   );
 }

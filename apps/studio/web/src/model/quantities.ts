@@ -8,10 +8,16 @@ const kUnits: [RegExp, string][] = [
 /** "" where there is none, or none is known. */
 export const unitOf = (name: string): string => /\((.+)\)$/.exec(name)?.[1] ?? kUnits.find(([r]) => r.test(name))?.[1] ?? "";
 
+/** "water" and "compression mean" of "water.compression.mean"; no node of what is the run's. */
+export function partsOf(name: string): { node: string; quantity: string } {
+  const [first, ...rest] = name.replace(/ \(.+\)$/, "").split(".");
+  return rest.length === 0 ? { node: "", quantity: first! } : { node: first!, quantity: rest.join(" ").replaceAll("_", " ") };
+}
+
 /** What stands before the unit: "water: compression mean" of "water.compression.mean". */
 export function titleOf(name: string): string {
-  const [node, ...rest] = name.replace(/ \(.+\)$/, "").split(".");
-  return rest.length === 0 ? node! : `${node}: ${rest.join(" ").replaceAll("_", " ")}`;
+  const { node, quantity } = partsOf(name);
+  return node ? `${node}: ${quantity}` : quantity;
 }
 
 /** The number in its unit. */

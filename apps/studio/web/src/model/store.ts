@@ -23,8 +23,12 @@ export interface Status {
   device_busy?: number;
   /** Which node is set up while the scene is built, how many were before, and how many there are. */
   building?: { node: string; done: number; all: number };
+  /** While the scene is built: whether it plays then. */
+  plays?: boolean;
   /** Of the frames of the run, 0, this and its multiples can be looked at again. */
   recorded_every?: number;
+  /** How many frames of the run are kept whole, with the present one: they can be drawn again. */
+  whole?: number;
   /** How many times as coarse as the scene the run is: above 1 it is a preview. */
   coarser?: number;
   problem?: Problem;
@@ -40,6 +44,9 @@ export interface Video {
   state: "none" | "recording" | "finishing" | "done" | "failed";
   path: string;
   frames: number;
+  /** Of recorded frames: how many there will be, and how many of these are kept whole. */
+  of?: number;
+  whole?: number;
   problem?: Problem;
 }
 
@@ -559,6 +566,12 @@ export function askRun<T = JsonObject>(what: "play" | "pause" | "step" | "reset"
   if (what !== "pause") set({ looking: null });
   return request<T>(`run.${what}`, fields);
 }
+
+/** Whether the run goes on, or will as soon as it is built. */
+export const isPlaying = (status: Status): boolean => status.state === "playing" || (status.state === "building" && status.plays === true);
+
+/** Plays or pauses, whichever it does not do. */
+export const togglePlay = (): void => void askRun(isPlaying(get().status) ? "pause" : "play");
 
 /** Builds the scene again, at time 0, on a device; without one on that of before. */
 export async function resetRun(device?: string, coarser?: number): Promise<void> {

@@ -41,8 +41,8 @@ export function Health() {
     <div className="health" ref={box}>
       <button aria-expanded={open} title="Why?" onClick={() => setOpen(!open)}>
         <span className="unseen">Health: {kWords[all]}, </span>
-        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i />{l.name === "CFL" ? l.name : l.name.toLowerCase()} <b>{l.value}</b></span>)}
-        {warnings.length > 0 && <span className="light watch"><Icon name="warning" /> <b>{counted(warnings.length, "warning")}</b></span>}
+        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i /><span className="name">{l.name === "CFL" ? l.name : l.name.toLowerCase()}</span> <b>{l.value}</b></span>)}
+        {warnings.length > 0 && <span className="light watch warnings" title={counted(warnings.length, "warning")}><Icon name="warning" /><b>{warnings.length}</b><span className="name">{warnings.length === 1 ? "warning" : "warnings"}</span></span>}
       </button>
       {open && (
         <div className="why" role="dialog" aria-label="Health of the run">

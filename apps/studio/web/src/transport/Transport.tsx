@@ -1,7 +1,7 @@
 // Play, pause, step, reset, and what the run and the view are at.
 import { Icon } from "../Icon";
 import { counted } from "../model/playback";
-import { askRun, resetRun, useStudio } from "../model/store";
+import { askRun, isPlaying, resetRun, togglePlay, useStudio } from "../model/store";
 import { Cost } from "./Cost";
 import { Health } from "./Health";
 
@@ -16,7 +16,7 @@ export function Transport() {
   const problem = useStudio((s) => s.sceneState.problem);
   const writer = useStudio((s) => s.role === "writer");
   const shown = useStudio((s) => (s.looking === null || s.looking === s.status.frame ? null : s.shown));
-  const playing = status.state === "playing";
+  const playing = isPlaying(status), waits = playing && status.state === "building";
   const coarser = status.coarser ?? 1;
 
   const frame = status.frame ?? 0;
@@ -26,9 +26,9 @@ export function Transport() {
     <footer className="transport" role="toolbar" aria-label="Run">
       <button disabled={!writer} onClick={() => void resetRun(device)} title="Build the scene again, and go to time 0 (R)" className={reset ? "wanted" : ""}><Icon name="reset" /> Reset</button>
       {playing ? (
-        <button disabled={!writer} onClick={() => void askRun("pause")} title="Pause (Space)"><Icon name="pause" /> Pause</button>
+        <button disabled={!writer} onClick={togglePlay} title={waits ? "Do not play when it is built (Space)" : "Pause (Space)"}><Icon name="pause" /> Pause</button>
       ) : (
-        <button disabled={!writer || problem !== undefined} onClick={() => void askRun("play")} title="Play (Space)"><Icon name="play" /> Play</button>
+        <button disabled={!writer || problem !== undefined} onClick={togglePlay} title="Play (Space)"><Icon name="play" /> Play</button>
       )}
       <button
         aria-pressed={coarser > 1} disabled={!writer || problem !== undefined} onClick={() => void resetRun(device, coarser > 1 ? 1 : kCoarser)}
@@ -36,7 +36,7 @@ export function Transport() {
       >
         Preview
       </button>
-      {coarser > 1 && <span className="preview-hint" role="status">preview: {coarser} × the spacing, no exports</span>}
+      {coarser > 1 && <span className="preview-hint" role="status">{coarser} × the spacing, no exports</span>}
       <button disabled={!writer || playing} onClick={() => void askRun("step")} title="One frame (.)"><Icon name="frame" /> Frame</button>
       <span className="time">
         {shown && <><b>frame {shown.frame}, {shown.time.toFixed(3)} s</b> · run: </>}
@@ -47,11 +47,11 @@ export function Transport() {
       </span>
       <Cost />
       <Health />
-      <span className={`state ${status.state}`}>{status.state}</span>
+      <span className={`state ${status.state}`}>{waits ? "building, then plays" : status.state}</span>
       <select aria-label="Device" value={device} disabled={!writer} onChange={(e) => useStudio.setState({ device: e.target.value })} title={status.device}>
         {["auto", ...devices.map((d) => d.name)].map((d) => <option key={d} value={d}>{d}</option>)}
       </select>
-      {reset && <span className="reset-hint" role="status">{reset} changed: reset to see it</span>}
+      {reset && <span className="reset-hint" role="status" title={`${reset} changed: reset to see it`}>{reset} changed: reset to see it</span>}
     </footer>
   );
 }

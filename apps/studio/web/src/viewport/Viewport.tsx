@@ -29,6 +29,8 @@ import { kPresets, mainView, View, type Preset, type ViewEvents } from "./view";
 
 const kMaxChoices = [50_000, 200_000, 1_000_000];
 
+const shortCount = (n: number): string => (n < 1e6 ? `${n / 1000} k` : `${n / 1e6} M`);
+
 /** Pixels that a hand may tremble in a click. */
 const kTremble = 3;
 
@@ -154,13 +156,13 @@ export function Viewport({ dark }: { dark: boolean }) {
     { name: "Show everything", take: () => view?.fit() },
     ...Object.keys(kPresets).map((p) => ({ name: `From ${p === "iso" ? "a corner" : p}`, take: () => view?.fit(p as Preset) })), null,
     ...viewsOf(scene).map((v) => ({ name: v.name, take: () => view?.setPose(v.eye, v.target, v.fov) })), null,
+    { name: "Use this camera for videos", off: !view || !writer, take: keepCamera },
     { name: "Keep this view", off: !view || !writer, take: () => edit((s) => keepView(s, view!.pose())) },
     ...viewsOf(scene).map((v) => ({ name: `Forget ${v.name}`, off: !writer, take: () => edit((s) => forgetView(s, v.name)) })),
   );
   const tools = (): MenuItems => menuOf(
     ...views(), null,
     ...(types && canCut(types) ? [{ name: "Cut the fluids open", off: !view || !writer, take: () => (useStudio.setState({ selected: [], selectedLinks: [] }), edit((s) => withCut(s, view!.extent().center))) }] : []),
-    { name: "Use this camera for videos", off: !view, take: keepCamera },
     { name: "Copy the camera as JSON", off: !view, take: () => void copyText(JSON.stringify(view!.pose())) }, null,
     { name: pinned ? "End comparison" : "Compare with the next run", off: !pinned && !canPin, take: () => void pinRun() },
     { name: "Save a picture", off: preview, take: () => void savePicture() },
@@ -189,13 +191,12 @@ export function Viewport({ dark }: { dark: boolean }) {
           aria-pressed={pinned !== null} disabled={!pinned && (!canPin || gathering !== null)} onClick={() => void pinRun()}
           title={pinned ? "Show the present run alone" : "Keep this run: the next one is shown beside it"}
         >
-          {gathering && !pinned ? `Keeping ${gathering.done} of ${gathering.all}` : "Compare"}
+          {gathering && !pinned ? `${gathering.done} of ${gathering.all}` : "Compare"}
         </button>
         <button aria-label="Save a picture" disabled={preview} onClick={() => void savePicture()} title="Save what is seen as a PNG that carries its scene"><Icon name="camera" /></button>
         <button disabled={!canPin || preview} onClick={() => setSharing(true)} title={preview ? "A preview is not shared: end it, and play" : "Save the run as one HTML file that replays it"}>Share</button>
         <button onClick={() => view?.fit()} title="Show everything">Fit</button>
-        <button aria-haspopup="menu" onClick={(e) => showMenu({ clientX: e.currentTarget.getBoundingClientRect().left, clientY: e.currentTarget.getBoundingClientRect().bottom }, "Views", views())}>View…</button>
-        <button onClick={keepCamera} title="Use this camera for videos">Keep camera</button>
+        <button aria-haspopup="menu" onClick={(e) => showMenu({ clientX: e.currentTarget.getBoundingClientRect().left, clientY: e.currentTarget.getBoundingClientRect().bottom }, "Views", views())} title="Cameras: those of the scene, from the sides, and that of videos">View…</button>
         <button onClick={() => setMode(mode === "translate" ? "rotate" : "translate")} title="What the handle of the selected node does">
           {mode === "translate" ? "Move" : "Turn"}
         </button>
@@ -208,8 +209,8 @@ export function Viewport({ dark }: { dark: boolean }) {
         <select aria-label="Colour map" value={name} onChange={(e) => edit((s) => setParam(s, { section: "render" }, ["color", "map"], e.target.value))}>
           {Object.keys(kColorMaps).map((m) => <option key={m}>{m}</option>)}
         </select>
-        <select aria-label="Most particles" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
-          {kMaxChoices.map((n) => <option key={n} value={n}>{n.toLocaleString("en")}</option>)}
+        <select aria-label="Most particles" title="At most that many particles are shown" value={most} onChange={(e) => show(attribute, Number(e.target.value))}>
+          {kMaxChoices.map((n) => <option key={n} value={n}>{shortCount(n)}</option>)}
         </select>
       </div>
       {pinned && <Differences run={pinned} />}
