@@ -12,6 +12,7 @@
 //  - WEIR_FAULT_PLACES: a file for where each of these calls comes from: a number of 8 bytes for each call
 //  from the first on, the same number for the same functions that called one another
 //  - WEIR_FAULT_RECORD: a file for what is done to files, for power_cut.py
+//  - WEIR_FAULT_FROM: a file for the functions that the failing call came from
 //
 // Calls are counted from the start of main() on, over the process and its forked copies together. The library
 // takes no memory itself and opens its own files by system calls.
@@ -98,6 +99,19 @@ uint64_t placeOfCall() {
   return place;
 }
 
+void writeCallers() {
+  const char* file = getenv("WEIR_FAULT_FROM");
+  if (file == nullptr) return;
+  constexpr int kDepth = 64;
+  void* callers[kDepth];
+  inside = true;
+  const int depth = backtrace(callers, kDepth);
+  const int fd = static_cast<int>(syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_CREAT | O_TRUNC, 0666));
+  backtrace_symbols_fd(callers, depth, fd);
+  syscall(SYS_close, fd);
+  inside = false;
+}
+
 /// Whether it is the call that fails; errno is set then.
 bool fails(Kind kind) {
   if (shared == nullptr || inside) return false;
@@ -108,6 +122,7 @@ bool fails(Kind kind) {
   const bool now = call == failingAt || (isShort && kind == kWrite && call > failingAt);
   if (!now) return false;
   ++shared->failed;
+  if (call == failingAt) writeCallers();
   errno = failure;
   return true;
 }

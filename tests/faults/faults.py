@@ -100,7 +100,8 @@ class Faults:
         counts = folder + ".counts"
         environment = dict(os.environ, LD_PRELOAD=self.layer, WEIR_FAULT_PROGRAM=scenario.program,
                            WEIR_FAULT_FOLDER=folder + "/", WEIR_FAULT_CALL=scenario.call,
-                           WEIR_FAULT_AT=str(at), WEIR_FAULT_AS=scenario.error, WEIR_FAULT_COUNTS=counts)
+                           WEIR_FAULT_AT=str(at), WEIR_FAULT_AS=scenario.error, WEIR_FAULT_COUNTS=counts,
+                           WEIR_FAULT_FROM=folder + ".from")
         if places is not None:
             environment["WEIR_FAULT_PLACES"] = places
         if scenario.call == "device":
@@ -208,13 +209,18 @@ class Faults:
             problem = self.check(scenario, at, folder)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+        callers = ""
+        if os.path.exists(folder + ".from"):
+            with open(folder + ".from", encoding="utf-8", errors="replace") as file:
+                callers = "".join("    from " + os.path.basename(line) for line in file.readlines()[3:15])
+            os.remove(folder + ".from")
         if problem:
             device = {"WEIR_TEST_FAIL_ALLOCATION": at} if scenario.call == "device" else {}
             settings = {**device, "LD_PRELOAD": self.layer, "WEIR_FAULT_PROGRAM": scenario.program,
                         "WEIR_FAULT_FOLDER": folder + "/", "WEIR_FAULT_CALL": scenario.call, "WEIR_FAULT_AT": at,
                         "WEIR_FAULT_AS": scenario.error}
             command = [f"{name}={value}" for name, value in settings.items()] + self.arguments(scenario, folder)
-            print(f"FAILED {scenario.name} {at}: {problem}\n    mkdir {folder}; " + shlex.join(command), flush=True)
+            print(f"FAILED {scenario.name} {at}: {problem}\n    mkdir {folder}; " + shlex.join(command) + "\n" + callers, end="", flush=True)
         return not problem
 
 
