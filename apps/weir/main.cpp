@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <new>
 
 #include "apps/weir/bench/bench_command.h"
@@ -88,6 +89,24 @@ bool hasEnded = false;
 void tellOfLibraryThatExits() {
   if (hasEnded) return;
   std::fputs("error: a library ended the program; the likely cause is that memory ran out\n", stderr);
+  ::_exit(kSimulationFailed);
+}
+
+thread_local bool memoryRanOut = false;  // at least once, in this thread
+
+/// For operator new.
+void noteThatMemoryRanOut() {
+  memoryRanOut = true;
+  throw std::bad_alloc();
+}
+
+const std::terminate_handler kUsualEnd = std::get_terminate();
+
+/// For std::terminate(). Nothing catches std::bad_alloc that static objects of a plugin's libraries throw,
+/// and what functions of the C++ library throw that are noexcept and allocate.
+[[noreturn]] void tellOfEndWithoutMemory() {
+  if (!memoryRanOut) kUsualEnd();
+  std::fputs("error: the program cannot go on; the likely cause is that memory ran out\n", stderr);
   ::_exit(kSimulationFailed);
 }
 
@@ -212,6 +231,8 @@ int runGuarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   weir::app::openStandardStreams();
+  std::set_new_handler(weir::app::noteThatMemoryRanOut);
+  std::set_terminate(weir::app::tellOfEndWithoutMemory);
   int code = weir::kSimulationFailed;
   try {
     code = weir::app::runGuarded(argc, argv);

@@ -55,6 +55,8 @@ bool standsAt(int descriptor, const fs::path& file) {
 }  // namespace
 
 OutputLock::OutputLock(const fs::path& output) {
+  // First of all: nothing removes the file of a lock whose constructor throws.
+  const std::string self = fmt::format("process {} on {}", ::getpid(), hostName());
   fs::path path = fs::absolute(output).lexically_normal();
   if (path.filename().empty()) path = path.parent_path();
   std::error_code ignored;
@@ -82,9 +84,8 @@ OutputLock::OutputLock(const fs::path& output) {
     else
       ::close(opened);
   }
-  const std::string holder = fmt::format("process {} on {}", ::getpid(), hostName());
   // For messages only: on a full disk there is none.
-  if (::ftruncate(descriptor_, 0) == 0) (void)!::pwrite(descriptor_, holder.data(), holder.size(), 0);
+  if (::ftruncate(descriptor_, 0) == 0) (void)!::pwrite(descriptor_, self.data(), self.size(), 0);
 }
 
 OutputLock::~OutputLock() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -68,8 +69,13 @@ void MemoryPool::release(void* memory, std::size_t bytes) noexcept {
     lent->second.released = size;
     return;
   }
-  idle_[size].push_back({memory, requests_});
   use_.inUse -= size;
+  try {
+    idle_[size].push_back({memory, requests_});
+  } catch (const std::bad_alloc&) {  // not even to note it: the system has it back
+    systemFree_(memory, size);
+    use_.reserved -= size;
+  }
 }
 
 std::shared_ptr<void> MemoryPool::lend(void* memory) {

@@ -1,6 +1,7 @@
 #include "framework/graph/plugin.h"
 
 #include <cxxabi.h>
+#include <dirent.h>
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -62,10 +63,15 @@ struct Plugin::Library {
     if (fs::is_directory(file, error))
       throw pluginError(file, "the plugin cannot be loaded: it is a folder", "a shared library (*.so)");
     // Absolute, because the loader looks for bare names elsewhere.
-    handle = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+    const fs::path absolute = fs::absolute(file);
+    errno = 0;
+    handle = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
+      // The loader has an errno of its own: its text tells of calls of the system that found no memory, and
+      // not of malloc(), which sets the C library's errno.
+      const bool noMemory = errno == ENOMEM;
       const std::string reason = lastLoaderError();
-      if (reason.find(std::strerror(ENOMEM)) != std::string::npos) throw std::bad_alloc();
+      if (noMemory || reason.find(std::strerror(ENOMEM)) != std::string::npos) throw std::bad_alloc();
       const bool missing = reason.find(kUndefined) != std::string::npos;
       throw pluginError(
           file, "the plugin cannot be loaded: " + reason, "a shared library for this machine",
@@ -157,11 +163,17 @@ Plugin::~Plugin() = default;
 Plugin::Plugin(Plugin&&) noexcept = default;
 Plugin& Plugin::operator=(Plugin&&) noexcept = default;
 
+// By calls of the system, because std::filesystem::directory_iterator ends the program where memory runs out.
 std::vector<fs::path> pluginFiles(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().extension() == ".so" && !entry->is_directory(error)) files.push_back(entry->path());
+  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder.c_str()), ::closedir);
+  if (entries == nullptr && errno == ENOMEM) throw std::bad_alloc();
+  if (entries == nullptr) return files;
+  while (const dirent* entry = ::readdir(entries.get())) {
+    const fs::path file = folder / entry->d_name;
+    std::error_code error;
+    if (file.extension() == ".so" && !fs::is_directory(file, error)) files.push_back(file);
+  }
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -1,8 +1,10 @@
 #include "framework/graph/plugin_probe.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "framework/base/error.h"
@@ -12,6 +14,9 @@
 namespace weir {
 
 namespace {
+
+/// How the copy ends where a static object finds no memory.
+constexpr int kNoMemory = 87;
 
 /// Why loading ended the copy; "" if it did not.
 std::string reasonOf(const ForkedEnd& end) {
@@ -33,10 +38,13 @@ void probePlugin(const std::filesystem::path& file) {
   constexpr ForkedLimits kLimits{.cpuSeconds = 20, .seconds = 60, .keepsStderr = true};
   const std::string path = std::filesystem::absolute(file).string();
   const auto load = [&] {
+    std::set_new_handler([] { ::_exit(kNoMemory); });
     dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     return std::string();
   };
-  const std::string reason = reasonOf(ForkedWork(load, kLimits).wait());
+  const ForkedEnd end = ForkedWork(load, kLimits).wait();
+  if (!end.done && end.exitCode == kNoMemory) throw std::bad_alloc();
+  const std::string reason = reasonOf(end);
   if (reason.empty()) return;
   throw ioError("the plugin cannot be loaded: " + reason, "static objects that need nothing and cannot fail")
       .at({.file = file.string()});

@@ -272,7 +272,7 @@ void PolyDataFile::replaceBy(const fs::path& real, const fs::path& draft, const 
     fs::rename(draft, real, error);
     if (error) throw ioError("cannot create the file: " + error.message()).at({.file = real.string()});
     syncFolderOf(real);
-  } catch (const Error&) {
+  } catch (...) {  // an Error, or no memory
     if (file_) abandon();
     std::error_code ignored;
     fs::remove(draft, ignored);

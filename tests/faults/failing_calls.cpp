@@ -4,11 +4,15 @@
 //  - WEIR_FAULT_PROGRAM: the program that is meant, "weir"; others, such as those that it starts, are left
 //  alone
 //  - WEIR_FAULT_FOLDER: calls of files count below this folder only
-//  - WEIR_FAULT_CALL: open, write, fsync, rename, close, malloc, or malloc-hdf5 for allocations by HDF5
+//  - WEIR_FAULT_CALL: open, write, fsync, rename, close, malloc, malloc-hdf5 for allocations by HDF5, or
+//  malloc-load for those of static objects of libraries that plugins load
 //  - WEIR_FAULT_AT: which of these calls fails, from 1 on
 //  - WEIR_FAULT_AS: ENOSPC, EIO, EINTR, EMFILE, ENOMEM, or short: half of a write, the rest fails with ENOSPC
 //  - WEIR_FAULT_COUNTS: a file for the numbers of calls, added at the end
+//  - WEIR_FAULT_PLACES: a file for where each of these calls comes from: a number of 8 bytes for each call
+//  from the first on, the same number for the same functions that called one another
 //  - WEIR_FAULT_RECORD: a file for what is done to files, for power_cut.py
+//  - WEIR_FAULT_FROM: a file for the functions that the failing call came from
 //
 // Calls are counted from the start of main() on, over the process and its forked copies together. The library
 // takes no memory itself and opens its own files by system calls.
@@ -23,6 +27,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -40,13 +45,16 @@ void* __libc_memalign(size_t, size_t);
 
 namespace {
 
-enum Kind { kOpen, kWrite, kFsync, kRename, kClose, kMalloc, kMallocByHdf5, kKinds };
-constexpr const char* kNames[kKinds] = {"open", "write", "fsync", "rename", "close", "malloc", "malloc-hdf5"};
+enum Kind { kOpen, kWrite, kFsync, kRename, kClose, kMalloc, kMallocByHdf5, kMallocAtLoad, kKinds };
+constexpr const char* kNames[kKinds] = {"open",  "write",  "fsync",       "rename",
+                                        "close", "malloc", "malloc-hdf5", "malloc-load"};
+constexpr long kMostPlaces = 1L << 20;
 
 /// Shared by the process and its forked copies.
 struct Shared {
   std::atomic<long> calls[kKinds];
   std::atomic<long> failed;
+  uint64_t places[kMostPlaces];  // where calls of the kind that is asked for came from
 };
 
 Shared* shared = nullptr;  // null while nothing is counted
@@ -55,9 +63,11 @@ Kind failing = kKinds;
 long failingAt = 0;
 int failure = 0;
 bool isShort = false;
+bool notesPlaces = false;
 int record = -1;
 pid_t first = 0;
 __attribute__((tls_model("initial-exec"))) thread_local bool inside = false;
+__attribute__((tls_model("initial-exec"))) thread_local int loading = 0;  // calls of dlopen() under way
 
 template <class F>
 F next(F, const char* name) {
@@ -76,15 +86,43 @@ int errorOf(const char* name) {
   return EIO;
 }
 
+/// Of the functions that called one another, by FNV-1a over the places where they go on.
+uint64_t placeOfCall() {
+  constexpr int kDepth = 24;
+  void* callers[kDepth];
+  inside = true;  // it may allocate
+  const int depth = backtrace(callers, kDepth);
+  inside = false;
+  uint64_t place = 14695981039346656037ULL;
+  for (int k = 0; k < depth; ++k)
+    place = (place ^ reinterpret_cast<uintptr_t>(callers[k])) * 1099511628211ULL;
+  return place;
+}
+
+void writeCallers() {
+  const char* file = getenv("WEIR_FAULT_FROM");
+  if (file == nullptr) return;
+  constexpr int kDepth = 64;
+  void* callers[kDepth];
+  inside = true;
+  const int depth = backtrace(callers, kDepth);
+  const int fd = static_cast<int>(syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_CREAT | O_TRUNC, 0666));
+  backtrace_symbols_fd(callers, depth, fd);
+  syscall(SYS_close, fd);
+  inside = false;
+}
+
 /// Whether it is the call that fails; errno is set then.
 bool fails(Kind kind) {
   if (shared == nullptr || inside) return false;
   const long call = ++shared->calls[kind];
+  if (notesPlaces && kind == failing && call <= kMostPlaces) shared->places[call - 1] = placeOfCall();
   if (kind != failing || failingAt == 0) return false;
   // What is full stays full: after a short write the next ones fail, too.
   const bool now = call == failingAt || (isShort && kind == kWrite && call > failingAt);
   if (!now) return false;
   ++shared->failed;
+  if (call == failingAt) writeCallers();
   errno = failure;
   return true;
 }
@@ -127,8 +165,17 @@ bool isBelowHdf5() {
   return false;
 }
 
-/// HDF5 crashes or exits where some of its own allocations fail, which says nothing of whoever uses it.
+/// Whether the loader of libraries itself asks, and not the static objects that it has made.
+bool isInLoader(const void* caller) {
+  Dl_info library = {};
+  return dladdr(caller, &library) != 0 &&
+         reinterpret_cast<uintptr_t>(library.dli_fbase) == static_cast<uintptr_t>(getauxval(AT_BASE));
+}
+
+/// HDF5 crashes or exits where some of its own allocations fail, and static objects of other libraries may
+/// crash, which says nothing of whoever uses them.
 bool allocationFails(const void* caller) {
+  if (loading > 0 && shared != nullptr && !inside && !isInLoader(caller)) return fails(kMallocAtLoad);
   if (isInHdf5(caller)) return fails(kMallocByHdf5);
   return fails(kMalloc) && !isBelowHdf5();
 }
@@ -206,6 +253,18 @@ int noteOpen(const char* path, int flags, int fd) {
   return fd;
 }
 
+void writePlaces() {
+  const char* file = getenv("WEIR_FAULT_PLACES");
+  if (file == nullptr || failing == kKinds) return;
+  const int fd = static_cast<int>(syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_CREAT | O_TRUNC, 0666));
+  const long count = shared->calls[failing];
+  const char* at = reinterpret_cast<const char*>(shared->places);
+  size_t size = sizeof(uint64_t) * static_cast<size_t>(count < kMostPlaces ? count : kMostPlaces);
+  for (long written = 1; size > 0 && written > 0; size -= static_cast<size_t>(written), at += written)
+    written = syscall(SYS_write, fd, at, size);
+  syscall(SYS_close, fd);
+}
+
 void writeCounts() {
   const char* file = getenv("WEIR_FAULT_COUNTS");
   if (file == nullptr || shared == nullptr || getpid() != first) return;
@@ -219,6 +278,7 @@ void writeCounts() {
                      shared->failed.load());
   syscall(SYS_write, fd, text, length);
   syscall(SYS_close, fd);
+  writePlaces();
 }
 
 void begin() {
@@ -240,6 +300,7 @@ void begin() {
     record = fcntl(fd, F_DUPFD_CLOEXEC, kFarAway);
     syscall(SYS_close, fd);
   }
+  notesPlaces = getenv("WEIR_FAULT_PLACES") != nullptr;
   first = getpid();
   void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory != MAP_FAILED) shared = static_cast<Shared*>(memory);
@@ -476,7 +537,9 @@ int close(int fd) {
 
 void* dlopen(const char* file, int mode) {
   NEXT(dlopen);
+  ++loading;
   void* library = real(file, mode);
+  --loading;
   dl_iterate_phdr(noteHdf5, nullptr);
   return library;
 }
