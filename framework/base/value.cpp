@@ -11,6 +11,17 @@
 
 namespace weir {
 
+// GCC 12 at -O3 jumps astray where a copy within std::variant's constructor of copies throws, as
+// std::bad_alloc does. What is only moved into the variant cannot throw there.
+Value::Value(const Value& other) : line(other.line), column(other.column), origin(other.origin) {
+  std::visit(
+      [&](const auto& content) {
+        auto copy = content;
+        data_ = std::move(copy);
+      },
+      other.data_);
+}
+
 Value::Value(float f) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, f).ptr;

@@ -29,6 +29,11 @@ class Value {
   using Object = std::vector<std::pair<std::string, Value>>;
 
   Value() = default;
+  Value(const Value& other);
+  Value(Value&&) = default;
+  Value& operator=(const Value& other) { return *this = Value(other); }
+  Value& operator=(Value&&) = default;
+  ~Value() = default;
   Value(bool b) : data_(b) {}
   Value(int i) : data_(std::int64_t{i}) {}
   Value(std::int64_t i) : data_(i) {}

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
 #include <utility>
 
 namespace weir::studio {
@@ -42,37 +42,44 @@ Values valuesOf(const Value& numbers) {
 
 void NumberHistory::add(const Value& numbers) {
   const double time = numbers.find("simulated_seconds")->asDouble();
-  while (!samples_.empty() && samples_.back().time >= time) samples_.pop_back();
-  if (samples_.size() >= max_) thin();
-  samples_.push_back({time, valuesOf(numbers)});
+  shorten(std::size_t(std::lower_bound(times_.begin(), times_.end(), time) - times_.begin()));
+  if (times_.size() >= max_) thin();
+  constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
+  for (auto& [name, row] : values_) row.push_back(kNotTold);
+  times_.push_back(time);
+  for (const auto& [name, value] : valuesOf(numbers)) {
+    std::vector<double>& row = values_[name];
+    row.resize(times_.size(), kNotTold);  // of a name that is new
+    row.back() = value;
+  }
   last_ = numbers;
 }
 
+void NumberHistory::shorten(std::size_t count) {
+  times_.resize(count);
+  for (auto& [name, row] : values_) row.resize(count);
+}
+
 void NumberHistory::thin() {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < samples_.size(); i += 2) samples_[kept++] = std::move(samples_[i]);
-  samples_.resize(kept);
+  const auto everySecond = [](std::vector<double>& row) {
+    for (std::size_t i = 0; i < row.size(); i += 2) row[i / 2] = row[i];
+  };
+  everySecond(times_);
+  for (auto& [name, row] : values_) everySecond(row);
+  shorten((times_.size() + 1) / 2);
 }
 
 Value NumberHistory::value() const {
-  std::set<std::string> names;
-  Value times = Value::array();
-  for (const Sample& sample : samples_) {
-    times.push(sample.time);
-    for (const auto& [name, unused] : sample.values) names.insert(name);
-  }
+  const auto asValue = [](const std::vector<double>& row) {
+    Value::Array array(row.begin(), row.end());
+    for (Value& value : array)
+      if (!std::isfinite(value.asDouble())) value = Value();
+    return Value(std::move(array));
+  };
   Value values = Value::object();
-  for (const std::string& name : names) {
-    Value row = Value::array();
-    for (const Sample& sample : samples_) {
-      const auto found = sample.values.find(name);
-      row.push(found == sample.values.end() || !std::isfinite(found->second) ? Value()
-                                                                             : Value(found->second));
-    }
-    values[name] = std::move(row);
-  }
+  for (const auto& [name, row] : values_) values[name] = asValue(row);
   Value v = Value::object();
-  v["times"] = std::move(times);
+  v["times"] = asValue(times_);
   v["values"] = std::move(values);
   return v;
 }

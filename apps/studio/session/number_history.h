@@ -26,14 +26,13 @@ class NumberHistory {
   const Value& last() const { return last_; }
 
  private:
-  struct Sample {
-    double time;  // s
-    std::map<std::string, double> values;
-  };
+  /// Keeps so many samples, the first ones.
+  void shorten(std::size_t count);
   void thin();
 
   std::size_t max_;
-  std::vector<Sample> samples_;
+  std::vector<double> times_;                          // s
+  std::map<std::string, std::vector<double>> values_;  // one for each time; NaN where it was not told
   Value last_;
 };
 
