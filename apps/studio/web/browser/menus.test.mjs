@@ -12,7 +12,7 @@ const kScene = {
   nodes: {
     block: { type: "BoxSampler", params: { min: [0, 0, 0], max: [0.2, 0.2, 0.2] } },
     tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [1, 1, 1], inverted: true } },
-    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 } },
+    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 }, modules: { solver: { type: "SemiImplicitSolver" } } },
   },
   links: ["block.particles -> water.initial"],
 };
@@ -364,6 +364,8 @@ step("a run that goes wrong is helped by one click", async () => {
 });
 
 step("a build says what it is at, and can be given up", async () => {
+  await hands.pressInGraph("Escape");
+  await hands.set(hands.aside(), "duration", "float", 10); // it shall still play when it is paused
   await hands.select("block");
   await hands.set(hands.aside(), "max", "vec3", [1, 1, 1]);
   await hands.select("water");
