@@ -168,14 +168,13 @@ double AcceleratedSolver::settledEnergy(const PressureProblem& problem) const {
 
 detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
   constexpr double kReach = 0.25, kNear = 0.1;  // spacings
-  const double settled = settledEnergy(problem);
   const double reach = kReach * problem.fluid.constants.spacing;
   const double near = kNear * problem.fluid.constants.spacing;
   return {.control = control_->data(),
           .sums = sums,
           .count = all_,
           .tolerance = double(tolerance.get().value_or(-1.0f)),
-          .settled = settled,
+          .settled = settledEnergy(problem),
           .accelerated = accelerated(),
           .farthest = reach * reach,
           .nearest = neighborSearches.get() ? -1 : near * near,
