@@ -1,6 +1,7 @@
 // What hands do to a run and in its view, by mouse and keyboard alone: a preview, a body that is pulled, a plane that cuts, and a
 // mesh that is dropped.
 import assert from "node:assert/strict";
+import { strToU8, zipSync } from "three/examples/jsm/libs/fflate.module.js";
 import { step } from "./steps.mjs";
 import { openStudio } from "./studio.mjs";
 
@@ -159,12 +160,12 @@ function stlBox(size, open) {
   return `solid box\n${triangles.map((t) => `facet normal 0 0 0\nouter loop\n${t.join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid box\n`;
 }
 
-async function drop(name, text) {
-  const data = await page.evaluateHandle(([name, text]) => {
+async function drop(name, content) {
+  const data = await page.evaluateHandle(([name, base64]) => {
     const dropped = new DataTransfer();
-    dropped.items.add(new File([text], name));
+    dropped.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
     return dropped;
-  }, [name, text]);
+  }, [name, Buffer.from(content).toString("base64")]);
   await page.dispatchEvent(".app", "drop", { dataTransfer: data });
 }
 
@@ -182,6 +183,45 @@ step("a mesh that is dropped is measured: its unit is guessed, and what is open 
   await hands.node("part").waitFor();
   await hands.pressInGraph("Control+s");
   await saved((s) => s.nodes.part?.params.unit === 0.001);
+});
+
+// A tetrahedron, in metres.
+const kPlaces = [[0, 0, 0], [0.2, 0, 0], [0, 0.3, 0], [0, 0, 0.4]], kFaces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+const offFile = (faces) => ["OFF", `4 ${faces.length} 0`, ...kPlaces.map((p) => p.join(" ")), ...faces.map((f) => `3 ${f.join(" ")}`)].join("\n");
+
+function gltfFile() {
+  const bytes = Buffer.concat([Buffer.from(Float32Array.from(kPlaces.flat()).buffer), Buffer.from(Uint16Array.from(kFaces.flat()).buffer)]);
+  return JSON.stringify({
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [0.2, 0.3, 0.4] }, { bufferView: 1, componentType: 5123, count: 12, type: "SCALAR" }],
+    bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: 48 }, { buffer: 0, byteOffset: 48, byteLength: 24 }],
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
+  });
+}
+
+const threeMfFile = () => zipSync({
+  "_rels/.rels": strToU8('<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'),
+  "3D/3dmodel.model": strToU8(`<?xml version="1.0"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model"><mesh><vertices>${
+    kPlaces.map(([x, y, z]) => `<vertex x="${1000 * x}" y="${1000 * y}" z="${1000 * z}"/>`).join("")}</vertices><triangles>${
+    kFaces.map(([a, b, c]) => `<triangle v1="${a}" v2="${b}" v3="${c}"/>`).join("")}</triangles></mesh></object></resources><build><item objectid="1"/></build></model>`),
+});
+
+step("so are meshes in all formats that are read unasked; of others it says so, and of damaged ones why", async () => {
+  const dialog = page.getByRole("dialog", { name: "What shall it be?" });
+  const told = async (name, content, ...texts) => {
+    await drop(name, content);
+    for (const text of texts) await dialog.getByText(text).waitFor();
+    await dialog.getByRole("button", { name: "Cancel" }).click();
+    await dialog.waitFor({ state: "detached" });
+  };
+  await told("a.off", offFile(kFaces), "4 triangles, closed", "0.2 × 0.3 × 0.4 m");
+  await told("torn.off", offFile(kFaces.slice(1)), "3 triangles, open: 3 edges");
+  await told("a.gltf", gltfFile(), "4 triangles, closed", "0.2 × 0.3 × 0.4 m");
+  await told("a.3mf", threeMfFile(), "4 triangles, closed", "It looks like mm", "0.2 × 0.3 × 0.4 m");
+  await told("a.glb", "no such thing", "It cannot be read here");
+  await told("a.fbx", "x", "This page does not check such a file");
 });
 
 step("nothing went wrong on the way", () => assert.deepEqual(mistakes, []));

@@ -3,6 +3,7 @@ import { describe, expect, test } from "vitest";
 import { examplesOf } from "../src/model/examples";
 import { gravityArrow, onAxis, speedArrow, tipOf, withTip } from "../src/model/arrows";
 import { cutsOf, footOf, isShown, withCut, withNormal, withPlane } from "../src/model/clips";
+import { readMesh } from "../src/files/readMesh";
 import { checkMesh, guessUnit, longestSide } from "../src/model/meshCheck";
 import { kNoPace, mendPace, secondsFor } from "../src/model/cost";
 import { bendsOf, bent, withBends, withNodeIn } from "../src/model/links";
@@ -150,6 +151,50 @@ describe("a mesh that was dropped", () => {
   test("has the unit in which it fits the scene", () => {
     const unit = (long: number, scene: number) => guessUnit(long, scene).name;
     expect([unit(0.2, 1), unit(1, 1), unit(200, 1), unit(20, 0.5), unit(1e7, 1), unit(1e-5, 1)]).toEqual(["m", "m", "mm", "mm", "m", "m"]);
+  });
+});
+
+describe("a mesh file that was dropped", () => {
+  const kPlaces = [[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 4]], kFaces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+  const kFound = { triangles: 4, low: [0, 0, 0], high: [2, 3, 4], open: 0, insideOut: false };
+  const file = (name: string, ...parts: BlobPart[]) => new File(parts, name);
+  const checked = async (f: File) => checkMesh((await readMesh(f))!);
+
+  test("is read as OFF, with colours, with faces of more corners, and without its first word", async () => {
+    const text = ["OFF # a corner", "4 4 6", ...kPlaces.map((p) => p.join(" ")), "", ...kFaces.map((f) => `3 ${f.join(" ")}`)].join("\n");
+    expect(await checked(file("a.off", text))).toEqual(kFound);
+    expect(await checked(file("a.OFF", text.replace("OFF # a corner\n", "")))).toEqual(kFound);
+    const coloured = ["COFF 4 1 0", "0 0 0 1 0 0 1", "1 0 0 1 0 0 1", "1 1 0 1 0 0 1", "0 1 0 1 0 0 1", "4 0 1 2 3 255 0 0"].join("\r\n");
+    expect(await checked(file("a.off", coloured))).toMatchObject({ triangles: 2, high: [1, 1, 0], open: 4 });
+    for (const damaged of ["", "OFF", "OFF\n4 4 0\n0 0 0", text.replace("3 1 2 3", "3 1 2 9"), text.replace("2 0 0", "2 x 0"), text.replace("3 1 2 3", "4 1 2 3")])
+      await expect(readMesh(file("a.off", damaged)), damaged).rejects.toThrow(/ends too early|no such face/);
+  });
+
+  /** A node that turns the mesh, mirrors it and makes it larger. */
+  const gltf = (buffer: object) => ({
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], buffers: [buffer],
+    nodes: [{ mesh: 0, scale: [-2, 2, 2], translation: [4, 0, 0] }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1, material: 0 }] }],
+    materials: [{ pbrMetallicRoughness: { baseColorTexture: { index: 0 } } }], textures: [{ source: 0 }], images: [{ uri: "missing.png" }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [2, 3, 4] }, { bufferView: 1, componentType: 5123, count: 12, type: "SCALAR" }],
+    bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: 48 }, { buffer: 0, byteOffset: 48, byteLength: 24 }],
+  });
+  const bytes = new Uint8Array([...new Uint8Array(Float32Array.from(kPlaces.flat()).buffer), ...new Uint8Array(Uint16Array.from(kFaces.flat()).buffer)]);
+
+  test("is read as glTF where its node stands, without the pictures that it names", async () => {
+    const text = JSON.stringify(gltf({ byteLength: bytes.length }));
+    const json = new TextEncoder().encode(text.padEnd(4 * Math.ceil(text.length / 4)));
+    const words = (...n: number[]) => new Uint8Array(Uint32Array.from(n).buffer);
+    const glb = file("a.glb", words(0x46546c67, 2, 28 + json.length + bytes.length, json.length, 0x4e4f534a), json, words(bytes.length, 0x004e4942), bytes);
+    const expected = { triangles: 4, low: [0, 0, 0], high: [4, 6, 8], open: 0, insideOut: false };
+    expect(await checked(glb)).toEqual(expected);
+    const embedded = gltf({ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${btoa(String.fromCharCode(...bytes))}` });
+    expect(await checked(file("a.gltf", JSON.stringify(embedded)))).toEqual(expected);
+    await expect(readMesh(file("a.gltf", JSON.stringify(gltf({ byteLength: bytes.length, uri: "a.bin" }))))).rejects.toThrow("it needs a.bin");
+  });
+  test("is not read in other formats, and is told to be damaged where it is", async () => {
+    expect(await readMesh(file("a.fbx", "x"))).toBeNull();
+    await expect(readMesh(file("a.glb", "x"))).rejects.toThrow();
   });
 });
 

@@ -403,15 +403,17 @@ function connectEnded(
 
 const kEdge = 12;
 
-/** Moves the graph so that all of a node is seen, and makes it smaller where it must be. */
+/** Moves the graph so that all of a node is seen, beside the map, and makes it smaller where it must be. */
 function bringWholeIntoView(flow: ReactFlowInstance, surface: Element, id: string): void {
   const node = surface.querySelector(`[data-node="${id}"]`)?.getBoundingClientRect(), pane = surface.getBoundingClientRect();
   if (!node) return;
   const view = flow.getViewport(), scale = Math.min(1, (pane.height - 2 * kEdge) / node.height);
   // Of the node at the new scale, in pixels of the pane.
   const place = (at: number, size: number, most: number) => Math.max(kEdge, Math.min(at, most - size * scale - kEdge));
-  const left = node.left - pane.left, top = node.top - pane.top;
-  const x = place(left, node.width, pane.width) - scale * (left - view.x), y = place(top, node.height, pane.height) - scale * (top - view.y);
+  const left = node.left - pane.left, top = node.top - pane.top, toTop = place(top, node.height, pane.height);
+  const map = surface.querySelector(".overview:not([data-needless])")?.getBoundingClientRect();
+  const reachesMap = map !== undefined && toTop + scale * node.height > map.top - pane.top;
+  const x = place(left, node.width, reachesMap ? map.left - pane.left : pane.width) - scale * (left - view.x), y = toTop - scale * (top - view.y);
   if (x !== view.x || y !== view.y) void flow.setViewport({ x: Math.round(x), y: Math.round(y), zoom: view.zoom * scale }, { duration: kGlideMs });
 }
 

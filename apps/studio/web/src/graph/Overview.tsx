@@ -49,8 +49,8 @@ export function Overview({ nodes }: { nodes: Node[] }) {
       last = now;
       const [x, y, zoom] = transform;
       const view = { left: -x / zoom, top: -y / zoom, width: width / zoom, height: height / zoom };
-      // Where all is seen it would only lie upon a node.
-      const seesAll = view.left <= box.left && view.top <= box.top && view.left + view.width >= box.left + box.width && view.top + view.height >= box.top + box.height;
+      // Where all is seen it would only lie upon a node, and where there are none it shows nothing.
+      const seesAll = box.width === 0 || view.left <= box.left && view.top <= box.top && view.left + view.width >= box.left + box.width && view.top + view.height >= box.top + box.height;
       seen.current!.parentElement!.toggleAttribute("data-needless", seesAll);
       const all = unite(box, view);
       const s = (scale.current = scaleOf(all));

@@ -112,7 +112,7 @@ function Row({ owner, parameter, siblings, path }: { owner: Owner; parameter: Pa
       onContextMenu={menu} onMouseDown={(e) => e.button === 2 && e.target !== document.activeElement && e.preventDefault()}
       className={`row${set === undefined ? "" : " set"}${problem ? " wrong" : ""}`} data-param={parameter.name}>
       <span className="name" title={tipOf(parameter)}>
-        {labelOf(parameter.name)}
+        {labelOf(parameter.name)}<wbr />
         <small>
           {parameter.unit && unitText(parameter.unit)}
           {playing && !parameter.live && <span className="needs-reset" title="A change takes effect after a reset"> <Icon name="reset" /></span>}

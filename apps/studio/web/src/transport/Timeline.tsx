@@ -88,7 +88,7 @@ export function Timeline() {
       <div className="ruler" title={every > 1 ? `Memory is short: every ${every}th frame is kept, the nearest is shown` : undefined}>
         <i className={dense ? "recorded band" : "recorded"} style={{ width: share(frame) }} />
         {marks.map((f) => <i key={f} className="mark" style={{ left: share(f) }} />)}
-        {ticks(0, frames, kTicks).filter(Number.isInteger).map((t) => <span key={t} className={t > 0.97 * frames ? "tick last" : "tick"} style={{ left: share(t) }}>{t.toLocaleString("en")}</span>)}
+        {status.frames !== undefined && ticks(0, frames, kTicks).filter(Number.isInteger).map((t) => <span key={t} className={t > 0.97 * frames ? "tick last" : "tick"} style={{ left: share(t) }}>{t.toLocaleString("en")}</span>)}
         <i className="present" style={{ left: share(frame) }} />
         <input
           type="range" aria-label="Frame" min={0} max={frames} value={at} disabled={idle}
