@@ -138,8 +138,10 @@ step("the health of a run says what is wrong, and why", async () => {
 
 step("New takes the old world away, and can be undone", async () => {
   assert.notEqual(await page.locator(".load").innerText(), "0 particles");
+  await page.locator(".light.warnings").waitFor();
   await page.getByRole("button", { name: "New", exact: true }).click();
   await state("empty");
+  await page.locator(".light.warnings").waitFor({ state: "detached" });
   await page.locator(".load").filter({ hasText: /^0 particles/ }).waitFor();
   await hands.pressInGraph("Control+z");
   await hands.node("water").waitFor();

@@ -10,6 +10,7 @@ import { chromium, firefox } from "playwright-core";
 import { watch } from "./seen.mjs";
 
 const kWeir = process.env.WEIR ?? "weir";
+const kNice = "10";
 const kLong = 60;
 const kRestMs = 300;
 const kRestFrames = 10;
@@ -41,7 +42,8 @@ async function addressOf(server) {
  */
 export async function startServer(options = [], { folder, env = {} } = {}) {
   const own = folder ?? (await mkdtemp(join(tmpdir(), "weir-studio-")));
-  const server = spawn(kWeir, ["studio", "--no-browser", "--folder", own, "--device", "cpu", "--threads", "2", ...options], {
+  // What hands do comes first where a simulation would take all that the machine has.
+  const server = spawn("nice", ["-n", kNice, kWeir, "studio", "--no-browser", "--folder", own, "--device", "cpu", "--threads", "2", ...options], {
     stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: join(own, ".state"), ...env },
   });
   const ended = new Promise((resolve) => server.once("close", resolve));
