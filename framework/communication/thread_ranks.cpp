@@ -26,24 +26,34 @@ using Posted = std::variant<Message, Parcel>;
 class Post {
  public:
   explicit Post(int ranks)
-      : ranks_(ranks), boxes_(std::size_t(ranks) * std::size_t(ranks)), ended_(std::size_t(ranks)) {}
+      : ranks_(ranks),
+        boxes_(std::size_t(ranks) * std::size_t(ranks)),
+        waiting_(std::size_t(ranks)),
+        ended_(std::size_t(ranks)) {}
 
   int ranks() const { return ranks_; }
 
   void put(int from, int to, Posted message) {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     box(from, to).push_back(std::move(message));
-    arrived_.notify_all();
+    Waiting& receiver = waiting_[std::size_t(to)];
+    const bool isAwaited = receiver.from == from;
+    // Whoever wakes needs the lock.
+    lock.unlock();
+    if (isAwaited) receiver.wake.notify_one();
   }
 
   Posted take(int from, int to) {
     std::unique_lock lock(mutex_);
     std::deque<Posted>& messages = box(from, to);
+    Waiting& receiver = waiting_[std::size_t(to)];
     const auto isOver = [&] { return failed_ || !messages.empty() || ended_[std::size_t(from)]; };
+    receiver.from = from;
     if (!limit_)
-      arrived_.wait(lock, isOver);
-    else if (!arrived_.wait_for(lock, *limit_, isOver))
+      receiver.wake.wait(lock, isOver);
+    else if (!receiver.wake.wait_for(lock, *limit_, isOver))
       throw waitedTooLong(from, *limit_);
+    receiver.from.reset();
     if (failed_) throw RanksEnded();
     const bool othersMakeTheSameCalls = !messages.empty();
     WEIR_CHECK(othersMakeTheSameCalls);
@@ -56,14 +66,14 @@ class Post {
   void end(int rank) {
     const std::lock_guard lock(mutex_);
     ended_[std::size_t(rank)] = true;
-    arrived_.notify_all();
+    wakeAll();
   }
 
   /// In a catch block.
   void fail(int rank) {
     const std::lock_guard lock(mutex_);
     if (!failed_) failed_ = std::current_exception(), failedRank_ = rank;
-    arrived_.notify_all();
+    wakeAll();
   }
 
   /// Once all ranks have ended.
@@ -80,6 +90,17 @@ class Post {
   }
 
  private:
+  /// A rank that waits for a message. Each is woken by itself: with one condition for all, every message
+  /// would wake every rank, most of them in vain.
+  struct Waiting {
+    std::optional<int> from;  // of which rank, while it waits
+    std::condition_variable wake;
+  };
+
+  void wakeAll() {
+    for (Waiting& each : waiting_) each.wake.notify_one();
+  }
+
   std::deque<Posted>& box(int from, int to) {
     const bool areRanks = from >= 0 && from < ranks_ && to >= 0 && to < ranks_;
     WEIR_CHECK(areRanks);
@@ -89,8 +110,8 @@ class Post {
   int ranks_;
   std::optional<std::chrono::duration<double>> limit_ = rankWaitLimit();
   std::mutex mutex_;  // of all below
-  std::condition_variable arrived_;
   std::vector<std::deque<Posted>> boxes_;
+  std::vector<Waiting> waiting_;  // by rank
   std::vector<bool> ended_;
   std::exception_ptr failed_;
   int failedRank_ = 0;
