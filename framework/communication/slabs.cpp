@@ -9,6 +9,9 @@ namespace weir {
 
 namespace {
 
+// Layers beside a box, of those that it has, and how many at least.
+constexpr int kPartForRoom = 8, kMinRoom = 4;
+
 /// Fills slab after slab up to `max` particles; returns where the next ones begin.
 std::vector<std::size_t> fill(std::span<const std::int64_t> particles, std::int64_t max) {
   std::vector<std::size_t> begins;
@@ -22,16 +25,38 @@ std::vector<std::size_t> fill(std::span<const std::int64_t> particles, std::int6
 
 }  // namespace
 
-std::vector<int> Slabs::neighborsOf(int k) const {
-  const auto begin = [&](int slab) { return cuts[std::size_t(slab) - 1]; };
-  const auto isEmpty = [&](int slab) {
-    return slab > 0 && slab + 1 < count() && begin(slab) == begin(slab + 1);
-  };
-  std::vector<int> found;
-  if (isEmpty(k)) return found;
-  if (k > 0) found.push_back(view().slabOfLayer(begin(k) - 1));
-  if (k + 1 < count()) found.push_back(view().slabOfLayer(begin(k + 1)));
-  return found;
+CellLayers layersAcross(const Aabb& box, float cellSize) {
+  constexpr int kMaxLayers = 1 << 16;
+  const Vec3f size = box.size();
+  CellLayers layers{.axis = size.x > std::max(size.y, size.z) ? 0 : (size.y > size.z ? 1 : 2),
+                    .inverseCellSize = 1.0f / cellSize};
+  const int low = layers.countedLayerOf(box.lo), high = layers.countedLayerOf(box.hi);
+  const int room = kMinRoom + (high - low) / kPartForRoom;
+  layers.first = low - room;
+  layers.count = std::min(high - low + 1 + 2 * room, kMaxLayers);
+  return layers;
+}
+
+CellLayers Slabs::layersOf(int k) const {
+  CellLayers own = layers;
+  if (k > 0) own.first = cuts[std::size_t(k) - 1];
+  const int end = k + 1 < count() ? cuts[std::size_t(k)] : layers.first + layers.count;
+  own.count = end - own.first;
+  return own;
+}
+
+std::optional<int> Slabs::below(int k) const {
+  if (layersOf(k).count == 0) return {};
+  while (--k >= 0)
+    if (layersOf(k).count > 0) return k;
+  return {};
+}
+
+std::optional<int> Slabs::above(int k) const {
+  if (layersOf(k).count == 0) return {};
+  while (++k < count())
+    if (layersOf(k).count > 0) return k;
+  return {};
 }
 
 std::vector<int> cutLayers(int firstLayer, std::span<const std::int64_t> particles, int slabs) {

@@ -3,10 +3,15 @@
 // Cells are those of the search for neighbours, counted through all of space and not wrapped into its grid.
 // Neighbours stand in cells side by side, so a slab needs copies of one layer at each side. Who owns what
 // changes no result.
+//
+// Layers end somewhere, and what is beyond counts to the outermost ones, whose cells have no end. Where that
+// is does change the order of lists, as particles of one cell stand in the order of their ids; so it goes by
+// the box of all particles and not by how many slabs there are.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,19 +22,30 @@ namespace WEIR_API weir {
 
 /// The layers of cells across an axis.
 struct CellLayers {
-  static constexpr float kFarthest = 1e9f;  // cells; what is beyond is in the last one
+  static constexpr float kFarthest = 5e8f;  // cells, from the origin
 
-  int axis = 0;               ///< 0, 1, 2: x, y, z
+  int axis = 2;               ///< 0, 1, 2: x, y, z
   float inverseCellSize = 1;  ///< 1/m
+  int first = 0, count = 1;   ///< at least one
 
   /// That of a finite point.
   WEIR_HD int layerOf(const Vec3f& p) const {
+    const int layer = countedLayerOf(p), last = first + count - 1;
+    return layer < first ? first : (layer > last ? last : layer);
+  }
+  /// Through all of space.
+  WEIR_HD int countedLayerOf(const Vec3f& p) const {
     const float cell = floorf((axis == 0 ? p.x : axis == 1 ? p.y : p.z) * inverseCellSize);
     return static_cast<int>(cell > kFarthest ? kFarthest : (cell < -kFarthest ? -kFarthest : cell));
   }
 };
 
-/// Slab k is from cuts[k - 1] up to cuts[k], the first and the last one without end. It may be empty.
+/// Layers across the longest axis of a box, with room on both sides for what it will hold until it is
+/// measured again. `cellSize` in m.
+CellLayers layersAcross(const Aabb& box, float cellSize);
+
+/// Slab k has the layers from cuts[k - 1] up to cuts[k]; the first one begins and the last one ends where all
+/// layers do. It may be empty.
 struct SlabsView {
   CellLayers layers;
   const int* cuts = nullptr;  ///< ascending, one fewer than there are slabs
@@ -41,11 +57,6 @@ struct SlabsView {
     return k;
   }
   WEIR_HD int slabOf(const Vec3f& p) const { return slabOfLayer(layers.layerOf(p)); }
-  /// Whether slab k has a layer that touches the one of p, which is not in it.
-  WEIR_HD bool touches(int k, const Vec3f& p) const {
-    const int layer = layers.layerOf(p);
-    return slabOfLayer(layer - 1) == k || slabOfLayer(layer + 1) == k;
-  }
 };
 
 struct Slabs {
@@ -54,8 +65,12 @@ struct Slabs {
 
   int count() const { return static_cast<int>(cuts.size()) + 1; }
   SlabsView view() const { return {layers, cuts.data(), count()}; }
-  /// Those that touch slab k, in ascending order. Both sides agree on it.
-  std::vector<int> neighborsOf(int k) const;
+  /// The layers of slab k; none if it is empty.
+  CellLayers layersOf(int k) const;
+  /// The slab whose last layer is below slab k, and the one whose first layer is above it, empty ones left
+  /// out. Empty slabs touch none.
+  std::optional<int> below(int k) const;
+  std::optional<int> above(int k) const;
 };
 
 /// Cuts between layers, of which the first is `firstLayer` and each has so many particles, so that the slab

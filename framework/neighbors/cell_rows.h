@@ -13,12 +13,12 @@ struct RowPart {
 
 /// Those within a cell's width of a point, by where it stands in its cell.
 struct RowsWithinReach {
-  Vec3f fraction;  // of the point in its cell, in cells
+  Vec3f fraction;  // of the point in its cell, in cells, along the axes of the grid
   float margin;    // cells, by which the fraction may be wrong
 
   WEIR_HD RowsWithinReach(const Vec3f& p, const CellGrid& grid) {
     constexpr float kMin = 1e-4f, kRounding = 3e-7f;
-    const Vec3f g = grid.inverseCellSize * p;
+    const Vec3f g = grid.inverseCellSize * grid.along(p);
     fraction = {g.x - floorf(g.x), g.y - floorf(g.y), g.z - floorf(g.z)};
     margin = kMin + kRounding * (fabsf(g.x) + fabsf(g.y) + fabsf(g.z));
   }

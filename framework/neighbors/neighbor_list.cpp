@@ -16,10 +16,28 @@ namespace {
 constexpr std::int64_t kCellsPerParticle = 4;
 constexpr std::int64_t kMinCells = 1 << 12;
 constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
+// A fluid that grows between two frames leaves the box that it had; with this many cells, those of different
+// places that share storage do not hold many particles.
+constexpr std::int64_t kParticlesPerCell = 4;
 // A block for every kGroupsPerBlock groups of lists, and a few. At rows of cells that the grid wraps around,
 // and where few particles lie above many, groups are wide; blocks are for those with long lists among them.
 constexpr std::int64_t kGroupsPerBlock = 64;
 constexpr std::int64_t kMinBlocks = 16;
+
+std::int64_t maxCellsFor(std::int64_t particles) {
+  return std::clamp(kCellsPerParticle * particles, kMinCells, kMaxCells);
+}
+
+/// A box without its height along z.
+Aabb flat(const Vec3f& low, const Vec3f& high) {
+  return low.x <= high.x ? Aabb{{low.x, low.y, 0}, {high.x, high.y, 0}} : Aabb{};
+}
+
+/// As checkpoints have a grid.
+struct SavedGrid {
+  float inverseCellSize = 1;
+  Vec3i cells;
+};
 
 }  // namespace
 
@@ -52,13 +70,33 @@ void NeighborList::configure(float radius, int capacity) {
 }
 
 void NeighborList::fitGrid(const Aabb& box, std::int64_t particles, const std::optional<Vec3f>& mean) {
+  slab_.reset();
   box_ = box;
-  // A fluid that grows between two frames leaves the box that it had; with this many cells, those of
-  // different places that share storage do not hold many particles.
-  constexpr std::int64_t kParticlesPerCell = 4;
-  grid_ = chooseCellGrid(box, radius_, std::clamp(kCellsPerParticle * particles, kMinCells, kMaxCells),
-                         particles / kParticlesPerCell, mean);
+  grid_ = chooseCellGrid(box, radius_, maxCellsFor(particles), particles / kParticlesPerCell, mean);
   fittedFor_ = particles;
+}
+
+void NeighborList::fitSlab(const Slab& slab, const Aabb& box, std::int64_t particles) {
+  slab_ = slab;
+  box_ = box;
+  grid_ = {.slowestAxis = slab.own.axis};
+  const Aabb inLayer = flat(grid_.along(box.lo), grid_.along(box.hi));
+  const std::int64_t maxInLayer = maxCellsFor(particles) / slab.all.count;
+  const Vec3i cells = chooseCellGrid(inLayer, radius_, CellGrid::kMinCells * maxInLayer).cells;
+  constexpr int kLayersOfHalo = 2;
+  grid_.inverseCellSize = 1.0f / radius_;
+  grid_.firstLayer = slab.own.first;
+  grid_.slabLayers = std::max(slab.own.count, 1);
+  grid_.cells = {cells.x, cells.y, grid_.slabLayers + kLayersOfHalo};
+  fittedFor_ = particles;
+}
+
+void NeighborList::fitMore(std::int64_t particles) {
+  if (particles <= 2 * fittedFor_) return;
+  if (slab_)
+    fitSlab(*slab_, box_, particles);
+  else
+    fitGrid(box_, particles);
 }
 
 void NeighborList::build(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks,
@@ -80,10 +118,9 @@ void NeighborList::list(ParticleSet& particles) {
   const bool isSorted = sortedRoom_.isLent();
   WEIR_CHECK(isSorted);
   const std::int64_t halo = particles.haloCount();
-  if (halo > 0) {
-    makeRoom(particles.capacity(), halo);
+  makeRoom(particles.capacity(), mergesHalo(particles) ? halo : 0);
+  if (mergesHalo(particles))
     dispatch(particles.device(), [&](auto& device) { mergeHaloOn(device, particles); });
-  }
   const Version positions = particles.positions().version();
   const Lease<Vec3f> room = particles.leaseVectors();
   const ArrayView<float> crowding{reinterpret_cast<float*>(room.data()), room.size()};
@@ -157,14 +194,17 @@ double NeighborList::memoryFor(double particles) const {
 }
 
 void NeighborList::save(const StateWriter& to) const {
-  to.put("grid", grid_);
+  to.put("grid", SavedGrid{grid_.inverseCellSize, grid_.cells});
   to.put("box", box_);
   to.put("fitted_for", fittedFor_);
   to.put("events", events_, events_.size());
 }
 
 void NeighborList::restore(const StateReader& from) {
-  from.get("grid", grid_);
+  SavedGrid saved;
+  from.get("grid", saved);
+  slab_.reset();
+  grid_ = {.inverseCellSize = saved.inverseCellSize, .cells = saved.cells};
   from.get("box", box_);
   from.get("fitted_for", fittedFor_);
   from.get("events", events_);

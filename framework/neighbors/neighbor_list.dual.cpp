@@ -54,6 +54,18 @@ struct HaloKey {
   }
 };
 
+/// Fine cells of a halo.
+struct FillFine {
+  ArrayView<const Vec3f> positions;
+  float inverseCellSize;
+  std::int64_t first;
+  FineCell* fine;
+
+  WEIR_HD void operator()(std::int64_t k) const {
+    fine[first + k] = FineCell::of(positions[first + k], inverseCellSize);
+  }
+};
+
 #ifdef WEIR_HAS_EIGHT
 
 /// The keys of eight particles at once if nothing unusual is to be said of any.
@@ -73,22 +85,32 @@ struct WriteKeys {
     const FreeMotion& motion = key.at.motion;
     const Vec3<Lanes> v = moved(read(key.at.velocities, i), motion.acceleration, motion.dt);
     const Vec3<Lanes> p = moved(read(key.at.positions, i), v, motion.dt);
-    LaneMask usual = isFiniteEach(p) & isFiniteEach(v);
-    const Aabb& box = key.domain;
+    LaneMask usual = isFiniteEach(p) & isFiniteEach(v) & isWithin(key.domain, p);
     const CellGrid& grid = key.grid;
-    const auto alongAxis = [&](const Lanes& at, float low, float high, int cells) {
-      const auto max = static_cast<float>(cells);
-      const Lanes cell = Lanes::Vector(_mm256_floor_ps((grid.inverseCellSize * at).v));
-      usual =
-          usual & !(at < Lanes(low)) & !(at > Lanes(high)) & !(cell < Lanes(-max)) & (cell < Lanes(2 * max));
-      const LaneInts::Vector c = __builtin_convertvector(cell.v, LaneInts::Vector);
+    const Vec3<Lanes> at = grid.along(p);
+    const auto cellOf = [&](const Lanes& place, int first, int cells) {
+      const Lanes cell = Lanes::Vector(_mm256_floor_ps((grid.inverseCellSize * place).v));
+      const auto low = static_cast<float>(first), size = static_cast<float>(cells);
+      usual = usual & !(cell < Lanes(low - size)) & (cell < Lanes(low + 2 * size));
+      return __builtin_convertvector(cell.v, LaneInts::Vector) - first;
+    };
+    const auto wrapped = [&](const Lanes& place, int cells) {
+      const LaneInts::Vector c = cellOf(place, 0, cells);
       return c + ((c < 0) & cells) - ((c >= cells) & cells);
     };
-    const LaneInts::Vector x = alongAxis(p.x, box.lo.x, box.hi.x, grid.cells.x),
-                           y = alongAxis(p.y, box.lo.y, box.hi.y, grid.cells.y),
-                           z = alongAxis(p.z, box.lo.z, box.hi.z, grid.cells.z);
-    constexpr int kExact = 1 << 23;  // cells, numbers of which are floats
-    if (any(!usual) || std::max({grid.cells.x, grid.cells.y, grid.cells.z}) > kExact) return false;
+    const LaneInts::Vector x = wrapped(at.x, grid.cells.x), y = wrapped(at.y, grid.cells.y);
+    LaneInts::Vector z;
+    if (grid.slabLayers == 0) {
+      z = wrapped(at.z, grid.cells.z);
+    } else {
+      const int last = grid.slabLayers - 1;
+      z = cellOf(at.z, grid.firstLayer, grid.slabLayers);
+      z = (z < 0) ? z * 0 : (z > last ? z * 0 + last : z);
+    }
+    constexpr int kExact = 1 << 22;  // cells, numbers of which are floats
+    if (any(!usual) ||
+        std::max({grid.cells.x, grid.cells.y, grid.cells.z, std::abs(grid.firstLayer)}) > kExact)
+      return false;
     LaneInts{(z * grid.cells.y + y) * grid.cells.x + x}.store(keys.data + i.first);
     return true;
   }
@@ -97,6 +119,13 @@ struct WriteKeys {
   template <class By>
   static Vec3<Lanes> moved(const Vec3<Lanes>& from, const Vec3<By>& by, float dt) {
     return {from.x + Lanes(dt * by.x), from.y + Lanes(dt * by.y), from.z + Lanes(dt * by.z)};
+  }
+  static LaneMask isWithin(const Aabb& box, const Vec3<Lanes>& p) {
+    const auto isBetween = [](const Lanes& at, float low, float high) {
+      return !(at < Lanes(low)) & !(at > Lanes(high));
+    };
+    return isBetween(p.x, box.lo.x, box.hi.x) & isBetween(p.y, box.lo.y, box.hi.y) &
+           isBetween(p.z, box.lo.z, box.hi.z);
   }
   static LaneMask isFiniteEach(const Vec3<Lanes>& a) {
     return a.x * 0.0f + a.y * 0.0f + a.z * 0.0f == Lanes(0.0f);
@@ -254,7 +283,7 @@ void searchPortably(Backend& device, std::string_view name, const FindNeighbors<
 #if !defined(__CUDACC__) && defined(WEIR_HAS_LANES)
 
 void fillPlaces(ThisBackend& device, const FindNeighbors<InPlace>& find, const detail::ShortPlaces& to) {
-  parallelForEights(device, "columns", find.count,
+  parallelForEights(device, "columns", find.inOrder,
                     detail::FillShortPlaces{find.positions, find.grid.inverseCellSize, to});
 }
 void fillPlaces(ThisBackend& device, const FindNeighbors<MergedOrder>& find, const detail::ShortPlaces& to) {
@@ -334,6 +363,7 @@ void NeighborList::sortOn(Backend& device, ParticleSet& particles, const Aabb& d
   int* events = events_.data();
   Sorted sorted = sortedIn(particles, grid_.cellCount(), needsFineCells(particles.bound()));
   sortedRoom_ = std::move(sorted.room), cellStart_ = sorted.cellStart, fine_ = sorted.fine;
+  fineRoom_ = particles.capacity();
   const ProfileScope scope(device.profiler(), "sort");
   const Count count = particles.count();
 #ifdef __CUDACC__
@@ -408,7 +438,7 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* 
         order, particles.positions().read(), cellStart, grid_, radius_ * radius_, writer, owned, all};
   };
   const auto find = finding(InPlace{}, cellStart_);
-  if (particles.haloCount() > 0) {
+  if (mergesHalo(particles)) {
     const auto both = finding(MergedOrder{merged_.data(), mergedPlaces_.data()}, mergedStart_.view());
 #if defined(__CUDACC__)
     if (!usesPortableSearch_ && fine_ != nullptr)
@@ -421,8 +451,11 @@ void NeighborList::listOn(Backend& device, const ParticleSet& particles, float* 
   if (usesPortableSearch_) return searchPortably(device, kName, find);
 #if defined(__CUDACC__)
   static_assert(kFewForTeams <= kAllInWindows);
-  // Teams list in an order of their own.
-  if (ordersByIds_ && fine_ == nullptr) return searchPortably(device, kName, find);
+  // Teams list in an order of their own. The halo may have come to more than there was room for.
+  if (ordersByIds_ && (fine_ == nullptr || all.bound > fineRoom_)) return searchPortably(device, kName, find);
+  if (particles.haloCount() > 0)
+    parallelFor(device, "fine cells", particles.haloCount(),
+                FillFine{find.positions, grid_.inverseCellSize, particles.bound(), fine_});
   searchOnGpu<kFewForTeams>(device, kName, owned, capacity_, find, fine_);
 #elif defined(WEIR_HAS_LANES)
   searchByLanes(device, kName, find, columns_);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/slabs.h"
 #include "framework/compute/cell_sort.h"
 #include "framework/compute/eight.h"
 #include "framework/neighbors/cell_grid.h"
@@ -13,6 +14,7 @@
 #include "framework/particles/particle_set.h"
 #include "framework/particles/periodic_images.h"
 #include "framework/particles/sink_region.h"
+#include "framework/particles/sorted_layers.h"
 
 namespace WEIR_API weir {
 
@@ -169,9 +171,15 @@ class NeighborList {
 
   /// The grid that build() makes where it finds so many particles; where several sets share them, all of
   /// them.
-  void fitMore(std::int64_t particles) {
-    if (particles > 2 * fittedFor_) fitGrid(box_, particles);
-  }
+  void fitMore(std::int64_t particles);
+  /// Layers of cells: those of a set's slab of a fluid, and those of the fluid.
+  struct Slab {
+    CellLayers own, all;
+  };
+  /// The grid of a set that has a slab; the box is that of all particles, and so many they are.
+  void fitSlab(const Slab& slab, const Aabb& box, std::int64_t particles);
+  /// What the grid was fitted to.
+  const Aabb& box() const { return box_; }
 
   /// Searches as every back end can, in place of the way that is fastest on this one: the same neighbours, in
   /// lists of another order. Tests compare the two.
@@ -192,6 +200,8 @@ class NeighborList {
   // The two halves of that, for those who put a halo behind the particles in between.
   /// Removes and sorts, owned particles alone.
   void sort(ParticleSet& particles, const Aabb& domain, ArrayView<const SinkPiece> sinks = {});
+  /// Of a slab, between the two: where the halo's cells start is for its owner to say.
+  SortedLayers sortedLayers() const { return {cellStart_, grid_.cellsInLayer(), grid_.slabLayers}; }
   /// Finds the neighbours of the owned particles among themselves and in the halo; those in the halo have
   /// none. With a halo, only kCrowding is found on the way. Comes after sort(), with nothing in between but
   /// packing and what is done to the halo.
@@ -201,7 +211,7 @@ class NeighborList {
   /// them; after configure().
   double memoryFor(double particles) const;
 
-  /// The shape of the grid, which decides the particles' order, and the events.
+  /// The shape of the grid, which decides the particles' order, and the events. A slab is to be fitted anew.
   void save(const StateWriter& to) const;
   void restore(const StateReader& from);
 
@@ -227,6 +237,8 @@ class NeighborList {
   void mergeHaloOn(Backend& device, const ParticleSet& particles);
   template <class Backend>
   void listOn(Backend& device, const ParticleSet& particles, float* crowding, Vec4f* places);
+  /// Whether there is a halo that stands anywhere, and not in the layers that a slab has room for.
+  bool mergesHalo(const ParticleSet& particles) const { return particles.haloCount() > 0 && !slab_; }
   /// Of that many particles; a team of threads searches for each of fewer.
   bool needsFineCells(std::int64_t particles) const { return packs_ && particles > kFewForTeams; }
 
@@ -239,6 +251,7 @@ class NeighborList {
   bool packs_;
   bool usesPortableSearch_ = false, ordersByIds_ = false;
   CellGrid grid_;
+  std::optional<Slab> slab_;
   Aabb box_;                    // that the grid was fitted to
   std::int64_t fittedFor_ = 0;  // particles
   Array<int> entries_, counts_;
@@ -252,7 +265,9 @@ class NeighborList {
   Lease<Vec4f> sortedRoom_;
   ArrayView<int> cellStart_;
   FineCell* fine_ = nullptr;
-  // With a halo: its particles by cells, how many of them are in cells, and all in the order of the search.
+  std::int64_t fineRoom_ = 0;
+  // With a halo that is merged: its particles by cells, how many of them are in cells, and all in the order
+  // of the search.
   CellSort haloCells_;
   Array<int> haloListed_;
   Array<int> mergedStart_, merged_, mergedPlaces_;  // see MergedOrder

@@ -12,9 +12,6 @@ namespace weir {
 
 namespace {
 
-/// More layers than this are not told apart: the outermost ones hold what is beyond.
-constexpr std::int64_t kMaxLayers = 1 << 16;
-
 /// A power of two, unless that is much: what is sent differs in size from step to step, and so finds memory
 /// that has come back.
 std::int64_t roomFor(std::int64_t bytes) {
@@ -32,12 +29,14 @@ void addAttributes(const PackLayout& layout, ParticleSet& to) {
 DividedParticles::DividedParticles(Communicator& ranks, ParticleSet& particles, float cellSize)
     : ranks_(ranks),
       particles_(particles),
+      cellSize_(cellSize),
       slabs_{.layers = {.inverseCellSize = 1.0f / cellSize},
-             .cuts = std::vector<int>(std::size_t(ranks.size()) - 1, int(CellLayers::kFarthest))},
+             .cuts = std::vector<int>(std::size_t(ranks.size()) - 1, 1)},
       cuts_(particles.device(), slabs_.cuts),
       found_(particles.device()),
       foundCount_(particles.device(), 1),
       owners_(particles.device()),
+      ends_(particles.device(), 3),
       buffer_(particles.device()) {}
 
 DividedParticles::~DividedParticles() {
@@ -48,30 +47,29 @@ DividedParticles::~DividedParticles() {
 }
 
 void DividedParticles::cut(const Aabb& box) {
-  cutLayersOf(box, particles_.positions().toHost(particles_.refreshCount()), false);
-}
-
-void DividedParticles::cut(const std::vector<Vec3f>& positions) {
-  Aabb box;
-  for (const Vec3f& p : positions)
-    if (isFinite(p)) box.extend(p);
-  cutLayersOf(box, positions, true);
-}
-
-void DividedParticles::cutLayersOf(const Aabb& box, const std::vector<Vec3f>& positions, bool ofAllRanks) {
   if (box.empty()) return;
-  const Vec3f size = box.size();
-  CellLayers& layers = slabs_.layers;
-  // A face across x cuts the rows of cells that groups of particles stand in, and those beside a halo are
-  // searched and summed more slowly: so the fluid must be twice as long there as in other directions.
-  layers.axis = size.x >= 2 * std::max(size.y, size.z) ? 0 : (size.y > size.z ? 1 : 2);
-  const std::int64_t first = layers.layerOf(box.lo), last = layers.layerOf(box.hi);
-  std::vector<std::int64_t> counts(std::size_t(std::min(last - first + 1, kMaxLayers)), 0);
+  slabs_.layers = layersAcross(box, cellSize_);
+  Array<int> inLayer(particles_.device(), slabs_.layers.count);
+  inLayer.fillZero();
+  if (particles_.refreshCount() > 0)
+    dispatch(particles_.device(), [&](auto& device) { countInLayersOn(device, inLayer.view()); });
+  const std::vector<int> own = inLayer.toHost();
+  std::vector<std::int64_t> counts(own.begin(), own.end());
+  ranks_.sum(counts);
+  cutLayersOf(counts);
+}
+
+void DividedParticles::cut(const Aabb& box, const std::vector<Vec3f>& positions) {
+  if (box.empty()) return;
+  const CellLayers& layers = slabs_.layers = layersAcross(box, cellSize_);
+  std::vector<std::int64_t> counts(std::size_t(layers.count), 0);
   for (const Vec3f& p : positions)
-    if (isFinite(p))
-      ++counts[std::size_t(std::clamp<std::int64_t>(layers.layerOf(p) - first, 0, std::ssize(counts) - 1))];
-  if (!ofAllRanks) ranks_.sum(counts);
-  slabs_.cuts = cutLayers(static_cast<int>(first), counts, ranks_.size());
+    if (isFinite(p)) ++counts[std::size_t(layers.layerOf(p) - layers.first)];
+  cutLayersOf(counts);
+}
+
+void DividedParticles::cutLayersOf(const std::vector<std::int64_t>& counts) {
+  slabs_.cuts = cutLayers(slabs_.layers.first, counts, ranks_.size());
   cuts_.assign(slabs_.cuts);
 }
 
@@ -88,11 +86,11 @@ void DividedParticles::append(const ParticleBatch& batch, const BatchSelection& 
   appendOwn(all);
 }
 
-void DividedParticles::restore(const StateReader& from) {
+void DividedParticles::restore(const StateReader& from, const Aabb& box) {
   ParticleSet all(particles_.device());
   addAttributes(PackLayout(particles_), all);
   all.restore(from);
-  cut(all.positions().toHost(all.bound()));
+  cut(box, all.positions().toHost(all.bound()));
   particles_.clear();
   appendOwn(all);
 }
@@ -117,6 +115,13 @@ Parcel DividedParticles::packed(const PackLayout& layout, ArrayView<const int> i
   Array<std::byte> bytes(particles_.device());
   bytes.reserveDiscarding(roomFor(layout.bytesOf(indices.size)));
   particles_.pack(layout, indices, bytes);
+  return Parcel(std::move(bytes));
+}
+
+Parcel DividedParticles::packed(const PackLayout& layout, const Neighbor& neighbor) {
+  Array<std::byte> bytes(particles_.device());
+  bytes.reserveDiscarding(roomFor(layout.bytesOf(neighbor.count)));
+  particles_.pack(layout, neighbor.first, neighbor.count, bytes);
   return Parcel(std::move(bytes));
 }
 
@@ -152,36 +157,58 @@ void DividedParticles::migrate() {
   }
   particles_.remove(indices);
   particles_.dropHalo();
-  particles_.refreshCount();
   for (int from = 0; from < ranks_.size(); ++from)
     if (from != ranks_.rank()) particles_.appendPacked(layout, unpackedOf(from));
-  particles_.refreshCount();
 }
 
-void DividedParticles::showHalo() {
-  const std::int64_t count = particles_.refreshCount();
-  const PackLayout layout(particles_, {"position", "id"});
+/// The one above comes first, as in the order of cells.
+void DividedParticles::findNeighborRanks(const SortedLayers& sorted) {
+  // Where the first layer ends and the last one begins and ends.
+  const int layers[] = {1, sorted.layers - 1, sorted.layers};
+  for (int k = 0; k < 3; ++k)
+    particles_.device().copy(ends_.data() + k, sorted.cellStart.data + layers[k] * sorted.cellsInLayer,
+                             sizeof(int));
+  const std::vector<int> ends = ends_.toHost();
   neighbors_.clear();
-  for (const int rank : slabs_.neighborsOf(ranks_.rank())) {
-    Neighbor& neighbor = neighbors_.emplace_back(particles_.device());
-    neighbor.rank = rank;
-    if (count > 0) {
-      const std::int64_t shown =
-          dispatch(particles_.device(), [&](auto& device) { return findShownOn(device, rank); });
-      neighbor.shown.reserveDiscarding(roomFor(shown));
-      neighbor.shown.resizeDiscarding(shown);
-      particles_.device().copy(neighbor.shown.data(), found_.data(), std::size_t(shown) * sizeof(int));
-    }
-    ranks_.postParcel(rank, packed(layout, neighbor.shown.view()));
+  const int self = ranks_.rank();
+  if (const auto above = slabs_.above(self))
+    neighbors_.push_back({*above, sorted.layers - 1, ends[1], ends[2] - ends[1]});
+  if (const auto below = slabs_.below(self)) neighbors_.push_back({*below, 0, 0, ends[0]});
+}
+
+void DividedParticles::showHalo(const SortedLayers& sorted) {
+  const std::int64_t owned = particles_.refreshCount();
+  findNeighborRanks(sorted);
+  const PackLayout layout(particles_, {"position", "id"});
+  Device& device = particles_.device();
+  const std::int64_t starts = sorted.cellsInLayer + 1;
+  for (const Neighbor& neighbor : neighbors_) {
+    ranks_.postParcel(neighbor.rank, packed(layout, neighbor));
+    Array<std::byte> cells(device);
+    cells.resizeDiscarding(starts * std::int64_t{sizeof(int)});
+    device.copy(cells.data(), sorted.cellStart.data + neighbor.shownLayer * (starts - 1),
+                std::size_t(cells.size()));
+    ranks_.postParcel(neighbor.rank, Parcel(std::move(cells)));
   }
-  for (Neighbor& neighbor : neighbors_)
+  int layer = sorted.layers;
+  std::int64_t placed = owned;
+  const auto place = [&](ArrayView<const int> start) {
+    dispatch(device, [&](auto& backend) { placeLayerOn(backend, sorted, layer, start, placed); });
+    ++layer;
+  };
+  if (!slabs_.above(ranks_.rank())) place({});
+  for (Neighbor& neighbor : neighbors_) {
     neighbor.halo = particles_.appendHalo(layout, unpackedOf(neighbor.rank));
+    const ArrayView<const std::byte> cells = unpackedOf(neighbor.rank);
+    place({reinterpret_cast<const int*>(cells.data), starts});
+    placed += neighbor.halo.count;
+  }
+  while (layer < sorted.layers + 2) place({});
 }
 
 void DividedParticles::refresh(std::initializer_list<std::string_view> attributes) {
   const PackLayout layout(particles_, attributes);
-  for (const Neighbor& neighbor : neighbors_)
-    ranks_.postParcel(neighbor.rank, packed(layout, neighbor.shown.view()));
+  for (const Neighbor& neighbor : neighbors_) ranks_.postParcel(neighbor.rank, packed(layout, neighbor));
   for (const Neighbor& neighbor : neighbors_)
     particles_.refreshHalo(layout, unpackedOf(neighbor.rank), neighbor.halo);
 }
@@ -189,12 +216,11 @@ void DividedParticles::refresh(std::initializer_list<std::string_view> attribute
 void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInOne) {
   Device& device = particles_.device();
   for (const Neighbor& neighbor : neighbors_) {
+    const std::int64_t bytesOfOne = wordsInOne * std::int64_t{sizeof(std::uint32_t)};
     Array<std::byte> bytes(device);
-    bytes.reserveDiscarding(
-        roomFor(neighbor.shown.size() * wordsInOne * std::int64_t{sizeof(std::uint32_t)}));
-    dispatch(device, [&](auto& backend) {
-      gatherWordsOn(backend, {words.data, words.size}, wordsInOne, neighbor.shown.view(), bytes);
-    });
+    bytes.reserveDiscarding(roomFor(neighbor.count * bytesOfOne));
+    bytes.resizeDiscarding(neighbor.count * bytesOfOne);
+    device.copy(bytes.data(), words.data + neighbor.first * wordsInOne, std::size_t(bytes.size()));
     ranks_.postParcel(neighbor.rank, Parcel(std::move(bytes)));
   }
   for (const Neighbor& neighbor : neighbors_) {

@@ -1,4 +1,4 @@
-// Which particles of a set others own or see.
+// Which particles of a set others own, and where those of others stand.
 #include "framework/particles/divided_particles.h"
 
 #include "framework/compute/parallel.h"
@@ -31,25 +31,26 @@ struct WriteOwner {
   WEIR_HD void operator()(std::int64_t k) const { owners[k] = ownerOf(indices[k]); }
 };
 
-struct IsSeenBy {
-  SlabsView slabs;
-  int rank;
+struct CountInLayers {
+  CellLayers layers;
   ArrayView<const Vec3f> positions;
-  WEIR_HD bool operator()(std::int64_t i) const {
+  ArrayView<int> counts;
+
+  WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
-    return isFinite(p) && slabs.touches(rank, p);
+    if (isFinite(p)) atomicAdd(&counts[layers.layerOf(p) - layers.first], 1);
   }
 };
 
-struct GatherWords {
-  ArrayView<const std::uint32_t> words;
-  int wordsInOne;
-  ArrayView<const int> indices;
-  std::uint32_t* to;
+/// Where the cells of a layer start, from where they started on another rank; all at one place if nobody is
+/// there.
+struct PlaceLayer {
+  ArrayView<const int> theirs;  // empty for none
+  int first;                    // where the layer starts here
+  int* start;
 
-  WEIR_HD void operator()(std::int64_t k) const {
-    const std::int64_t i = indices[k];
-    for (int w = 0; w < wordsInOne; ++w) to[k * wordsInOne + w] = words[i * wordsInOne + w];
+  WEIR_HD void operator()(std::int64_t c) const {
+    start[c] = first + (theirs.size > 0 ? theirs[c] - theirs[0] : 0);
   }
 };
 
@@ -68,25 +69,22 @@ std::int64_t DividedParticles::findLeavingOn(Backend& device) {
 }
 
 template <class Backend>
-std::int64_t DividedParticles::findShownOn(Backend& device, int rank) {
-  const Count count = particles_.count();
-  found_.resizeDiscarding(count.bound);
-  compact(device, "show", count, IsSeenBy{onDevice(), rank, particles_.positions().read()}, found_.view(),
-          foundCount_.data());
-  return foundCount_.toHost().front();
+void DividedParticles::countInLayersOn(Backend& device, ArrayView<int> counts) {
+  parallelFor(device, "count in layers", particles_.count(),
+              CountInLayers{slabs_.layers, particles_.positions().read(), counts});
 }
 
 template <class Backend>
-void DividedParticles::gatherWordsOn(Backend& device, ArrayView<const std::uint32_t> words, int wordsInOne,
-                                     ArrayView<const int> indices, Array<std::byte>& to) {
-  to.resizeDiscarding(indices.size * wordsInOne * std::int64_t{sizeof(std::uint32_t)});
-  parallelFor(device, "pack", indices.size,
-              GatherWords{words, wordsInOne, indices, reinterpret_cast<std::uint32_t*>(to.data())});
+void DividedParticles::placeLayerOn(Backend& device, const SortedLayers& sorted, int layer,
+                                    ArrayView<const int> start, std::int64_t first) {
+  parallelFor(device, "place layer", sorted.cellsInLayer + 1,
+              PlaceLayer{start, static_cast<int>(first),
+                         sorted.cellStart.data + std::int64_t{layer} * sorted.cellsInLayer});
 }
 
 template std::int64_t DividedParticles::findLeavingOn(ThisBackend&);
-template std::int64_t DividedParticles::findShownOn(ThisBackend&, int);
-template void DividedParticles::gatherWordsOn(ThisBackend&, ArrayView<const std::uint32_t>, int,
-                                              ArrayView<const int>, Array<std::byte>&);
+template void DividedParticles::countInLayersOn(ThisBackend&, ArrayView<int>);
+template void DividedParticles::placeLayerOn(ThisBackend&, const SortedLayers&, int, ArrayView<const int>,
+                                             std::int64_t);
 
 }  // namespace weir

@@ -2,7 +2,7 @@
 //
 //   divided.migrate();                           // to where they belong
 //   neighbors.sort(particles, …);
-//   divided.showHalo();                          // copies of what is beside each slab
+//   divided.showHalo(neighbors.sortedLayers());  // copies of what is beside each slab
 //   neighbors.list(particles);
 //   …
 //   divided.refresh({"position", "velocity"});   // of the copies, wherever neighbours are read next
@@ -22,6 +22,7 @@
 #include "framework/graph/state.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particle_set.h"
+#include "framework/particles/sorted_layers.h"
 
 namespace WEIR_API weir {
 
@@ -33,22 +34,26 @@ class DividedParticles {
   ~DividedParticles();
 
   Communicator& ranks() const { return ranks_; }
-  const Slabs& slabs() const { return slabs_; }
+  /// The layers of cells that are this rank's, and all.
+  CellLayers ownLayers() const { return slabs_.layersOf(ranks_.rank()); }
+  const CellLayers& allLayers() const { return slabs_.layers; }
 
   /// Cuts space anew, for particles in this box of all ranks. Particles stay where they are until the next
   /// migrate().
   void cut(const Aabb& box);
   /// The same for particles that every rank has.
-  void cut(const std::vector<Vec3f>& positions);
+  void cut(const Aabb& box, const std::vector<Vec3f>& positions);
   /// Adds those of a batch, which every rank has and selects from alike, that belong to this rank.
   void append(const ParticleBatch& batch, const BatchSelection& selected = {});
   /// Takes what belongs to this rank of a saved set, which every rank reads, in place of all that it has.
-  void restore(const StateReader& from);
+  /// Space is cut for the box that it was cut for.
+  void restore(const StateReader& from, const Aabb& box);
 
   /// Owned particles go to the ranks that their positions belong to; those that are not finite stay.
   void migrate();
-  /// Sends the particles beside other slabs to their ranks, with position and id, and takes those as halo.
-  void showHalo();
+  /// Sends the particles beside other slabs to their ranks, with position and id, and takes those as halo, in
+  /// the order of cells; writes where these begin, too.
+  void showHalo(const SortedLayers& sorted);
   /// Replaces these attributes of the halo by what its owners have.
   void refresh(std::initializer_list<std::string_view> attributes);
   /// The same for an array that has an element for each particle of the set, the halo behind the others.
@@ -68,19 +73,22 @@ class DividedParticles {
   std::int64_t countOfAll();
 
  private:
-  /// What a neighbour sees of this rank, and where its particles are in the halo.
+  /// A rank that touches this one: the layer that it sees of this rank, and where its particles are in the
+  /// halo.
   struct Neighbor {
-    explicit Neighbor(Device& device) : shown(device) {}
     int rank = 0;
-    Array<int> shown;
+    int shownLayer = 0;
+    std::int64_t first = 0, count = 0;  // of the particles in it
     HaloRange halo;
   };
 
   /// Those of a set that every rank has.
   void appendOwn(ParticleSet& all);
-  void cutLayersOf(const Aabb& box, const std::vector<Vec3f>& positions, bool ofAllRanks);
+  void cutLayersOf(const std::vector<std::int64_t>& particlesInLayers);
   SlabsView onDevice() const;
+  void findNeighborRanks(const SortedLayers& sorted);
   Parcel packed(const PackLayout& layout, ArrayView<const int> indices);
+  Parcel packed(const PackLayout& layout, const Neighbor& neighbor);
   /// The next parcel of a rank.
   const Parcel& nextOf(int rank);
   /// Its bytes on this rank's device, until the next call.
@@ -88,20 +96,21 @@ class DividedParticles {
   /// Gives the memory of all parcels that have come back to their senders.
   void releaseParcels();
 
-  // Both leave indices in `found_`; how many is returned, once the device has told.
+  template <class Backend>
+  void countInLayersOn(Backend& device, ArrayView<int> counts);
+  /// Leaves indices in `found_`; how many is returned, once the device has told.
   template <class Backend>
   std::int64_t findLeavingOn(Backend& device);
   template <class Backend>
-  std::int64_t findShownOn(Backend& device, int rank);
-  template <class Backend>
-  void gatherWordsOn(Backend& device, ArrayView<const std::uint32_t> words, int wordsInOne,
-                     ArrayView<const int> indices, Array<std::byte>& to);
+  void placeLayerOn(Backend& device, const SortedLayers& sorted, int layer, ArrayView<const int> start,
+                    std::int64_t first);
 
   Communicator& ranks_;
   ParticleSet& particles_;
+  float cellSize_;
   Slabs slabs_;
   Array<int> cuts_;  // of the slabs, on the device
-  Array<int> found_, foundCount_, owners_;
+  Array<int> found_, foundCount_, owners_, ends_;
   Array<std::byte> buffer_;
   std::vector<Parcel> parcels_;  // which the device may still be reading
   std::vector<Neighbor> neighbors_;

@@ -43,6 +43,19 @@ void ParticleSet::pack(const PackLayout& layout, ArrayView<const int> indices, A
   });
 }
 
+void ParticleSet::pack(const PackLayout& layout, std::int64_t first, std::int64_t count,
+                       Array<std::byte>& to) {
+  settle();
+  to.resizeDiscarding(layout.bytesOf(count));
+  if (count == 0) return;
+  forEachPacked(layout, reinterpret_cast<std::uint32_t*>(to.data()), count, [&](const auto& columns) {
+    for (int c = 0; c < columns.used; ++c) {
+      const auto& [elements, packed, words] = columns.all[c];
+      device_->copy(packed, elements + first * words, std::size_t(count * words) * sizeof(*packed));
+    }
+  });
+}
+
 void ParticleSet::unpack(const PackLayout& layout, ArrayView<const std::byte> from, std::int64_t particles,
                          const Count& first) {
   // Nothing is written to the buffer.

@@ -178,6 +178,8 @@ class ParticleSet {
   /// Writes the particles at these indices (on the device), in this order, into `to`, which gets the size for
   /// them. All packing throws a simulation Error if the set lacks an attribute of the layout.
   void pack(const PackLayout& layout, ArrayView<const int> indices, Array<std::byte>& to);
+  /// The same for `count` particles from `first` on.
+  void pack(const PackLayout& layout, std::int64_t first, std::int64_t count, Array<std::byte>& to);
   /// Adds packed particles (on the device, as all buffers) behind the owned ones, as owned: they keep the ids
   /// that they bring. What the layout lacks is 0.
   void appendPacked(const PackLayout& layout, ArrayView<const std::byte> from);

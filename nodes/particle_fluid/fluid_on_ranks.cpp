@@ -30,8 +30,17 @@ void ParticleFluid::divideInitial() {
     const std::vector<Vec3f> some = initial[i].positions.toHost(initial[i].count);
     all.insert(all.end(), some.begin(), some.end());
   }
-  divided_->cut(all);
+  Aabb box;
+  for (const Vec3f& p : all)
+    if (isFinite(p)) box.extend(p);
+  divided_->cut(box, all);
+  fitSlab(box, std::ssize(all));
   if (ranks_->rank() == 0) makeState(gathered_, state.particles.device());
+}
+
+/// Of so many particles of all ranks.
+void ParticleFluid::fitSlab(const Aabb& box, std::int64_t particles) {
+  state_->neighbors.fitSlab({.own = divided_->ownLayers(), .all = divided_->allLayers()}, box, particles);
 }
 
 Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
@@ -46,8 +55,8 @@ Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
 void ParticleFluid::refreshOnRanks(const StepContext& context) {
   if (const std::int64_t all = divided_->countOfAll(); all > 0) {
     const Aabb box = boxOnRanks(context.device);
-    state_->neighbors.fitGrid(box, all);
     divided_->cut(box);
+    fitSlab(box, all);
     FluidStep now = fluidStep(context);
     now.findNeighbors();  // which removes what has left the domain
     findWalls(*state_, context);
@@ -83,7 +92,9 @@ void ParticleFluid::sumSinksOfRanks() {
 
 void ParticleFluid::restoreOnRanks(const StateReader& from) {
   Device& device = state_->particles.device();
-  divided_->restore(from.in("particles"));
+  const Aabb box = state_->neighbors.box();
+  divided_->restore(from.in("particles"), box);
+  fitSlab(box, divided_->countOfAll());
   Log silent;
   const StepContext now{device, silent, {}, 0, 0, 0};
   fluidStep(now).findNeighbors();

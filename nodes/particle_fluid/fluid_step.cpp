@@ -6,9 +6,9 @@ namespace weir {
 void FluidStep::findNeighbors() {
   if (divided == nullptr) return neighbors.build(particles, domain, sinks, images);
   divided->migrate();
-  neighbors.fitMore(divided->countOfAll());
+  neighbors.fitMore(divided->ranks().sum(particles.bound()));  // which is exact now
   neighbors.sort(particles, domain, sinks);
-  divided->showHalo();
+  divided->showHalo(neighbors.sortedLayers());
   neighbors.list(particles);
 }
 

@@ -171,6 +171,7 @@ void ParticleFluid::restore(const StateReader& from) {
     if (state.particles.bound() > 0) search(state);
   }
   state.neighbors.restore(from.in("neighbors"));
+  if (divided_) fitSlab(state.neighbors.box(), divided_->countOfAll());
   from.get("rest_steps", state.restSteps);
   if (from.has("bulk_modulus") && !bulkModulus.get() && !mu.get())
     from.get("bulk_modulus", constants_.bulkModulus);

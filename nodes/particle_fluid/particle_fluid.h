@@ -192,6 +192,7 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   void divideInitial();
   /// The frame on several ranks, before anyone looks.
   void refreshOnRanks(const StepContext& context);
+  void fitSlab(const Aabb& box, std::int64_t particles);
   /// The box around the particles of all ranks; empty if there are none.
   Aabb boxOnRanks(Device& device);
   void sumEvents();

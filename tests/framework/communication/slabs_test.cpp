@@ -60,23 +60,25 @@ TEST(Slabs, ThereMayBeMoreOfThemThanLayersOrNoParticles) {
 
 TEST(Slabs, EveryLayerBesideASlabIsThatOfANeighborAndNeighborsAgree) {
   for (const std::vector<int>& cuts :
-       {std::vector<int>{0, 3, 7}, {2, 2, 5}, {4, 4, 4}, {-1, 0, 1}, {5, 6, 6}}) {
-    const Slabs slabs{.cuts = cuts};
-    for (int layer = -5; layer < 12; ++layer) {
-      const int own = slabs.view().slabOfLayer(layer);
-      for (const int beside : {layer - 1, layer + 1}) {
-        const int other = slabs.view().slabOfLayer(beside);
-        if (other == own) continue;
-        const std::vector<int> ofOwn = slabs.neighborsOf(own), ofOther = slabs.neighborsOf(other);
-        EXPECT_EQ(std::count(ofOwn.begin(), ofOwn.end(), other), 1);
-        EXPECT_EQ(std::count(ofOther.begin(), ofOther.end(), own), 1);
+       {std::vector<int>{0, 3, 7}, {2, 2, 5}, {4, 4, 4}, {-1, 0, 1}, {5, 6, 6}, {12, 12, 12}, {-5, -5, 0}}) {
+    const Slabs slabs{.layers = {.first = -5, .count = 17}, .cuts = cuts};
+    int layers = 0;
+    for (int k = 0; k < slabs.count(); ++k) {
+      const CellLayers own = slabs.layersOf(k);
+      layers += own.count;
+      for (int layer = own.first; layer < own.first + own.count; ++layer)
+        EXPECT_EQ(slabs.view().slabOfLayer(layer), k);
+      if (own.count == 0) {
+        EXPECT_FALSE(slabs.below(k) || slabs.above(k));
+        continue;
       }
+      const auto above = slabs.above(k);
+      ASSERT_EQ(above.has_value(), own.first + own.count < 12);
+      if (!above) continue;
+      EXPECT_EQ(*above, slabs.view().slabOfLayer(own.first + own.count));
+      EXPECT_EQ(slabs.below(*above), k);
     }
-    for (int k = 0; k < slabs.count(); ++k)
-      for (const int other : slabs.neighborsOf(k)) {
-        const std::vector<int> back = slabs.neighborsOf(other);
-        EXPECT_EQ(std::count(back.begin(), back.end(), k), 1) << k << " and " << other;
-      }
+    EXPECT_EQ(layers, 17);
   }
 }
 
@@ -88,26 +90,39 @@ TEST(Slabs, LayersAreThoseOfTheCellsOfTheSearch) {
   for (int round = 0; round < 2000; ++round) {
     const Vec3f p{place(random), place(random), place(random)};
     const Vec3i cell = grid.cellOf(p);
-    for (int axis = 0; axis < 3; ++axis)
-      ASSERT_EQ((CellLayers{axis, grid.inverseCellSize}.layerOf(p)), cell[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const CellLayers layers{.axis = axis, .inverseCellSize = grid.inverseCellSize, .count = 1000};
+      ASSERT_EQ(layers.layerOf(p), cell[axis]);
+      // In the grid of a slab the axis is the slowest.
+      CellGrid slab{.inverseCellSize = grid.inverseCellSize, .cells = {1000, 1000, 102}};
+      slab.slowestAxis = axis, slab.firstLayer = 300, slab.slabLayers = 100;
+      EXPECT_EQ(slab.cellOf(p).z, std::clamp(cell[axis] - 300, 0, 99));
+      EXPECT_EQ(slab.cellOf(p).x, cell[axis == 0 ? 2 : 0]);
+      EXPECT_EQ(slab.cellOf(p).y, cell[axis == 1 ? 2 : 1]);
+    }
   }
-  EXPECT_EQ((CellLayers{1, 10}.layerOf({0, -0.01f, 0})), -1);
-  EXPECT_EQ((CellLayers{2, 10}.layerOf({0, 0, 1e30f})), int(CellLayers::kFarthest));
-  EXPECT_EQ((CellLayers{0, 10}.layerOf({-1e30f, 0, 0})), -int(CellLayers::kFarthest));
 }
 
-TEST(Slabs, APlaceTouchesTheSlabsBesideItsLayerOnly) {
-  const std::vector<int> cuts{3, 4};  // the slab between them is one layer thick
-  const SlabsView slabs{{.axis = 0, .inverseCellSize = 1}, cuts.data(), 3};
-  const auto touched = [&](float x) {
-    return std::vector<bool>{slabs.touches(0, {x, 0, 0}), slabs.touches(1, {x, 0, 0}),
-                             slabs.touches(2, {x, 0, 0})};
-  };
-  EXPECT_EQ(touched(1.5f), (std::vector<bool>{true, false, false}));  // its own
-  EXPECT_EQ(touched(2.5f), (std::vector<bool>{true, true, false}));
-  EXPECT_EQ(touched(3.5f), (std::vector<bool>{true, false, true}));
-  EXPECT_EQ(touched(4.5f), (std::vector<bool>{false, true, true}));
-  EXPECT_EQ(touched(5.5f), (std::vector<bool>{false, false, true}));
+TEST(Slabs, WhatIsBeyondTheLayersCountsToTheOutermostOnes) {
+  const CellLayers layers{.axis = 1, .inverseCellSize = 10, .first = -2, .count = 5};
+  EXPECT_EQ(layers.layerOf({0, -0.01f, 0}), -1);
+  EXPECT_EQ(layers.layerOf({0, -0.31f, 0}), -2);
+  EXPECT_EQ(layers.layerOf({0, 0.31f, 0}), 2);
+  EXPECT_EQ(layers.layerOf({0, 1e30f, 0}), 2);
+  EXPECT_EQ(layers.layerOf({0, -1e30f, 0}), -2);
+}
+
+TEST(Slabs, LayersLieAcrossTheLongestAxisAndReachBeyondTheBox) {
+  const Aabb box{{-1, 0, 2}, {3, 1, 5}};
+  const CellLayers layers = layersAcross(box, 0.1f);
+  EXPECT_EQ(layers.axis, 0);
+  EXPECT_LT(layers.first, layers.countedLayerOf(box.lo) - 3);
+  EXPECT_GT(layers.first + layers.count, layers.countedLayerOf(box.hi) + 4);
+  EXPECT_EQ(layersAcross({{0, 0, 0}, {1, 2, 1}}, 0.1f).axis, 1);
+  EXPECT_EQ(layersAcross({{0, 0, 0}, {1, 1, 1}}, 0.1f).axis, 2);
+  const CellLayers endless = layersAcross({{-1e30f, 0, 0}, {1e30f, 1, 1}}, 0.1f);
+  EXPECT_GT(endless.count, 0);
+  EXPECT_EQ(endless.layerOf({1e30f, 0, 0}), endless.first + endless.count - 1);
 }
 
 }  // namespace
