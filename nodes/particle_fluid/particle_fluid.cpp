@@ -68,12 +68,9 @@ Period ParticleFluid::period() const {
 }
 
 /// Refuses what does not know of images.
-void ParticleFluid::checkPeriodic(Device& device) {
+void ParticleFluid::checkPeriodic() {
   const Period repeated = period();
   if (!repeated.any()) return;
-  if (device.kind() == DeviceKind::kCuda)
-    throw sceneError("a periodic domain runs on the CPU only", "\"none\"", "run with --device cpu")
-        .inParameter(periodic.name());
   pipeline_.forEachEnabled("reset", [&](FluidModule& module) {
     if (dynamic_cast<InPeriodicDomain*>(&module) == nullptr && dynamic_cast<OnRanks*>(&module) == nullptr)
       throw sceneError(fmt::format("the module '{}' of type {} does not work in a periodic domain yet",
@@ -203,7 +200,7 @@ void ParticleFluid::reset(const SetupContext& context) {
   gathered_.reset();
   divided_.reset();
   if (ranks_ != nullptr) divideInitial();
-  checkPeriodic(context.device);
+  checkPeriodic();
   const double images = PeriodicImages::shareOf(period(), constants_.supportRadius);
   if (maxParticles_ > 0)
     state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_ * (1 + images)));

@@ -237,7 +237,7 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   void runPipeline(FluidStep& step);
   Aabb domain() const;
   Period period() const;
-  void checkPeriodic(Device& device);
+  void checkPeriodic();
   void search(State& of);
   void checkEvents();
   void warnOfSettings(const SetupContext& context);

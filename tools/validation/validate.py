@@ -29,7 +29,6 @@ class Check:
     title: str
     run: Callable
     long: bool = False  # among those that take most of the time: begun first where several run at a time
-    cpu_only: bool = False  # of periodic domains, which CUDA refuses
 
     @property
     def about(self):
@@ -49,9 +48,9 @@ CHECKS = [
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("drop", "A drop", in_motion.drop),
     Check("momentum", "Momentum", in_motion.momentum),
-    Check("poiseuille", "Poiseuille flow", without_ends.poiseuille, cpu_only=True),
-    Check("couette", "Couette flow", without_ends.couette, cpu_only=True),
-    Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green, cpu_only=True),
+    Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
+    Check("couette", "Couette flow", without_ends.couette),
+    Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green),
     Check("released_ball", "Added mass", floating.released_ball),
     Check("floating_beam", "Attitudes of a floating beam", floating.floating_beam, long=True),
     Check("heaving_ball", "A ball that heaves", floating.heaving_ball, long=True),
@@ -141,13 +140,10 @@ def judged(options, device, out, drawn, say):
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
                 options.jobs, drawn) as lab:  # left first: the checks of a run that failed wait for no others
-        checks = [check for check in options.checks if not check.cpu_only or device in ("cpu", "auto")]
-        begun = sorted(checks, key=lambda check: options.jobs > 1 and not check.long)
-        outcomes = {check.key: checking.submit(outcome_of, check, lab.on("cpu") if check.cpu_only else lab) for check in begun}
+        begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
+        outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
         for check in options.checks:
-            say(f"{check.title}, {device}" if check in checks else f"{check.title}: on the CPU alone, so not on {device}")
-            if check not in checks:
-                continue
+            say(f"{check.title}, {device}")
             outcome = outcomes[check.key].result()
             for row in outcome.rows:
                 say(f"  {report.verdict(row.passed):6} {row.what}: {report.number(row.measured)} {row.unit}")

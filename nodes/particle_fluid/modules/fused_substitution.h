@@ -106,8 +106,9 @@ class FusedSubstitution {
     ParticleSet& particles = problem_.fluid.particles;
     ByProducts& byProducts = particles.byProducts();
     // Those of a halo are not exchanged.
-    const bool codes = byProducts.isRequested(kMotionCodes) && !isDivided() &&
-                       problem_.fluid.device.kind() == DeviceKind::kCuda;
+    const bool hasHalo = isDivided() || problem_.fluid.images != nullptr;
+    const bool codes =
+        byProducts.isRequested(kMotionCodes) && !hasHalo && problem_.fluid.device.kind() == DeviceKind::kCuda;
     // A rank that has never had particles has no room for what the search finds, and does as the others.
     if (found_.empty() && (particles.capacity() > 0 || !problem_.fluid.walls.empty())) {
       problem_.start(device_);
