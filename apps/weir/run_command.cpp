@@ -312,6 +312,11 @@ int RunCommand::run() {
                      "--checkpoint FILE.h5 --resume auto");
   for (auto& [name, launched, source] : program_.registry().createServices<LaunchedRanks>())
     if (launched->present()) return runLaunched(*launched);
+  if (isOneOfALaunch())
+    throw usageError(
+        "a launcher has started several of these processes, and no plugin for MPI is there to join them",
+        "mpirun or srun where 'weir info' lists MPI, or one process",
+        "--ranks N and --gpus N need no launcher");
   const std::vector<OutputLock> locks = takeOutputPaths();
   RunEnd end = RunEnd::kFailed;
   if (ranks_) {

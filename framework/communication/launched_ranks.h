@@ -10,6 +10,10 @@
 
 namespace WEIR_API weir {
 
+/// Whether such a launcher has started this process as one of several, as its environment tells. Whoever runs
+/// a scene without a LaunchedRanks then does the same as all others.
+bool isOneOfALaunch();
+
 class LaunchedRanks {
  public:
   static constexpr std::string_view kInterface = "LaunchedRanks";

@@ -59,6 +59,21 @@ class Cli : public testing::Test {
   TemporaryFolder folder;
 };
 
+TEST_F(Cli, AProcessOfALaunchThatNothingJoinsIsRefused) {
+  // Without its plugins.
+  std::filesystem::create_directories(folder.path() + "/bin");
+  const std::string alone = folder.path() + "/bin/weir";
+  std::filesystem::copy_file(weirProgram(), alone);
+  for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
+    ChildOptions options;
+    options.environment["LD_LIBRARY_PATH"] = buildFolder() + "/lib";
+    options.environment[variable] = "2";
+    expectFailure(runChild(alone, {"run", scene()}, options), 2, {"no plugin for MPI", "--ranks N"});
+    options.environment[variable] = "1";
+    EXPECT_EQ(runChild(alone, {"run", scene(), "--frames", "0"}, options).code, 0);
+  }
+}
+
 TEST_F(Cli, HelpIsACommandToo) {
   for (const std::vector<std::string>& command : {std::vector<std::string>{}, {"run"}, {"nodes"}}) {
     std::vector<std::string> option = command, asCommand = {"help"};
