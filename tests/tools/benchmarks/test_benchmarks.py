@@ -19,6 +19,7 @@ import compare_splishsplash as comparison  # noqa: E402
 import page  # noqa: E402
 import results  # noqa: E402
 
+HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 HAS_MATPLOTLIB = importlib.util.find_spec("matplotlib") is not None
 
 
@@ -256,6 +257,32 @@ class Comparison(Folder):
         picky.chmod(0o755)
         with contextlib.redirect_stderr(io.StringIO()):
             self.assertEqual(comparison.environment_for(str(picky)), {"LD_PRELOAD": "libGLX.so.0"})
+
+
+@unittest.skipUnless(HAS_NUMPY, "the model is fitted by numpy")
+class RanksModel(unittest.TestCase):
+    def setUp(self):
+        import ranks_model
+        self.model = ranks_model
+
+    def test_halos_have_a_layer_of_each_neighbour(self):
+        self.assertEqual(self.model.halo_of_slabs(1e6, 1), 0)
+        self.assertAlmostEqual(self.model.halo_of_slabs(1e6, 2), 12e3)
+        self.assertAlmostEqual(self.model.halo_of_slabs(1e6, 8), 24e3)
+        self.assertAlmostEqual(self.model.halo_of_blocks(8e6, 8), 72e3)
+
+    def test_the_fit_finds_the_numbers_that_made_the_times(self):
+        made = [0.2, 0.3, 2.5, 0.4]
+        points = [(particles, ranks, float(self.model.terms(particles, ranks) @ made))
+                  for particles in (10**5, 10**6, 10**7) for ranks in (1, 2, 3, 4)]
+        for found, meant in zip(self.model.fitted(points), made):
+            self.assertAlmostEqual(found, meant, places=6)
+
+    def test_it_is_within_three_per_cent_of_what_was_measured(self):
+        points = self.model.read(self.model.DATA)
+        model = self.model.fitted(points)
+        for particles, ranks, ms in points:
+            self.assertLess(abs(self.model.terms(particles, ranks) @ model / ms - 1), 0.03)
 
 
 if __name__ == "__main__":
