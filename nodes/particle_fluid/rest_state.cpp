@@ -30,7 +30,7 @@ double RestState::sumOfAll() {
   return sum.value();
 }
 
-bool RestState::liftUnheld(int steps) {
+bool RestState::unloadUnheld(int steps) {
   constexpr double kMaxCarried = 0.1;
   bool any = false;
   for (Resting& of : batches_)
@@ -40,10 +40,10 @@ bool RestState::liftUnheld(int steps) {
 
 namespace {
 
-/// Whether fluid becomes no calmer: at its last stops it was on average as fast as at those before. `peaks`
-/// has mean squares of the speed (m²/s²), one a stop. More than a little motion is never what a solver
-/// leaves.
-bool noCalmer(const std::vector<double>& peaks, double atRest) {
+/// Whether damping no longer makes the fluid calmer: at its last stops it was on average as fast as at those
+/// before. `peaks` has mean squares of the speed (m²/s²), one a stop. More than a little motion is never what
+/// a solver leaves.
+bool stagnates(const std::vector<double>& peaks, double atRest) {
   constexpr int kStops = 10;
   constexpr double kProgress = 0.95, kMaxLeft = 20;
   if (peaks.size() < 2 * kStops) return false;
@@ -81,11 +81,11 @@ int RestState::reach(int max, const std::function<void()>& step) {
     // Motion is stopped where it is fastest, which is where the forces vanish.
     const bool fastest = square <= last && taken - stopped >= kMinMotion;
     if (fastest) peaks.push_back(last);
-    const bool calm = fastest && (square <= atRest || noCalmer(peaks, atRest));
+    const bool calm = fastest && (square <= atRest || stagnates(peaks, atRest));
     // Before, pushes are those of particles on their way to where they will rest.
-    const bool lifted = (calm || (fastest && 2 * taken > max)) && liftUnheld(taken - stopped);
-    moving = lifted || !calm;
-    if (lifted) peaks.clear();
+    const bool unloaded = (calm || (fastest && 2 * taken > max)) && unloadUnheld(taken - stopped);
+    moving = unloaded || !calm;
+    if (unloaded) peaks.clear();
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
     last = fastest ? 0 : square;
     if (fastest) {

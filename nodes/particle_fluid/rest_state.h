@@ -41,9 +41,9 @@ class RestState {
   double meanSquareSpeedOn(Backend& device);
   template <class Backend>
   void findCarriedOn(Backend& device);
-  /// Lets go of the weight of batches that were not held during the last steps, of this number; says whether
+  /// Takes the weight from batches that were not held during the last steps, of this number; says whether
   /// there were any.
-  bool liftUnheld(int steps);
+  bool unloadUnheld(int steps);
 
   /// A batch, and how it rests.
   struct Resting {

@@ -148,7 +148,7 @@ TEST(RestState, FluidThatNothingHoldsStartsWithoutPressure) {
 }
 
 // What a solver leaves of motion may be more than rest: waiting for less would take half of all steps.
-TEST(RestState, EndsWhereFluidBecomesNoCalmer) {
+TEST(RestState, EndsWhereDampingStagnates) {
   const auto device = openDevice("cpu");
   Tank tank(*device, 0.2f, 0.2f, object({{"rest_steps", 3000}}),
             object({{"max", Value::Array{0.14, 0.2, 0.2}}}));
