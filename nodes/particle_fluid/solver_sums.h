@@ -5,9 +5,10 @@
 
 namespace weir {
 
-/// Sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last search, m².
+/// Sums of max(λ − 1, 0), of E, of |g·Δx|; the largest square of a way since the last search, m²; and of
+/// |u|²/2, u being the displacement, where it is asked for.
 struct SolverSums {
-  double compression = 0, objective = 0, slope = 0, farthest = 0;
+  double compression = 0, objective = 0, slope = 0, farthest = 0, displaced = 0;
 
   /// Of the k-th, for sums over ranks (exact_sum.h).
   WEIR_HD static constexpr SumKind kindOf(int k) {
@@ -19,7 +20,7 @@ struct SolverSums {
 struct AddSums {
   WEIR_HD SolverSums operator()(const SolverSums& a, const SolverSums& b) const {
     return {a.compression + b.compression, a.objective + b.objective, a.slope + b.slope,
-            a.farthest > b.farthest ? a.farthest : b.farthest};
+            a.farthest > b.farthest ? a.farthest : b.farthest, a.displaced + b.displaced};
   }
 };
 

@@ -7,13 +7,36 @@
 
 namespace weir::detail {
 
+/// How much the last iteration of a step by conjugate gradients may still lower the objective, m² of each
+/// particle: energy that an exact step would not leave, over m/dt².
+///
+///   min(0.05·(c·dt)²·B(tolerance), max(0.1·w, 0.3·(e − w))),   w = ½·(g·dt²)²,   e = mean of ½·|u|²
+///
+/// w is what weight makes in a step. If that were left, water at rest would sink until its compression asks
+/// for more, and bounce. u = x − x* is what pressure and walls displace a particle by within the step. As x*
+/// holds the velocity and the weight, u is the same for whoever moves past, and 0 in fluid that falls freely.
+/// In calm water u undoes the weight, so e = w, and the second term vanishes. Where water splashes, e is
+/// several times w: pressures are, and so is the motion that they make and take away.
+struct GainTolerance {
+  double bulk = 0;    ///< the first term; more gives energy to a collapse
+  double weight = 0;  ///< w; 0 without gravity, where there is no other term than the first
+
+  WEIR_HD double at(double displaced) const {
+    constexpr double kOfWeight = 0.1, kOfSplash = 0.3;
+    if (!(weight > 0)) return bulk;
+    const double calm = kOfWeight * weight, splash = kOfSplash * (displaced - weight);
+    const double most = splash > calm ? splash : calm;  // NaN leaves water calm
+    return most < bulk ? most : bulk;
+  }
+};
+
 /// Whether to go on, and with which momentum: k/(k + 3) in the k-th iteration since the last restart.
 struct Judge {
   SolverControl* control;
   const SolverSums* sums;
   Count count;
-  double tolerance;  // below 0: never done
-  double settled;    // m², of each particle; see JudgeState
+  double tolerance;             // below 0: never done
+  GainTolerance gainTolerance;  // see JudgeState
   bool accelerated;
   double farthest;    // m², squared; from here on, lists no longer hold
   double nearest;     // m², squared; up to here, they hold as well as new ones; below 0: nobody asks
@@ -31,19 +54,19 @@ struct Judge {
   /// What the next pass is.
   WEIR_HD void plan() const {
     const bool far = maxRepeats > 0 && sums->farthest > farthest;
-    if (far && control->repeats < maxRepeats && !spent()) {
+    if (far && control->repeats < maxRepeats && !exhausted()) {
       ++control->repeats;
       control->advance = 0;
       return;
     }
     const int left = control->stages - control->stage;
-    control->advance = spent() ? left : left > 0 ? 1 : 0;
+    control->advance = exhausted() ? left : left > 0 ? 1 : 0;
     if (control->advance) {
       control->stage += control->advance;
       control->repeats = 0;
       return;
     }
-    control->over = ++control->finals >= passes || sums->farthest <= nearest || spent() ? 1 : 0;
+    control->over = ++control->finals >= passes || sums->farthest <= nearest || exhausted() ? 1 : 0;
     // What lists that do not hold say of compression is not true.
     if (far) control->met = 0;
   }
@@ -55,7 +78,7 @@ struct Judge {
   }
 
   /// Whether the step has had all its iterations.
-  WEIR_HD bool spent() const { return control->iterations >= maxIterations; }
+  WEIR_HD bool exhausted() const { return control->iterations >= maxIterations; }
 
   WEIR_HD void countIteration() const {
     ++control->iterations;
@@ -80,7 +103,7 @@ struct Judge {
     control->met = meets() && !control->takesBack ? 1 : 0;
     const bool stalls = tolerance > 0 && !control->takesBack && control->sinceRestart > kInFlight &&
                         control->momentum > 0 && sums->objective > (1 - kStall) * control->objective;
-    const bool givesUp = spent() && !control->takesBack;
+    const bool givesUp = exhausted() && !control->takesBack;
     if (givesUp || (control->iterations >= kMin && (control->met || stalls))) {
       control->done = 1;
       return;

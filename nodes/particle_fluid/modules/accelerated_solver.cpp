@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "framework/graph/setting_warning.h"
@@ -14,6 +15,14 @@
 namespace weir {
 
 namespace {
+
+/// γ of a settled fluid of these constants (fluid_constants.h). What is calibrated by a lattice settles more
+/// densely, at a response that was not measured: 1, the most that there can be.
+double responseOf(const FluidConstants& c) {
+  constexpr double kRounding = 1e-5;
+  const double ratio = double(c.supportRadius) / double(c.spacing), packing = packingCalibration(ratio);
+  return std::abs(double(c.calibration) - packing) < kRounding * packing ? settledResponse(ratio) : 1.0;
+}
 
 class Moved final : public MovedParameters {
  public:
@@ -76,15 +85,15 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
 void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
   if (tolerance.get()) {
     const FluidConstants& c = outlook.constants;
-    // The mean over a column of depth h, at rest: ρ0·g·h/(2·K').
-    const double atRest = 0.5 * outlook.pressure / c.bulkModulus;
+    // The mean over a column of depth h, at rest: ρ0·g·h/(2·γ·K').
+    const double bearing = 0.5 * outlook.pressure / responseOf(c), atRest = bearing / c.bulkModulus;
     if (atRest > *tolerance.get() * (1 + kSettingRounding))
       outlook.warn(*this,
                    fmt::format("a tolerance of {:.3g} cannot be met: at rest the fluid's mean compression is "
                                "{:.3g}, from its weight and bulk_modulus",
                                *tolerance.get(), atRest),
                    fmt::format("a tolerance of at least {:.2g}, or a bulk_modulus of at least {:.2g} Pa",
-                               atRest, 0.5 * outlook.pressure / *tolerance.get()));
+                               atRest, bearing / (*tolerance.get() * c.stiffened)));
     return;
   }
   warnOfFew(outlook, maxIterations, "a tolerance");
@@ -153,17 +162,13 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   return bytes;
 }
 
-double AcceleratedSolver::settledEnergy(const PressureProblem& problem) const {
-  // Of the energy of a fluid that is compressed by the tolerance. Four times as much gave energy to a
-  // collapse.
+detail::GainTolerance AcceleratedSolver::gainTolerance(const PressureProblem& problem) const {
+  // Of the energy of a fluid that is compressed by the tolerance.
   constexpr double kOfBulk = 0.05;
-  const double bulk =
-      kOfBulk * double(problem.stiffness()) * double(bulkEnergy_.value(tolerance.get().value_or(0.0f)));
-  // Of what weight does in a step, ½·(g·dt²)². If that were left, water at rest would sink until its
-  // compression asks for more, and bounce.
-  constexpr double kOfWeight = 0.1;
   const double dt = problem.fluid.time.dt, sinks = double(length(problem.fluid.time.gravity)) * dt * dt;
-  return sinks > 0 ? std::min(bulk, kOfWeight * 0.5 * sinks * sinks) : bulk;
+  return {.bulk = kOfBulk * double(problem.stiffness()) *
+                  double(bulkEnergy_.value(tolerance.get().value_or(0.0f))),
+          .weight = 0.5 * sinks * sinks};
 }
 
 detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {
@@ -174,7 +179,7 @@ detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const S
           .sums = sums,
           .count = all_,
           .tolerance = double(tolerance.get().value_or(-1.0f)),
-          .settled = settledEnergy(problem),
+          .gainTolerance = gainTolerance(problem),
           .accelerated = accelerated(),
           .farthest = reach * reach,
           .nearest = neighborSearches.get() ? -1 : near * near,

@@ -29,6 +29,7 @@
 namespace WEIR_API weir {
 
 namespace detail {
+struct GainTolerance;
 struct Judge;
 }  // namespace detail
 
@@ -134,8 +135,7 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   /// Decides on the device how to go on; `last` is the last iteration of a pass.
   template <class Backend>
   void judge(Backend& device, const PressureProblem& problem, bool last);
-  /// m² of each particle: what an iteration of a calm fluid may still gain where it is the last one.
-  double settledEnergy(const PressureProblem& problem) const;
+  detail::GainTolerance gainTolerance(const PressureProblem& problem) const;
   detail::Judge judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last);
   /// Builds on earlier iterations, or goes back to the one before.
   template <class Backend>

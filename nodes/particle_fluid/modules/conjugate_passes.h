@@ -93,7 +93,8 @@ struct MeasureState {
     const float e = problem.of.excess[i];
     return {.compression = e > 0 ? double(e) : 0.0,
             .objective = problem.energyAt(u, e),
-            .farthest = double(dot(way, way))};
+            .farthest = double(dot(way, way)),
+            .displaced = 0.5 * double(dot(u, u))};
   }
 };
 
@@ -115,22 +116,23 @@ struct JudgeState {
     const double least = judge.tolerance > 0 ? 1e-5 : 1e-7;
     const int patience = judge.tolerance > 0 ? 4 : 100;
     // Little compression alone does not mean that particles have come to rest, and energy that should be lost
-    // would be left: the last step must not have lowered the objective by more than this share, or than the
-    // energy that a calm fluid may keep (engineering/convergence.md).
+    // would be left: the last step must not have lowered the objective by more than this share, or than
+    // GainTolerance (engineering/convergence.md).
     constexpr double kSettled = 0.005;
     constexpr int kMin = 3;  // see Judge::judge()
     const double objective = judge.sums->objective;
-    const bool rose = control.sinceRestart > 0 && objective > (1 + kRounding) * control.objective;
+    // NaN counts as risen.
+    const bool rose = control.sinceRestart > 0 && !(objective <= (1 + kRounding) * control.objective);
     control.takesBack = rose ? 1 : 0;
     control.met = judge.meets() && !rose ? 1 : 0;
     // Neighbours that were found anew where iterations had converged seldom change anything.
     const bool again = control.begun > 1 && !control.advance;
     const double gain = control.objective - objective;
-    const double small = kSettled * control.objective, ofBulk = judge.settled * double(judge.count.get());
-    const bool settled = control.sinceRestart > 0 ? gain < (small > ofBulk ? small : ofBulk) : again;
+    const double share = kSettled * control.objective, tolerated = toleratedGain();
+    const bool settled = control.sinceRestart > 0 ? gain < (share > tolerated ? share : tolerated) : again;
     const bool gains = control.objective == 0 || objective < (1 - least) * control.objective;
     control.withoutGain = gains ? 0 : control.withoutGain + 1;
-    const bool givesUp = judge.spent() && !rose;
+    const bool givesUp = judge.exhausted() && !rose;
     if (givesUp || (control.iterations >= kMin && control.met && settled) ||
         control.withoutGain >= patience) {
       control.done = 1;
@@ -139,6 +141,12 @@ struct JudgeState {
     judge.countIteration();
     if (rose) return takeBack(control);
     if (control.objective == 0 || objective < control.objective) control.objective = objective;
+  }
+
+  /// GainTolerance of all particles.
+  WEIR_HD double toleratedGain() const {
+    const double particles = double(judge.count.get());
+    return particles > 0 ? particles * judge.gainTolerance.at(judge.sums->displaced / particles) : 0;
   }
 
   WEIR_HD static void takeBack(SolverControl& control) {

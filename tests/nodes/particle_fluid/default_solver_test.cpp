@@ -113,8 +113,18 @@ TEST(DefaultSolver, DeepWaterAtRestStaysThere) {
     std::printf("support of %s: %.1e m²/s², %.1f iterations a step\n", ratio, energy / frames,
                 number(report, "solver_iterations", "mean"));
     EXPECT_LE(energy / frames, most) << ratio;
+    // As many as where a splash may leave no more than calm water.
+    EXPECT_NEAR(number(report, "solver_iterations", "mean"), 4, 0.05) << ratio;
     EXPECT_EQ(number(report, "solver_iterations", "not_converged"), 0) << ratio;
   }
+}
+
+// If a step may leave no more than in calm water, this takes 8 iterations.
+TEST(DefaultSolver, ASplashTakesFewerIterationsThanItWouldToBecomeCalm) {
+  const NodeReport report = expectIncompressible(
+      kDamBreak, {"block.max=[0.2, 0.2, 0.1]", "tank.max=[0.4, 0.4, 0.1]", "water.spacing=0.01",
+                  "water.bulk_modulus=8e6", "world.frame_rate=50", "world.duration=0.2"});
+  EXPECT_LE(number(report, "solver_iterations", "mean"), 6.5);
 }
 
 TEST(AutoBulkModulus, KeepsStillWaterIncompressibleThatIsNoWholeNumberOfSpacingsWide) {

@@ -115,10 +115,14 @@ TEST(SettingWarnings, CompressionOfADamBreakGrowsWithSOverIterations) {
 }
 
 TEST(SettingWarnings, AToleranceThatCannotBeMet) {
-  // The fluid reaches from 0.02 m to 0.56: ρ0·g·h/(2·K) = 9800·0.54/2e6 = 0.0026.
+  // The fluid reaches from 0.02 m to 0.56: ρ0·g·h/(2·γ·K) = 9800·0.54/(2·0.75·1e6) = 0.0035, γ being that of
+  // a support of 2 spacings.
   expectWarning({"water.solver.type=AcceleratedSolver", "water.solver.tolerance=0.001"},
-                {"module 'solver'", "a tolerance of 0.001", "0.00265"},
-                {"water.solver.type=AcceleratedSolver", "water.solver.tolerance=0.003"});
+                {"module 'solver'", "a tolerance of 0.001", "0.0035"},
+                {"water.solver.type=AcceleratedSolver", "water.solver.tolerance=0.004"});
+  // Between ρ0·g·h/(2·K) and this it cannot be met, either.
+  expectWarning({"water.solver.type=AcceleratedSolver", "water.solver.tolerance=0.003"}, {"0.0035"},
+                {"water.bulk_modulus=1.3e6"});
   expectWarning({"water.solver.type=AcceleratedSolver", "water.solver.tolerance=0.001"},
                 {"bulk_modulus of at least"}, {"water.bulk_modulus=4e6"});
 }
