@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <map>
 #include <vector>
 
@@ -54,11 +53,11 @@ std::string explainTime(const Simulation& simulation) {
                                  counted(clock.frameCount(), "frame"), world.frameRate.get());
   if (world.duration.get() == 0) return text + "There are no steps.";
   if (!simulation.stepsVary()) return text + equalSteps(clock);
-  const double min = std::ceil(world.duration.get() / simulation.longestStep() - 1e-6);
+  // Steps that vary are no longer than those of the clock, and end at the same frames.
   return text + fmt::format(
                     "Steps follow the fastest particles and take at most {:.3g} ms, so there are at least "
                     "{}.",
-                    1e3 * simulation.longestStep(), groupedText(std::llround(min)));
+                    1e3 * simulation.longestStep(), groupedText(clock.totalSteps()));
 }
 
 std::string explainNodes(const SceneGraph& graph) {

@@ -1,21 +1,11 @@
 #include "apps/studio/session/cost.h"
 
-#include <cmath>
-
 #include "framework/base/log.h"
 #include "framework/run/simulation.h"
 
 namespace weir::studio {
 
 namespace {
-
-/// As `weir explain` tells them.
-std::int64_t stepsOf(const Simulation& simulation) {
-  if (!simulation.stepsVary()) return simulation.clock().totalSteps();
-  constexpr double kRounding = 1e-6;
-  return std::llround(
-      std::ceil(simulation.scene().world.duration.get() / simulation.longestStep() - kRounding));
-}
 
 bool fits(const MemoryEstimate& estimate, double available, const Device& device) {
   try {
@@ -40,7 +30,8 @@ Value costOf(std::unique_ptr<Scene> scene, Device& device, const Registry& regis
   v["particles"] = total.particles;
   v["bytes"] = total.device;
   v["available"] = available;
-  v["steps"] = stepsOf(simulation);
+  // Steps that vary are no longer than those of the clock, and end at the same frames.
+  v["steps"] = simulation.clock().totalSteps();
   v["at_least"] = simulation.stepsVary();
   v["fits"] = fits(estimate, available, device);
   return v;

@@ -312,6 +312,14 @@ TEST_F(SceneCommands, ExplainTellsWhatASceneWillDo) {
   EXPECT_CONTAINS(runWeir({"explain", folder / "s.json", "--set", "let.spacing=0.04"}).out, "at most 250.");
 }
 
+TEST_F(SceneCommands, ExplainCountsTheLeastNumberOfStepsThatVaryFrameByFrame) {
+  const std::string file = folder.write("s.json", std::string(kDamBreak));
+  const ChildResult result = runWeir({"explain", file, "--set", "world.cfl=0.4", "--set", "world.dt=0.003"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  // 20 ms are seven steps of at most 3 ms, and there are five such frames.
+  EXPECT_CONTAINS(result.out, "so there are at least 35.");
+}
+
 TEST_F(SceneCommands, ExplainGivesTheWarningsOfARun) {
   const std::string file = folder.write("s.json", std::string(kDamBreak));
   const ChildResult result =
