@@ -1,7 +1,8 @@
 // The problem of SemiImplicitSolver (pressure_problem.h), solved to a tolerance, with acceleration.
 //
-// Iterations end when the mean of max(λ − 1, 0) is not above the tolerance. They go along conjugate
-// directions (conjugate.h); or, u being the displacement x − x* and f(u) what an iteration of
+// Iterations end when the mean of max(λ − 1, 0) is not above the tolerance and, along conjugate directions,
+// the last of them has lowered the objective by little (GainTolerance). They go along conjugate directions
+// (conjugate.h); or, u being the displacement x − x* and f(u) what an iteration of
 // SemiImplicitSolver makes of it, with momentum,
 //
 //   û_k = f(u_k),   u_k+1 = û_k + k/(k + 3)·(û_k − û_k−1)        (Nesterov)
