@@ -19,6 +19,19 @@ void reduceByKey(CudaDevice& device, std::string_view name, Count count, std::in
 
 namespace detail {
 
+/// Takes the values of one key.
+template <class T, class Op>
+struct TakeOfKey {
+  int key;
+  Op op;
+  T* sum;
+
+  template <class Make>
+  WEIR_HD void operator()(int of, const Make& make) const {
+    if (of == key) *sum = op(*sum, make());
+  }
+};
+
 /// reduceRange() for every key.
 template <class T, class F, class Op>
 void reduceRangeByKey(std::int64_t begin, std::int64_t end, std::int64_t keys, const T& identity, const F& f,
@@ -63,19 +76,6 @@ void reduceByKey(CpuBackend& device, std::string_view name, Count count, std::in
 #ifdef __CUDACC__
 
 namespace detail {
-
-/// Takes the values of one key.
-template <class T, class Op>
-struct TakeOfKey {
-  int key;
-  Op op;
-  T* sum;
-
-  template <class Make>
-  WEIR_HD void operator()(int of, const Make& make) const {
-    if (of == key) *sum = op(*sum, make());
-  }
-};
 
 /// reduceKernel() for every key, by `blocks` blocks each.
 template <class T, class F, class Op>

@@ -14,6 +14,7 @@
 
 #include "framework/communication/communicator.h"
 #include "framework/compute/exact_sum.h"
+#include "framework/compute/key_lists.h"
 #include "framework/compute/reduce_by_key.h"
 #include "framework/compute/reductions.h"
 
@@ -23,6 +24,7 @@ namespace weir {
 struct OnAllRanks {
   Communicator* ranks = nullptr;  ///< null for one that is alone
   Count count;
+  KeyListsView lists = {};  ///< for sums by key: which of these things belong to each, if somebody knows
 };
 
 namespace detail {
@@ -132,15 +134,27 @@ void sumOverRanks(Backend& device, std::string_view name, const OnAllRanks& all,
   sumOverRanks(device, name, all, unit, of, add, to);
 }
 
-/// reduceByKey() over all ranks; f may be asked twice for an i.
+namespace detail {
+
+template <class Backend, class T, class F, class Op>
+void reduceByKeyOrList(Backend& device, std::string_view name, const OnAllRanks& all, std::int64_t keys,
+                       T identity, const F& f, const Op& op, T* results) {
+  if (all.lists.first.size > 0) return reduceListed(device, name, all.lists, identity, f, op, results);
+  reduceByKey(device, name, all.count, keys, identity, f, op, results);
+}
+
+}  // namespace detail
+
+/// reduceByKey() over all ranks, or reduceListed() where there are lists; f may be asked twice for an i.
 template <class Sums, class Backend, class F, class Add>
 void sumByKeyOverRanks(Backend& device, std::string_view name, const OnAllRanks& all, std::int64_t keys,
                        const F& f, const Add& add, Sums* results) {
-  if (all.ranks == nullptr) return reduceByKey(device, name, all.count, keys, Sums{}, f, add, results);
+  if (all.ranks == nullptr)
+    return detail::reduceByKeyOrList(device, name, all, keys, Sums{}, f, add, results);
   const double unit = unitOnRanks(device, name, all, detail::LargestByKey<F>{f});
   Array<ExactSums<Sums>> own(device, keys);
-  reduceByKey(device, name, all.count, keys, ExactSums<Sums>{}, detail::ExactByKey<Sums, F>{f, 1 / unit},
-              Plus{}, own.data());
+  detail::reduceByKeyOrList(device, name, all, keys, ExactSums<Sums>{},
+                            detail::ExactByKey<Sums, F>{f, 1 / unit}, Plus{}, own.data());
   detail::writeGathered(device, *all.ranks, own, unit, results);
 }
 

@@ -13,6 +13,10 @@ inline constexpr float kCarveGap = 0.25f;
 /// Whether a place lies in a solid as it stands at the end of the step, or closer to it than `gap` (m).
 WEIR_HD inline bool hasNoRoom(const SolidView& solid, const Vec3f& position, float gap) {
   const Vec3f p = solid.end.toBody(position);
+  // A body's mesh is closed, so there is room wherever its box is not near.
+  const Aabb& box = solid.tree.bounds;
+  const Vec3f out = p - min(max(p, box.lo), box.hi);
+  if (solid.body != nullptr && dot(out, out) > 4 * gap * gap) return false;
   // Only what is near a sheet matters; a side can be far from its surface.
   const float reach = solid.kind == SolidKind::kSheet ? gap : std::numeric_limits<float>::infinity();
   const SurfacePoint nearest = solid.tree.nearest(p, reach);

@@ -11,7 +11,8 @@ SolidPairs::SolidPairs(Device& device)
       marks_(device),
       near_(device),
       nearCounter_(device, 1),
-      lost_(device, 1) {
+      lost_(device, 1),
+      bySolid_(device) {
   lost_.fillZero();
 }
 
@@ -35,7 +36,7 @@ void SolidPairs::makeRoom(std::int64_t particles, std::int64_t solids) {
 double SolidPairs::memoryFor(double particles, int solids, std::size_t bytesOfPair) const {
   const double pairs = particles * std::min<std::int64_t>(solids, kUsual);
   return bytesOfArrays(particles + 1, count_, first_) + bytesOfArrays(particles, near_, marks_) +
-         bytesOfArrays(pairs, solid_) + bytesOfArray(pairs, bytesOfPair);
+         bytesOfArrays(pairs, solid_) + bytesOfArray(pairs, bytesOfPair) + KeyLists::memoryFor(pairs, solids);
 }
 
 }  // namespace weir

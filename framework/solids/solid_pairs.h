@@ -7,9 +7,10 @@
 
 #include "framework/base/api.h"
 #include "framework/compute/compact_once.h"
+#include "framework/compute/key_lists.h"
 #include "framework/compute/parallel_uneven.h"
 #include "framework/compute/readback.h"
-#include "framework/solids/solid.h"
+#include "framework/solids/solid_grid.h"
 
 namespace WEIR_API weir {
 
@@ -37,7 +38,7 @@ class SolidPairs {
   /// each other. On a GPU the host does not wait for their number: it has room for two pairs of each
   /// particle, or for twice as many as there were when it waited.
   template <class Backend>
-  void find(Backend& device, Count particles, ArrayView<const SolidView> solids,
+  void find(Backend& device, Count particles, ArrayView<const SolidView> solids, const SolidGridView& grid,
             ArrayView<const Vec3f> positions, float reach);
   /// Lets the next find() wait.
   void waitForNumber() { waits_ = true; }
@@ -46,6 +47,8 @@ class SolidPairs {
   ArrayView<const int> near() const { return near_.view(); }
   Count nearCount() const { return {near_.size(), nearCounter_.data()}; }
   SolidPairsView view() const { return {first_.view(), count_.view(), solid_.view()}; }
+  /// The places n in near() of the particles at each solid; empty where there are few solids.
+  KeyListsView bySolid() const { return bySolid_.view(); }
   /// Pairs that there is room for; what somebody knows of each needs as much.
   std::int64_t room() const { return solid_.size(); }
 
@@ -59,12 +62,15 @@ class SolidPairs {
   static constexpr std::int64_t kUsual = 2;  // pairs of a particle; a mean
 
   void makeRoom(std::int64_t particles, std::int64_t solids);
+  template <class Backend>
+  void listBySolid(Backend& device, std::int64_t solids);
 
   Array<int> count_, first_;  // one more than particles, so that the last is their number
   Array<int> solid_;
   Array<std::uint8_t> marks_;  // scratch
   Array<int> near_, nearCounter_;
   Array<int> lost_;
+  KeyLists bySolid_;
   std::optional<Readback<int>> number_;
   std::int64_t wanted_ = 0;  // room that was called for
   bool waits_ = true;
@@ -72,8 +78,9 @@ class SolidPairs {
 
 namespace detail {
 
-struct NearSolids {
+struct SolidsInReach {
   ArrayView<const SolidView> solids;
+  SolidGridView grid;
   ArrayView<const Vec3f> positions;
   float reach;
 
@@ -81,14 +88,15 @@ struct NearSolids {
   template <class F>
   WEIR_HD void forEach(std::int64_t i, F&& f) const {
     const Vec3f p = positions[i];
-    for (std::int64_t k = 0; k < solids.size; ++k)
-      if (!(solids[k].clearance.at(solids[k].end.toBody(p)) > reach)) f(static_cast<int>(k));
+    const NearSolids near = grid.near(p, 0, solids.size);
+    for (int k = near.from(0); k < near.count; k = near.from(k + 1))
+      if (!(solids[k].clearance.at(solids[k].end.toBody(p)) > reach)) f(k);
   }
 };
 
 /// Whether there are any, and how many.
 struct CountSolids {
-  NearSolids near;
+  SolidsInReach near;
   ArrayView<int> count;
 
   WEIR_HD bool operator()(std::int64_t i) const {
@@ -101,7 +109,7 @@ struct CountSolids {
 
 /// Of particle near[n].
 struct ListSolids {
-  NearSolids solids;
+  SolidsInReach solids;
   ArrayView<const int> near, first;
   ArrayView<int> count, solid;
   int* lost;
@@ -120,12 +128,28 @@ struct ListSolids {
   }
 };
 
+/// The solids of particle near[n].
+struct WriteKeys {
+  SolidPairsView pairs;
+  ArrayView<const int> near;
+  ArrayView<std::uint32_t> keys;
+  ArrayView<int> items;
+
+  WEIR_HD void operator()(std::int64_t n) const {
+    const int i = near[n];
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
+      keys[pair] = static_cast<std::uint32_t>(pairs.solid[pair]);
+      items[pair] = static_cast<int>(n);
+    }
+  }
+};
+
 }  // namespace detail
 
 template <class Backend>
 void SolidPairs::find(Backend& device, Count particles, ArrayView<const SolidView> solids,
-                      ArrayView<const Vec3f> positions, float reach) {
-  const detail::NearSolids nearSolids{solids, positions, reach};
+                      const SolidGridView& grid, ArrayView<const Vec3f> positions, float reach) {
+  const detail::SolidsInReach nearSolids{solids, grid, positions, reach};
   count_.resizeDiscarding(positions.size + 1);
   first_.resizeDiscarding(positions.size + 1);
   near_.resizeDiscarding(positions.size);
@@ -138,6 +162,17 @@ void SolidPairs::find(Backend& device, Count particles, ArrayView<const SolidVie
   parallelForUneven(device, "solids of particles", nearCount(),
                     detail::ListSolids{nearSolids, near(), std::as_const(first_).view(), count_.view(),
                                        solid_.view(), lost_.data()});
+  listBySolid(device, solids.size);
+}
+
+template <class Backend>
+void SolidPairs::listBySolid(Backend& device, std::int64_t solids) {
+  bySolid_.forget();
+  if (KeyLists::areFew(solids)) return;
+  bySolid_.clear(room());
+  parallelForUneven(device, "particles of solids", nearCount(),
+                    detail::WriteKeys{view(), near(), bySolid_.keys(), bySolid_.items()});
+  bySolid_.sort(device, solids);
 }
 
 }  // namespace weir

@@ -92,17 +92,19 @@ void BodyContacts::reset(const SetupContext& context) {
       source_, [&] { return hookText("", "set", source_); },
       [&] { overlap = dynamics_->set(std::move(held), std::move(solid), std::move(jointed)); });
   checkOverlap(overlap);
+  std::vector<BodyBatch::Member> members;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    RigidBody& body = *bodies[k].body;
+    members.push_back({body.onDevice(), body.leaveMoving(*this)});
+  }
+  batch_.emplace(context.device, members);
 }
 
 void BodyContacts::step(const StepContext& context) {
   constexpr double kSteps = 2;  // of a fall: what is slower does not bounce
-  std::vector<BodyDynamics::Motion> motions;
+  std::vector<BodyDynamics::Motion> motions = batch_->moveOn(context.gravity, context.dt);
   std::vector<SolidWay> ways;
   std::vector<JointDrive> drives;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const FreeBody body = bodies[k].body->stepped();
-    motions.push_back({.before = body.before, .after = body.state});
-  }
   for (std::size_t k = 0; k < solids.size(); ++k)
     ways.push_back({poseOfSolid(k, context.time), poseOfSolid(k, context.time + context.dt)});
   for (std::size_t k = 0; k < joints.size(); ++k) drives.push_back(joints[k].joint->drive());
@@ -111,9 +113,8 @@ void BodyContacts::step(const StepContext& context) {
       [&] {
         dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity));
       });
-  held_ = 0;
-  for (std::size_t k = 0; k < bodies.size(); ++k)
-    if (motions[k].held) bodies[k].body->place(motions[k].after), ++held_;
+  held_ = batch_->place(motions);
+  for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].body->tellState(motions[k].after);
 }
 
 void BodyContacts::report(NodeReport& report) {

@@ -6,11 +6,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "framework/base/api.h"
 #include "framework/graph/node.h"
 #include "framework/graph/registry.h"
+#include "nodes/body_contacts/body_batch.h"
 #include "nodes/body_contacts/body_dynamics.h"
 #include "nodes/body_contacts/joint.h"
 #include "nodes/rigid_body/rigid_body.h"
@@ -46,6 +48,7 @@ class BodyContacts final : public Node {
   void checkOverlap(const BodyDynamics::Overlap& overlap) const;
 
   std::unique_ptr<BodyDynamics> dynamics_;
+  std::optional<BodyBatch> batch_;
   std::string source_;
   std::int64_t held_ = 0;  // bodies, in the last step
 };

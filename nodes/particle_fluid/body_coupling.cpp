@@ -3,10 +3,10 @@
 namespace weir {
 
 template <class Backend>
-void placeBodiesOn(Backend& device, Array<SolidView>& views, const Vec3f& gravity, double dt);
+void placeBodiesOn(Backend& device, WallField& walls, const Vec3f& gravity, double dt);
 
-void placeBodies(Array<SolidView>& views, const Vec3f& gravity, double dt) {
-  dispatch(views.device(), [&](auto& device) { placeBodiesOn(device, views, gravity, dt); });
+void placeBodies(WallField& walls, const Vec3f& gravity, double dt) {
+  dispatch(walls.views.device(), [&](auto& device) { placeBodiesOn(device, walls, gravity, dt); });
 }
 
 }  // namespace weir

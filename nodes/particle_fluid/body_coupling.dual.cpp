@@ -29,10 +29,13 @@ struct PlaceBody {
 }  // namespace
 
 template <class Backend>
-void placeBodiesOn(Backend& device, Array<SolidView>& views, const Vec3f& gravity, double dt) {
-  parallelFor(device, "place bodies", views.size(), PlaceBody{views.view(), doubleOf(gravity), dt});
+void placeBodiesOn(Backend& device, WallField& walls, const Vec3f& gravity, double dt) {
+  if (walls.hasBodies())
+    parallelFor(device, "place bodies", walls.views.size(),
+                PlaceBody{walls.views.view(), doubleOf(gravity), dt});
+  walls.sortSolids(device);
 }
 
-template void placeBodiesOn(ThisBackend&, Array<SolidView>&, const Vec3f&, double);
+template void placeBodiesOn(ThisBackend&, WallField&, const Vec3f&, double);
 
 }  // namespace weir

@@ -29,8 +29,9 @@
 namespace weir {
 
 /// Brings bodies that forces move to where they are: at the beginning of a step of `dt` s, and to where
-/// gravity (m/s²) brings them; with dt = 0, where they stand. The other views stay as they are.
-void placeBodies(Array<SolidView>& views, const Vec3f& gravity, double dt);
+/// gravity (m/s²) brings them; with dt = 0, where they stand. The other views stay as they are. Then sorts
+/// the grid of the solids.
+void placeBodies(WallField& walls, const Vec3f& gravity, double dt);
 
 namespace detail {
 
@@ -250,18 +251,20 @@ struct AddTwists {
   WEIR_HD Twist operator()(Twist a, const Twist& b) const { return a += b; }
 };
 
-/// Sums what f gives into walls.bodySums, over all ranks.
+/// Sums what f gives into walls.bodySums, over all ranks; `lists` as those of OnAllRanks.
 template <class Backend, class F>
-void sumBodies(Backend& device, const char* name, FluidStep& fluid, Count count, const F& f) {
+void sumBodies(Backend& device, const char* name, FluidStep& fluid, Count count, const KeyListsView& lists,
+               const F& f) {
   WallField& walls = fluid.walls;
   const std::int64_t keys = walls.views.size();
   Communicator* const ranks = ranksOf(fluid);
   if (ranks == nullptr)
-    return reduceByKey(device, name, count, keys, BodySums{}, f, AddBodySums{}, walls.bodySums.data());
+    return reduceByKeyOrList(device, name, {nullptr, count, lists}, keys, BodySums{}, f, AddBodySums{},
+                             walls.bodySums.data());
   std::vector<BodySums> sums(static_cast<std::size_t>(keys));
   Array<Twist> found(fluid.device, keys);
   for (int part = 0; part < BodySums::kParts; ++part) {
-    sumByKeyOverRanks(device, name, {ranks, count}, keys, PartOfBodySums<F>{f, part}, AddTwists{},
+    sumByKeyOverRanks(device, name, {ranks, count, lists}, keys, PartOfBodySums<F>{f, part}, AddTwists{},
                       found.data());
     const std::vector<Twist> values = found.toHost();
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k].setPart(part, values[k]);
@@ -292,7 +295,7 @@ void moveBodies(Backend& device, const PressureProblem& problem, bool yields, co
   walls.moved = true;
   const detail::NearBodies bodies = detail::nearBodies(device, fluid);
   const WallFieldView view = walls.view();
-  detail::sumBodies(device, "push on bodies", fluid, walls.pairs.nearCount(),
+  detail::sumBodies(device, "push on bodies", fluid, walls.pairs.nearCount(), walls.pairs.bySolid(),
                     detail::SumPushes{bodies, walls.pairs.near(), view.share,
                                       yields ? ArrayView<const float>(view.grip) : ArrayView<const float>{}});
   parallelFor(
@@ -322,17 +325,19 @@ void addBodyEnergy(Backend& device, const PressureProblem& problem, SolverSums* 
 /// Before solids near particles are found where the iterations have led.
 template <class Backend>
 void searchAtBodies(Backend& device, WallField& walls) {
-  if (walls.moves)
-    parallelFor(device, "search at bodies", walls.views.size(), detail::SearchAtBodies{walls.views.view()});
+  if (!walls.moves) return;
+  parallelFor(device, "search at bodies", walls.views.size(), detail::SearchAtBodies{walls.views.view()});
+  walls.sortSolids(device);
 }
 
 /// After the solver: bodies stand where it has brought them, with the velocity of that.
 template <class Backend>
 void endBodies(Backend& device, const PressureProblem& problem) {
   WallField& walls = problem.fluid.walls;
-  if (walls.moves)
-    parallelFor(device, "end of bodies", walls.views.size(),
-                detail::EndBodies{walls.views.view(), 1 / problem.fluid.time.dt});
+  if (!walls.moves) return;
+  parallelFor(device, "end of bodies", walls.views.size(),
+              detail::EndBodies{walls.views.view(), 1 / problem.fluid.time.dt});
+  walls.sortSolids(device);
 }
 
 /// Lets bodies give way to the particles that they have stopped, which are walls.met.
@@ -343,7 +348,7 @@ void shareKicks(Backend& device, FluidStep& fluid) {
   const ArrayView<const SolidView> solids = std::as_const(walls.views).view();
   const ArrayView<const int> met = std::as_const(walls.met).view();
   const ArrayView<const Vec3f> positions = fluid.particles.positions().read();
-  detail::sumBodies(device, "hits of bodies", fluid, walls.metCount(),
+  detail::sumBodies(device, "hits of bodies", fluid, walls.metCount(), walls.hitsBySolid(),
                     detail::SumHits{solids, double(fluid.constants.particleMass), met, positions,
                                     std::as_const(walls.kick).view()});
   parallelFor(device, "hit bodies", solids.size, detail::HitBodies{solids, walls.bodySums.data()});

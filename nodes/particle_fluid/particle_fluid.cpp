@@ -316,15 +316,17 @@ std::int64_t ParticleFluid::carve(std::span<const std::unique_ptr<Solid>> solids
   for (const auto& solid : solids) views.push_back(solid->view(0, 0));
   Device& device = particles.device();
   const Array<SolidView> onDevice(device, views);
-  Array<int> inside(device, count);
+  Array<int> inside(device, count + 1);  // the last is their number
   dispatch(device, [&](auto& backend) { markInsideOn(backend, onDevice, inside); });
+  int number = 0;
+  device.download(&number, inside.data() + count, sizeof number);
+  if (number == 0) return 0;
 
-  const std::vector<int> marks = inside.toHost();
+  const std::vector<int> marks = inside.toHost(count);
   std::vector<int> kept;
   for (std::size_t i = 0; i < marks.size(); ++i)
     if (marks[i] == 0) kept.push_back(static_cast<int>(i));
   const std::int64_t removed = count - static_cast<std::int64_t>(kept.size());
-  if (removed == 0) return 0;
   const int left = static_cast<int>(kept.size());
   device.upload(particles.counter(), &left, sizeof(int));
   const Array<int> order(device, kept);

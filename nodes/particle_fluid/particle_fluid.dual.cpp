@@ -75,6 +75,11 @@ struct MarkInside {
   }
 };
 
+struct IsInside {
+  ArrayView<const int> inside;
+  WEIR_HD int operator()(std::int64_t i) const { return inside[i]; }
+};
+
 /// A cell of its own for each particle that has room, so that they keep their order.
 struct RoomKey {
   ArrayView<const SolidView> solids;
@@ -104,9 +109,11 @@ void ParticleFluid::selectOn(Backend& device, const ParticleBatch& born) {
 
 template <class Backend>
 void ParticleFluid::markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside) {
-  parallelFor(device, "carve", inside.size(),
+  const std::int64_t count = inside.size() - 1;
+  parallelFor(device, "carve", count,
               MarkInside{solids.view(), kCarveGap * constants_.spacing, state_->particles.positions().read(),
                          inside.view()});
+  reduce(device, "carve", count, 0, IsInside{std::as_const(inside).view()}, Plus{}, inside.data() + count);
 }
 
 template <class Backend>

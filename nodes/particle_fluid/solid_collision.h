@@ -9,10 +9,6 @@
 
 namespace weir {
 
-/// How near particles may come to a solid, in spacings. The pressure keeps the fluid at about half a spacing;
-/// this is far below that, and far above the rounding of coordinates.
-inline constexpr float kSolidGap = 0.1f;
-
 /// The velocity after contact with a wall that moves at `wall`: no longer into it, and Coulomb's friction
 /// takes at most μ times that change from the part along it. Without a normal the particle had no room to
 /// move, and goes with the wall.
@@ -53,9 +49,10 @@ WEIR_HD inline bool isFar(const SolidView& solid, const Pose& at, float gap, con
 }
 
 /// Whether nothing of any solid can be near a particle's way; the same start and position as of stopAtSolids.
-WEIR_HD inline bool isClearOfSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
-                                    const Vec3f& start, const Vec3f& position) {
-  for (std::int64_t k = 0; k < solids.size; ++k) {
+WEIR_HD inline bool isClearOfSolids(ArrayView<const SolidView> solids, const SolidGridView& grid, bool atEnd,
+                                    float gap, const Vec3f& start, const Vec3f& position) {
+  const NearSolids near = grid.near(position, length(position - start), solids.size);
+  for (int k = near.from(0); k < near.count; k = near.from(k + 1)) {
     const SolidView& solid = solids[k];
     const Pose& begin = atEnd ? solid.predicted : solid.begin;
     if (isFar(solid, begin, gap, start, position)) continue;
@@ -66,16 +63,17 @@ WEIR_HD inline bool isClearOfSolids(ArrayView<const SolidView> solids, bool atEn
 }
 
 /// From `start`, as it was when the solids were at their `begin` (or, if `atEnd`, where they were predicted),
-/// to the particle's position at their end.
-WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, bool atEnd, float gap,
-                                            const Vec3f& start, const Vec3f& position,
+/// to the particle's position at their end. A solid that stops it may bring it near others.
+WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, const SolidGridView& grid,
+                                            bool atEnd, float gap, const Vec3f& start, const Vec3f& position,
                                             const Vec3f& velocity) {
   // Leaving one solid may mean entering another.
   constexpr int kPasses = 4;
   StoppedParticle particle{position, velocity};
+  NearSolids near = grid.near(position, length(position - start), solids.size);
   for (int pass = 0; pass < kPasses; ++pass) {
     bool stopped = false;
-    for (std::int64_t k = 0; k < solids.size; ++k) {
+    for (int k = near.from(0); k < near.count; k = near.from(k + 1)) {
       const SolidView& solid = solids[k];
       const Vec3f from = (atEnd ? solid.predicted : solid.begin).toBody(start);
       const SweepResult way =
@@ -85,7 +83,8 @@ WEIR_HD inline StoppedParticle stopAtSolids(ArrayView<const SolidView> solids, b
       particle.position = solid.end.toWorld(way.position);
       particle.velocity = velocityAfterContact(particle.velocity, solid.velocityAt(particle.position),
                                                solid.end.directionToWorld(way.normal), solid.friction);
-      particle.solid = static_cast<int>(k);
+      particle.solid = k;
+      near = grid.near(particle.position, length(particle.position - start), solids.size);
     }
     if (!stopped || solids.size == 1) return particle;
   }
@@ -135,7 +134,8 @@ struct ContactImpulse {
 template <class Backend>
 void sumContacts(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
-  sumByKeyOverRanks(device, "impulse", {ranksOf(fluid), walls.metCount()}, walls.views.size(),
+  sumByKeyOverRanks(device, "impulse", {ranksOf(fluid), walls.metCount(), walls.hitsBySolid()},
+                    walls.views.size(),
                     ContactImpulse{std::as_const(walls.views).view(), fluid.constants.particleMass,
                                    std::as_const(walls.met).view(), fluid.particles.positions().read(),
                                    std::as_const(walls.kick).view()},

@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/wall_field.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "framework/graph/memory_estimate.h"
 #include "nodes/particle_fluid/body_coupling.h"
@@ -13,15 +14,26 @@ bool WallField::hasBodies() const {
                      [](const Solid* solid) { return solid->isMovedByForces(); });
 }
 
+namespace {
+
+bool haveSameBytes(const std::vector<SolidView>& a, const std::vector<SolidView>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(SolidView)) == 0;
+}
+
+}  // namespace
+
 void WallField::place(double time, double dt, const Vec3f& gravity) {
   const double length = still ? 0 : dt;
-  placed_.clear();
-  for (Solid* solid : solids) placed_.push_back(solid->view(time, length));
-  views.assign(placed_);
-  const bool any = hasBodies();
-  moves = any && length > 0;
+  std::vector<SolidView> placed;
+  for (Solid* solid : solids) placed.push_back(solid->view(time, length));
+  // What has changed in `views` since is made anew below. Bodies look the same in every step.
+  if (!haveSameBytes(placed, placed_)) views.assign(placed);
+  placed_.swap(placed);
+  if (placed_.size() != sortedSolids_) grid.fit(placed_, reach_, reach_, gap_);
+  sortedSolids_ = placed_.size();
+  moves = hasBodies() && length > 0;
   moved = false;
-  if (any) placeBodies(views, gravity, length);
+  placeBodies(*this, gravity, length);
 }
 
 void WallField::fit(ParticleSet& particles) {
@@ -66,6 +78,9 @@ void WallField::meet(const std::vector<const Boundary*>& boundaries, const Fluid
   bounces = std::any_of(all.begin(), all.end(), [](const BoundaryPiece& of) { return of.restitution > 0; });
   if (rubs || !reporting.empty()) addShare(particles);
   pieces_.assign(all);
+  reach_ = constants.supportRadius;
+  gap_ = kSolidGap * constants.spacing;
+  sortedSolids_ = 0;
   boundary = {.boundary = {.pieces = pieces_.data(),
                            .count = static_cast<int>(all.size()),
                            .first = all.empty() ? BoundaryPiece{} : all.front()},
@@ -89,7 +104,8 @@ double WallField::memoryFor(const FluidRoom& room) const {
   double bytes = room.wallShares ? ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) : 0;
   if (room.boundaryForces) bytes += bytesOfArrays(n, velocitiesBefore);
   if (room.solids == 0) return bytes;
-  return bytes + pairs.memoryFor(n, room.solids, sizeof(Vec4f) + sizeof(int)) +
+  return bytes + SolidGrid::memoryFor(room.solids) + KeyLists::memoryFor(n, room.solids) +
+         pairs.memoryFor(n, room.solids, sizeof(Vec4f) + sizeof(int)) +
          bytesOfArrays(n, total, d, legal, marks, met, kick);
 }
 

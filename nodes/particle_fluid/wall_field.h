@@ -78,10 +78,15 @@ struct WallFieldViewWith {
 };
 using WallFieldView = WallFieldViewWith<BoundaryIntegrals>;
 
+/// How near particles may come to a solid, in spacings. The pressure keeps the fluid at about half a spacing;
+/// this is far below that, and far above the rounding of coordinates.
+inline constexpr float kSolidGap = 0.1f;
+
 /// Kept by the fluid; the modules SolidApproach, WallIntegrals and SolidContact fill and use it.
 struct WallField {
   explicit WallField(Device& device)
       : views(device),
+        grid(device),
         pairs(device),
         each(device),
         sides(device),
@@ -92,6 +97,7 @@ struct WallField {
         met(device),
         metCounter(device, 1),
         kick(device),
+        hits(device),
         impulses(device),
         lift(device),
         grip(device),
@@ -103,6 +109,7 @@ struct WallField {
 
   std::vector<Solid*> solids;
   Array<SolidView> views;  ///< of the solids, in this step
+  SolidGrid grid;          ///< of the solids, as `views` has them
   SolidPairs pairs;        ///< of particles and the solids within their support radius
   Array<Vec4f> each;       ///< integrals of each pair
   Array<int> sides;        ///< of its solid that its particle sees, see hidden_neighbors.h
@@ -117,6 +124,7 @@ struct WallField {
   Array<int> metCounter;      ///< one: how many
   /// Of met[k]: change of velocity by contact, m/s, and the number of the solid, -1 for none.
   Array<Vec4f> kick;
+  KeyLists hits;  ///< places in `met` of the particles that each solid stopped, if they are many
   Array<SolidImpulse> impulses;  ///< two of each solid, scratch
   Array<float> lift, grip;       ///< see WallFieldView
   Array<BodySums> bodySums;      ///< of each solid, scratch
@@ -162,10 +170,19 @@ struct WallField {
   template <class Backend, class Is>
   void list(Backend& device, std::string_view name, Count count, const Is& is, Array<int>& indices,
             Array<int>& counter);
+  /// Lists by solids whom these have stopped, once that is known.
+  template <class Backend>
+  void listHits(Backend& device);
+  /// Brings `grid` up to date once solids have moved.
+  template <class Backend>
+  void sortSolids(Backend& device) {
+    grid.sort(device, std::as_const(views).view());
+  }
   /// Fills `pairs`, and makes room for what is known of each.
   template <class Backend>
   void findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach);
   Count metCount() const { return {stride, metCounter.data()}; }
+  KeyListsView hitsBySolid() const { return hits.view(); }
   /// The solids as they move from `time` on for `dt` seconds; with dt = 0, as they stand then. `gravity`
   /// (m/s²) is that of those that forces move.
   void place(double time, double dt, const Vec3f& gravity = {});
@@ -199,7 +216,9 @@ struct WallField {
   }
   void addShare(ParticleSet& particles);
 
-  std::vector<SolidView> placed_;                // what `views` holds
+  std::vector<SolidView> placed_;                // what `views` held before forces moved some
+  std::size_t sortedSolids_ = 0;                 // that `grid` is for
+  float reach_ = 0, gap_ = 0;                    // m
   std::vector<Array<SolidImpulse>*> reporting_;  // what `measured` points to
   Array<BoundaryPiece> pieces_;
 };
@@ -210,9 +229,36 @@ void WallField::list(Backend& device, std::string_view name, Count count, const 
   compactOnce(device, name, count, is, marks, indices.view(), counter.data());
 }
 
+namespace detail {
+
+/// The solid that has stopped particle met[m].
+struct WriteHits {
+  ArrayView<const Vec4f> kick;
+  ArrayView<std::uint32_t> keys;
+  ArrayView<int> items;
+
+  WEIR_HD void operator()(std::int64_t m) const {
+    const int k = static_cast<int>(kick[m].w);
+    if (k >= 0) keys[m] = static_cast<std::uint32_t>(k);
+    items[m] = static_cast<int>(m);
+  }
+};
+
+}  // namespace detail
+
+template <class Backend>
+void WallField::listHits(Backend& device) {
+  hits.forget();
+  if (KeyLists::areFew(views.size())) return;
+  hits.clear(device, metCount());
+  parallelFor(device, "hits", metCount(),
+              detail::WriteHits{std::as_const(kick).view(), hits.keys(), hits.items()});
+  hits.sort(device, views.size());
+}
+
 template <class Backend>
 void WallField::findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach) {
-  pairs.find(device, count, std::as_const(views).view(), positions, reach);
+  pairs.find(device, count, std::as_const(views).view(), grid.view(), positions, reach);
   each.resizeDiscarding(pairs.room());
   sides.resizeDiscarding(pairs.room());
 }

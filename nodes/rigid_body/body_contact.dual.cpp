@@ -2,35 +2,19 @@
 
 #include "framework/compute/compact_once.h"
 #include "framework/compute/reductions.h"
+#include "nodes/rigid_body/move_on.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace weir {
 
 namespace {
 
-/// Where forces have brought the body, before walls act.
 struct MoveOn {
   FreeBody* body;
   Vec3d gravity;
   double dt;
 
-  WEIR_HD void operator()(std::int64_t) const {
-    FreeBody& b = *body;
-    b.before = b.state;
-    if (!b.placed) {
-      b.predicted = flown(b.mass, b.state, gravity, dt, b.applied);
-      b.displacement = {};
-      b.received = {};
-    }
-    const SolidImpulse taken = b.mass.taken(b.received);
-    b.state = b.predicted.moved(b.displacement);
-    b.state.velocity += taken.linear / b.mass.mass;
-    b.state.spin += taken.angular;
-    b.placed = 0;
-    b.displacement = b.searched = b.change = {};
-    b.motion = twistOf(b.mass, b.state);
-    b.received = {};
-  }
+  WEIR_HD void operator()(std::int64_t) const { moveOn(*body, gravity, dt); }
 };
 
 struct Walls {

@@ -136,7 +136,13 @@ bool RigidBody::isHeldWith(const OutputPort& meshOrBody) const {
   return false;
 }
 
+bool RigidBody::leaveMoving(const Node& to) {
+  if (mover_ == nullptr) mover_ = &to;
+  return mover_ == &to;
+}
+
 void RigidBody::place(const BodyState& to) {
+  known_.reset();
   FreeBody moved = body_->toHost().front();
   moved.state = to;
   moved.motion = twistOf(moved.mass, to);
@@ -281,6 +287,8 @@ void RigidBody::reset(const SetupContext& context) {
   start_.motion = twistOf(start_.mass, start_.state);
   shown_ = earlier_ = start_.state;
   told_ = {};
+  mover_ = nullptr;
+  known_.reset();
   shownTime_ = 0;
   checkPlace();
   radius_ = 0;
@@ -332,6 +340,8 @@ void RigidBody::tellApplied() {
 
 void RigidBody::step(const StepContext& context) {
   tellApplied();
+  known_.reset();
+  if (mover_ != nullptr) return;
   contact_.step(*body_, context.gravity, context.dt, /*holds=*/!isHeld());
 }
 
@@ -367,9 +377,10 @@ void RigidBody::save(const StateWriter& to) const {
 }
 
 void RigidBody::restore(const StateReader& from) {
+  known_.reset();
   shown_ = earlier_ = state();
   shownTime_ = lastFrame_;
-  told_ = stepped().applied;
+  told_ = body_->toHost().front().applied;
   if (forces->solids.empty()) return;
   from.in("forces").get("force", forces->solids.front().force);
   from.in("forces").get("torque", forces->solids.front().torque);

@@ -144,9 +144,14 @@ class RigidBody final : public Node, public OnRanks, public RigidMotion {
   /// From its reset on.
   const BodyMass& massOf() const { return start_.mass; }
   /// As it is now. Waits for the device.
-  BodyState state() const { return stepped().state; }
-  /// With what the last step has begun from.
-  FreeBody stepped() const { return body_->toHost().front(); }
+  BodyState state() const { return known_ ? *known_ : body_->toHost().front().state; }
+  /// For what holds many bodies, in its reset: from then on that moves the body on at the end of each step,
+  /// in place of the body itself. Returns false if another one does so.
+  bool leaveMoving(const Node& to);
+  /// The body on the device.
+  FreeBody* onDevice() { return body_->data(); }
+  /// What it has been brought to on the device, until the next step.
+  void tellState(const BodyState& now) { known_ = now; }
   /// Between steps.
   void place(const BodyState& to);
   /// The same by a user, who puts its mesh there and gives it velocities, in m/s and rad/s. What is fixed of
@@ -199,10 +204,12 @@ class RigidBody final : public Node, public OnRanks, public RigidMotion {
   };
   std::unique_ptr<CrossingMesh> surface_;
   std::vector<Other> others_;
-  AppliedForce told_;          // what the body on the device has
-  BodyState shown_, earlier_;  // at the last frame and the one before
-  double shownTime_ = 0;       // s
-  double radius_ = 0;          // of the mesh about the centre of mass, m
+  const Node* mover_ = nullptr;     // what moves it on, if not itself
+  std::optional<BodyState> known_;  // its state on the device, where that is known
+  AppliedForce told_;               // what the body on the device has
+  BodyState shown_, earlier_;       // at the last frame and the one before
+  double shownTime_ = 0;            // s
+  double radius_ = 0;               // of the mesh about the centre of mass, m
 };
 
 }  // namespace weir

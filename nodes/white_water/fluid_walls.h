@@ -26,8 +26,8 @@ struct FluidWalls {
   /// with the solids at the end of the step.
   WEIR_HD bool stop(const Vec3f& start, bool atEnd, Motion& moved) const {
     bool stopped = boundary.count > 0 && stopAtBoundary(start, moved);
-    if (solids.size == 0 || isClearOfSolids(solids, atEnd, gap, start, moved.position)) return stopped;
-    const StoppedParticle after = stopAtSolids(solids, atEnd, gap, start, moved.position, moved.velocity);
+    if (solids.size == 0 || isClearOfSolids(solids, {}, atEnd, gap, start, moved.position)) return stopped;
+    const StoppedParticle after = stopAtSolids(solids, {}, atEnd, gap, start, moved.position, moved.velocity);
     if (after.solid < 0) return stopped;
     moved = {after.position, after.velocity};
     // Solids may push a particle, but into no other wall.

@@ -34,6 +34,26 @@ class World final : public btDiscreteDynamicsWorld {
   }
   /// Velocities of what is moved as told are given.
   void saveKinematicState(btScalar) override {}
+
+  /// Boxes are larger than what is in them by as much as contacts may be apart, which Bullet counts by sizes.
+  /// Its own boxes have 20 mm around all that there is, so that all neighbours of small bodies are pairs.
+  void updateAabbs() override {
+    for (int k = 0; k < m_collisionObjects.size(); ++k) {
+      const btCollisionObject& object = *m_collisionObjects[k];
+      const btCollisionShape& shape = *object.getCollisionShape();
+      btVector3 lo, hi, lastLo, lastHi;
+      shape.getAabb(object.getWorldTransform(), lo, hi);
+      if (!object.isStaticOrKinematicObject()) {
+        shape.getAabb(object.getInterpolationWorldTransform(), lastLo, lastHi);
+        lo.setMin(lastLo);
+        hi.setMax(lastHi);
+      }
+      const btScalar apart = shape.getContactBreakingThreshold(gContactBreakingThreshold);
+      const btVector3 skin(apart, apart, apart);
+      m_broadphasePairCache->setAabb(m_collisionObjects[k]->getBroadphaseHandle(), lo - skin, hi + skin,
+                                     m_dispatcher1);
+    }
+  }
 };
 
 /// Bullet's own pools have room for 4,096 manifolds, which would cost a small world more than its contacts.
@@ -223,7 +243,6 @@ struct BulletWorld::Parts {
     info.m_warmstartingFactor = 0;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setGravity({0, 0, 0});
-    world.setForceUpdateAllAabbs(true);
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
     world.whenDetected = [this] {
       addWalls();
@@ -390,6 +409,7 @@ struct BulletWorld::Parts {
 BulletWorld::BulletWorld(const std::vector<HeldBody>& held, const std::vector<BulletBody>& bodies,
                          const std::vector<BulletShape>& solids, const std::vector<HeldJoint>& joints)
     : parts_(std::make_unique<Parts>(held, bodies, joints)) {
+  parts_->broadphase.m_deferedcollide = true;  // where bodies are added is not yet where they are
   parts_->fixed.setUserIndex(kSolid);
   parts_->world.addRigidBody(&parts_->fixed, 0, 0);  // meets nothing by itself
   parts_->isHeld.assign(held.size(), 0);

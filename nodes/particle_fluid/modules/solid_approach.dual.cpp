@@ -11,17 +11,19 @@ namespace {
 
 struct MayMeet {
   ArrayView<const SolidView> solids;
+  SolidGridView grid;
   float gap, dt;
   ArrayView<const Vec3f> positions, velocities;
 
   WEIR_HD bool operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
-    return !isClearOfSolids(solids, false, gap, p - dt * velocities[i], p);
+    return !isClearOfSolids(solids, grid, false, gap, p - dt * velocities[i], p);
   }
 };
 
 struct StopOnTheWay {
   ArrayView<const SolidView> solids;
+  SolidGridView grid;
   float gap, dt;
   ArrayView<const int> met;
   ArrayView<Vec3f> positions, velocities;
@@ -30,7 +32,7 @@ struct StopOnTheWay {
   WEIR_HD void operator()(std::int64_t k) const {
     const int i = met[k];
     const Vec3f p = positions[i], v = velocities[i];
-    const StoppedParticle after = stopAtSolids(solids, false, gap, p - dt * v, p, v);
+    const StoppedParticle after = stopAtSolids(solids, grid, false, gap, p - dt * v, p, v);
     const Vec3f change = after.velocity - v;
     kick[k] = {change.x, change.y, change.z, static_cast<float>(after.solid)};
     if (after.solid < 0) return;
@@ -61,11 +63,13 @@ void SolidApproach::stepOn(Backend& device, FluidStep& fluid) {
   const ArrayView<Vec3f> positions = fluid.particles.positions().write(),
                          velocities = fluid.particles.velocities().write();
   const float gap = kSolidGap * fluid.constants.spacing, dt = static_cast<float>(fluid.time.dt);
-  walls.list(device, "may meet", fluid.particles.count(), MayMeet{solids, gap, dt, positions, velocities},
-             walls.met, walls.metCounter);
+  const SolidGridView grid = walls.grid.view();
+  walls.list(device, "may meet", fluid.particles.count(),
+             MayMeet{solids, grid, gap, dt, positions, velocities}, walls.met, walls.metCounter);
   parallelForUneven(device, "approach", walls.metCount(),
-                    StopOnTheWay{solids, gap, dt, std::as_const(walls.met).view(), positions, velocities,
-                                 walls.kick.view()});
+                    StopOnTheWay{solids, grid, gap, dt, std::as_const(walls.met).view(), positions,
+                                 velocities, walls.kick.view()});
+  walls.listHits(device);
   shareKicks(device, fluid);
   sumContacts(device, fluid);
   giveImpulses(device, walls, 1);

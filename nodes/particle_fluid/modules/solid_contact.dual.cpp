@@ -12,17 +12,19 @@ namespace {
 /// Particles that may have been pushed into a solid, or that a solid may rub.
 struct MayTouch {
   ArrayView<const SolidView> solids;
+  SolidGridView grid;
   float gap;
   ArrayView<const Vec3f> legal, positions;
   ArrayView<const float> d;  // empty where no solid rubs
 
   WEIR_HD bool operator()(std::int64_t i) const {
-    return (d.size > 0 && d[i] > 0) || !isClearOfSolids(solids, true, gap, legal[i], positions[i]);
+    return (d.size > 0 && d[i] > 0) || !isClearOfSolids(solids, grid, true, gap, legal[i], positions[i]);
   }
 };
 
 struct Contact {
   ArrayView<const SolidView> solids;
+  SolidGridView grid;
   float gap, dt;
   float contactPhi;  // Φ of what touches a plane
   SolidPairsView pairs;
@@ -36,7 +38,7 @@ struct Contact {
   WEIR_HD void operator()(std::int64_t m) const {
     const int i = met[m];
     const Vec3f v = velocities[i];
-    StoppedParticle after = stopAtSolids(solids, true, gap, legal[i], positions[i], v);
+    StoppedParticle after = stopAtSolids(solids, grid, true, gap, legal[i], positions[i], v);
     if (after.solid >= 0) positions[i] = after.position;
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) rub(i, pair, after);
     const Vec3f change = after.velocity - v;
@@ -94,6 +96,7 @@ template <class Backend>
 void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   const ArrayView<const SolidView> solids = walls.views.view();
+  const SolidGridView grid = walls.grid.view();
   const SolidPairsView pairs = walls.pairs.view();
   const ArrayView<Vec3f> positions = fluid.particles.positions().write();
   const ArrayView<const Vec3f> legal = std::as_const(walls.legal).view();
@@ -103,16 +106,18 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
     return solid->surface().friction > 0 || solid->surface().noSlip > 0;
   });
   walls.list(device, "may touch", fluid.particles.count(),
-             MayTouch{solids, gap, legal, positions,
+             MayTouch{solids, grid, gap, legal, positions,
                       rubs ? std::as_const(walls.d).view() : ArrayView<const float>{}},
              walls.met, walls.metCounter);
   parallelForUneven(device, "contact", walls.metCount(),
-                    Contact{solids, gap, dt, 0.5f * fluid.constants.wallFactor, pairs,
+                    Contact{solids, grid, gap, dt, 0.5f * fluid.constants.wallFactor, pairs,
                             std::as_const(walls.met).view(), legal, each, walls.share.read(), positions,
                             fluid.particles.velocities().write(), walls.kick.view()});
+  walls.listHits(device);
   shareKicks(device, fluid);
   sumContacts(device, fluid);
-  sumByKeyOverRanks(device, "pressure impulse", {ranksOf(fluid), walls.pairs.nearCount()}, solids.size,
+  sumByKeyOverRanks(device, "pressure impulse",
+                    {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()}, solids.size,
                     PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(),
                                     positions, each, walls.share.read()},
                     AddImpulses{}, walls.impulses.data() + solids.size);

@@ -365,7 +365,8 @@ void sumWalls(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayVi
 template <class Backend>
 void pushSolids(Backend& device, FluidStep& fluid, const PlaneDrag& plane, ArrayView<const Vec3f> change) {
   WallField& walls = fluid.walls;
-  sumByKeyOverRanks(device, "drag impulse", {ranksOf(fluid), walls.pairs.nearCount()}, walls.views.size(),
+  sumByKeyOverRanks(device, "drag impulse", {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()},
+                    walls.views.size(),
                     DragImpulse{dragOfSolid(fluid, plane), walls.pairs.near(), fluid.constants.particleMass,
                                 fluid.particles.velocities().read(), change},
                     AddImpulses{}, walls.impulses.data());

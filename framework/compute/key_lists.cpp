@@ -1,0 +1,19 @@
+#include "framework/compute/key_lists.h"
+
+namespace weir {
+
+void KeyLists::clear(std::int64_t entries) {
+  keys_.resizeDiscarding(entries);
+  items_.resizeDiscarding(entries);
+  // The largest key of all, which is behind all others.
+  if (entries > 0)
+    keys_.device().fillBytes(keys_.data(), 0xff, static_cast<std::size_t>(entries) * sizeof(std::uint32_t));
+}
+
+double KeyLists::memoryFor(double entries, std::int64_t keys) {
+  if (areFew(keys)) return 0;
+  // Sorting needs both twice.
+  return entries * 2 * (sizeof(std::uint32_t) + sizeof(int)) + double(keys + 1) * sizeof(int);
+}
+
+}  // namespace weir
