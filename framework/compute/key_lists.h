@@ -2,6 +2,7 @@
 // no others. reduceByKey() itself costs things × keys.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "framework/base/api.h"
@@ -101,17 +102,19 @@ void reduceListed(CpuBackend& device, std::string_view name, const KeyListsView&
 
 namespace detail {
 
-/// By a block for each key. (`value` is the identity at first, see reduceKernel().)
+/// By `blocks` blocks for each key. (`value` is the identity at first, see reduceKernel().)
 template <class T, class F, class Op>
 __global__ void __launch_bounds__(kCudaBlock)
-    reduceListedKernel(KeyListsView lists, T value, const __grid_constant__ F f, Op op, T* results) {
+    reduceListedKernel(KeyListsView lists, int blocks, T value, const __grid_constant__ F f, Op op,
+                       T* partial) {
   waitForPriorKernel();
-  const int k = static_cast<int>(blockIdx.x), end = lists.first[k + 1];
+  const int k = static_cast<int>(blockIdx.x) / blocks, block = static_cast<int>(blockIdx.x) % blocks;
   const TakeOfKey<T, Op> take{k, op, &value};
-  for (int n = lists.first[k] + static_cast<int>(threadIdx.x); n < end; n += kCudaBlock)
+  const std::int64_t stride = std::int64_t{blocks} * kCudaBlock, end = lists.first[k + 1];
+  for (std::int64_t n = lists.first[k] + std::int64_t{block} * kCudaBlock + threadIdx.x; n < end; n += stride)
     f(lists.item[n], take);
   value = reduceBlock(value, op);
-  if (threadIdx.x == 0) results[k] = value;
+  if (threadIdx.x == 0) partial[blockIdx.x] = value;
 }
 
 }  // namespace detail
@@ -122,8 +125,14 @@ void reduceListed(CudaDevice& device, std::string_view name, const KeyListsView&
   const std::int64_t keys = lists.first.size - 1;
   if (keys <= 0) return;
   const KernelScope scope(device.profiler(), name);
-  detail::launch(device, name, detail::reduceListedKernel<T, F, Op>, detail::blocksFor(keys, 1), lists,
-                 identity, f, op, results);
+  // Of a few keys, one may have nearly all things.
+  const int blocks = static_cast<int>(std::max<std::int64_t>(1, detail::kReduceBlocks / keys));
+  Array<T> partials(device, blocks > 1 ? blocks * keys : 0);
+  detail::launch(device, name, detail::reduceListedKernel<T, F, Op>, detail::blocksFor(blocks * keys, 1),
+                 lists, blocks, identity, f, op, blocks > 1 ? partials.data() : results);
+  if (blocks > 1)
+    detail::launch(device, name, detail::reducePartialsByKeyKernel<T, Op>, detail::blocksFor(keys, 1), blocks,
+                   identity, op, partials.data(), results);
 }
 
 #endif

@@ -72,7 +72,7 @@ class SolidPairs {
   Array<int> lost_;
   KeyLists bySolid_;
   std::optional<Readback<int>> number_;
-  std::int64_t wanted_ = 0;  // room that was called for
+  std::int64_t wanted_ = 0;  // room that was called for; on the CPU the number of pairs
   bool waits_ = true;
 };
 
@@ -169,7 +169,7 @@ template <class Backend>
 void SolidPairs::listBySolid(Backend& device, std::int64_t solids) {
   bySolid_.forget();
   if (KeyLists::areFew(solids)) return;
-  bySolid_.clear(room());
+  bySolid_.clear(device.kind() == DeviceKind::kCpu ? wanted_ : room());
   parallelForUneven(device, "particles of solids", nearCount(),
                     detail::WriteKeys{view(), near(), bySolid_.keys(), bySolid_.items()});
   bySolid_.sort(device, solids);

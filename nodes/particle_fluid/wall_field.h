@@ -258,7 +258,9 @@ void WallField::listHits(Backend& device) {
 
 template <class Backend>
 void WallField::findPairs(Backend& device, Count count, ArrayView<const Vec3f> positions, float reach) {
-  pairs.find(device, count, std::as_const(views).view(), grid.view(), positions, reach);
+  // The grid knows of nothing farther off.
+  const SolidGridView known = reach > reach_ ? SolidGridView{} : grid.view();
+  pairs.find(device, count, std::as_const(views).view(), known, positions, reach);
   each.resizeDiscarding(pairs.room());
   sides.resizeDiscarding(pairs.room());
 }

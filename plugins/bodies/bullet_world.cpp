@@ -38,6 +38,7 @@ class World final : public btDiscreteDynamicsWorld {
   /// Boxes are larger than what is in them by as much as contacts may be apart, which Bullet counts by sizes.
   /// Its own boxes have 20 mm around all that there is, so that all neighbours of small bodies are pairs.
   void updateAabbs() override {
+    constexpr btScalar kTooLarge = 1e12;  // m²
     for (int k = 0; k < m_collisionObjects.size(); ++k) {
       const btCollisionObject& object = *m_collisionObjects[k];
       const btCollisionShape& shape = *object.getCollisionShape();
@@ -48,6 +49,8 @@ class World final : public btDiscreteDynamicsWorld {
         lo.setMin(lastLo);
         hi.setMax(lastHi);
       }
+      // As Bullet does with what is too large, or not a number.
+      if (!((hi - lo).length2() < kTooLarge)) continue;
       const btScalar apart = shape.getContactBreakingThreshold(gContactBreakingThreshold);
       const btVector3 skin(apart, apart, apart);
       m_broadphasePairCache->setAabb(m_collisionObjects[k]->getBroadphaseHandle(), lo - skin, hi + skin,
