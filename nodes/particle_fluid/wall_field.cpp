@@ -17,7 +17,8 @@ bool WallField::hasBodies() const {
 namespace {
 
 bool haveSameBytes(const std::vector<SolidView>& a, const std::vector<SolidView>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(SolidView)) == 0;
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(SolidView)) == 0);
 }
 
 }  // namespace
@@ -29,8 +30,11 @@ void WallField::place(double time, double dt, const Vec3f& gravity) {
   // What has changed in `views` since is made anew below. Bodies look the same in every step.
   if (!haveSameBytes(placed, placed_)) views.assign(placed);
   placed_.swap(placed);
-  if (placed_.size() != sortedSolids_) grid.fit(placed_, reach_, reach_, gap_);
-  sortedSolids_ = placed_.size();
+  // Without meet() nobody knows how near things come.
+  if (placed_.size() != sortedSolids_ && reach_ > 0) {
+    grid.fit(placed_, reach_, reach_, gap_);
+    sortedSolids_ = placed_.size();
+  }
   moves = hasBodies() && length > 0;
   moved = false;
   placeBodies(*this, gravity, length);
