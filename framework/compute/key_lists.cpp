@@ -3,6 +3,11 @@
 namespace weir {
 
 void KeyLists::clear(std::int64_t entries) {
+  if (entries > keys_.capacity()) {
+    const std::int64_t room = grownSize(keys_.capacity(), entries);
+    keys_.reserveDiscarding(room);
+    items_.reserveDiscarding(room);
+  }
   keys_.resizeDiscarding(entries);
   items_.resizeDiscarding(entries);
   // The largest key of all, which is behind all others.

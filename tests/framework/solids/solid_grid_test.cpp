@@ -21,7 +21,7 @@ namespace {
 using SolidGridTest = OnDevice;
 WEIR_ON_EVERY_DEVICE(SolidGridTest);
 
-constexpr float kReach = 0.04f, kGap = 0.002f, kDetail = 0.02f;
+constexpr float kReach = 0.1f, kWay = 0.02f, kGap = 0.002f, kDetail = 0.02f;
 
 struct AtRest final : RigidMotion {
   Pose poseAt(double) const override { return {}; }
@@ -45,7 +45,8 @@ const std::vector<Layout> kLayouts{
     {"one", 1, 1, {}, 0.02f, 0.1f, false, false},
     {"so few that all are asked", 15, 1, {}, 0.02f, 0.1f, false, false},
     {"at rest", 64, 1, {}, 0, 0, false, true},
-    {"moved and turned", 200, 1, {}, 0.02f, 0.1f, false, true},
+    {"moved", 200, 1, {}, 0.15f, 0.1f, false, true},
+    {"turned", 100, 2, {}, 0, 0.7f, false, true},
     {"one upon the other", 40, 0.05f, {}, 0.02f, 0.1f, false, false},
     {"wider than the cells reach", 120, 20, {}, 0.02f, 0.1f, false, true},
     {"far off", 64, 1, {700, -300, 5}, 0.02f, 0.1f, false, true},
@@ -71,18 +72,23 @@ class Heap {
   const std::vector<SolidView>& views() const { return views_; }
   const TriangleMesh& meshOf(std::size_t k) const { return meshes_[shape_[k]]; }
 
-  /// Where particles start and where they come to: about half of them near a solid.
+  /// Where particles start and where they come to: about half of them near a solid, as it stands at the end
+  /// of the step or as it stood before.
   std::pair<std::vector<Vec3f>, std::vector<Vec3f>> ways(int count) {
     std::vector<Vec3f> starts, places;
     for (int i = 0; i < count; ++i) {
+      const Vec3f way = inCube(i % 7 == 0 ? 1.0f : kWay / 2);
       Vec3f at = layout_.middle + inCube(1.1f * layout_.half);
+      bool endsThere = true;
       if (i % 2 == 0 && !views_.empty()) {
         const SolidView& solid = views_[random_() % views_.size()];
         const Aabb& box = solid.clearance.bounds;
-        at = solid.end.toWorld(0.5f * (box.lo + box.hi) + inCube(0.3f * length(box.size())));
+        const Pose* const poses[] = {&solid.end, &solid.begin, &solid.predicted};
+        endsThere = i % 3 == 0;
+        at = poses[i % 3]->toWorld(0.5f * (box.lo + box.hi) + inCube(0.3f * length(box.size())));
       }
-      places.push_back(at);
-      starts.push_back(at + inCube(i % 5 == 0 ? 1.0f : 0.5f * kReach));
+      places.push_back(endsThere ? at : at + way);
+      starts.push_back(endsThere ? at + way : at);
     }
     return {starts, places};
   }
@@ -98,12 +104,16 @@ class Heap {
                                 Quatd{from.w, from.x, from.y, from.z});
     return {float(to.w), float(to.x), float(to.y), float(to.z)};
   }
+  Pose aside(const Pose& of, float share) {
+    return {turned(of.rotation, share * layout_.turn), of.translation + inCube(share * layout_.way)};
+  }
   void add(int shape) {
     SolidView view = solids_[std::size_t(shape)]->view(0, 0.01);
     view.end = {turned({}, 3), layout_.middle + inCube(layout_.half)};
     if (shape == 4) view.end.translation = layout_.middle;
-    for (Pose* pose : {&view.begin, &view.predicted})
-      *pose = {turned(view.end.rotation, layout_.turn), view.end.translation + inCube(layout_.way)};
+    const bool later = views_.size() % 2 == 0;  // whether it goes farther before it is where it was predicted
+    view.begin = aside(view.end, later ? 0.1f : 1.0f);
+    view.predicted = aside(view.end, later ? 1.0f : 0.1f);
     views_.push_back(view);
     shape_.push_back(std::size_t(shape));
   }
@@ -127,7 +137,7 @@ Asked ask(Device& device, const Heap& heap, std::vector<Vec3f> starts, std::vect
   const Array<Vec3f> from(device, starts), to(device, places);
   Array<int> answers(device, to.size() * solids.size());
   SolidGrid grid(device);
-  grid.fit(heap.views(), kReach, kReach, kGap);
+  grid.fit(heap.views(), kReach, kWay, kGap);
   dispatch(device, [&](auto& d) {
     askGrid(d, grid, {{}, kReach, kGap, solids.view(), from.view(), to.view()}, answers.view());
   });
@@ -190,7 +200,7 @@ TEST_P(SolidGridTest, ListsAllSolidsForPlacesThatItDoesNotKnow) {
                   kInf = std::numeric_limits<float>::infinity();
   const std::vector<Vec3f> places{{kNaN, 0, 0}, {0, kInf, 0}, {0, 0, -1e30f}, {1, 1, 1}};
   std::vector<Vec3f> starts = places;
-  starts.back() = {1, 1 + 2 * kReach, 1};  // farther than anybody who asks may go
+  starts.back() = {1, 1 + 2 * kWay, 1};  // farther than anybody who asks may go
   for (const int said : ask(*device, heap, starts, places).answers) EXPECT_NE(said & kListed, 0);
 }
 
@@ -205,7 +215,7 @@ Pairs pairsOf(Device& device, const Heap& heap, const std::vector<Vec3f>& places
   const Array<Vec3f> to(device, places);
   Array<int> answers(device, to.size() * solids.size());
   SolidGrid grid(device);
-  if (withGrid) grid.fit(heap.views(), kReach, kReach, kGap);
+  if (withGrid) grid.fit(heap.views(), kReach, kWay, kGap);
   SolidPairs pairs(device);
   const GridQuestion question{{}, kReach, kGap, solids.view(), to.view(), to.view()};
   dispatch(device, [&](auto& d) {
