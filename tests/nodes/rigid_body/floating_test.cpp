@@ -274,21 +274,25 @@ TEST(Floats, AHeldBodyFeelsWhatASolidAtRestFeels) {
   EXPECT_EQ(length(run.state().velocity), 0);
 }
 
-/// A cube that flies into a block of water, without gravity and walls.
+/// A cube that flies into a block of water, without gravity and walls; or many small ones, from two sides.
 struct Impact {
-  explicit Impact(const std::string& solver) : device_(openDevice("cpu")), scene(*device_, textWith(solver)) {
+  explicit Impact(const std::string& solver, int count = 1)
+      : device_(openDevice("cpu")), count_(count), scene(*device_, textWith(solver, count)) {
     scene->reset();
   }
-  const RigidBody& body() { return scene.node<RigidBody>("body"); }
-  /// Of the water and the body, about the origin.
+  const RigidBody& body(int k = 0) { return scene.node<RigidBody>(fmt::format("body{}", k).c_str()); }
+  /// Of the water and the bodies, about the origin.
   SolidImpulse momentum() {
     const ParticleFluid& water = scene.node<ParticleFluid>("water");
     const ParticleSet& particles = (*water.fluid).set();
     const std::vector<Vec3f> positions = particles.positions().toHost(water.particleCount()),
                              velocities = particles.velocities().toHost(water.particleCount());
-    const BodyState at = body().state();
-    const double mass = body().massOf().mass;
-    SolidImpulse sum{mass * at.velocity, mass * cross(at.center, at.velocity) + at.spin};
+    SolidImpulse sum;
+    for (int k = 0; k < count_; ++k) {
+      const BodyState at = body(k).state();
+      const double mass = body(k).massOf().mass;
+      sum += {mass * at.velocity, mass * cross(at.center, at.velocity) + at.spin};
+    }
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const Vec3d p = water.constants().particleMass * doubleOf(velocities[i]);
       sum += {p, cross(doubleOf(positions[i]), p)};
@@ -297,20 +301,34 @@ struct Impact {
   }
 
  private:
-  static std::string textWith(const std::string& solver) {
-    return R"({"weir": 1,
-      "world": {"gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 50, "duration": 1},
-      "nodes": {
-        "block": {"type": "BoxSampler", "params": {"min": [-0.1, -0.1, -0.1], "max": [0.1, 0.1, 0.1]}},
-        "cube": {"type": "BoxMesh", "params": {"min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05]}},
-        "body": {"type": "RigidBody",
-                 "params": {"density": 300, "position": [0.02, 0.16, 0.01], "velocity": [0, -1, 0]}},
-        "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 0},
-                  "modules": {"solver": {)" +
-           solver + R"(}, "viscosity": {"enabled": false}}}},
-      "links": ["block.particles -> water.initial", "water.fluid -> body.fluid", "cube.surface -> body.mesh"]})";
+  static std::string textWith(const std::string& solver, int count) {
+    const double half = count == 1 ? 0.05 : 0.018;
+    std::string bodies, links;
+    for (int k = 0; k < count; ++k) {
+      bodies +=
+          fmt::format(R"("body{}": {{"type": "RigidBody", "params": {{"density": 300, {}}}}},)", k,
+                      count == 1 ? R"("position": [0.02, 0.16, 0.01], "velocity": [0, -1, 0])" : wayOf(k));
+      links += fmt::format(R"(, "water.fluid -> body{0}.fluid", "cube.surface -> body{0}.mesh")", k);
+    }
+    return fmt::format(
+        R"({{"weir": 1,
+      "world": {{"gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 50, "duration": 1}},
+      "nodes": {{
+        "block": {{"type": "BoxSampler", "params": {{"min": [-0.1, -0.1, -0.1], "max": [0.1, 0.1, 0.1]}}}},
+        "cube": {{"type": "BoxMesh", "params": {{"min": [-{0}, -{0}, -{0}], "max": [{0}, {0}, {0}]}}}},
+        {1}
+        "water": {{"type": "ParticleFluid", "params": {{"spacing": 0.02, "rest_steps": 0}},
+                  "modules": {{"solver": {{{2}}}, "viscosity": {{"enabled": false}}}}}}}},
+      "links": ["block.particles -> water.initial"{3}]}})",
+        half, bodies, solver, links);
+  }
+  static std::string wayOf(int k) {
+    const double side = k % 2 == 0 ? 1 : -1;
+    return fmt::format(R"("position": [{}, {}, {}], "velocity": [0, {}, 0])", -0.06 + 0.06 * (k / 2 % 3),
+                       side * 0.128, -0.06 + 0.06 * (k / 6), -side);
   }
   std::unique_ptr<Device> device_;
+  int count_;
 
  public:
   SimulatedScene scene;
@@ -347,6 +365,25 @@ TEST(Floats, MomentumIsConservedWithoutGravity) {
     EXPECT_LT(lost, 1e-5) << solver;
     EXPECT_LT(turned, 1e-3) << solver;
   }
+}
+
+/// So many that they are looked up in a grid, and summed by lists.
+TEST(Floats, ManyBodiesConserveMomentumToo) {
+  constexpr int kCount = 18;
+  Impact impact(R"("params": {"iterations": 800})", kCount);
+  const SolidImpulse first = impact.momentum();
+  double size = 0;
+  for (int k = 0; k < kCount; ++k) size += impact.body(k).massOf().mass;  // at 1 m/s
+  const std::atomic<bool> stop = false;
+  for (int frame = 0; frame < 2; ++frame) ASSERT_TRUE(impact.scene->advanceFrame(stop));
+  const SolidImpulse last = impact.momentum();
+  for (int k = 0; k < kCount; ++k)
+    EXPECT_LT(std::abs(impact.body(k).state().velocity.y), 0.9) << "body " << k << " has met no water";
+  const double lost = length(last.linear - first.linear) / size,
+               turned = length(last.angular - first.angular) / (size * 0.1);
+  std::printf("lost momentum of %d bodies: %.2g, angular %.2g\n", kCount, lost, turned);
+  EXPECT_LT(lost, 1e-5);
+  EXPECT_LT(turned, 1e-3);
 }
 
 TEST(Floats, StepsAllocateNothingAndReadNothingBack) {
@@ -409,6 +446,58 @@ TEST(Floats, GoesOnBitByBitWhereItIsResumed) {
   const auto make = [&] {
     std::vector<std::string> ignored;
     auto built = buildScene(parseJson(sceneOf(pool), "test"), {"test", "", "/"}, registry, {}, ignored);
+    return std::make_unique<Simulation>(std::move(built), *device, log, registry);
+  };
+  EXPECT_EQ(resumeDifferences(make, {.savedAt = 2, .comparedFor = 2}), std::vector<std::string>{});
+}
+
+/// Twenty small cubes of three densities on a pool.
+std::string manyOnWater() {
+  return R"scene({"weir": 1, "let": {"bodies": 20},
+    "world": {"gravity": [0, -9.8, 0], "dt": 0.004, "frame_rate": 50, "duration": 5},
+    "nodes": {
+      "block": {"type": "BoxSampler", "params": {"min": [-0.16, 0, -0.12], "max": [0.16, 0.08, 0.12]}},
+      "tank": {"type": "StaticBoundary", "params": {"shape": "box", "inverted": true,
+                                                    "min": [-0.16, 0, -0.12], "max": [0.16, 2, 0.12]}},
+      "cube": {"type": "BoxMesh", "params": {"min": [-0.02, -0.02, -0.02], "max": [0.02, 0.02, 0.02]}},
+      "body_{k}": {"repeat": "=bodies", "as": "k", "node": {"type": "RigidBody", "params": {
+        "density": "=200+300*(k-3*floor(k/3))", "rotation": [10, "=20*k", 5],
+        "position": ["=-0.126+0.063*(k-5*floor(k/5))", 0.085, "=-0.09+0.06*floor(k/5)"]}}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 10},
+                "modules": {"solver": {"type": "SemiImplicitSolver", "params": {"iterations": 15}}}}},
+    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+      {"repeat": "=bodies", "as": "k", "item": "tank.boundary -> body_{k}.walls"},
+      {"repeat": "=bodies", "as": "k", "item": "water.fluid -> body_{k}.fluid"},
+      {"repeat": "=bodies", "as": "k", "item": "cube.surface -> body_{k}.mesh"}]})scene";
+}
+
+TEST(Floats, ManyHaveTheSameBitsForAnyNumberOfThreads) {
+  const auto one = openDevice("cpu", 1), four = openDevice("cpu", 4);
+  SimulatedScene first(*one, manyOnWater()), second(*four, manyOnWater());
+  const std::atomic<bool> stop = false;
+  for (SimulatedScene* scene : {&first, &second}) {
+    (*scene)->reset();
+    for (int k = 0; k < 3; ++k) (*scene)->advanceFrame(stop);
+  }
+  for (int k = 0; k < 20; ++k) {
+    const std::string name = fmt::format("body_{}", k);
+    RigidBody &a = first.node<RigidBody>(name.c_str()), &b = second.node<RigidBody>(name.c_str());
+    EXPECT_EQ(a.state().center, b.state().center) << name;
+    EXPECT_EQ(a.state().rotation, b.state().rotation) << name;
+    EXPECT_EQ(a.state().velocity, b.state().velocity) << name;
+    EXPECT_EQ(a.state().spin, b.state().spin) << name;
+    EXPECT_GT(a.forces->solids.front().force.y, 0) << name;
+  }
+}
+
+TEST(Floats, ManyGoOnBitByBitWhereTheyAreResumed) {
+  const auto device = openDevice("cpu", 2);
+  Log log;
+  Registry registry;
+  registerNodes(registry);
+  const auto make = [&] {
+    std::vector<std::string> ignored;
+    auto built = buildScene(parseJson(manyOnWater(), "test"), {"test", "", "/"}, registry, {}, ignored);
     return std::make_unique<Simulation>(std::move(built), *device, log, registry);
   };
   EXPECT_EQ(resumeDifferences(make, {.savedAt = 2, .comparedFor = 2}), std::vector<std::string>{});

@@ -246,6 +246,36 @@ TEST_F(RanksTest, SoIsOneThatAThinWallDividesAndABodyFloatsOn) {
   EXPECT_GT(statistics.find("nodes")->find("body")->find("force")->asArray()[1].asDouble(), 0);
 }
 
+/// Twenty cubes, so many that they are looked up in a grid and summed by lists.
+constexpr const char* kManyBodies = R"scene({
+  "weir": 1,
+  "let": { "bodies": 20 },
+  "world": { "dt": 0.004, "frame_rate": 100 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [-0.24, 0, -0.12], "max": [0.24, 0.09, 0.12] } },
+    "tank": { "type": "StaticBoundary", "params": { "shape": "box", "min": [-0.24, 0, -0.12],
+                                                    "max": [0.24, 2, 0.12], "inverted": true } },
+    "crate": { "type": "BoxMesh", "params": { "min": [-0.02, -0.02, -0.02], "max": [0.02, 0.02, 0.02] } },
+    "body_{k}": { "repeat": "=bodies", "as": "k", "node": { "type": "RigidBody", "params": {
+      "density": 400, "rotation": [10, "=20*k", 5],
+      "position": ["=-0.18+0.09*(k-5*floor(k/5))", 0.1, "=-0.09+0.06*floor(k/5)"] } } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+               "modules": { "solver": { "type": "SemiImplicitSolver", "params": { "iterations": 10 } } } }
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+            { "repeat": "=bodies", "as": "k", "item": "crate.surface -> body_{k}.mesh" },
+            { "repeat": "=bodies", "as": "k", "item": "water.fluid -> body_{k}.fluid" },
+            { "repeat": "=bodies", "as": "k", "item": "tank.boundary -> body_{k}.walls" }]
+})scene";
+
+TEST_F(RanksTest, SoIsOneOnWhichManyBodiesFloat) {
+  duration_ = "0.1";
+  scene_ = folder_.write("many.json", kManyBodies);
+  expectSameForAnyNumber({}, {"3"});
+  const Value statistics = parseJson(readFile(folder_ / "3/stats.json"), "stats.json");
+  EXPECT_GT(statistics.find("nodes")->find("body_7")->find("force")->asArray()[1].asDouble(), 0);
+}
+
 TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
   const std::string scene = folder_.write("drop.json", R"({
     "weir": 1,
