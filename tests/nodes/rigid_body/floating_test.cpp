@@ -461,7 +461,7 @@ std::string manyOnWater() {
                                                     "min": [-0.16, 0, -0.12], "max": [0.16, 2, 0.12]}},
       "cube": {"type": "BoxMesh", "params": {"min": [-0.02, -0.02, -0.02], "max": [0.02, 0.02, 0.02]}},
       "body_{k}": {"repeat": "=bodies", "as": "k", "node": {"type": "RigidBody", "params": {
-        "density": "=200+300*(k-3*floor(k/3))", "rotation": [10, "=20*k", 5],
+        "density": "=200+300*(k-3*floor(k/3))", "rotation": [10, "=0.5*k", 5],
         "position": ["=-0.126+0.063*(k-5*floor(k/5))", 0.085, "=-0.09+0.06*floor(k/5)"]}}},
       "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 10},
                 "modules": {"solver": {"type": "SemiImplicitSolver", "params": {"iterations": 15}}}}},

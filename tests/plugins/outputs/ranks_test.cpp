@@ -257,7 +257,7 @@ constexpr const char* kManyBodies = R"scene({
                                                     "max": [0.24, 2, 0.12], "inverted": true } },
     "crate": { "type": "BoxMesh", "params": { "min": [-0.02, -0.02, -0.02], "max": [0.02, 0.02, 0.02] } },
     "body_{k}": { "repeat": "=bodies", "as": "k", "node": { "type": "RigidBody", "params": {
-      "density": 400, "rotation": [10, "=20*k", 5],
+      "density": 400, "rotation": [10, "=0.5*k", 5],
       "position": ["=-0.18+0.09*(k-5*floor(k/5))", 0.1, "=-0.09+0.06*floor(k/5)"] } } },
     "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
                "modules": { "solver": { "type": "SemiImplicitSolver", "params": { "iterations": 10 } } } }
