@@ -30,15 +30,21 @@ def metadata_of(source: Path) -> tuple[str, str]:
     return version, "\n".join(lines)
 
 
+def is_elf(file: Path) -> bool:
+    if not file.is_file() or file.is_symlink():
+        return False
+    with file.open("rb") as stream:
+        return stream.read(4) == b"\x7fELF"
+
+
 def platform_tag(package: Path) -> str:
     """Systems with the C library whose symbols the package's files ask for, or a newer one."""
     if platform.libc_ver()[0] != "glibc":
         return sysconfig.get_platform().replace("-", "_").replace(".", "_")
     asked = [(2, 17)]  # the oldest that such a tag can name
-    for file in package.rglob("*"):
-        if file.is_file() and not file.is_symlink() and file.open("rb").read(4) == b"\x7fELF":
-            symbols = subprocess.run(["objdump", "-T", file], check=True, capture_output=True, text=True).stdout
-            asked += [(int(major), int(minor)) for major, minor in re.findall(r"GLIBC_(\d+)\.(\d+)", symbols)]
+    for file in filter(is_elf, package.rglob("*")):
+        symbols = subprocess.run(["objdump", "-T", file], check=True, capture_output=True, text=True).stdout
+        asked += [(int(major), int(minor)) for major, minor in re.findall(r"GLIBC_(\d+)\.(\d+)", symbols)]
     return "manylinux_{}_{}_{}".format(*max(asked), platform.machine())
 
 
