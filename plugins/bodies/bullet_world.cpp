@@ -409,9 +409,22 @@ struct BulletWorld::Parts {
   }
 };
 
+namespace {
+
+/// Bullet keeps each box in its tree with 50 mm around it, for all that there is, so that all neighbours of
+/// small bodies were pairs. The same for all worlds, as the order of contacts follows from it.
+void narrowTree() {
+  constexpr btScalar kMargin = 1e-3;  // m
+  static const btScalar once = gDbvtMargin = kMargin;
+  (void)once;
+}
+
+}  // namespace
+
 BulletWorld::BulletWorld(const std::vector<HeldBody>& held, const std::vector<BulletBody>& bodies,
                          const std::vector<BulletShape>& solids, const std::vector<HeldJoint>& joints)
     : parts_(std::make_unique<Parts>(held, bodies, joints)) {
+  narrowTree();
   parts_->broadphase.m_deferedcollide = true;  // where bodies are added is not yet where they are
   parts_->fixed.setUserIndex(kSolid);
   parts_->world.addRigidBody(&parts_->fixed, 0, 0);  // meets nothing by itself
