@@ -10,11 +10,11 @@
 
 #include "framework/compute/cpu_threads.h"
 #include "framework/particles/relaxed_tile.h"
-#include "framework/run/resume_check.h"
 #include "nodes/gauge/gauge.h"
 #include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/resumed_scene.h"
 #include "tests/support/simulated_scene.h"
 
 namespace weir::test {
@@ -304,20 +304,10 @@ TEST(PeriodicDomain, TaylorGreenVorticesDecay) {
 // ---- Runs ----------------------------------------------------------------------------------------------
 
 TEST(PeriodicDomain, ResumesExactly) {
-  CpuDevice device(2);
-  Registry registry;
-  registerNodes(registry);
-  Log log;
   for (const bool mesh : {false, true}) {
     const std::string text = channel(0.5, mesh ? kPlates : kPlanes, mesh ? kPlateLinks : kPlaneLinks);
-    const auto make = [&] {
-      std::vector<std::string> ignored;
-      auto built =
-          buildScene(parseJson(text, "s.json"), {"s.json", "", "/"}, registry,
-                     {parseOverride("world.frame_rate=100"), parseOverride("honey.rest_steps=50")}, ignored);
-      return std::make_unique<Simulation>(std::move(built), device, log, registry);
-    };
-    EXPECT_EQ(resumeDifferences(make), std::vector<std::string>{});
+    EXPECT_EQ(resumedSceneDifferences(text, {}, {"world.frame_rate=100", "honey.rest_steps=50"}),
+              std::vector<std::string>{});
   }
 }
 

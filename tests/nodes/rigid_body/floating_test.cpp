@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <numbers>
 
-#include "framework/run/resume_check.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/rigid_body/rigid_body.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/resumed_scene.h"
 #include "tests/support/simulated_scene.h"
 
 namespace weir::test {
@@ -439,16 +439,8 @@ TEST(Floats, GoesOnBitByBitWhereItIsResumed) {
   Pool pool;
   pool.height = 0.12;
   pool.body = R"("density": 200, "rotation": [10, 20, 30])";
-  const auto device = openDevice("cpu", 2);
-  Log log;
-  Registry registry;
-  registerNodes(registry);
-  const auto make = [&] {
-    std::vector<std::string> ignored;
-    auto built = buildScene(parseJson(sceneOf(pool), "test"), {"test", "", "/"}, registry, {}, ignored);
-    return std::make_unique<Simulation>(std::move(built), *device, log, registry);
-  };
-  EXPECT_EQ(resumeDifferences(make, {.savedAt = 2, .comparedFor = 2}), std::vector<std::string>{});
+  EXPECT_EQ(resumedSceneDifferences(sceneOf(pool), {.savedAt = 2, .comparedFor = 2}),
+            std::vector<std::string>{});
 }
 
 /// Twenty small cubes of three densities on a pool.
@@ -491,16 +483,8 @@ TEST(Floats, ManyHaveTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Floats, ManyGoOnBitByBitWhereTheyAreResumed) {
-  const auto device = openDevice("cpu", 2);
-  Log log;
-  Registry registry;
-  registerNodes(registry);
-  const auto make = [&] {
-    std::vector<std::string> ignored;
-    auto built = buildScene(parseJson(manyOnWater(), "test"), {"test", "", "/"}, registry, {}, ignored);
-    return std::make_unique<Simulation>(std::move(built), *device, log, registry);
-  };
-  EXPECT_EQ(resumeDifferences(make, {.savedAt = 2, .comparedFor = 2}), std::vector<std::string>{});
+  EXPECT_EQ(resumedSceneDifferences(manyOnWater(), {.savedAt = 2, .comparedFor = 2}),
+            std::vector<std::string>{});
 }
 
 TEST(Floats, WhatCannotMoveBodiesIsRefused) {

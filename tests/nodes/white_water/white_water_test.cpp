@@ -10,12 +10,12 @@
 #include <functional>
 #include <map>
 
-#include "framework/run/resume_check.h"
 #include "nodes/rigid_body/rigid_body.h"
 #include "nodes/white_water/dragged_motion.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fluid_scene.h"
+#include "tests/support/resumed_scene.h"
 #include "tests/support/simulated_scene.h"
 
 namespace weir::test {
@@ -476,21 +476,12 @@ TEST(WhiteWater, HasTheSameBitsWithOneThreadAndFour) {
 }
 
 TEST(WhiteWater, GoesOnBitByBitWhenItIsResumed) {
-  const auto device = openDevice("cpu", 2);
-  Log log;
-  Registry registry;
-  registerNodes(registry);
-  const auto make = [&] {
-    std::vector<std::string> ignored;
-    auto scene = buildScene(parseJson(kThrown, "s.json"), {"s.json", "", "/"}, registry, {}, ignored);
-    return std::make_unique<Simulation>(std::move(scene), *device, log, registry);
-  };
   std::int64_t made = 0;
   ResumeCheck check{.savedAt = 25, .comparedFor = 5};
   check.observe = [&](Simulation& simulation, const StateWriter&) {
     made = std::max(made, dynamic_cast<WhiteWater&>(*simulation.scene().graph.find("foam")).particleCount());
   };
-  EXPECT_EQ(resumeDifferences(make, check), std::vector<std::string>{});
+  EXPECT_EQ(resumedSceneDifferences(kThrown, check), std::vector<std::string>{});
   EXPECT_GT(made, 100);
 }
 
