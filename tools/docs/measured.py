@@ -176,7 +176,7 @@ def facts(devices):
         f"- **Memory.** {large['memory (B a particle)']} bytes a particle. {most['particles']} particles fit on one H100, at {most['late, batch (ms)']} ms a "
         f"step. The three iterations of that run leave its water {percent(most['compression'])} compressed: it shows capacity, not accuracy ({bench}).",
         f"- **Volume.** Settled water keeps its height to {volume} at the default support ratio, with 90 iterations ({validate}).",
-        f"- **Validation.** {met} of {demands} demands are met. With 40 iterations the force of 30 cm of water on a wall is off by {force} ({validate}).",
+        f"- **Validation.** {met} of {demands} demands are met, of newer ones fewer. With 40 iterations the force of 30 cm of water on a wall is off by {force} ({validate}).",
     ]
 
 
