@@ -154,6 +154,8 @@ def main():
                         "--frames-mb", str(options.frames_mb)], cwd=folder)
         viewers = Viewers(studio.stdout.readline().strip(), end)
         programs = {"run": run, "studio": studio}
+        report = open(options.report or os.devnull, "w", encoding="ascii", buffering=1)  # by lines: a soak that is killed keeps them
+        report.write("seconds,run kB,run files,run threads,studio kB,studio files,studio threads,visits,messages\n")
         while time.monotonic() < end and not problems:
             time.sleep(min(options.every, max(0.1, end - time.monotonic())))
             note = [round(time.monotonic() - begin)]
@@ -164,6 +166,8 @@ def main():
                 else:
                     note += memory_of(program)
             notes.append(note + [viewers.visits, viewers.messages])
+            report.write(",".join(map(str, notes[-1])) + "\n")
+        report.close()
         viewers.end = 0
         for thread in viewers.threads:
             thread.join()
@@ -179,10 +183,6 @@ def main():
             if program.returncode != (130 if name == "run" else 0) or took > 2:
                 problems.append(f"{name} did not stop as it should")
         size = os.path.getsize(os.path.join(folder, "run.vtkhdf"))
-    if options.report:
-        with open(options.report, "w", encoding="ascii") as file:
-            file.write("seconds,run kB,run files,run threads,studio kB,studio files,studio threads,visits,messages\n")
-            file.writelines(",".join(map(str, note)) + "\n" for note in notes)
     early, late = notes[len(notes) // 4], notes[-1]
     for name, column in (("run", 1), ("studio", 4)):
         growth = late[column] / max(early[column], 1) - 1
