@@ -177,12 +177,13 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
     if (!observer->stateName().empty()) observer->save(outputs.in(observer->stateName()));
   simulation.save(state);
 
+  // All names are made first: where memory ends in one, no draft is left.
   const fs::path draft = file_.string() + fmt::format(".{}.part", ::getpid());
+  const fs::path previous = previousOf(file_), link = previous.string() + ".part";
   std::error_code ignored;
   fs::remove(draft, ignored);
   store_->write(draft, checkpoint);
   // At every moment there is a whole checkpoint at the path.
-  const fs::path previous = previousOf(file_), link = previous.string() + ".part";
   fs::remove(link, ignored);
   fs::create_hard_link(file_, link, ignored);
   if (!ignored) fs::rename(link, previous, ignored);

@@ -38,7 +38,9 @@ class OutputWorker {
   static constexpr std::size_t kMaxWaiting = 2;
 
   /// The observer has begun; it and `errors` must outlive this.
-  OutputWorker(Observer& observer, FirstError& errors) : observer_(observer), errors_(errors) {}
+  OutputWorker(Observer& observer, FirstError& errors) : observer_(observer), errors_(errors) {
+    used_.reserve(kMaxWaiting + 1);  // so that the thread, which nobody catches, takes no memory
+  }
   ~OutputWorker() { finish(); }
   OutputWorker(const OutputWorker&) = delete;
   OutputWorker& operator=(const OutputWorker&) = delete;
