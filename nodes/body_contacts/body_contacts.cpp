@@ -2,6 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "framework/base/check.h"
 #include "framework/graph/guard.h"
 
 namespace weir {
@@ -78,7 +84,7 @@ void BodyContacts::checkOverlap(const BodyDynamics::Overlap& overlap) const {
                    "change the position of one of them");
 }
 
-void BodyContacts::reset(const SetupContext& context) {
+void BodyContacts::setDynamics(const SetupContext& context) {
   dynamics_ = makeDynamics(context);
   std::vector<HeldBody> held;
   std::vector<HeldSolid> solid;
@@ -92,6 +98,10 @@ void BodyContacts::reset(const SetupContext& context) {
       source_, [&] { return hookText("", "set", source_); },
       [&] { overlap = dynamics_->set(std::move(held), std::move(solid), std::move(jointed)); });
   checkOverlap(overlap);
+}
+
+void BodyContacts::reset(const SetupContext& context) {
+  if (asks()) setDynamics(context);
   std::vector<BodyBatch::Member> members;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RigidBody& body = *bodies[k].body;
@@ -100,9 +110,8 @@ void BodyContacts::reset(const SetupContext& context) {
   batch_.emplace(context.device, members);
 }
 
-void BodyContacts::step(const StepContext& context) {
+void BodyContacts::changeMotions(const StepContext& context, std::vector<BodyDynamics::Motion>& motions) {
   constexpr double kSteps = 2;  // of a fall: what is slower does not bounce
-  std::vector<BodyDynamics::Motion> motions = batch_->moveOn(context.gravity, context.dt);
   std::vector<SolidWay> ways;
   std::vector<JointDrive> drives;
   for (std::size_t k = 0; k < solids.size(); ++k)
@@ -113,6 +122,25 @@ void BodyContacts::step(const StepContext& context) {
       [&] {
         dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity));
       });
+}
+
+void BodyContacts::shareMotions(std::vector<BodyDynamics::Motion>& motions) const {
+  static_assert(std::is_trivially_copyable_v<BodyDynamics::Motion>);
+  if (ranks_ == nullptr) return;
+  const auto bytes = std::as_writable_bytes(std::span(motions));
+  if (asks()) {
+    for (int to = 1; to < ranks_->size(); ++to) ranks_->post(to, Message(bytes.begin(), bytes.end()));
+    return;
+  }
+  const Message shared = ranks_->receive(0);
+  WEIR_CHECK(shared.size() == bytes.size());
+  std::copy(shared.begin(), shared.end(), bytes.begin());
+}
+
+void BodyContacts::step(const StepContext& context) {
+  std::vector<BodyDynamics::Motion> motions = batch_->moveOn(context.gravity, context.dt);
+  if (asks()) changeMotions(context, motions);
+  shareMotions(motions);
   held_ = batch_->place(motions);
   for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].body->tellState(motions[k].after);
 }

@@ -2,7 +2,7 @@
 //
 // Bodies move on by themselves, as forces lead them; then this node takes them all, and a library (a service,
 // body_dynamics.h) changes the motion of those that touch something. It does so on the host: with CUDA a step
-// waits for the device.
+// waits for the device. Where several ranks share a run, the first one does so for all.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/graph/registry.h"
 #include "nodes/body_contacts/body_batch.h"
@@ -19,7 +20,7 @@
 
 namespace WEIR_API weir {
 
-class BodyContacts final : public Node {
+class BodyContacts final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{
       "BodyContacts", "Bodies collide and slide, with each other and with solids, and are held by joints.",
@@ -35,8 +36,18 @@ class BodyContacts final : public Node {
   void reset(const SetupContext& context) override;
   void step(const StepContext& context) override;
   void report(NodeReport& report) override;
+  void join(Communicator& ranks) override { ranks_ = &ranks; }
 
  private:
+  /// Whether the library is this rank's to ask.
+  bool asks() const { return ranks_ == nullptr || ranks_->rank() == 0; }
+  /// Gives the library what it holds. Throws a scene Error if bodies start within each other or within
+  /// solids.
+  void setDynamics(const SetupContext& context);
+  /// Lets the library change the motions of a step.
+  void changeMotions(const StepContext& context, std::vector<BodyDynamics::Motion>& motions);
+  /// All ranks get those of the first one.
+  void shareMotions(std::vector<BodyDynamics::Motion>& motions) const;
   int numberOf(const RigidBody& body, const Node& joint) const;
   HeldBody heldBody(const SetupContext& context, std::size_t k) const;
   HeldJoint heldJoint(std::size_t k) const;
@@ -47,7 +58,8 @@ class BodyContacts final : public Node {
   /// Throws a scene Error if bodies start within each other or within solids.
   void checkOverlap(const BodyDynamics::Overlap& overlap) const;
 
-  std::unique_ptr<BodyDynamics> dynamics_;
+  Communicator* ranks_ = nullptr;
+  std::unique_ptr<BodyDynamics> dynamics_;  // of the rank that asks it
   std::optional<BodyBatch> batch_;
   std::string source_;
   std::int64_t held_ = 0;  // bodies, in the last step

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "nodes/body_contacts/body_dynamics.h"
 #include "nodes/rigid_body/rigid_body.h"
@@ -27,7 +28,7 @@ struct JointLink {
   const Joint* joint = nullptr;
 };
 
-class Joint final : public Node {
+class Joint final : public Node, public OnRanks {
  public:
   static constexpr NodeInfo kInfo{
       "Joint", "Holds a body to another one or to the world.",

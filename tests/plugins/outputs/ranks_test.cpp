@@ -276,6 +276,43 @@ TEST_F(RanksTest, SoIsOneOnWhichManyBodiesFloat) {
   EXPECT_GT(statistics.find("nodes")->find("body_7")->find("force")->asArray()[1].asDouble(), 0);
 }
 
+/// Two boxes, one of which falls onto the other, and a paddle that a motor turns.
+constexpr const char* kColliding = R"({
+  "weir": 1,
+  "world": { "dt": 0.004, "frame_rate": 50 },
+  "nodes": {
+    "block": { "type": "BoxSampler", "params": { "min": [-0.3, 0, -0.1], "max": [0.3, 0.12, 0.1] } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [-0.3, 0, -0.1], "max": [0.3, 1, 0.1], "inverted": true } },
+    "crate": { "type": "BoxMesh", "params": { "min": [-0.05, -0.03, -0.05], "max": [0.05, 0.03, 0.05] } },
+    "blade": { "type": "BoxMesh", "params": { "min": [-0.1, -0.02, -0.06], "max": [0.1, 0.02, 0.06] } },
+    "low": { "type": "RigidBody", "params": { "density": 400, "position": [-0.15, 0.18, 0] } },
+    "high": { "type": "RigidBody", "params": { "density": 600, "position": [-0.12, 0.26, 0], "rotation": [0, 20, 5] } },
+    "paddle": { "type": "RigidBody", "params": { "density": 700, "position": [0.15, 0.14, 0] } },
+    "axle": { "type": "Joint", "params": { "kind": "hinge", "anchor": [0.15, 0.14, 0], "axis": [0, 0, 1],
+                                           "motor": true, "speed": 6 } },
+    "contacts": { "type": "BodyContacts" },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+               "modules": { "solver": { "type": "SemiImplicitSolver", "params": { "iterations": 10 } } } }
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+            "crate.surface -> low.mesh", "crate.surface -> high.mesh", "blade.surface -> paddle.mesh",
+            "water.fluid -> low.fluid", "water.fluid -> high.fluid", "water.fluid -> paddle.fluid",
+            "tank.boundary -> low.walls", "tank.boundary -> high.walls",
+            "low.body -> contacts.bodies", "high.body -> contacts.bodies", "paddle.body -> contacts.bodies",
+            "paddle.body -> axle.body", "axle.joint -> contacts.joints"]
+})";
+
+TEST_F(RanksTest, SoIsOneInWhichBodiesCollideAndAreHeldByJoints) {
+  if (!std::filesystem::exists(buildFolder() + "/lib/weir/plugins/weir_bodies.so"))
+    GTEST_SKIP() << "there was no Bullet when this was built";
+  duration_ = "0.24";
+  scene_ = folder_.write("colliding.json", kColliding);
+  expectSameForAnyNumber({}, {"3"});
+  const Value statistics = parseJson(readFile(folder_ / "3/stats.json"), "stats.json");
+  EXPECT_GT(statistics.find("nodes")->find("contacts")->find("held")->asInt(), 0);
+}
+
 TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
   const std::string scene = folder_.write("drop.json", R"({
     "weir": 1,
