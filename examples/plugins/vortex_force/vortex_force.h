@@ -8,12 +8,14 @@
 #pragma once
 
 #include <weir/fluid_module.h>
+#include <weir/ranks.h>
 
 namespace vortex_force {
 
 using namespace weir;
 
-class VortexForce final : public FluidModule {
+// Each particle is pushed by itself, so any division of the fluid among ranks is right.
+class VortexForce final : public FluidModule, public OnRanks {
  public:
   static constexpr ModuleInfo kInfo{"VortexForce", kFamily,
                                     "Swirls the fluid about an axis; insert it before \"predict\"."};

@@ -565,6 +565,22 @@ TEST_F(RanksTest, MoreGpusThanThereAreAreRefused) {
   EXPECT_CONTAINS(refused.result.err, any ? "more than this machine has" : "cuda");
 }
 
+TEST_F(RanksTest, SoIsOneWithAModuleOfAPluginThatHasTheRole) {
+  duration_ = "0.1";
+  scene_ = folder_.write("swirled.json", R"({
+    "weir": 1,
+    "world": { "dt": 0.004, "frame_rate": 100 },
+    "nodes": {
+      "block": { "type": "BoxSampler", "params": { "min": [-0.3, 0, -0.1], "max": [0.3, 0.2, 0.1] } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+                 "modules": { "vortex": { "type": "VortexForce", "before": "predict", "params": { "growth": 3 } } } }
+    },
+    "links": ["block.particles -> water.initial"]
+  })");
+  device_ = {"--plugin", buildFolder() + "/lib/weir/test_plugins/weir_vortex_force.so"};
+  expectSameForAnyNumber({}, {"3"});
+}
+
 TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
   const std::string scene = folder_.write("s.json", R"({
     "weir": 1,
