@@ -348,7 +348,7 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   if (resumed) options.resume = &resumed->state;
   std::optional<AgreedStop> stop;
   if (ranks != nullptr) {
-    joinRanks(simulation, *ranks);
+    joinRanks(simulation, *ranks, outputs_->any() || checkpoints);
     stop.emplace(*ranks, Interruption::asked(), options);
     if (ranks->rank() > 0) return runSimulation(simulation, {}, options);
   }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/graph/memory_estimate.h"
 #include "framework/particles/pack_layout.h"
 
 namespace weir {
@@ -48,24 +48,31 @@ DividedParticles::~DividedParticles() {
 
 void DividedParticles::cut(const Aabb& box) {
   if (box.empty()) return;
+  const RankTimes::Scope scope(times(), RankWork::kCutting);
   slabs_.layers = layersAcross(box, cellSize_);
   Array<int> inLayer(particles_.device(), slabs_.layers.count);
   inLayer.fillZero();
   if (particles_.refreshCount() > 0)
-    dispatch(particles_.device(), [&](auto& device) { countInLayersOn(device, inLayer.view()); });
+    dispatch(particles_.device(), [&](auto& device) {
+      countInLayersOn(device, particles_.positions().read(), particles_.count(), inLayer.view());
+    });
   const std::vector<int> own = inLayer.toHost();
   std::vector<std::int64_t> counts(own.begin(), own.end());
   ranks_.sum(counts);
   cutLayersOf(counts);
 }
 
-void DividedParticles::cut(const Aabb& box, const std::vector<Vec3f>& positions) {
+void DividedParticles::cut(const Aabb& box, const std::vector<ArrayView<const Vec3f>>& positions) {
   if (box.empty()) return;
-  const CellLayers& layers = slabs_.layers = layersAcross(box, cellSize_);
-  std::vector<std::int64_t> counts(std::size_t(layers.count), 0);
-  for (const Vec3f& p : positions)
-    if (isFinite(p)) ++counts[std::size_t(layers.layerOf(p) - layers.first)];
-  cutLayersOf(counts);
+  const RankTimes::Scope scope(times(), RankWork::kCutting);
+  slabs_.layers = layersAcross(box, cellSize_);
+  Array<int> inLayer(particles_.device(), slabs_.layers.count);
+  inLayer.fillZero();
+  for (const ArrayView<const Vec3f>& some : positions)
+    dispatch(particles_.device(),
+             [&](auto& device) { countInLayersOn(device, some, some.size, inLayer.view()); });
+  const std::vector<int> counts = inLayer.toHost();
+  cutLayersOf({counts.begin(), counts.end()});
 }
 
 void DividedParticles::cutLayersOf(const std::vector<std::int64_t>& counts) {
@@ -79,33 +86,29 @@ SlabsView DividedParticles::onDevice() const {
 
 void DividedParticles::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
-  ParticleSet all(particles_.device());
-  all.continueIdsFrom(particles_.nextId());
-  all.append(batch, selected);
-  all.refreshCount();
-  appendOwn(all);
+  const RankTimes::Scope scope(times(), RankWork::kMigration);
+  Array<int> own(particles_.device(), batch.count);
+  const std::int64_t count = dispatch(particles_.device(), [&](auto& device) {
+    return findOwnOn(device, {batch.positions.data(), batch.count}, selected, own.view());
+  });
+  particles_.append(batch, {{own.data(), count}, foundCount_.data()});
+  particles_.refreshCount();
 }
 
 void DividedParticles::restore(const StateReader& from, const Aabb& box) {
   ParticleSet all(particles_.device());
-  addAttributes(PackLayout(particles_), all);
+  const PackLayout layout(particles_);
+  addAttributes(layout, all);
   all.restore(from);
-  cut(box, all.positions().toHost(all.bound()));
+  const ArrayView<const Vec3f> positions{all.positions().read().data(), all.bound()};
+  cut(box, {positions});
   particles_.clear();
-  appendOwn(all);
-}
-
-void DividedParticles::appendOwn(ParticleSet& all) {
-  const std::vector<Vec3f> positions = all.positions().toHost(all.bound());
-  std::vector<int> own;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const int owner = isFinite(positions[i]) ? slabs_.view().slabOf(positions[i]) : 0;
-    if (owner == ranks_.rank()) own.push_back(static_cast<int>(i));
-  }
-  const PackLayout layout(all);
-  addAttributes(layout, particles_);
-  const Array<int> indices(all.device(), own);
-  all.pack(layout, indices.view(), buffer_);
+  Array<int> own(all.device(), all.bound());
+  std::int64_t count = 0;
+  if (all.bound() > 0)
+    count =
+        dispatch(all.device(), [&](auto& device) { return findOwnOn(device, positions, {}, own.view()); });
+  all.pack(layout, {own.data(), count}, buffer_);
   particles_.appendPacked(layout, std::as_const(buffer_).view());
   particles_.continueIdsFrom(all.nextId());
   particles_.refreshCount();
@@ -142,6 +145,7 @@ void DividedParticles::releaseParcels() {
 }
 
 void DividedParticles::migrate() {
+  const RankTimes::Scope scope(times(), RankWork::kMigration);
   releaseParcels();
   const std::int64_t count = particles_.refreshCount();
   std::int64_t leaving = 0;
@@ -177,6 +181,7 @@ void DividedParticles::findNeighborRanks(const SortedLayers& sorted) {
 }
 
 void DividedParticles::showHalo(const SortedLayers& sorted) {
+  const RankTimes::Scope scope(times(), RankWork::kHalo);
   const std::int64_t owned = particles_.refreshCount();
   findNeighborRanks(sorted);
   const PackLayout layout(particles_, {"position", "id"});
@@ -207,6 +212,7 @@ void DividedParticles::showHalo(const SortedLayers& sorted) {
 }
 
 void DividedParticles::refresh(std::initializer_list<std::string_view> attributes) {
+  const RankTimes::Scope scope(times(), RankWork::kRefresh);
   const PackLayout layout(particles_, attributes);
   for (const Neighbor& neighbor : neighbors_) ranks_.postParcel(neighbor.rank, packed(layout, neighbor));
   for (const Neighbor& neighbor : neighbors_)
@@ -214,6 +220,7 @@ void DividedParticles::refresh(std::initializer_list<std::string_view> attribute
 }
 
 void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInOne) {
+  const RankTimes::Scope scope(times(), RankWork::kRefresh);
   Device& device = particles_.device();
   for (const Neighbor& neighbor : neighbors_) {
     const std::int64_t bytesOfOne = wordsInOne * std::int64_t{sizeof(std::uint32_t)};
@@ -232,21 +239,63 @@ void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInO
 }
 
 void DividedParticles::gather(ParticleSet* all) {
-  const PackLayout layout(particles_);
-  std::vector<int> indices(std::size_t(particles_.refreshCount()));
-  std::iota(indices.begin(), indices.end(), 0);
-  const Array<int> owned(particles_.device(), indices);
-  ranks_.postParcel(0, packed(layout, owned.view()));
+  const RankTimes::Scope scope(times(), RankWork::kGathering);
+  const std::vector<std::int64_t> counts = ranks_.allGather(particles_.refreshCount());
+  // Ids make room for what comes behind them, straight to where it belongs.
+  gatherIds(counts, all);
+  for (const AttributeInfo& info : particles_.attributes())
+    if (info.name != "id")
+      withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { gather<T>(info, counts, all); });
+}
+
+void DividedParticles::gatherIds(const std::vector<std::int64_t>& counts, ParticleSet* all) {
+  postAll<std::int64_t>("id");
   if (all == nullptr) return;
-  addAttributes(layout, *all);
-  for (int from = 0; from < ranks_.size(); ++from) all->appendPacked(layout, unpackedOf(from));
-  releaseParcels();  // which are as large as all particles
+  const PackLayout ids(particles_, {"id"});
+  for (const AttributeInfo& info : particles_.attributes())
+    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { all->add<T>(info); });
+  for (int from = 0; from < ranks_.size(); ++from)
+    for (std::int64_t got = 0; got < counts[std::size_t(from)]; got += kAtOnce)
+      all->appendPacked(ids, unpackedOf(from));
   all->continueIdsFrom(particles_.nextId());
   all->refreshCount();
+  releaseParcels();
+  buffer_ = Array<std::byte>(particles_.device());
+}
+
+template <class T>
+void DividedParticles::gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts,
+                              ParticleSet* all) {
+  postAll<T>(info.name);
+  if (all == nullptr) return;
+  T* to = all->get<T>(info.name).write().data();
+  for (int from = 0; from < ranks_.size(); ++from) {
+    T* const end = to + counts[std::size_t(from)];
+    for (; to < end; to += std::min<std::int64_t>(kAtOnce, end - to))
+      nextOf(from).copyTo(particles_.device(), to);
+  }
+  releaseParcels();
+}
+
+/// An attribute of all that this rank owns, to rank 0.
+template <class T>
+void DividedParticles::postAll(std::string_view attribute) {
+  Device& device = particles_.device();
+  const ArrayView<const T> own = particles_.get<T>(attribute).read();
+  for (std::int64_t first = 0; first < particles_.bound(); first += kAtOnce) {
+    const std::int64_t bytes = std::min(kAtOnce, particles_.bound() - first) * std::int64_t{sizeof(T)};
+    Array<std::byte> some(device, bytes);
+    device.copy(some.data(), own.data + first, std::size_t(bytes));
+    ranks_.postParcel(0, Parcel(std::move(some)));
+  }
 }
 
 std::int64_t DividedParticles::countOfAll() {
   return ranks_.sum(particles_.refreshCount());
+}
+
+double DividedParticles::memoryFor(double owned) {
+  return bytesOfArray(owned, sizeof(int));  // of those that migrate; parcels are small
 }
 
 }  // namespace weir

@@ -24,6 +24,26 @@ struct Leaves {
   WEIR_HD bool operator()(std::int64_t i) const { return ownerOf(i) != ownerOf.self; }
 };
 
+/// Of those that every rank has, the k-th or, where some are selected, order[k]; what is not finite belongs
+/// to rank 0.
+struct IsOwn {
+  SlabsView slabs;
+  int self;
+  ArrayView<const Vec3f> positions;
+  ArrayView<const int> order;  // empty for all
+
+  WEIR_HD bool operator()(std::int64_t k) const {
+    const Vec3f p = positions[order.size > 0 ? order[k] : k];
+    return (isFinite(p) ? slabs.slabOf(p) : 0) == self;
+  }
+};
+
+struct FollowOrder {
+  ArrayView<const int> order;
+  ArrayView<int> indices;
+  WEIR_HD void operator()(std::int64_t k) const { indices[k] = order[indices[k]]; }
+};
+
 struct WriteOwner {
   OwnerOf ownerOf;
   ArrayView<const int> indices;
@@ -69,9 +89,20 @@ std::int64_t DividedParticles::findLeavingOn(Backend& device) {
 }
 
 template <class Backend>
-void DividedParticles::countInLayersOn(Backend& device, ArrayView<int> counts) {
-  parallelFor(device, "count in layers", particles_.count(),
-              CountInLayers{slabs_.layers, particles_.positions().read(), counts});
+std::int64_t DividedParticles::findOwnOn(Backend& device, ArrayView<const Vec3f> positions,
+                                         const BatchSelection& selected, ArrayView<int> own) {
+  compact(device, "own", Count{positions.size, selected.kept},
+          IsOwn{onDevice(), ranks_.rank(), positions, selected.order}, own, foundCount_.data());
+  const std::int64_t count = foundCount_.toHost().front();
+  if (selected.order.size > 0)
+    parallelFor(device, "own", count, FollowOrder{selected.order, {own.data, count}});
+  return count;
+}
+
+template <class Backend>
+void DividedParticles::countInLayersOn(Backend& device, ArrayView<const Vec3f> positions, const Count& count,
+                                       ArrayView<int> counts) {
+  parallelFor(device, "count in layers", count, CountInLayers{slabs_.layers, positions, counts});
 }
 
 template <class Backend>
@@ -83,7 +114,10 @@ void DividedParticles::placeLayerOn(Backend& device, const SortedLayers& sorted,
 }
 
 template std::int64_t DividedParticles::findLeavingOn(ThisBackend&);
-template void DividedParticles::countInLayersOn(ThisBackend&, ArrayView<int>);
+template std::int64_t DividedParticles::findOwnOn(ThisBackend&, ArrayView<const Vec3f>, const BatchSelection&,
+                                                  ArrayView<int>);
+template void DividedParticles::countInLayersOn(ThisBackend&, ArrayView<const Vec3f>, const Count&,
+                                                ArrayView<int>);
 template void DividedParticles::placeLayerOn(ThisBackend&, const SortedLayers&, int, ArrayView<const int>,
                                              std::int64_t);
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "framework/base/api.h"
-#include "framework/communication/communicator.h"
 #include "framework/communication/slabs.h"
+#include "framework/communication/timed_ranks.h"
 #include "framework/graph/state.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particle_set.h"
@@ -33,7 +33,9 @@ class DividedParticles {
   DividedParticles(Communicator& ranks, ParticleSet& particles, float cellSize);
   ~DividedParticles();
 
-  Communicator& ranks() const { return ranks_; }
+  Communicator& ranks() { return ranks_; }
+  /// What the calls below took, and what was exchanged by way of ranks().
+  RankTimes& times() { return ranks_.times(); }
   /// The layers of cells that are this rank's, and all.
   CellLayers ownLayers() const { return slabs_.layersOf(ranks_.rank()); }
   const CellLayers& allLayers() const { return slabs_.layers; }
@@ -41,8 +43,8 @@ class DividedParticles {
   /// Cuts space anew, for particles in this box of all ranks. Particles stay where they are until the next
   /// migrate().
   void cut(const Aabb& box);
-  /// The same for particles that every rank has.
-  void cut(const Aabb& box, const std::vector<Vec3f>& positions);
+  /// The same for particles that every rank has, in arrays on its device.
+  void cut(const Aabb& box, const std::vector<ArrayView<const Vec3f>>& positions);
   /// Adds those of a batch, which every rank has and selects from alike, that belong to this rank.
   void append(const ParticleBatch& batch, const BatchSelection& selected = {});
   /// Takes what belongs to this rank of a saved set, which every rank reads, in place of all that it has.
@@ -65,12 +67,16 @@ class DividedParticles {
   }
   /// The same for so many words of each.
   void refreshWords(ArrayView<std::uint32_t> words, int wordsInOne);
-  /// Adds all particles of all ranks, with all attributes that are not derived, to a set that is there on
-  /// rank 0 only and null elsewhere, in no order. Ids go on there as they do here.
+  /// Puts all particles of all ranks, with all attributes that are shown, into a set that is there on rank 0
+  /// only and null elsewhere: those of each rank in their order, one rank after the other. Ids go on there as
+  /// they do here.
   void gather(ParticleSet* all);
 
   /// How many particles all ranks own.
   std::int64_t countOfAll();
+
+  /// Bytes on the device that this takes where so many are owned.
+  static double memoryFor(double owned);
 
  private:
   /// A rank that touches this one: the layer that it sees of this rank, and where its particles are in the
@@ -96,8 +102,22 @@ class DividedParticles {
   /// Gives the memory of all parcels that have come back to their senders.
   void releaseParcels();
 
+  /// How many particles a message to rank 0 has at most: those of MPI have less than 2 GiB.
+  static constexpr std::int64_t kAtOnce = std::int64_t{1} << 25;
+  template <class T>
+  void postAll(std::string_view attribute);
+  void gatherIds(const std::vector<std::int64_t>& counts, ParticleSet* all);
+  template <class T>
+  void gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts, ParticleSet* all);
+
   template <class Backend>
-  void countInLayersOn(Backend& device, ArrayView<int> counts);
+  void countInLayersOn(Backend& device, ArrayView<const Vec3f> positions, const Count& count,
+                       ArrayView<int> counts);
+  /// Writes which of these particles, all or those that are selected, belong to this rank; returns how many,
+  /// once the device has told.
+  template <class Backend>
+  std::int64_t findOwnOn(Backend& device, ArrayView<const Vec3f> positions, const BatchSelection& selected,
+                         ArrayView<int> own);
   /// Leaves indices in `found_`; how many is returned, once the device has told.
   template <class Backend>
   std::int64_t findLeavingOn(Backend& device);
@@ -105,7 +125,7 @@ class DividedParticles {
   void placeLayerOn(Backend& device, const SortedLayers& sorted, int layer, ArrayView<const int> start,
                     std::int64_t first);
 
-  Communicator& ranks_;
+  TimedRanks ranks_;
   ParticleSet& particles_;
   float cellSize_;
   Slabs slabs_;

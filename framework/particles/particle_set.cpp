@@ -159,7 +159,9 @@ void ParticleSet::makeRoom(std::int64_t particles) {
   constexpr std::int64_t kMinGrowth = 4096;
   const std::int64_t present = capacity();
   const std::int64_t grown = std::max(grownSize(present, particles), present + kMinGrowth);
-  const std::int64_t room = std::max(particles, std::min(grown, maxParticles_));
+  // Where there are more than were expected, nobody knows how many there will be.
+  const std::int64_t most = particles > maxParticles_ ? kUnknown : maxParticles_;
+  const std::int64_t room = std::max(particles, std::min(grown, most));
   // One after another, so that never more than one of them is there twice; what is given back here makes room
   // for that one.
   spares_.release();
@@ -184,16 +186,18 @@ void ParticleSet::addAttributesOf(const ParticleBatch& batch) {
 
 void ParticleSet::append(const ParticleBatch& batch, const BatchSelection& selected) {
   if (batch.count == 0) return;
-  checkFits(bound_ + batch.count);
+  const std::int64_t added =
+                         selected.kept != nullptr ? std::min(batch.count, selected.order.size) : batch.count,
+                     need = bound_ + added;
+  checkFits(need);
   addAttributesOf(batch);
   settle();
   rearrange();
-  const std::int64_t need = bound_ + batch.count;
   makeRoom(need);
   dispatch(*device_, [&](auto& device) {
     for (const Storage& storage : storages_) {
       const auto [words, wordsInOne] = storage->words();
-      zeroFromOn(device, words, wordsInOne, count(), batch.count);
+      zeroFromOn(device, words, wordsInOne, count(), added);
     }
     appendOn(device, batch, selected);
   });

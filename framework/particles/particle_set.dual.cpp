@@ -1,5 +1,7 @@
 #include "framework/particles/particle_set.h"
 
+#include <algorithm>
+
 #include "framework/compute/eight.h"
 #include "framework/particles/permutation.h"
 
@@ -104,7 +106,8 @@ void ParticleSet::zeroFromOn(Backend& device, ArrayView<std::uint32_t> words, in
 
 template <class Backend>
 void ParticleSet::appendOn(Backend& device, const ParticleBatch& batch, const BatchSelection& selected) {
-  const Count count{batch.count, selected.kept};
+  const bool isSelected = selected.kept != nullptr;
+  const Count count{isSelected ? std::min(batch.count, selected.order.size) : batch.count, selected.kept};
   parallelFor(
       device, "append", count,
       AppendBatch{batch.positions.view(), batch.velocityView(), selected.order, nextId_, counter_.data(),

@@ -3,10 +3,11 @@
 #include <utility>
 
 #include "framework/communication/on_ranks.h"
+#include "framework/communication/shared_by_ranks.h"
 
 namespace weir {
 
-void joinRanks(Simulation& simulation, Communicator& ranks) {
+void joinRanks(Simulation& simulation, Communicator& ranks, bool watched) {
   for (const auto& node : simulation.scene().graph.nodes()) {
     auto* const onRanks = dynamic_cast<OnRanks*>(node.get());
     try {
@@ -18,6 +19,9 @@ void joinRanks(Simulation& simulation, Communicator& ranks) {
       throw e.inNode(node->name()).at({.file = simulation.scene().file});
     }
   }
+  const bool isWatched = ranks.any(watched && ranks.rank() == 0);
+  for (const auto& node : simulation.scene().graph.nodes())
+    if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) shared->watch(isWatched);
 }
 
 AgreedStop::AgreedStop(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {

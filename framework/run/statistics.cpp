@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "framework/base/build_info.h"
+#include "framework/communication/shared_by_ranks.h"
 #include "framework/compute/step_times.h"
 
 namespace weir {
@@ -108,6 +109,17 @@ Value outputTimes(const Simulation& simulation) {
   return v;
 }
 
+/// Of each node whose particles ranks share; empty without ranks.
+Value ranksValue(const Simulation& simulation) {
+  Value v = Value::object();
+  for (const auto& node : simulation.scene().graph.nodes()) {
+    const auto* const shared = dynamic_cast<const SharedByRanks*>(node.get());
+    Value report = shared != nullptr ? shared->ranksReport() : Value::object();
+    if (!report.asObject().empty()) v[node->name()] = std::move(report);
+  }
+  return v;
+}
+
 /// Fills "nodes" and "rare_events".
 void addReports(Simulation& simulation, Value& statistics) {
   Value nodes = Value::object();
@@ -171,6 +183,7 @@ Value runStatistics(Simulation& simulation, RunEnd end) {
   v["outputs"] = outputTimes(simulation);
   v["modules_ms"] = moduleTimes(device.profiler());
   v["memory"] = memoryValue(simulation);
+  if (Value ranks = ranksValue(simulation); !ranks.asObject().empty()) v["ranks"] = std::move(ranks);
   v["blocking_readbacks"] = integer(device.blockingReadbacks());
   addReports(simulation, v);
   return v;

@@ -1,10 +1,29 @@
 // What a fluid does where several ranks share its particles.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
 #include "framework/particles/divided_particles.h"
+#include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir {
+
+namespace {
+
+Value meanAndMax(const std::vector<double>& ofRanks) {
+  double sum = 0, max = 0;
+  for (const double one : ofRanks) sum += one, max = std::max(max, one);
+  Value v = Value::object();
+  v["mean"] = sum / double(ofRanks.size());
+  v["max"] = max;
+  return v;
+}
+
+}  // namespace
 
 void ParticleFluid::join(Communicator& ranks) {
   if (period().any())
@@ -22,20 +41,64 @@ void ParticleFluid::join(Communicator& ranks) {
   ranks_ = &ranks;
 }
 
+/// All ranks have the same scene, and answer alike. What brings solids to the particles reads none of them.
+bool ParticleFluid::isWatched() const {
+  return watched_ || fluid.links().size() > fluid.requests().size();
+}
+
+ParticleFluid::ShareOfRank ParticleFluid::shareOfRank(double all) const {
+  const int ranks = ranks_->size();
+  if (ranks == 1) return {all, 0};
+  // Slabs are cut between layers across the longest axis, which have no more particles than those of a cube.
+  const double layer = std::min(all, double(supportRatio) * std::pow(all, 2.0 / 3));
+  return {std::min(all, std::ceil(all / ranks + layer)), std::ceil(layer * (ranks == 2 ? 1 : 2))};
+}
+
+double ParticleFluid::memoryOnRanks(Device& device, double all) const {
+  const ShareOfRank share = shareOfRank(all);
+  const double own = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own),
+               gathered = isWatched() ? memoryOfGathered(all) : 0;
+  if (device.kind() == DeviceKind::kCpu) return ranks_->sizeHere() * own + gathered;
+  return own + (ranks_->rank() == 0 ? gathered : 0);
+}
+
+double ParticleFluid::memoryOfGathered(double all) const {
+  std::map<std::string, AttributeType> attributes{{"position", AttributeType::kVec3},
+                                                  {"velocity", AttributeType::kVec3},
+                                                  {"id", AttributeType::kInt64},
+                                                  {"density", AttributeType::kFloat}};
+  if (pressure) attributes.emplace("pressure", AttributeType::kFloat);
+  for (const auto* sources : {&initial, &emitters})
+    for (std::size_t i = 0; i < sources->size(); ++i)
+      for (const BatchAttribute& brought : (*sources)[i].attributes)
+        attributes.emplace(brought.info.name, brought.info.type);
+  double bytes = 0;
+  for (const auto& [name, type] : attributes) bytes += ParticleSet::memoryOfAttribute(all, type, true);
+  return bytes;
+}
+
 void ParticleFluid::divideInitial() {
   State& state = *state_;
   divided_ = std::make_unique<DividedParticles>(*ranks_, state.particles, constants_.supportRadius);
-  std::vector<Vec3f> all;
-  for (std::size_t i = 0; i < initial.size(); ++i) {
-    const std::vector<Vec3f> some = initial[i].positions.toHost(initial[i].count);
-    all.insert(all.end(), some.begin(), some.end());
-  }
   Aabb box;
-  for (const Vec3f& p : all)
-    if (isFinite(p)) box.extend(p);
-  divided_->cut(box, all);
-  fitSlab(box, std::ssize(all));
-  if (ranks_->rank() == 0) makeState(gathered_, state.particles.device());
+  std::int64_t all = 0;
+  std::vector<ArrayView<const Vec3f>> positions;
+  for (std::size_t i = 0; i < initial.size(); ++i) {
+    const ParticleBatch& batch = initial[i];
+    if (batch.count == 0) continue;
+    const ArrayView<const Vec3f>& some = positions.emplace_back(batch.positions.data(), batch.count);
+    dispatch(state.particles.device(), [&](auto& device) { boundingBoxOn(device, some, batch.count); });
+    box.extend(state.extent.toHost().front().box);
+    all += batch.count;
+  }
+  divided_->cut(box, positions);
+  fitSlab(box, all);
+  frame_ = std::make_unique<FrameOnRanks>();
+  if (ranks_->rank() == 0 && isWatched()) gathered_.emplace(state.particles.device());
+  if (maxParticles_ == 0) return;
+  const ShareOfRank share = shareOfRank(maxParticles_);
+  state.particles.expectAtMost(static_cast<std::int64_t>(share.own + share.halo));
+  if (gathered_) gathered_->expectAtMost(static_cast<std::int64_t>(maxParticles_));
 }
 
 /// Of so many particles of all ranks.
@@ -44,25 +107,54 @@ void ParticleFluid::fitSlab(const Aabb& box, std::int64_t particles) {
 }
 
 Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
-  State& state = *state_;
-  dispatch(onDevice, [&](auto& device) { boundingBoxOn(device, state); });
   Aabb all;
-  for (const Aabb& box : ranks_->allGather(state.extent.toHost().front().box))
-    if (!box.empty()) all.extend(box.lo), all.extend(box.hi);
+  for (const FluidExtent& of : divided_->ranks().allGather(extentOf(onDevice))) all.extend(of.box);
   return all;
 }
 
-void ParticleFluid::refreshOnRanks(const StepContext& context) {
-  if (const std::int64_t all = divided_->countOfAll(); all > 0) {
-    const Aabb box = boxOnRanks(context.device);
-    divided_->cut(box);
-    fitSlab(box, all);
-    FluidStep now = fluidStep(context);
-    now.findNeighbors();  // which removes what has left the domain
-    findWalls(*state_, context);
+void ParticleFluid::sortOnRanks(const StepContext& context) {
+  const std::int64_t all = divided_->countOfAll();
+  if (all == 0) return;
+  const Aabb box = boxOnRanks(context.device);
+  divided_->cut(box);
+  fitSlab(box, all);
+  FluidStep now = fluidStep(context);
+  now.findNeighbors();  // which removes what has left the domain
+}
+
+void ParticleFluid::lookOnRanks() {
+  State& state = *state_;
+  frame_->particles = divided_->countOfAll();
+  frame_->sums = sumsOfFluid(divided_->ranks(), state.particles, state.neighbors, constants_);
+  if (isWatched()) {
+    if (gathered_) gathered_->clear();
+    divided_->gather(gathered_ ? &*gathered_ : nullptr);
   }
-  if (gathered_) gathered_->particles.clear();
-  divided_->gather(gathered_ ? &gathered_->particles : nullptr);
+  Value& report = frame_->report;
+  const auto ofRanks = [&](double own) { return meanAndMax(divided_->ranks().allGather(own)); };
+  report["ranks"] = ranks_->size();
+  report["particles"] = ofRanks(double(state.particles.bound()));
+  report["halo"] = ofRanks(double(state.particles.haloCount()));
+  report["gathered"] = isWatched() ? frame_->particles : 0;
+  report["device_peak_bytes"] = ofRanks(double(state.particles.device().memoryUse().peak));
+  report["step_ms"] = timesOfRanks();
+}
+
+/// Of a step since the reset, in milliseconds of the host.
+Value ParticleFluid::timesOfRanks() {
+  const double perStep = 1e3 / double(std::max<std::int64_t>(stepsTimed_, 1));
+  Value v = Value::object();
+  const std::vector<RankTimes::Seconds> ofRanks = ranks_->allGather(divided_->times().seconds());
+  for (std::size_t work = 0; work < kRankWorkNames.size(); ++work) {
+    std::vector<double> times;
+    for (const RankTimes::Seconds& one : ofRanks) times.push_back(perStep * one[work]);
+    v[std::string(kRankWorkNames[work])] = meanAndMax(times);
+  }
+  return v;
+}
+
+Value ParticleFluid::ranksReport() const {
+  return frame_ ? frame_->report : Value::object();
 }
 
 /// Pieces of one sink share theirs.
@@ -98,10 +190,14 @@ void ParticleFluid::restoreOnRanks(const StateReader& from) {
   Log silent;
   const StepContext now{device, silent, {}, 0, 0, 0};
   fluidStep(now).findNeighbors();
-  if (!gathered_) return;
-  gathered_->particles.clear();
-  gathered_->particles.restore(from.in("particles"));
-  if (gathered_->particles.bound() > 0) sortShown(device);
+  frame_->particles = divided_->countOfAll();
+  // A run without ranks has saved none; where this one makes no step, what it reports of density is 0.
+  if (from.has("sums"))
+    from.get("sums", frame_->sums);
+  else
+    frame_->sums = sumsOfFluid(divided_->ranks(), state_->particles, state_->neighbors, constants_);
+  divided_->times().clear();
+  if (gathered_) gathered_->restore(from.in("particles"));
 }
 
 }  // namespace weir

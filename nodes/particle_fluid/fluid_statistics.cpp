@@ -22,17 +22,41 @@ Value meanAndMax(double mean, double max) {
 
 }  // namespace
 
-void writeFluidStatistics(const ParticleSet& particles, const NeighborList& neighbors,
-                          const FluidConstants& constants, const Vec3f& gravity, Value& statistics) {
-  const std::int64_t n = particles.bound();
-  FluidSums sums;
-  if (n > 0) {
-    Array<FluidSums> onDevice(particles.device(), 1);
-    dispatch(particles.device(), [&](auto& device) {
-      sumFluid(device, particles, neighbors.counts(), constants.restDensity, onDevice.data());
-    });
-    sums = onDevice.toHost().front();
+FluidSums sumsOfFluid(const ParticleSet& particles, const NeighborList& neighbors,
+                      const FluidConstants& constants) {
+  if (particles.bound() == 0) return {};
+  Array<FluidSums> onDevice(particles.device(), 1);
+  dispatch(particles.device(), [&](auto& device) {
+    sumFluid(device, particles, neighbors.counts(), constants.restDensity, onDevice.data());
+  });
+  return onDevice.toHost().front();
+}
+
+FluidSums sumsOfFluid(Communicator& ranks, const ParticleSet& particles, const NeighborList& neighbors,
+                      const FluidConstants& constants) {
+  Array<MotionSums> motion(particles.device(), 1);
+  Array<PlaceSums> place(particles.device(), 1);
+  dispatch(particles.device(), [&](auto& device) {
+    sumExactly(device, ranks, particles, constants.restDensity, motion.data(), place.data());
+  });
+  const MotionSums moving = motion.toHost().front();
+  const PlaceSums standing = place.toHost().front();
+  FluidSums all{.velocity = moving.velocity,
+                .position = standing.position,
+                .speedSquared = moving.speedSquared,
+                .compression = standing.compression};
+  for (const FluidSums& one : ranks.allGather(sumsOfFluid(particles, neighbors, constants))) {
+    all.maxSpeedSquared = std::max(all.maxSpeedSquared, one.maxSpeedSquared);
+    all.maxCompression = std::max(all.maxCompression, one.maxCompression);
+    all.neighbors += one.neighbors;
+    all.maxNeighbors = std::max(all.maxNeighbors, one.maxNeighbors);
+    all.box.extend(one.box);
   }
+  return all;
+}
+
+void writeFluidStatistics(std::int64_t n, const FluidSums& sums, const FluidConstants& constants,
+                          const Vec3f& gravity, Value& statistics) {
   const double mass = constants.particleMass, count = std::max(double(n), 1.0);
   statistics["particles"] = n;
   statistics["fluid_volume"] = double(n) * constants.particleVolume;

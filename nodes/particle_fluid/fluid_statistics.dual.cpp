@@ -1,6 +1,7 @@
 #include "nodes/particle_fluid/fluid_statistics.h"
 
 #include "framework/compute/parallel.h"
+#include "framework/particles/rank_sums.h"
 
 namespace weir {
 
@@ -38,6 +39,24 @@ struct SumsOfOne {
   }
 };
 
+struct MotionOfOne {
+  ArrayView<const Vec3f> velocities;
+  WEIR_HD MotionSums operator()(std::int64_t i) const {
+    const Vec3d v = toDouble(velocities[i]);
+    return {v, dot(v, v)};
+  }
+};
+
+struct PlaceOfOne {
+  ArrayView<const Vec3f> positions;
+  ArrayView<const float> densities;
+  double restDensity;
+  WEIR_HD PlaceSums operator()(std::int64_t i) const {
+    const double over = double(densities[i]) / restDensity - 1;
+    return {toDouble(positions[i]), over < 0 ? 0 : over};
+  }
+};
+
 struct AddSums {
   WEIR_HD FluidSums operator()(const FluidSums& a, const FluidSums& b) const {
     return {.velocity = a.velocity + b.velocity,
@@ -63,6 +82,17 @@ void sumFluid(Backend& device, const ParticleSet& particles, ArrayView<const int
          AddSums{}, sums);
 }
 
+template <class Backend>
+void sumExactly(Backend& device, Communicator& ranks, const ParticleSet& particles, double restDensity,
+                MotionSums* motion, PlaceSums* place) {
+  const OnAllRanks all{&ranks, particles.count()};
+  sumOverRanks(device, "statistics", all, MotionOfOne{particles.velocities().read()}, Plus{}, motion);
+  sumOverRanks(device, "statistics", all,
+               PlaceOfOne{particles.positions().read(), particles.get<float>("density").read(), restDensity},
+               Plus{}, place);
+}
+
 template void sumFluid(ThisBackend&, const ParticleSet&, ArrayView<const int>, double, FluidSums*);
+template void sumExactly(ThisBackend&, Communicator&, const ParticleSet&, double, MotionSums*, PlaceSums*);
 
 }  // namespace weir

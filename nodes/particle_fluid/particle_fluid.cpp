@@ -13,6 +13,7 @@
 #include "nodes/particle_fluid/auto_bulk_modulus.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
+#include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
@@ -143,14 +144,21 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
                                  spacing.get(), maxParticles_),
                      fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / maxParticles_));
   needs.particles = maxParticles_;
-  needs.device = memoryFor(context.device, maxParticles_);
+  const auto memory = [&](double particles) {
+    return ranks_ != nullptr ? memoryOnRanks(context.device, particles)
+                             : memoryFor(context.device, particles);
+  };
+  needs.device = memory(maxParticles_);
   const bool mayLeave = !sinks.empty() || domainMin.get() || domainMax.get();
-  needs.certain = mayLeave ? memoryFor(context.device, atFirst) : needs.device;
+  needs.certain = mayLeave ? memory(atFirst) : needs.device;
 }
 
 void ParticleFluid::save(const StateWriter& to) const {
-  shown().particles.save(to.in("particles"));
+  const bool hasAllParticles = !divided_ || gathered_;
+  WEIR_CHECK(hasAllParticles);
+  shown().save(to.in("particles"));
   state_->neighbors.save(to.in("neighbors"));
+  if (frame_) to.put("sums", frame_->sums);
   to.put("events", state_->events);
   to.put("rest_steps", state_->restSteps);
   to.put("bulk_modulus", constants_.bulkModulus);
@@ -165,7 +173,7 @@ void ParticleFluid::restore(const StateReader& from) {
     restoreOnRanks(from);
   } else {
     state.particles.restore(from.in("particles"));
-    if (state.particles.bound() > 0) search(state);
+    if (state.particles.bound() > 0) search();
   }
   state.neighbors.restore(from.in("neighbors"));
   if (divided_) fitSlab(state.neighbors.box(), divided_->countOfAll());
@@ -196,17 +204,18 @@ void ParticleFluid::reset(const SetupContext& context) {
   const float stiffness = mu.get() ? *mu.get() / volume : stiffened * bulkModulus.get().value_or(kUsual);
   constants_ = makeFluidConstants(spacing, supportRatio, restDensity, stiffness, calibration);
   constants_.stiffened = stiffened;
-  State& state = makeState(state_, context.device);
+  State& state = makeState(context.device);
   gathered_.reset();
   divided_.reset();
-  if (ranks_ != nullptr) divideInitial();
+  frame_.reset();
   checkPeriodic();
   const double images = PeriodicImages::shareOf(period(), constants_.supportRadius);
   if (maxParticles_ > 0)
     state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_ * (1 + images)));
+  if (ranks_ != nullptr) divideInitial();
   fluid->material = {
       .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
-  fluid->assign(shown().particles);
+  fluid->assign(shown());
 
   appendInitial();
   chooseBulkModulus(context);
@@ -216,6 +225,8 @@ void ParticleFluid::reset(const SetupContext& context) {
   refresh(start);
   warnOfSettings(context);
   state.restDt = context.dt;
+  if (divided_) divided_->times().clear();
+  stepsTimed_ = 0;
 }
 
 void ParticleFluid::chooseBulkModulus(const SetupContext& context) {
@@ -240,16 +251,27 @@ void ParticleFluid::chooseBulkModulus(const SetupContext& context) {
                   name(), chosen, highest, *law->toleratedCompression()));
 }
 
-InitialFluid ParticleFluid::fluidToCome(const SetupContext& context) {
+FluidExtent ParticleFluid::extentOf(Device& onDevice) {
+  const ParticleSet& particles = state_->particles;
+  dispatch(onDevice,
+           [&](auto& device) { boundingBoxOn(device, particles.positions().read(), particles.count()); });
+  return state_->extent.toHost().front();
+}
+
+InitialFluid ParticleFluid::presentFluid(Device& onDevice) {
   InitialFluid there;
   if (divided_) {
-    there.box = boxOnRanks(context.device);
+    there.box = boxOnRanks(onDevice);
+    there.speed = ranks_->max(largestSpeed());
   } else if (state_->particles.bound() > 0) {
-    dispatch(context.device, [&](auto& backend) { boundingBoxOn(backend, *state_); });
-    there.box = state_->extent.toHost().front().box;
+    there.box = extentOf(onDevice).box;
+    there.speed = largestSpeed();
   }
-  if (state_->particles.bound() > 0) there.speed = largestSpeed(*state_);
-  if (ranks_ != nullptr) there.speed = ranks_->max(there.speed);
+  return there;
+}
+
+InitialFluid ParticleFluid::fluidToCome(const SetupContext& context) {
+  InitialFluid there = presentFluid(context.device);
   const Vec3f g = context.gravity;
   const auto reach = [&](const Aabb& room) {
     const Vec3f lowest{(g.x > 0 ? room.hi : room.lo).x, (g.y > 0 ? room.hi : room.lo).y,
@@ -263,8 +285,8 @@ InitialFluid ParticleFluid::fluidToCome(const SetupContext& context) {
   return there;
 }
 
-ParticleFluid::State& ParticleFluid::makeState(std::optional<State>& made, Device& device) {
-  State& state = made.emplace(device);
+ParticleFluid::State& ParticleFluid::makeState(Device& device) {
+  State& state = state_.emplace(device);
   state.neighbors.configure(constants_.supportRadius, neighborCapacity(supportRatio));
   if (ranks_ != nullptr) state.neighbors.orderByIds();
   if (period().any()) state.images.emplace(state.particles, period(), constants_.supportRadius);
@@ -301,10 +323,7 @@ std::int64_t ParticleFluid::accept(std::span<const std::unique_ptr<Solid>> solid
   for (const auto& solid : solids)
     checkSolid(period(), solid->view(0, 0), constants_.supportRadius, "a solid of the fluid");
   const std::int64_t removed = carve(solids);
-  for (const auto& solid : solids) {
-    state_->walls.solids.push_back(solid.get());
-    if (gathered_) gathered_->walls.solids.push_back(solid.get());
-  }
+  for (const auto& solid : solids) state_->walls.solids.push_back(solid.get());
   return ranks_ != nullptr ? ranks_->sum(removed) : removed;
 }
 
@@ -383,10 +402,7 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
 }
 
 FluidStep ParticleFluid::fluidStep(const StepContext& time) {
-  return stepOf(*state_, time);
-}
-
-FluidStep ParticleFluid::stepOf(State& state, const StepContext& time) {
+  State& state = *state_;
   WallFinder* const finder = wallFinder();
   if (!state.walls.empty() && finder == nullptr)
     throw sceneError("the fluid meets solids, but no enabled module of it finds what it feels of them",
@@ -401,25 +417,27 @@ FluidStep ParticleFluid::stepOf(State& state, const StepContext& time) {
           state.sinks.view(),
           state.walls,
           finder,
-          &state == &*state_ ? divided_.get() : nullptr,
+          divided_.get(),
           state.images ? &*state.images : nullptr};
 }
 
-void ParticleFluid::search(State& of) {
-  of.neighbors.build(of.particles, domain(), of.sinks.view(), of.images ? &*of.images : nullptr);
+void ParticleFluid::search() {
+  State& state = *state_;
+  state.neighbors.build(state.particles, domain(), state.sinks.view(),
+                        state.images ? &*state.images : nullptr);
 }
 
 double ParticleFluid::longestStep(const StepContext& next, double cfl) {
   const bool empty = divided_ ? divided_->countOfAll() == 0 : state_->particles.bound() == 0;
   if (empty) return Node::longestStep(next, cfl);
-  double fastest = largestSpeed(*state_);
-  if (ranks_ != nullptr) fastest = ranks_->max(fastest);
+  double fastest = largestSpeed();
+  if (divided_) fastest = divided_->ranks().max(fastest);
   return timeToFly(cfl * spacing, fastest, length(next.gravity));
 }
 
-double ParticleFluid::largestSpeed(State& of) {
-  dispatch(of.particles.device(), [&](auto& device) { speedOn(device, of); });
-  return std::sqrt(double(of.speedSquared.toHost().front()));
+double ParticleFluid::largestSpeed() {
+  dispatch(state_->particles.device(), [&](auto& device) { speedOn(device); });
+  return std::sqrt(double(state_->speedSquared.toHost().front()));
 }
 
 void ParticleFluid::step(const StepContext& context) {
@@ -430,12 +448,13 @@ void ParticleFluid::step(const StepContext& context) {
   if (state_->particles.bound() == 0 && !divided_) return;
   FluidStep step = fluidStep(context);
   runPipeline(step);
+  ++stepsTimed_;
 }
 
 void ParticleFluid::goOn(const StepContext& context) {
   if (divided_ && ranks_->rank() > 0) forgetSinks();  // which have taken back what rank 0 has counted
   // Ranks find them together.
-  if (divided_ || state_->particles.bound() > 0) findWalls(*state_, context);
+  if (divided_ || state_->particles.bound() > 0) findWalls(context);
 }
 
 void ParticleFluid::runPipeline(FluidStep& step) {
@@ -466,44 +485,45 @@ void ParticleFluid::frame(const StepContext& context) {
   refresh(context);
 }
 
-void ParticleFluid::findWalls(State& of, const StepContext& context) {
-  of.walls.place(context.time, 0);
-  FluidStep now = stepOf(of, context);
+void ParticleFluid::findWalls(const StepContext& context) {
+  state_->walls.place(context.time, 0);
+  FluidStep now = fluidStep(context);
   now.findWalls();
 }
 
 void ParticleFluid::refresh(const StepContext& context) {
-  if (divided_) refreshOnRanks(context);
-  refreshShown(context);
+  state_->gravity = context.gravity;
+  if (divided_)
+    sortOnRanks(context);
+  else if (state_->particles.refreshCount() > 0)
+    sortAlone(context.device);
+  refreshLooks(context);
+  if (divided_) lookOnRanks();
   sumEvents();
   if (divided_) sumSinksOfRanks();
   checkEvents();
 }
 
-void ParticleFluid::refreshShown(const StepContext& context) {
-  State& state = shown();
-  state.gravity = context.gravity;
-  if (divided_ && !gathered_) return;  // another rank shows them
-  if (state.particles.refreshCount() > 0) {
-    sortShown(context.device);
-    state.walls.pairs.waitForNumber();
-    findWalls(state, context);
-    dispatch(context.device, [&](auto& device) {
-      densityOn(device);
-      if (pressure) pressureOn(device);
-    });
-  }
+void ParticleFluid::sortAlone(Device& onDevice) {
+  State& state = *state_;
+  const FluidExtent extent = extentOf(onDevice);
+  state.neighbors.fitGrid(extent.box, state.particles.bound(),
+                          (1 / float(state.particles.bound())) * extent.sum);
+  search();
+  state.particles.refreshCount();
 }
 
-void ParticleFluid::sortShown(Device& onDevice) {
-  State& state = shown();
-  dispatch(onDevice, [&](auto& device) { boundingBoxOn(device, state); });
-  const FluidExtent extent = state.extent.toHost().front();
-  std::optional<Vec3f> mean;  // which is the same bits for one order of the particles only
-  if (!divided_) mean = (1 / float(state.particles.bound())) * extent.sum;
-  state.neighbors.fitGrid(extent.box, state.particles.bound(), mean);
-  search(state);
-  state.particles.refreshCount();
+/// Brings up to date what only somebody who looks wants to know.
+void ParticleFluid::refreshLooks(const StepContext& context) {
+  State& state = *state_;
+  // Ranks find walls together.
+  if (divided_ ? divided_->countOfAll() == 0 : state.particles.bound() == 0) return;
+  state.walls.pairs.waitForNumber();
+  findWalls(context);
+  dispatch(context.device, [&](auto& device) {
+    densityOn(device);
+    if (pressure) pressureOn(device);
+  });
 }
 
 void ParticleFluid::sumEvents() {
@@ -518,10 +538,7 @@ void ParticleFluid::sumEvents() {
 }
 
 void ParticleFluid::warnOfSettings(const SetupContext& context) {
-  State& state = shown();
-  InitialFluid there;
-  if (state.particles.bound() > 0)
-    there = {.box = state.extent.toHost().front().box, .speed = largestSpeed(state)};
+  const InitialFluid there = presentFluid(context.device);
   const FluidOutlook outlook{.constants = constants_,
                              .dt = context.dt,
                              .pressure = hydrostaticPressure(there, context.gravity, restDensity),
@@ -536,9 +553,9 @@ void ParticleFluid::checkEvents() {
   // A few lost numbers are tolerated and reported; more means that the simulation has blown up.
   constexpr std::int64_t kMaxNonFinite = 10;
   constexpr double kMaxNonFiniteShare = 1e-3;
-  const bool knowsAll = !divided_ || gathered_;
-  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(shown().particles.bound()));
-  if (knowsAll && state.events.nonFinite > max)
+  const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(particleCount()));
+  const bool speaks = !divided_ || ranks_->rank() == 0;
+  if (speaks && state.events.nonFinite > max)
     throw simulationError(
         fmt::format(
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",
@@ -561,12 +578,17 @@ void ParticleFluid::checkEvents() {
         {}, "use a smaller support_ratio or spread the fluid less, or run without these");
 }
 
+std::int64_t ParticleFluid::particleCount() const {
+  if (!state_) return 0;
+  return frame_ ? frame_->particles : state_->particles.bound();
+}
+
 void ParticleFluid::report(NodeReport& report) {
   if (!state_) return;
   State& state = *state_;
-  State& all = shown();
-  all.particles.refreshCount();
-  writeFluidStatistics(all.particles, all.neighbors, constants_, all.gravity, report.statistics);
+  if (!divided_) state.particles.refreshCount();
+  const FluidSums sums = frame_ ? frame_->sums : sumsOfFluid(state.particles, state.neighbors, constants_);
+  writeFluidStatistics(particleCount(), sums, constants_, state.gravity, report.statistics);
   report.statistics["rest_steps"] = state.restSteps;
   report.statistics["bulk_modulus"] = double(constants_.bulkModulus) / constants_.stiffened;
   report.statistics["neighbors_truncated"] = state.events.truncated;

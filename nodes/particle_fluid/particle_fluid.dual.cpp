@@ -117,20 +117,21 @@ void ParticleFluid::markInsideOn(Backend& device, const Array<SolidView>& solids
 }
 
 template <class Backend>
-void ParticleFluid::boundingBoxOn(Backend& device, State& of) {
-  reduce(device, "bounding box", of.particles.count(), FluidExtent{},
-         PointExtent{of.particles.positions().read()}, UniteExtents{}, of.extent.data());
+void ParticleFluid::boundingBoxOn(Backend& device, ArrayView<const Vec3f> positions, const Count& count) {
+  reduce(device, "bounding box", count, FluidExtent{}, PointExtent{positions}, UniteExtents{},
+         state_->extent.data());
 }
 
 template <class Backend>
-void ParticleFluid::speedOn(Backend& device, State& of) {
-  reduce(device, "largest speed", of.particles.count(), 0.0f, SpeedSquared{of.particles.velocities().read()},
-         Max{}, of.speedSquared.data());
+void ParticleFluid::speedOn(Backend& device) {
+  State& state = *state_;
+  reduce(device, "largest speed", state.particles.count(), 0.0f,
+         SpeedSquared{state.particles.velocities().read()}, Max{}, state.speedSquared.data());
 }
 
 template <class Backend>
 void ParticleFluid::densityOn(Backend& device) {
-  State& state = shown();
+  State& state = *state_;
   parallelFor(
       device, "density", state.particles.count(),
       Density{state.neighbors.view(), constants_.kernel, constants_.particleVolume, constants_.restDensity,
@@ -139,7 +140,7 @@ void ParticleFluid::densityOn(Backend& device) {
 
 template <class Backend>
 void ParticleFluid::pressureOn(Backend& device) {
-  State& state = shown();
+  State& state = *state_;
   const auto stiffness = static_cast<float>(settledResponse(supportRatio) * double(constants_.bulkModulus));
   parallelFor(device, "pressure", state.particles.count(),
               Pressure{bulkEnergy(), constants_.restDensity, stiffness, state.density.read(),
@@ -148,8 +149,8 @@ void ParticleFluid::pressureOn(Backend& device) {
 
 template void ParticleFluid::selectOn(ThisBackend&, const ParticleBatch&);
 template void ParticleFluid::markInsideOn(ThisBackend&, const Array<SolidView>&, Array<int>&);
-template void ParticleFluid::boundingBoxOn(ThisBackend&, State&);
-template void ParticleFluid::speedOn(ThisBackend&, State&);
+template void ParticleFluid::boundingBoxOn(ThisBackend&, ArrayView<const Vec3f>, const Count&);
+template void ParticleFluid::speedOn(ThisBackend&);
 template void ParticleFluid::densityOn(ThisBackend&);
 template void ParticleFluid::pressureOn(ThisBackend&);
 

@@ -7,6 +7,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/communication/shared_by_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/owned_particles.h"
 #include "framework/particles/particle_batch.h"
@@ -23,6 +24,7 @@ namespace WEIR_API weir {
 
 class DividedParticles;
 class PressureLaw;
+struct FrameOnRanks;
 struct InitialFluid;
 
 /// The box around the particles of a fluid, and the sum of their positions.
@@ -31,9 +33,14 @@ struct FluidExtent {
   Vec3f sum;
 };
 
-/// On several ranks each owns a part of the particles and takes all steps with it. At every frame rank 0
-/// gathers all of them, and those are what it puts out and reports.
-class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, private SolidCoupling {
+/// On several ranks each owns a part of the particles and takes all steps with it. At every frame they find
+/// together what is reported. If somebody looks at the particles, rank 0 gathers all of them, and those are
+/// what it puts out.
+class ParticleFluid final : public Node,
+                            public OnRanks,
+                            public OwnedParticles,
+                            public SharedByRanks,
+                            private SolidCoupling {
  public:
   static constexpr NodeInfo kInfo{
       "ParticleFluid",
@@ -143,13 +150,15 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   void report(NodeReport& report) override;
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
-  std::int64_t particleCount() const override { return state_ ? shown().particles.bound() : 0; }
+  std::int64_t particleCount() const override;
 
   ParticleSet& owned() override { return state_->particles; }
+  void watch(bool watched) override { watched_ = watched; }
+  Value ranksReport() const override;
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
   /// Those of the last search, from the reset on; null before it.
-  const NeighborList* neighbors() const { return state_ ? &shown().neighbors : nullptr; }
+  const NeighborList* neighbors() const { return state_ ? &state_->neighbors : nullptr; }
   /// Those that it meets, from the reset of the couplings on.
   const std::vector<Solid*>& solids() const { return state_->walls.solids; }
 
@@ -184,14 +193,28 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
     bool resumed = false;          // and no step made since
   };
 
-  /// What is looked at and reported: all particles, where this rank has gathered them.
-  State& shown() { return gathered_ ? *gathered_ : *state_; }
-  const State& shown() const { return gathered_ ? *gathered_ : *state_; }
-  State& makeState(std::optional<State>& state, Device& device);
+  /// What is looked at and saved: all particles, where this rank has gathered them.
+  ParticleSet& shown() { return gathered_ ? *gathered_ : state_->particles; }
+  const ParticleSet& shown() const { return gathered_ ? *gathered_ : state_->particles; }
+  State& makeState(Device& device);
   void appendInitial();
   void divideInitial();
-  /// The frame on several ranks, before anyone looks.
-  void refreshOnRanks(const StepContext& context);
+  /// How many particles a rank holds at most, of so many: its own, where slabs are not quite alike, and the
+  /// copies that it sees of others'.
+  struct ShareOfRank {
+    double own = 0, halo = 0;
+  };
+  ShareOfRank shareOfRank(double all) const;
+  /// Bytes on this rank's device, or for those that share the host's memory.
+  double memoryOnRanks(Device& device, double all) const;
+  /// The same of what rank 0 gathers.
+  double memoryOfGathered(double all) const;
+  /// Whether something looks at the particles of all ranks.
+  bool isWatched() const;
+  /// The particles sorted where this rank has them, with lists, before anyone looks.
+  void sortOnRanks(const StepContext& context);
+  void lookOnRanks();
+  Value timesOfRanks();
   void fitSlab(const Aabb& box, std::int64_t particles);
   /// The box around the particles of all ranks; empty if there are none.
   Aabb boxOnRanks(Device& device);
@@ -204,8 +227,8 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   /// The first step after a checkpoint was taken back.
   void goOn(const StepContext& context);
   /// By cell, of a grid that fits, with lists.
-  void sortShown(Device& device);
-  void refreshShown(const StepContext& context);
+  void sortAlone(Device& device);
+  void refreshLooks(const StepContext& context);
 
   std::int64_t accept(std::span<const std::unique_ptr<Solid>> solids) override;
   /// Removes the particles that have no room beside these; returns how many.
@@ -223,34 +246,37 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   /// What is there at first, in a box that reaches down to where containers and the domain let it fall; with
   /// emitters, around all of these.
   InitialFluid fluidToCome(const SetupContext& context);
+  /// Of the particles that this rank has.
+  FluidExtent extentOf(Device& device);
+  /// The box around it, as it is, and the largest speed.
+  InitialFluid presentFluid(Device& device);
   double memoryFor(Device& device, double particles) const;
   /// Bytes on the device of the attributes that particles bring with them.
   double memoryOfBrought(double particles) const;
   FluidStep fluidStep(const StepContext& time);
-  FluidStep stepOf(State& state, const StepContext& time);
   void resetModules(FluidStep& step);
   /// Before anyone looks and before the first step, when all solids are there.
   void relaxInitialState(const StepContext& context);
   /// Walls act on the lists of neighbours, too.
-  void findWalls(State& of, const StepContext& context);
+  void findWalls(const StepContext& context);
   void refresh(const StepContext& context);
   void runPipeline(FluidStep& step);
   Aabb domain() const;
   Period period() const;
   void checkPeriodic();
-  void search(State& of);
+  void search();
   void checkEvents();
   void warnOfSettings(const SetupContext& context);
   void give(const ParticleBatch& born, double time);
-  double largestSpeed(State& of);
+  double largestSpeed();
   template <class Backend>
   void selectOn(Backend& device, const ParticleBatch& born);
   template <class Backend>
   void markInsideOn(Backend& device, const Array<SolidView>& solids, Array<int>& inside);
   template <class Backend>
-  void boundingBoxOn(Backend& device, State& of);
+  void boundingBoxOn(Backend& device, ArrayView<const Vec3f> positions, const Count& count);
   template <class Backend>
-  void speedOn(Backend& device, State& of);
+  void speedOn(Backend& device);
   template <class Backend>
   void densityOn(Backend& device);
   template <class Backend>
@@ -262,8 +288,11 @@ class ParticleFluid final : public Node, public OnRanks, public OwnedParticles, 
   std::optional<State> state_;
   // On several ranks.
   Communicator* ranks_ = nullptr;
+  bool watched_ = true;
   std::unique_ptr<DividedParticles> divided_;
-  std::optional<State> gathered_;  // on rank 0, from the reset on
+  std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks
+  std::unique_ptr<FrameOnRanks> frame_;
+  std::int64_t stepsTimed_ = 0;  // since the reset
 };
 
 }  // namespace weir
