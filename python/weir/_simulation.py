@@ -106,6 +106,14 @@ class Simulation:
             raise usage_error(f"found samples={samples!r}", "1, 2, 3 or 4")
         return self._core.render(width, height, int(samples), camera_of(self._scene, camera))
 
+    def view(self, width: int | None = None, height: int | None = None, *, samples: int = 1) -> Any:
+        """A live view for notebooks: a picture as of render(), with buttons that play, step and reset, and sliders that
+        move the camera about its target. Needs ipywidgets. It plays beside the notebook, on a thread of its own;
+        view.pause() gives the simulation back."""
+        from ._view import LiveView
+
+        return LiveView(self, width, height, samples)
+
     def to_pyvista(self) -> Any:
         """A pyvista.MultiBlock of what is there now, with a block for each node that has particles or a mesh: particles
         with their attributes, surfaces of fluids with velocities, solids where they are. Needs PyVista."""

@@ -123,3 +123,71 @@ def test_pyvista_gets_particles_surfaces_and_solids():
     assert np.array_equal(blocks["skin"].faces.reshape(-1, 4)[:, 1:], mesh.faces) and blocks["skin"].n_open_edges == 0
     assert np.array_equal(blocks["skin"]["velocity"], mesh.velocities)
     assert blocks["wall"].bounds[0] == pytest.approx(0.7 + sim.time, abs=1e-5)
+
+
+def view_of(scene, **options):
+    pytest.importorskip("ipywidgets")
+    sim = weir.Simulation(scene, device="cpu")
+    drawn(sim, 32, 24)
+    return sim, sim.view(64, 48, **options)
+
+
+def picture_in(view, path) -> np.ndarray:
+    path.write_bytes(view.widget.children[0].value)
+    return read_png(path)
+
+
+def test_a_view_draws_what_render_draws(tmp_path):
+    scene = dam_break()
+    sim, view = view_of(scene)
+    camera = scene.render.camera
+    expected = sim.render(64, 48, samples=1,
+                          camera={"eye": camera.eye, "target": camera.target, "up": camera.up, "fov": camera.fov})
+    # The camera goes through angles, which round; an edge may fall on the other side of a pixel.
+    assert (picture_in(view, tmp_path / "a.png") != expected).any(axis=2).sum() <= 4
+    view.widget.children[2].children[0].value = 90
+    assert (picture_in(view, tmp_path / "b.png") != expected).any(axis=2).sum() > 100
+
+
+def test_a_view_steps_plays_pauses_and_resets(tmp_path):
+    scene = dam_break()
+    scene.world.duration = 4 / scene.world.frame_rate
+    sim, view = view_of(scene)
+    first = picture_in(view, tmp_path / "a.png")
+    play, step, reset, state = view.widget.children[1].children
+    step.click()
+    assert sim.frame == 1 and "frame 1" in state.value
+    play.value = True
+    view._thread.join()
+    assert sim.done and not view.playing and not play.value and "frame 4" in state.value
+    assert (picture_in(view, tmp_path / "b.png") != first).any()
+    reset.click()
+    assert sim.frame == 0 and (picture_in(view, tmp_path / "c.png") == first).all()
+
+
+def test_a_view_that_is_paused_gives_the_simulation_back():
+    scene = dam_break()
+    scene.world.duration = 100
+    sim, view = view_of(scene)
+    view.play()
+    while sim.steps == 0:
+        pass
+    view.pause()
+    stood = sim.steps
+    assert 0 < stood and not view.playing
+    sim.step()
+    assert sim.steps == stood + 1
+
+
+def test_a_view_tells_what_goes_wrong_under_the_picture():
+    sim, view = view_of(dam_break())
+    sim.close()
+    view.step()
+    state = view.widget.children[1].children[3]
+    assert "closed" in state.value and not view.playing
+
+
+def test_without_ipywidgets_it_says_how_to_get_them(monkeypatch):
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    with pytest.raises(weir.Error, match="pip install ipywidgets"):
+        weir.Simulation(dam_break(), device="cpu").view()
