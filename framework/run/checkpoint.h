@@ -53,7 +53,7 @@ std::string checkpointScene(const Scene& scene);
 std::string checkpointInputs(const Scene& scene);
 
 /// Throws an io Error that names the differences if the checkpoint is of another version of the program,
-/// another scene, other files or another back end than the simulation.
+/// another scene or other files than the simulation. Warns if it is of another back end.
 void checkBelongs(const Checkpoint& checkpoint, const Simulation& simulation);
 
 /// How often checkpoints are made: every n frames, or at the first frame after n seconds.

@@ -134,13 +134,14 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
                 fmt::format("a spacing of at most {:.2g} m", thickness / kMinSpacings));
 }
 
-void Sampler::estimate(const SetupContext&, MemoryNeeds& needs) {
+void Sampler::estimate(const SetupContext& context, MemoryNeeds& needs) {
   particles->maxCount = maxParticleCount();
-  needs.add(bytesOfArrays(particles->maxCount, particles->positions));
-  if (relaxed()) needs.add(regionMemory());
+  const int onDevice = context.device.kind() == DeviceKind::kCpu ? ranksHere_ : 1;
+  needs.add(onDevice * bytesOfArrays(particles->maxCount, particles->positions));
+  if (relaxed()) needs.add(onDevice * regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // sampleLattice() holds all points twice for a moment, and fill() those of another lattice.
-  needs.host = 3 * sizeof(Vec3f) * particles->maxCount;
+  needs.host = ranksHere_ * 3 * sizeof(Vec3f) * particles->maxCount;
 }
 
 void Sampler::frame(const StepContext&) {

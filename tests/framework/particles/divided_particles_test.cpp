@@ -65,7 +65,8 @@ class DividedParticlesTest : public OnDevice {
       list.configure(kRadius, kCapacity);
       list.orderByIds();
       field = particles.add<float>({.name = "field", .unit = "", .doc = ""});
-      divided.cut(cloud.box, cloud.positions);
+      const Array<Vec3f> positions(device, cloud.positions);
+      divided.cut(cloud.box, {positions.view()});
       list.fitSlab({.own = divided.ownLayers(), .all = divided.allLayers()}, cloud.box,
                    std::ssize(cloud.positions));
       ParticleBatch batch;
@@ -187,6 +188,80 @@ TEST_P(DividedParticlesTest, CopiesAreWhatTheirOwnersHave) {
     copies += part.particles.haloCount();
   });
   EXPECT_GT(copies, 1000);
+}
+
+/// Ids and positions that rank 0 gathers, and what of the field.
+struct Gathered {
+  Ids ids;
+  std::vector<Vec3f> positions;
+  std::vector<float> fields;
+};
+
+TEST_P(DividedParticlesTest, WhatIsGatheredStandsInTheSameOrderForAnyNumberOfRanks) {
+  const Cloud cloud = cloudAlong(2, 20'000);
+  const auto gatheredOn = [&](int ranks) {
+    Gathered found;
+    onRanks(ranks, cloud, [&](Part& part) {
+      std::vector<float> values;
+      for (const std::int64_t id : part.particles.ids().toHost(part.particles.bound()))
+        values.push_back(2 * float(id));
+      part.field.assign(values);
+      ParticleSet all(part.particles.device());
+      const bool isFirst = part.divided.ranks().rank() == 0;
+      for (int turn = 0; turn < 2; ++turn) {  // memory is there the second time
+        all.clear();
+        part.divided.gather(isFirst ? &all : nullptr);
+      }
+      if (!isFirst) return;
+      EXPECT_EQ(all.nextId(), std::ssize(cloud.positions));
+      found = {all.ids().toHost(all.bound()), all.positions().toHost(all.bound()),
+               all.get<float>("field").toHost(all.bound())};
+    });
+    return found;
+  };
+  const Gathered one = gatheredOn(1);
+  ASSERT_EQ(one.ids.size(), cloud.positions.size());
+  for (std::size_t i = 0; i < one.ids.size(); ++i) {
+    ASSERT_EQ(one.positions[i], cloud.positions[std::size_t(one.ids[i])]);
+    ASSERT_EQ(one.fields[i], 2 * float(one.ids[i]));
+  }
+  for (const int ranks : {2, 3, 7}) {
+    const Gathered several = gatheredOn(ranks);
+    EXPECT_EQ(several.ids, one.ids) << ranks;
+    EXPECT_TRUE(several.positions == one.positions) << ranks;
+    EXPECT_EQ(several.fields, one.fields) << ranks;
+  }
+}
+
+TEST_P(DividedParticlesTest, OfASelectionEachRankTakesItsOwnWithTheIdsOfAll) {
+  const Cloud cloud = cloudAlong(0, 5000);
+  std::map<std::int64_t, Vec3f> found;
+  std::mutex mutex;
+  onRanks(3, cloud, [&](Part& part) {
+    Device& own = part.particles.device();
+    ParticleBatch batch;
+    batch.assign(own, cloud.positions, Vec3f{});
+    std::vector<int> every7th;
+    for (int i = 0; i < std::ssize(cloud.positions); i += 7) every7th.push_back(i);
+    const int kept = static_cast<int>(every7th.size());
+    every7th.resize(cloud.positions.size());  // what is behind means nothing
+    const Array<int> order(own, every7th), count(own, std::vector<int>{kept});
+    const std::int64_t before = part.particles.refreshCount();
+    part.divided.append(batch, {order.view(), count.data()});
+    EXPECT_EQ(part.particles.nextId(), 2 * std::ssize(cloud.positions));
+    const Ids ids = part.particles.ids().toHost(part.particles.bound());
+    const std::vector<Vec3f> positions = part.particles.positions().toHost(part.particles.bound());
+    part.divided.migrate();  // nobody has anything of another's
+    EXPECT_EQ(part.particles.refreshCount(), std::ssize(ids));
+    const std::lock_guard lock(mutex);
+    for (auto i = static_cast<std::size_t>(before); i < ids.size(); ++i)
+      EXPECT_TRUE(found.emplace(ids[i] - std::ssize(cloud.positions), positions[i]).second);
+  });
+  EXPECT_EQ(found.size(), (cloud.positions.size() + 6) / 7);
+  for (const auto& [index, position] : found) {
+    ASSERT_EQ(index % 7, 0);
+    ASSERT_EQ(position, cloud.positions[std::size_t(index)]);
+  }
 }
 
 }  // namespace

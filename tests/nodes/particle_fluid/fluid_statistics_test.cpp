@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "framework/communication/thread_ranks.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/support/devices.h"
 
@@ -111,6 +112,59 @@ TEST(FluidStatistics, AreTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(found.position, expected.position) << threads;
     EXPECT_EQ(found.speedSquared, expected.speedSquared) << threads;
     EXPECT_EQ(found.compression, expected.compression) << threads;
+  }
+}
+
+/// Of the k-th part of particles that several share in turn.
+Particles partOf(const Particles& all, int k, int parts) {
+  Particles part;
+  for (std::size_t i = 0; i < all.positions.size(); ++i) {
+    if (static_cast<int>(i / 100) % parts != k) continue;
+    part.positions.push_back(all.positions[i]);
+    part.velocities.push_back(all.velocities[i]);
+    part.densities.push_back(all.densities[i]);
+  }
+  return part;
+}
+
+FluidSums sumsOnRanks(const std::string& deviceName, const Particles& all, int ranks) {
+  FluidSums found;
+  runOnThreads(ranks, [&](Communicator& communicator) {
+    const auto device = openDevice(deviceName);
+    const Particles part = partOf(all, communicator.rank(), ranks);
+    ParticleSet particles(*device);
+    const Attribute<float> density =
+        particles.add<float>({.name = "density", .unit = "kg/m^3", .doc = "Density.", .derived = true});
+    ParticleBatch batch;
+    batch.assign(*device, part.positions, part.velocities);
+    particles.append(batch);
+    density.assign(part.densities);
+    const NeighborList none(*device);
+    FluidConstants constants;
+    constants.restDensity = kRestDensity;
+    const FluidSums sums = sumsOfFluid(communicator, particles, none, constants);
+    if (communicator.rank() == 0) found = sums;
+  });
+  return found;
+}
+
+TEST(FluidStatistics, OfRanksAreTheSameBitsForAnyNumberOfThem) {
+  Particles particles = randomParticles(30001);
+  particles.neighbors.assign(particles.neighbors.size(), 0);
+  for (const std::string& name : availableDevices()) {
+    const FluidSums one = sumsOnRanks(name, particles, 1);
+    expectObvious(one, particles, name + ", on ranks");
+    for (int ranks = 2; ranks <= 4; ++ranks) {
+      const FluidSums several = sumsOnRanks(name, particles, ranks);
+      EXPECT_EQ(several.velocity, one.velocity) << name << ranks;
+      EXPECT_EQ(several.position, one.position) << name << ranks;
+      EXPECT_EQ(several.speedSquared, one.speedSquared) << name << ranks;
+      EXPECT_EQ(several.compression, one.compression) << name << ranks;
+      EXPECT_EQ(several.maxSpeedSquared, one.maxSpeedSquared) << name << ranks;
+      EXPECT_EQ(several.maxCompression, one.maxCompression) << name << ranks;
+      EXPECT_EQ(several.box.lo, one.box.lo) << name << ranks;
+      EXPECT_EQ(several.box.hi, one.box.hi) << name << ranks;
+    }
   }
 }
 

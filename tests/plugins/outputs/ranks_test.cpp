@@ -377,6 +377,71 @@ TEST_F(RanksTest, SoIsAJetIntoATankWithAHole) {
   }
 }
 
+TEST_F(RanksTest, WhereOnlyNumbersAreWrittenNothingIsGathered) {
+  const auto statisticsOf = [&](const std::string& name, const std::vector<std::string>& more) {
+    const std::string to = folder_ / (name + ".json");
+    std::vector<std::string> arguments{"run",
+                                       resourcesFolder() + "/scenes/dam_break.json",
+                                       "--quiet",
+                                       "--frames",
+                                       "3",
+                                       "--set",
+                                       kCoarse,
+                                       "--set",
+                                       "block.velocity=[0.5, 0, -0.25]",
+                                       "--set",
+                                       "water.rest_steps=0",
+                                       "--stats",
+                                       to};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = runWeir(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return parseJson(readFile(to), to);
+  };
+  const Value watched = statisticsOf("watched", {"--ranks", "3", "--ply-particles", folder_ / "ply"});
+  const Value& reportOfWatched = *watched.find("ranks")->find("water");
+  EXPECT_EQ(reportOfWatched.find("gathered")->asInt(), 1000);
+  for (const std::string ranks : {"1", "2", "3", "4"}) {
+    const Value numbers = statisticsOf("only" + ranks, {"--ranks", ranks});
+    EXPECT_EQ(writeJson(*numbers.find("nodes")), writeJson(*watched.find("nodes"))) << ranks;
+    const Value& report = *numbers.find("ranks")->find("water");
+    EXPECT_EQ(report.find("ranks")->asInt(), std::stoi(ranks));
+    EXPECT_EQ(report.find("gathered")->asInt(), 0);
+    EXPECT_DOUBLE_EQ(report.find("particles")->find("mean")->asDouble(), 1000.0 / std::stoi(ranks));
+    // Steps have waited for others, for migration at least.
+    const Value& times = *report.find("step_ms");
+    for (const char* work : {"migration", "halo", "sums"})
+      EXPECT_GT(times.find(work)->find("max")->asDouble(), 0) << work;
+    EXPECT_EQ(times.find("gathering")->find("max")->asDouble(), 0);
+  }
+}
+
+TEST_F(RanksTest, TheirNumbersAreThoseOfARunWithoutThem) {
+  const auto numbersOf = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> changes{kCoarse, "water.rest_steps=0", "block.velocity=[0.5, 0, -0.25]"};
+    std::vector<std::string> arguments{"--frames", "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run(name, changes, arguments);
+    EXPECT_EQ(outcome.result.code, 0) << outcome.result.err;
+    return fluidOf(outcome);
+  };
+  const Value with = numbersOf("with", {"--ranks", "3"}), without = numbersOf("without", {"--device", "cpu"});
+  for (const char* name : {"particles", "kinetic_energy", "potential_energy", "max_speed"})
+    EXPECT_NEAR(with.find(name)->asDouble() / without.find(name)->asDouble(), 1, 1e-12) << name;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const char* name : {"linear_momentum", "center_of_mass"})
+      EXPECT_NEAR(with.find(name)->asArray()[std::size_t(axis)].asDouble(),
+                  without.find(name)->asArray()[std::size_t(axis)].asDouble(), 1e-12)
+          << name << axis;
+  EXPECT_EQ(writeJson(*with.find("bounds")), writeJson(*without.find("bounds")));
+  EXPECT_EQ(writeJson(*with.find("neighbors")), writeJson(*without.find("neighbors")));
+  // Densities are sums of floats, in another order.
+  for (const char* part : {"mean", "max"})
+    EXPECT_NEAR(with.find("compression")->find(part)->asDouble(),
+                without.find("compression")->find(part)->asDouble(), 1e-6)
+        << part;
+}
+
 TEST_F(RanksTest, RanksMayHaveNoParticles) {
   // Four cells along x, where the block is a bit longer, so at least half of the ranks have none.
   const std::vector<std::string> small{"water.spacing=0.05", "block.max=[0.2, 0.15, 0.15]"};
