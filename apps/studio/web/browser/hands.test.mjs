@@ -17,7 +17,18 @@ const kScene = {
   links: ["block.particles -> water.initial", "cube.surface -> raft.mesh"],
 };
 
-const { server, page, mistakes, hands, state, button, open } = await openStudio({ "adrift.json": kScene });
+// Its solver is allowed too few iterations.
+const kHasty = {
+  weir: 1, title: "Hasty", world: { duration: 20, frame_rate: 30, dt: 0.004 },
+  nodes: {
+    block: { type: "BoxSampler", params: { min: [0, 0, 0], max: [0.24, 0.24, 0.24] } },
+    tank: { type: "StaticBoundary", params: { shape: "box", min: [0, 0, 0], max: [0.48, 0.48, 0.24], inverted: true } },
+    water: { type: "ParticleFluid", params: { spacing: 0.04, rest_steps: 0 }, modules: { solver: { params: { max_iterations: 1 } } } },
+  },
+  links: ["block.particles -> water.initial", "tank.boundary -> water.boundaries"],
+};
+
+const { server, page, mistakes, hands, state, button, open } = await openStudio({ "adrift.json": kScene, "hasty.json": kHasty });
 
 const saved = (isRight) => server.written("adrift.json", isRight);
 const particles = async () => Number(/([\d,]+) particle/.exec(await page.locator(".load").innerText())[1].replaceAll(",", ""));
@@ -25,6 +36,20 @@ const tidy = async () => {
   await hands.pointAtGraph();
   await hands.pressInGraph("Escape");
 };
+
+step("a light tells which steps have not converged, and one click allows more iterations", async () => {
+  await open("hasty");
+  const light = page.locator(".light", { hasText: "convergence" });
+  await hands.pressInGraph("Space");
+  await light.and(page.locator(".bad")).waitFor();
+  await page.getByRole("button", { name: /^Health: bad/ }).click();
+  const why = page.getByRole("dialog", { name: "Health of the run" });
+  await why.getByText("of water ended before the solver's tolerance was met").waitFor();
+  await why.getByRole("button", { name: "Set max_iterations to 1000 and begin anew" }).click();
+  await light.and(page.locator(".good")).waitFor();
+  await page.keyboard.press("Control+s");
+  await server.written("hasty.json", (s) => s.nodes.water.modules?.solver?.params?.max_iterations === undefined);
+});
 
 step("a preview is coarser, is marked, writes nothing, and leaves the scene as it is", async () => {
   await open("adrift");

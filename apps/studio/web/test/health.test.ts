@@ -1,7 +1,7 @@
 // What is told of a run that goes wrong, and what helps.
 import { describe, expect, test } from "vitest";
 import { emptyScene, type Scene } from "../src/model/scene";
-import { followMotion, otherChoices, shorterSteps } from "../src/model/remedy";
+import { followMotion, moreIterations, otherChoices, shorterSteps } from "../src/model/remedy";
 import { lightsOf, measuresOf, nodeIn, warningsOf, worst } from "../src/model/health";
 import type { JsonObject, Parameter, Types } from "../src/model/types";
 import { fluid, sampler, types } from "./samples";
@@ -10,13 +10,13 @@ describe("the health of a run", () => {
   const report = (mean: number, escaped = 0, bad = 0) => ({ nodes: { water: { particles: 1000, compression: { mean, max: 2 * mean }, particles_escaped: escaped, particles_not_finite: bad }, tank: { type: "StaticBoundary" } } });
   const levels = (numbers: ReturnType<typeof report>) => lightsOf(numbers, []).map((l) => l.level);
   test("is told by compression and lost particles, with the node", () => {
-    expect(levels(report(0.0006))).toEqual(["good", "good", "unknown", "unknown"]);
+    expect(levels(report(0.0006))).toEqual(["good", "good", "unknown", "unknown", "unknown"]);
     expect(levels(report(0.02))[0]).toBe("watch");
     expect(levels(report(1.78))[0]).toBe("bad");
     expect(lightsOf(report(1.78), [])[0]).toMatchObject({ value: "180 %", node: "water" });
     expect(levels(report(0, 1))[1]).toBe("watch");
     expect(levels(report(0, 0, 5))[1]).toBe("bad");
-    expect(lightsOf(null, []).map((l) => l.level)).toEqual(["unknown", "unknown", "unknown", "unknown"]);
+    expect(lightsOf(null, []).map((l) => l.level)).toEqual(["unknown", "unknown", "unknown", "unknown", "unknown"]);
   });
   test("is told by how many spacings a particle flies in a step", () => {
     const told = (max_speed: number, rare_events: JsonObject[] = []) => ({ time_step: { longest: 0.001 }, rare_events, nodes: { water: { max_speed }, foam: { max_speed: 1e6 } } });
@@ -43,6 +43,23 @@ describe("the health of a run", () => {
     expect(energy(sample(0, 0, 10), sample(1, 4, 8.5))).toBe("watch");
     expect(energy(sample(0, 1, 1), sample(1, 40, 1))).toBe("bad");
     expect(energy(sample(0, 1, 1, 10), sample(1, 40, 1, 20))).toBe("unknown");
+  });
+  test("is told by the steps that met the tolerance of their solver", () => {
+    const of = (nodes: { [node: string]: JsonObject }, steps = 200) => lightsOf({ steps, nodes }, []).at(-1)!;
+    const pressure = (not_converged: number, mean = 14.26) => ({ solver_iterations: { mean, max: 60, last: 12, not_converged } });
+    expect(of({ water: pressure(0) })).toMatchObject({ name: "Convergence", level: "good", value: "100 %", node: "water" });
+    expect(of({ water: pressure(0) }).why).toBe("With 14 iterations on average, each step of water met the solver's tolerance.");
+    expect(of({ water: pressure(2) })).toMatchObject({ level: "good", value: "99 %" });
+    expect(of({ water: pressure(1) }, 4000).value).toBe("99.9 %");
+    expect(of({ water: pressure(3), oil: pressure(20) })).toMatchObject({ level: "watch", value: "90 %", node: "oil" });
+    expect(of({ water: pressure(21) }).why).toContain("21 of 200 steps of water ended before the solver's tolerance was met");
+    expect(of({ water: pressure(21) }).level).toBe("bad");
+    // Viscosity is solved for, too; a solver without a tolerance tells nothing.
+    const honey = { ...pressure(0), viscosity_steps_not_converged: 50, viscosity_iterations_mean: 99 };
+    expect(of({ honey })).toMatchObject({ level: "bad", value: "75 %", node: "honey" });
+    expect(of({ water: { solver_iterations: 3 } })).toMatchObject({ level: "unknown", value: "–" });
+    expect(of({ water: { solver_iterations: 3 } }).why).toContain("water makes 3 iterations in each step");
+    expect(of({ tank: { type: "StaticBoundary" } }).level).toBe("unknown");
   });
   test("is as bad as its worst light", () => {
     expect(worst([{ level: "good" }, { level: "bad" }, { level: "watch" }])).toBe("bad");
@@ -71,6 +88,18 @@ test("steps of half the length help: by CFL where the scene has it, or else by d
   ]);
   expect(remedy({ cfl: 1 }).change(emptyScene())["world"]).toEqual({ cfl: 0.5 });
   expect(shorterSteps(emptyScene(), [])).toBeNull();
+});
+
+test("iterations help that a scene allows its solver fewer of than there would be", () => {
+  const most: Parameter = { name: "max_iterations", kind: "int", doc: "", default: 1000, live: true, animated: false };
+  const solving: Types = { ...types, modules: { Pbf: { doc: "", source: "weir", family: "FluidModule", parameters: [most] } } };
+  const scene = (given: JsonObject): Scene => ({ weir: 1, nodes: { water: { type: "ParticleFluid", modules: { solver: { params: given } } } } });
+  const remedy = moreIterations(scene({ max_iterations: 2, step: 1 }), solving, "water")!;
+  expect(remedy.text).toBe("Set max_iterations to 1000 and begin anew");
+  expect(remedy.change(scene({ max_iterations: 2, step: 1 })).nodes["water"]!.modules!["solver"]!.params).toEqual({ step: 1 });
+  for (const given of [{}, { max_iterations: 1000 }, { max_iterations: 5000 }] as JsonObject[]) expect(moreIterations(scene(given), solving, "water")).toBeNull();
+  expect(moreIterations(scene({ max_iterations: 2 }), types, "water")).toBeNull();
+  expect(moreIterations(scene({}), solving, "gone")).toBeNull();
 });
 
 test("a problem that names a choice of its node offers the others", () => {

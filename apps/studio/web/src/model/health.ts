@@ -1,4 +1,5 @@
 // Whether a run can be trusted: lights, each with what it means and what helps.
+import { counted } from "./playback";
 import type { Sample } from "./runs";
 import type { LogLine } from "./store";
 import type { Scene } from "./scene";
@@ -99,6 +100,38 @@ function energy(samples: Sample[]): Light {
   return { name: "Energy", level: found, value: grown > kEnergy.watch ? `+${percent(grown)}` : "steady", why };
 }
 
+/** Steps that ended before the tolerance of a solve was met, as a share of all. */
+const kMissed = { watch: 0.01, bad: 0.1 };
+
+/** What the solves of a node came to: pressure, and viscosity where it is solved for. */
+const solvesOf = (r: JsonObject): { missed: number; mean: number }[] => {
+  const pressure = r["solver_iterations"];
+  return [
+    ...(pressure !== null && typeof pressure === "object" ? [{ missed: numberAt(pressure as JsonObject, "not_converged"), mean: numberAt(pressure as JsonObject, "mean") }] : []),
+    ...("viscosity_steps_not_converged" in r ? [{ missed: numberAt(r, "viscosity_steps_not_converged"), mean: numberAt(r, "viscosity_iterations_mean") }] : []),
+  ];
+};
+
+/** Whether the solves of the steps came as near as they were asked to. */
+function convergence(numbers: JsonObject | null, reports: Reports): Light {
+  const name = "Convergence";
+  const unknown = (why: string): Light => ({ name, level: "unknown", value: "–", why });
+  const steps = numbers?.["steps"];
+  const fixed = all(reports, (r) => (typeof r["solver_iterations"] === "number" ? r["solver_iterations"] : undefined));
+  const solves = reports.flatMap(([node, r]) => solvesOf(r).map((solve) => ({ node, ...solve })));
+  if (solves.length === 0 && fixed.length > 0) return unknown(`The solver of ${fixed[0]![0]} makes ${counted(fixed[0]![1], "iteration")} in each step, whatever they come to, as it has no tolerance: compression tells whether they are enough.`);
+  if (typeof steps !== "number" || !(steps > 0) || solves.length === 0) return unknown("Nothing of it is known yet.");
+  const { node, missed, mean } = solves.reduce((a, b) => (b.missed > a.missed || (b.missed === a.missed && b.mean > a.mean) ? b : a));
+  const found = level(missed / steps, kMissed.watch, kMissed.bad);
+  const took = `With ${counted(Number(mean.toPrecision(2)), "iteration")} on average, `;
+  const told = missed === 0
+    ? `${took}each step of ${node} met the solver's tolerance.`
+    : `${took}${missed.toLocaleString("en")} of ${counted(steps, "step")} of ${node} ended before the solver's tolerance was met. `;
+  const helps = missed === 0 ? "" : found === "good" ? "Up to 1 % is good." : "Beyond 1 % the liquid is softer, or thinner, than the scene says. Shorter steps (world.cfl or dt) need fewer iterations; a larger max_iterations allows more.";
+  // Rounded down, so that "100 %" means all steps.
+  return { name, level: found, value: `${Math.floor(1000 * (1 - missed / steps)) / 10} %`, why: told + helps, node };
+}
+
 /** How far a particle may fly in a step, in spacings. */
 const kTravel = { watch: 0.5, bad: 1 };
 
@@ -125,7 +158,7 @@ function travel(numbers: JsonObject | null, reports: Reports, { spacings, cfl }:
 
 export function lightsOf(numbers: JsonObject | null, samples: Sample[], measures: Measures = { spacings: {}, cfl: null }): Light[] {
   const reports = Object.entries((numbers?.["nodes"] as JsonObject | undefined) ?? {}) as Reports;
-  return [compression(reports), lost(reports), energy(samples), travel(numbers, reports, measures)];
+  return [compression(reports), lost(reports), energy(samples), travel(numbers, reports, measures), convergence(numbers, reports)];
 }
 
 /** Of a scene that runs, `coarser` times as coarse as it says. */

@@ -1,7 +1,7 @@
 // What helps a run that goes wrong, to be done by one click.
 import { numberText } from "./expression";
 import { labelOf } from "./parameters";
-import { paramsOf, setParam, type Scene } from "./scene";
+import { paramsOf, pipelineOf, setParam, type Scene } from "./scene";
 import type { JsonObject, Parameter, Problem, Types } from "./types";
 
 export interface Remedy {
@@ -31,6 +31,21 @@ const kTravel = 0.5;
 export function followMotion(scene: Scene, world: Parameter[]): Remedy | null {
   if (!world.some((p) => p.name === "cfl") || typeof ((scene["world"] ?? {}) as JsonObject)["cfl"] === "number") return null;
   return { text: `Set cfl to ${kTravel} and begin anew`, change: (s) => setParam(s, kWorld, ["cfl"], kTravel) };
+}
+
+const kMostIterations = "max_iterations";
+
+/** As many iterations as solvers are allowed by default, where the scene allows those of a node fewer. */
+export function moreIterations(scene: Scene, types: Types, node: string): Remedy | null {
+  const type = types.nodes[scene.nodes[node]?.type ?? ""];
+  for (const slot of type ? pipelineOf(scene, node, type) : []) {
+    const owner = { node, module: slot.name };
+    const most = types.modules[slot.type]?.parameters.find((p) => p.name === kMostIterations)?.default;
+    const now = paramsOf(scene, owner)[kMostIterations];
+    if (!slot.enabled || typeof most !== "number" || typeof now !== "number" || now >= most) continue;
+    return { text: `Set ${kMostIterations} to ${most} and begin anew`, change: (s) => setParam(s, owner, [kMostIterations], undefined) };
+  }
+  return null;
 }
 
 const kMostChoices = 3;

@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { Icon } from "../Icon";
 import { lightsOf, measuresOf, worst, type Level, type Light } from "../model/health";
 import { counted } from "../model/playback";
-import { followMotion, shorterSteps, type Remedy } from "../model/remedy";
+import { followMotion, moreIterations, shorterSteps, type Remedy } from "../model/remedy";
 import { askRun, edit, useStudio } from "../model/store";
 import { useWarnings } from "../model/warnings";
 
@@ -26,9 +26,10 @@ export function Health() {
     return () => ["pointerdown", "keydown"].forEach((type) => removeEventListener(type, leave, true));
   }, [open]);
   const writer = useStudio((s) => s.role === "writer");
-  const remedyOf = ({ name, level }: Light): Remedy | null => {
+  const remedyOf = ({ name, level, node = "" }: Light): Remedy | null => {
     if (!writer || !types || (level !== "watch" && level !== "bad")) return null;
-    return (name === "CFL" ? followMotion(scene, types.world) : null) ?? shorterSteps(scene, types.world);
+    const own = name === "CFL" ? followMotion(scene, types.world) : name === "Convergence" ? moreIterations(scene, types, node) : null;
+    return own ?? shorterSteps(scene, types.world);
   };
   const help = async (remedy: Remedy) => {
     setOpen(false);
