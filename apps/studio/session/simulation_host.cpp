@@ -15,10 +15,8 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
-constexpr auto kNumbersEvery = std::chrono::milliseconds(250);
-constexpr int kNumbersShare = 100;  // they take at most one part in kNumbersShare of the time
-constexpr int kAnswersShare = 40;   // and so do the answers to questions
-constexpr int kStatesShare = 50;    // and the states to go on from
+constexpr int kAnswersShare = 40;  // answers to questions take at most one part in kAnswersShare of the time
+constexpr int kStatesShare = 50;   // and so do the states to go on from
 
 bool isTime(SteadyClock::time_point& last, SteadyClock::duration every) {
   const SteadyClock::time_point now = SteadyClock::now();
@@ -303,9 +301,7 @@ void SimulationHost::frameReached() {
   tellFrame();
   listener_.reached(*simulation_);
   keepState();
-  if (SteadyClock::now() - counted_ >=
-      std::max<SteadyClock::duration>(kNumbersEvery, kNumbersShare * counting_))
-    tellNumbers();
+  if (numbersPace_.isDue(SteadyClock::now())) tellNumbers();
   if (isTime(told_, kStatusEvery)) listener_.status(status());
 }
 
@@ -373,8 +369,7 @@ void SimulationHost::tellFrame() {
 void SimulationHost::tellNumbers() {
   const SteadyClock::time_point start = SteadyClock::now();
   listener_.numbers(runStatistics(*simulation_, RunEnd::kInterrupted));
-  counted_ = SteadyClock::now();
-  counting_ = counted_ - start;
+  numbersPace_.made(start, SteadyClock::now());
 }
 
 void SimulationHost::tell(HostState state) {

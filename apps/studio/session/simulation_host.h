@@ -15,6 +15,7 @@
 
 #include "apps/studio/session/body_pull.h"
 #include "apps/studio/session/busy_share.h"
+#include "apps/studio/session/number_pace.h"
 #include "apps/studio/session/past_run.h"
 #include "apps/studio/session/question_queue.h"
 #include "apps/studio/session/recording.h"
@@ -175,10 +176,10 @@ class SimulationHost {
   BodyPull pull_;
   FrameView view_;
   BusyShare busy_;
-  std::chrono::steady_clock::time_point told_{}, counted_{};  // when status and numbers were told last
-  std::chrono::steady_clock::duration counting_{};            // how long the numbers took then
-  std::chrono::steady_clock::time_point kept_{};              // when a state was kept last
-  std::chrono::steady_clock::duration keeping_{};             // how long that took
+  std::chrono::steady_clock::time_point told_{};  // when the status was told last
+  NumberPace numbersPace_;
+  std::chrono::steady_clock::time_point kept_{};        // when a state was kept last
+  std::chrono::steady_clock::duration keeping_{};       // how long that took
   std::chrono::steady_clock::time_point nextAnswer_{};  // no question is answered before, while it plays
 
   std::atomic<bool> quit_ = false;

@@ -42,6 +42,18 @@ step("a light tells which steps have not converged, and one click allows more it
   const light = page.locator(".light", { hasText: "convergence" });
   await hands.pressInGraph("Space");
   await light.and(page.locator(".bad")).waitFor();
+  // With all that there is to say, the bar stays one line where the page is small.
+  await hands.pressInGraph("Space");
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await hands.select("water");
+  await hands.set(hands.aside(), "spacing", "float", 0.05);
+  await page.locator(".transport .cost").waitFor();
+  await page.locator(".transport .warnings").waitFor();
+  await page.locator(".reset-hint").filter({ hasText: "water.spacing" }).waitFor();
+  const bar = await page.locator(".transport").boundingBox(), device = await page.getByLabel("Device").boundingBox();
+  assert.ok(bar.height < 2 * device.height, `${bar.height} pixels`);
+  await hands.pressInGraph("Control+z");
+  await page.setViewportSize({ width: 1600, height: 1000 });
   await page.getByRole("button", { name: /^Health: bad/ }).click();
   const why = page.getByRole("dialog", { name: "Health of the run" });
   await why.getByText("of water ended before the solver's tolerance was met").waitFor();

@@ -202,6 +202,9 @@ step("F1 is the reference of what is selected, beside the graph", async () => {
   await page.keyboard.press("F1");
   const reference = page.getByRole("dialog", { name: "Reference: ParticleFluid" });
   await reference.getByRole("region", { name: "Inputs" }).locator("dt").filter({ hasText: /^boundaries/ }).waitFor();
+  // Nothing of the graph and of the view lies below it.
+  const right = await reference.evaluate((e) => e.getBoundingClientRect().right);
+  for (const part of [".graph", ".stage", ".view-tools button"]) assert.ok((await page.locator(part).first().boundingBox()).x >= right, part);
   await reference.getByLabel("Search parameters").fill("rest density");
   await reference.getByText(/default 1000; above 0/).waitFor();
   await reference.getByLabel("Search parameters").fill("");

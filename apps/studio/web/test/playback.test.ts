@@ -1,6 +1,6 @@
 // Time that has passed: recorded frames, rulers and plots.
 import { describe, expect, test } from "vitest";
-import { advance, counted, niceStep, recordedFrames, ticks } from "../src/model/playback";
+import { advance, counted, niceStep, recordedFrames, someTicks, ticks } from "../src/model/playback";
 import { pointAt } from "../src/model/runs";
 import { titleOf, unitOf } from "../src/model/quantities";
 
@@ -30,6 +30,11 @@ describe("rulers", () => {
     expect(ticks(0, 150, 12)).toEqual([0, 20, 40, 60, 80, 100, 120, 140]);
     expect(ticks(0.13, 0.58, 4)).toEqual([0.2, 0.4]);
     expect(ticks(1, 1, 4)).toEqual([1]);
+    // Where the round one is beyond the end, smaller steps.
+    expect(ticks(0.015, 1.9, 2)).toEqual([1]);
+    expect(someTicks(0.015, 1.9, 2)).toEqual([0.5, 1, 1.5]);
+    expect(someTicks(1, 1, 2)).toEqual([1]);
+    for (const [low, high] of [[0.99, 1.01], [3, 3.0001], [-7, 1e6]] as const) expect(someTicks(low, high, 2).length).toBeGreaterThan(1);
     expect(niceStep(0.03)).toBe(0.05);
     for (const high of [1, 7, 33, 1e-6, 12345]) expect(ticks(0, high, 5).length).toBeLessThanOrEqual(6);
   });

@@ -18,12 +18,15 @@ import { Dialog } from "./Dialog";
 const flat = (all: Parameter[], before = ""): { name: string; parameter: Parameter }[] =>
   all.flatMap((p) => (p.parameters ? flat(p.parameters, `${before}${labelOf(p.name)} / `) : [{ name: before + labelOf(p.name), parameter: p }]));
 
+/** What stands between backquotes is as it is written in a scene. */
+const prose = (text: string) => text.split("`").map((part, i) => (i % 2 === 1 ? <code key={i}>{part}</code> : part));
+
 function Ports({ title, ports }: { title: string; ports: (InputType | OutputType)[] }) {
   if (ports.length === 0) return null;
   return (
     <section aria-label={title}>
       <h3>{title}</h3>
-      <dl>{ports.map((p) => <div key={p.name}><dt>{p.name} <small>{p.type}{"required" in p && p.required ? ", required" : ""}{"many" in p && p.many ? ", any number of links" : ""}</small></dt><dd>{p.doc}</dd></div>)}</dl>
+      <dl>{ports.map((p) => <div key={p.name}><dt>{p.name} <small>{p.type}{"required" in p && p.required ? ", required" : ""}{"many" in p && p.many ? ", any number of links" : ""}</small></dt><dd>{prose(p.doc)}</dd></div>)}</dl>
     </section>
   );
 }
@@ -40,10 +43,10 @@ function ParameterList({ parameters, query }: { parameters: Parameter[]; query: 
       <dl>
         {shown.map(({ name, parameter: p }) => (
           <div key={name}>
-            <dt>{name} <small>{p.unit && unitText(p.unit)} {p.kind}, default {p.default === null ? "not set" : JSON.stringify(p.default)}{limitsOf(p) && `; ${limitsOf(p)}`}{p.live ? "; while it runs" : ""}{p.animated ? "; by keyframes" : ""}</small></dt>
+            <dt>{name} <small>{p.unit && `${unitText(p.unit)}, `}{p.kind}, default {p.default === null ? "not set" : JSON.stringify(p.default)}{limitsOf(p) && `; ${limitsOf(p)}`}{p.live ? "; while it runs" : ""}{p.animated ? "; by keyframes" : ""}</small></dt>
             <dd>
-              {p.doc}
-              {p.choices && <ul>{Object.entries(p.choices).map(([choice, doc]) => <li key={choice}><b>{choice}</b> {doc}</li>)}</ul>}
+              {prose(p.doc)}
+              {p.choices && <ul>{Object.entries(p.choices).map(([choice, doc]) => <li key={choice}><b>{choice}</b> {prose(doc)}</li>)}</ul>}
             </dd>
           </div>
         ))}
@@ -92,14 +95,14 @@ export function Reference() {
   return (
     <Dialog title={`Reference: ${asked}`} className="reference" beside onClose={close}>
       <header><h2><span className="sign" style={{ color: roleColor(role) }}><Icon name={role.icon} /></span> {asked}</h2></header>
-      <p>{type ? type.doc : "No plugin here knows this type."}</p>
+      <p>{type ? prose(type.doc) : "No plugin here knows this type."}</p>
       {type && <p className="hint">{role.name}, from {type.source}{type.also?.length ? `. Also: ${type.also.join(", ")}` : ""}</p>}
       {type && <input data-first aria-label="Search parameters" placeholder="Search parameters" value={query} onChange={(e) => setQuery(e.target.value)} />}
       {node && !query && <><Ports title="Inputs" ports={node.inputs} /><Ports title="Outputs" ports={node.outputs} /></>}
       {type && <ParameterList parameters={type.parameters} query={query} />}
       {inside.length > 0 && !query && (
         <section aria-label="Modules"><h3>Modules, in their order</h3>
-          <dl>{inside.map((m) => <div key={m.name}><dt><button className="link" onClick={() => show(m.type)}>{m.name}</button> <small>{m.type}{m.enabled ? "" : ", off"}</small></dt><dd>{types.modules[m.type]!.doc}</dd></div>)}</dl>
+          <dl>{inside.map((m) => <div key={m.name}><dt><button className="link" onClick={() => show(m.type)}>{m.name}</button> <small>{m.type}{m.enabled ? "" : ", off"}</small></dt><dd>{prose(types.modules[m.type]!.doc)}</dd></div>)}</dl>
         </section>
       )}
       {hosts.length > 0 && !query && <p>A module of {hosts.map(([name], i) => <span key={name}>{i > 0 && ", "}<button className="link" onClick={() => show(name)}>{name}</button></span>)}.</p>}

@@ -1,7 +1,7 @@
 // One quantity over simulated time, with its axes; the pointer reads values off, a line marks the frame that is shown.
 import { useMemo, useState } from "react";
 import { shortText } from "../model/numbers";
-import { ticks } from "../model/playback";
+import { someTicks, ticks } from "../model/playback";
 import { titleOf, unitOf } from "../model/quantities";
 import { pointAt, pointsOf, type Point, type Run, type Sample } from "../model/runs";
 
@@ -34,7 +34,7 @@ export function Plot({ name, title = titleOf(name), samples, cursor, others = []
   const read = pointed ?? cursor;
   const [time, value] = read === null ? points.at(-1)! : pointAt(points, read);
   const unit = unitOf(name);
-  const vertical = ticks(low, high, large ? 4 : 2);
+  const vertical = someTicks(low, high, large ? 4 : 2);
   return (
     <figure className={large ? "plot large" : "plot"} data-quantity={name}>
       <figcaption><span title={name}>{title}</span><span className="values">{beside.map((r, i) => <b key={r.label} className={`other n${i % kColors}`} title={r.label}>{shortText(pointAt(r.points, time)[1])}</b>)} <b>{shortText(value)} {unit}</b></span></figcaption>

@@ -34,6 +34,12 @@ export function ticks(low: number, high: number, most: number): number[] {
   return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
+/** As ticks(), but two at least, so that an axis tells its scale. */
+export function someTicks(low: number, high: number, most: number): number[] {
+  const found = ticks(low, high, most);
+  return found.length > 1 || !(high > low) ? found : someTicks(low, high, most + 1);
+}
+
 /** "1 frame", "2 frames" */
 export const counted = (n: number, what: string): string => `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
 

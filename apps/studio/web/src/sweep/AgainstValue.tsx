@@ -1,7 +1,7 @@
 // A quantity of the runs of a sweep against the value that was tried.
 import { useMemo } from "react";
 import { shortText } from "../model/numbers";
-import { ticks } from "../model/playback";
+import { someTicks } from "../model/playback";
 import { titleOf, unitOf } from "../model/quantities";
 import { readOff, valueName, type Reading, type Tried } from "../model/sweep";
 
@@ -35,7 +35,7 @@ export function AgainstValue({ name, unit, tried, quantity, reading }: { name: s
   return (
     <figure className="plot against" data-quantity={quantity}>
       <div className="field" role="img" aria-label={`${titleOf(quantity)}, ${unitOf(quantity)}, against ${name}: ${told}`}>
-        {ticks(low - half, high + half, 3).map((v) => <i key={v} className="line" style={{ top: `${y(v)}%` }}><span>{shortText(v)}</span></i>)}
+        {someTicks(low - half, high + half, 3).map((v) => <i key={v} className="line" style={{ top: `${y(v)}%` }}><span>{shortText(v)}</span></i>)}
         <svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden>{numbers && <polyline points={sorted.map((p, i) => `${x(i)},${y(p.v)}`).join(" ")} />}</svg>
         {sorted.map((p, i) => <i key={i} className="dot" title={`${valueName(p.value)} ${unit}: ${shortText(p.v)} ${unitOf(quantity)}`} style={{ left: `${x(i)}%`, top: `${y(p.v)}%` }} />)}
       </div>

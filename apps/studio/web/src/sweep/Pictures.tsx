@@ -57,7 +57,7 @@ export function Pictures({ tried, unit, time, onUse, onCompare }: {
         {tried.map((t, i, all) => (
           <li key={valueName(t.value)} data-value={valueName(t.value)}>
             {t.run ? <div className="picture" ref={(e) => void (pictures.current[i] = e)} role="img" aria-label={`With ${valueName(t.value)}`} /> : <p className="picture" role="alert">{t.problem}</p>}
-            <span><i className={t.run ? swatchOf(all.slice(0, i).filter((u) => u.run).length) : ""} /> <b>{valueName(t.value)}</b> <small>{unit}</small></span>
+            <span><i className={t.run ? swatchOf(all.slice(0, i).filter((u) => u.run).length) : ""} /> <b title={`${valueName(t.value)} ${unit}`}>{valueName(t.value)}</b></span>
             <span className="does">
               <button disabled={!onUse} title="The scene gets this value" onClick={() => onUse?.(t)}>Use it</button>
               <button disabled={!onCompare || !t.run} title="Keep this run beside the next one" onClick={() => onCompare?.(t)}>Compare</button>

@@ -4,7 +4,7 @@ import { Dialog } from "../files/Dialog";
 import { Plot } from "../insight/Plot";
 import { copyText } from "../Menu";
 import { evaluate } from "../model/expression";
-import { labelOf } from "../model/parameters";
+import { labelOf, unitText } from "../model/parameters";
 import { counted } from "../model/playback";
 import { titleOf } from "../model/quantities";
 import { paramsOf, setParam } from "../model/scene";
@@ -112,7 +112,7 @@ function Sweep({ of }: { of: Sweepable }) {
   };
   return (
     <Dialog title={`Sweep ${name}`} className={values ? "sweep wide" : "sweep"} onClose={close}>
-      <h2>Sweep {name}</h2>
+      <h2>Sweep {name}{of.parameter.unit && <small> {unitText(of.parameter.unit)}</small>}</h2>
       {!values && <Ask of={of} onStart={(v) => void start(v)} onClose={close} />}
       {values && (
         <>

@@ -7,7 +7,7 @@ import { followMotion, moreIterations, shorterSteps, type Remedy } from "../mode
 import { askRun, edit, useStudio } from "../model/store";
 import { useWarnings } from "../model/warnings";
 
-const kWords: { [level in Level]: string } = { unknown: "not known yet", good: "good", watch: "look at it", bad: "bad" };
+const kWords: { [level in Level]: string } = { unknown: "not known", good: "good", watch: "look at it", bad: "bad" };
 
 export function Health() {
   const numbers = useStudio((s) => s.numbers);
@@ -42,7 +42,7 @@ export function Health() {
     <div className="health" ref={box}>
       <button aria-expanded={open} title="Why?" onClick={() => setOpen(!open)}>
         <span className="unseen">Health: {kWords[all]}, </span>
-        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${kWords[l.level]}`}><i /><span className="name">{l.name === "CFL" ? l.name : l.name.toLowerCase()}</span> <b>{l.value}</b></span>)}
+        {lights.map((l) => <span key={l.name} className={`light ${l.level}`} title={`${l.name}: ${l.value}, ${kWords[l.level]}`}><i /><span className="name">{l.name === "CFL" ? l.name : l.name.toLowerCase()}</span> <b>{l.value}</b></span>)}
         {warnings.length > 0 && <span className="light watch warnings" title={counted(warnings.length, "warning")}><Icon name="warning" /><b>{warnings.length}</b><span className="name">{warnings.length === 1 ? "warning" : "warnings"}</span></span>}
       </button>
       {open && (
