@@ -293,7 +293,7 @@ step("a node is found by what people call it, in spite of a typo, and lies at th
       for (let x = left + 260; x < left + 800; x += 20)
         if (document.elementFromPoint(x, y)?.classList.contains("react-flow__pane")) return { x, y };
   }, [graph.x, graph.y + graph.height]);
-  await page.mouse.dblclick(spot.x, spot.y);
+  await hands.doubleClick(spot);
   await page.getByRole("combobox", { name: "Search nodes" }).waitFor();
   assert.deepEqual((await page.locator(".add-menu .heading").allInnerTexts()).slice(0, 2), ["Liquids", "Sources of particles"]);
   await page.keyboard.type("droplte");

@@ -6,7 +6,7 @@ import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { step } from "./steps.mjs";
-import { canDo, openStudio } from "./studio.mjs";
+import { openStudio, savedBy } from "./studio.mjs";
 
 // Water that falls in a tank, 12 frames long.
 const kFrames = 12;
@@ -159,13 +159,7 @@ step("several values of a parameter are tried, looked at side by side, and one i
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
 });
 
-/** What the browser saves when f is done. */
-async function saved(f) {
-  const [download] = await Promise.all([page.waitForEvent("download"), f()]);
-  const path = join(server.folder, download.suggestedFilename());
-  await download.saveAs(path);
-  return path;
-}
+const saved = (f) => savedBy(page, server.folder, f);
 
 /** Drops a file of the disk on the view. */
 async function drop(path) {
@@ -191,7 +185,6 @@ async function opensFrom(path) {
 let replay;
 
 step("a run is shared as one file, which replays it in any browser", async () => {
-  if (!canDo.save) return;
   await state("paused");
   await play();
   await button("Share").click();
@@ -222,7 +215,6 @@ step("a run is shared as one file, which replays it in any browser", async () =>
 });
 
 step("what was shared opens again where it is dropped: the page, a picture, a video", async () => {
-  if (!canDo.save) return;
   await opensFrom(replay);
   const picture = await saved(() => button("Save a picture").click());
   // Another program reads it, too.

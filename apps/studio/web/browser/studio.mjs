@@ -2,7 +2,8 @@
 // program (weir). The browser is a Chromium, WEIR_CHROMIUM, or where WEIR_FIREFOX names one, a Firefox with a screen: under
 // xvfb-run where there is none. Without a screen Firefox has no WebGL.
 import { spawn } from "node:child_process";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { mkdtempSync, rmSync } from "node:fs";
+import { copyFile, mkdtemp, readdir, readFile, rm, stat, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after } from "node:test";
@@ -13,6 +14,7 @@ const kWeir = process.env.WEIR ?? "weir";
 const kNice = "10";
 const kLong = 60;
 const kRestMs = 300;
+const kWordMs = 1100;
 const kRestFrames = 10;
 // Far more than an idle machine needs.
 const kPatience = 60_000;
@@ -20,10 +22,43 @@ const kPatience = 60_000;
 const kDrawn = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"];
 
 /**
- * What Playwright can do with the browser. With a Firefox of Debian (153, Playwright 1.60) it begins a drag of the browser's own and
- * never drops, and tells of no file that is saved; hands can do both.
+ * Whether the browser is one with which Playwright (1.60, Firefox 153 of Debian) cannot do all that hands can: it begins a drag of the
+ * browser's own and never drops, its double click comes as two single ones, and it tells of no file that is saved. There the
+ * page gets the events that the browser would send, and files are looked for where they come to lie.
  */
-export const canDo = { drop: !process.env.WEIR_FIREFOX, save: !process.env.WEIR_FIREFOX };
+const kLimited = process.env.WEIR_FIREFOX !== undefined;
+
+/** Where a Firefox puts what it saves. */
+const kSaved = kLimited ? mkdtempSync(join(tmpdir(), "weir-saved-")) : "";
+if (kLimited) process.once("exit", () => rmSync(kSaved, { recursive: true, force: true }));
+
+/** The files there that are whole: before they are, they are empty, and one beside them has what came so far. */
+async function wholeFiles() {
+  const names = await readdir(kSaved);
+  const sizes = await Promise.all(names.map((n) => stat(join(kSaved, n)).then((s) => s.size, () => 0)));
+  return names.filter((n, i) => sizes[i] > 0 && !n.endsWith(".part") && !names.includes(`${n}.part`));
+}
+
+/** What the browser saves when `f` is done, as a file of a folder under the name that it gave. */
+export async function savedBy(page, folder, f) {
+  if (!kLimited) {
+    const [download] = await Promise.all([page.waitForEvent("download"), f()]);
+    const path = join(folder, download.suggestedFilename());
+    await download.saveAs(path);
+    return path;
+  }
+  const before = new Set(await wholeFiles());
+  await f();
+  for (let waited = 0; waited < kPatience; waited += 100) {
+    const name = (await wholeFiles()).find((n) => !before.has(n));
+    if (name !== undefined) {
+      await copyFile(join(kSaved, name), join(folder, name));
+      return join(folder, name);
+    }
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  throw new Error(`no file was saved: ${await readdir(kSaved)}`);
+}
 
 /** The address that a server prints when it is ready. */
 async function addressOf(server) {
@@ -91,7 +126,7 @@ export function weir(...words) {
 const launch = (dark) =>
   process.env.WEIR_FIREFOX
     ? firefox.launch({
-        channel: "moz-firefox", executablePath: process.env.WEIR_FIREFOX, headless: false,
+        channel: "moz-firefox", executablePath: process.env.WEIR_FIREFOX, headless: false, downloadsPath: kSaved,
         firefoxUserPrefs: { "webgl.force-enabled": true, "layout.css.prefers-color-scheme.content-override": dark ? 0 : 1 },
       })
     : chromium.launch({ executablePath: process.env.WEIR_CHROMIUM ?? "/usr/bin/chromium", args: kDrawn });
@@ -258,6 +293,31 @@ export class Hands {
     await this.page.mouse.click(spot.x, spot.y);
   }
 
+  async doubleClick({ x, y }) {
+    await this.page.mouse.dblclick(x, y);
+    if (kLimited)
+      await this.page.evaluate(([left, top]) =>
+        document.elementFromPoint(left, top).dispatchEvent(new MouseEvent("dblclick", { bubbles: true, cancelable: true, clientX: left, clientY: top, detail: 2 })), [x, y]);
+  }
+
+  /** A drag of the browser's own, of what the page lets it drag; `over` is what the page shows before it is dropped. */
+  async dragOwn(from, to, over) {
+    if (!kLimited) {
+      await from.hover();
+      await this.page.mouse.down();
+      // The first move begins the drag, the second one comes over the other place.
+      for (let i = 0; i < 2; ++i) await to.hover();
+      await over.waitFor();
+      return this.page.mouse.up();
+    }
+    const data = await this.page.evaluateHandle(() => new DataTransfer());
+    await from.dispatchEvent("dragstart", { dataTransfer: data });
+    for (const type of ["dragenter", "dragover"]) await to.dispatchEvent(type, { dataTransfer: data });
+    await over.waitFor();
+    await to.dispatchEvent("drop", { dataTransfer: data });
+    await from.dispatchEvent("dragend", { dataTransfer: data });
+  }
+
   async drag(from, to) {
     await from.hover();
     await this.page.mouse.down();
@@ -272,6 +332,8 @@ export class Hands {
       if ((await field().isChecked()) !== value) await field().click();
     } else if (kind === "enum") {
       await field().focus();
+      // A Firefox takes what follows within a second as the same word.
+      if (kLimited) await this.page.waitForTimeout(kWordMs);
       await this.page.keyboard.type(value);
     } else if (kind === "curve") {
       await within.getByRole("button", { name: `${label} as text` }).click();

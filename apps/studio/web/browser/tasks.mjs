@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdir, readFile, stat, writeFile } from "node:fs/promises";
 import { join } from "node:path";
-import { Hands, openPage, startServer } from "./studio.mjs";
+import { Hands, openPage, savedBy, startServer } from "./studio.mjs";
 import { User } from "./user.mjs";
 
 const kPatience = 60_000;
@@ -81,12 +81,7 @@ async function find(words, first) {
   await page.locator('.palette [aria-selected="true"]').filter({ hasText: first }).waitFor();
   await user.press("Enter");
 }
-async function downloaded(f) {
-  const [download] = await Promise.all([page.waitForEvent("download"), f()]);
-  const path = join(server.folder, download.suggestedFilename());
-  await download.saveAs(path);
-  return path;
-}
+const downloaded = (f) => savedBy(page, server.folder, f);
 const framesOf = (video) => Number(String(execFileSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of", "csv=p=0", video])).trim());
 
 const rows = [];

@@ -73,7 +73,7 @@ step("a link is bent where it is clicked twice, and its bends are dragged and ta
   await hands.pressInGraph("f");
   await hands.stillness();
   const at = await onLink(link, 0.5);
-  await page.mouse.dblclick(at.x, at.y);
+  await hands.doubleClick(at);
   const bend = page.getByRole("button", { name: `Bend 1 of ${link}` });
   await bend.waitFor();
   const bends = (s) => s.layout.bends?.[link];

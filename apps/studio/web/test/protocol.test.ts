@@ -1,5 +1,6 @@
 // What goes to the server and comes from it.
-import { describe, expect, test } from "vitest";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
+import { Client } from "../src/protocol/client";
 import { readPacket } from "../src/protocol/packets";
 import { writeMessage } from "../src/protocol/message";
 
@@ -39,4 +40,61 @@ test("ids of particles have 64 bits", () => {
   new BigInt64Array(buffer, 128, 2).set([7n, 2n ** 40n + 5n]);
   const packet = readPacket(buffer);
   expect(packet.kind === "frame" && [...packet.fluids[0]!.ids]).toEqual([7, 2 ** 40 + 5]);
+});
+
+describe("a question", () => {
+  const kPatienceMs = 30_000;
+  let socket: { onopen(): void; onclose(): void; onmessage(m: { data: string }): void }, sent: { id: number; do: string }[];
+  const answer = (id: number) => socket.onmessage({ data: JSON.stringify({ id, result: { done: true } }) });
+  const connected = (): Client => {
+    const client = new Client({ connected() {}, event() {}, frame() {}, geometry() {}, picture() {} });
+    client.open();
+    return client;
+  };
+  beforeEach(() => {
+    vi.useFakeTimers();
+    sent = [];
+    class FakeSocket {
+      static OPEN = 1;
+      readyState = 1;
+      onopen() {}
+      onclose() {}
+      onmessage() {}
+      constructor() {
+        socket = this;
+      }
+      send = (text: string) => sent.push(JSON.parse(text));
+    }
+    vi.stubGlobal("WebSocket", FakeSocket);
+    vi.stubGlobal("location", { host: "here" });
+  });
+  afterEach(() => (vi.useRealTimers(), vi.unstubAllGlobals()));
+
+  test("that is not answered in time is told of, and counts when it is answered after all", async () => {
+    const told: string[] = [];
+    const asked = connected().askAloud("scene.open", { path: "a.json" }, (e) => told.push(e.message));
+    vi.advanceTimersByTime(kPatienceMs - 1);
+    expect(told).toEqual([]);
+    vi.advanceTimersByTime(1);
+    expect(told).toEqual(['the server has not answered for 30 s: "scene.open" may not be done']);
+    answer(sent[0]!.id);
+    expect(await asked).toEqual({ done: true });
+  });
+  test("that is answered in time says nothing", async () => {
+    const told: Error[] = [];
+    const asked = connected().askAloud("run.play", {}, (e) => told.push(e));
+    answer(sent[0]!.id);
+    await asked;
+    vi.advanceTimersByTime(2 * kPatienceMs);
+    expect(told).toEqual([]);
+  });
+  test("that cannot wait fails in time, and any where the connection breaks", async () => {
+    const client = connected();
+    const soon = expect(client.askSoon("scene.save")).rejects.toThrow("the server does not answer");
+    vi.advanceTimersByTime(kPatienceMs);
+    await soon;
+    const cut = expect(client.ask("run.play")).rejects.toThrow("the connection to the server broke");
+    socket.onclose();
+    await cut;
+  });
 });

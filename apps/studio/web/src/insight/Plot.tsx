@@ -47,7 +47,7 @@ export function Plot({ name, title = titleOf(name), samples, cursor, others = []
         }}
         onPointerLeave={() => setPointed(null)}
       >
-        {vertical.map((v) => <i key={v} className={y(v) > kLow ? "line low" : "line"} style={{ top: `${y(v)}%` }}><span>{shortText(v)}</span></i>)}
+        {vertical.map((v, i) => <i key={v} className={y(v) > kLow ? "line low" : "line"} style={{ top: `${y(v)}%` }}>{(large || i === 0 || i === vertical.length - 1) && <span>{shortText(v)}</span>}</i>)}
         <svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden>
           {beside.map((r, i) => <polyline key={r.label} className={`other n${i % kColors}`} points={r.points.map(([t, v]) => `${x(t)},${y(v)}`).join(" ")} />)}
           {points.length > 1 && <polyline points={points.map(([t, v]) => `${x(t)},${y(v)}`).join(" ")} />}

@@ -301,7 +301,7 @@ export function say(error: unknown): void {
 /** Asks the server, and shows what it refuses. */
 export async function request<T = JsonObject>(what: string, fields: object = {}): Promise<T | null> {
   try {
-    return await client.ask<T>(what, fields);
+    return await client.askAloud<T>(what, fields, say);
   } catch (e) {
     if (e instanceof Refusal && e.problem.node) set({ selected: [e.problem.node] });
     say(e);

@@ -58,6 +58,12 @@ export class Client {
     });
   }
 
+  /** The same, and says so where the answer is late. It counts still when it comes: the server has done what was asked. */
+  async askAloud<T = JsonObject>(what: string, fields: object, say: (late: Error) => void): Promise<T> {
+    const timer = setTimeout(() => say(new Error(`the server has not answered for ${kPatienceMs / 1000} s: "${what}" may not be done`)), kPatienceMs);
+    return this.ask<T>(what, fields).finally(() => clearTimeout(timer));
+  }
+
   /** Lets the server send one more frame. */
   frameSeen(): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send('{"do":"frame.seen"}');
