@@ -49,15 +49,18 @@ bool ParticleFluid::isWatched() const {
 ParticleFluid::ShareOfRank ParticleFluid::shareOfRank(double all) const {
   const int ranks = ranks_->size();
   if (ranks == 1) return {all, 0};
-  // Slabs are cut between layers across the longest axis, which have no more particles than those of a cube.
-  const double layer = std::min(all, double(supportRatio) * std::pow(all, 2.0 / 3));
+  // Slabs are cut between layers across the longest axis, which have no more particles than those of a cube:
+  // of a lattice, as many planes as find room.
+  const double layer = std::min(all, (std::floor(double(supportRatio)) + 1) * std::pow(all, 2.0 / 3));
   return {std::min(all, std::ceil(all / ranks + layer)), std::ceil(layer * (ranks == 2 ? 1 : 2))};
 }
 
 double ParticleFluid::memoryOnRanks(Device& device, double all) const {
   const ShareOfRank share = shareOfRank(all);
-  const double own = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own),
-               gathered = isWatched() ? memoryOfGathered(all) : 0;
+  // Before lists are made, there is a batch of all, and which of it belongs to the rank.
+  const double first = ParticleSet::memoryFor(share.own) + bytesOfArray(all, sizeof(Vec3f) + sizeof(int)),
+               later = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own),
+               own = std::max(first, later), gathered = isWatched() ? memoryOfGathered(all) : 0;
   if (device.kind() == DeviceKind::kCpu) return ranks_->sizeHere() * own + gathered;
   return own + (ranks_->rank() == 0 ? gathered : 0);
 }
@@ -99,6 +102,19 @@ void ParticleFluid::divideInitial() {
   const ShareOfRank share = shareOfRank(maxParticles_);
   state.particles.expectAtMost(static_cast<std::int64_t>(share.own + share.halo));
   if (gathered_) gathered_->expectAtMost(static_cast<std::int64_t>(maxParticles_));
+}
+
+/// A batch that every rank has whole goes as soon as nobody needs it.
+void ParticleFluid::releaseInitial() {
+  bool rests = false;
+  for (std::size_t i = 0; i < initial.size(); ++i) rests |= initial[i].container != nullptr;
+  if (rests && restSteps > 0) return;
+  for (std::size_t i = 0; i < initial.size(); ++i) {
+    ParticleBatch& batch = initial[i];
+    if (initial.links()[i]->links().size() > 1) continue;
+    batch.positions = Array<Vec3f>(state_->particles.device());
+    batch.velocities = Array<Vec3f>(state_->particles.device());
+  }
 }
 
 /// Of so many particles of all ranks.

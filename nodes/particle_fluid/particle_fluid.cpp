@@ -218,6 +218,7 @@ void ParticleFluid::reset(const SetupContext& context) {
   fluid->assign(shown());
 
   appendInitial();
+  if (divided_) releaseInitial();
   chooseBulkModulus(context);
   const StepContext start{context.device, context.log, context.gravity, 0, context.dt, 0};
   FluidStep step = fluidStep(start);

@@ -199,6 +199,7 @@ class ParticleFluid final : public Node,
   State& makeState(Device& device);
   void appendInitial();
   void divideInitial();
+  void releaseInitial();
   /// How many particles a rank holds at most, of so many: its own, where slabs are not quite alike, and the
   /// copies that it sees of others'.
   struct ShareOfRank {

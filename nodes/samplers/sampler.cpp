@@ -137,7 +137,7 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
 void Sampler::estimate(const SetupContext& context, MemoryNeeds& needs) {
   particles->maxCount = maxParticleCount();
   const int onDevice = context.device.kind() == DeviceKind::kCpu ? ranksHere_ : 1;
-  needs.add(onDevice * bytesOfArrays(particles->maxCount, particles->positions));
+  if (relaxed() || !isShared_) needs.add(onDevice * bytesOfArrays(particles->maxCount, particles->positions));
   if (relaxed()) needs.add(onDevice * regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
   // sampleLattice() holds all points twice for a moment, and fill() those of another lattice.

@@ -43,8 +43,9 @@ class Sampler : public Node, public OnRanks {
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};
 
-  /// Each rank holds all particles until the first step.
-  void join(Communicator& ranks) final { ranksHere_ = ranks.sizeHere(); }
+  /// Each rank has all particles: until the first step where they are to come to rest, otherwise only until
+  /// the fluid has taken them.
+  void join(Communicator& ranks) final { ranksHere_ = ranks.sizeHere(), isShared_ = true; }
   void estimate(const SetupContext& context, MemoryNeeds& needs) final;
   /// Those who read the particles have done so in reset(), at the first frame or, if there was none, in the
   /// first step.
@@ -92,6 +93,7 @@ class Sampler : public Node, public OnRanks {
   void putInsideOn(Backend& device, const Region& region);
 
   int ranksHere_ = 1;  // that share this machine's memory
+  bool isShared_ = false;
   std::int64_t sampled_ = 0;
   bool seen_ = false;  // at a frame, since the reset
 };

@@ -1,8 +1,10 @@
 // Checkpoints: a run that was killed and resumed ends, bit by bit, as one that was not.
 #include <signal.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
@@ -10,6 +12,7 @@
 #include "plugins/vtkhdf/vtkhdf_reader.h"
 #include "tests/plugins/vtkhdf/sample_run.h"
 #include "tests/support/child_process.h"
+#include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
 
 namespace weir::test {
@@ -44,11 +47,10 @@ class CheckpointOfRun : public testing::Test {
   CheckpointOfRun() { folder_.write("scene.json", kScene); }
 
   ChildResult run(const std::string& name, std::vector<std::string> more, const ChildOptions& options = {}) {
-    std::vector<std::string> arguments{"run",       folder_ / "scene.json",
-                                       "--device",  "cpu",
-                                       "--threads", "2",
-                                       "--export",  folder_ / (name + ".vtkhdf"),
-                                       "--series",  folder_ / (name + ".jsonl")};
+    std::vector<std::string> arguments{
+        "run",      folder_ / "scene.json",       "--device", device_,
+        "--export", folder_ / (name + ".vtkhdf"), "--series", folder_ / (name + ".jsonl")};
+    if (device_ == "cpu") arguments.insert(arguments.end(), {"--threads", "2"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return runWeir(arguments, options);
   }
@@ -83,6 +85,7 @@ class CheckpointOfRun : public testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::string device_ = "cpu";
 };
 
 TEST_F(CheckpointOfRun, GoesOnBitByBitWhereItWas) {
@@ -196,6 +199,52 @@ TEST_F(CheckpointOfRun, IsRefusedByAnotherScene) {
   EXPECT_FALSE(fs::exists(folder_ / "b.vtkhdf"));
   // More time is not another scene.
   EXPECT_EQ(run("a", {"--resume", checkpoint(), "--duration", "0.5", "--frames", "2"}).code, 0);
+}
+
+// Without a GPU, a checkpoint of the CPU says that it is of CUDA, where states are the same.
+TEST_F(CheckpointOfRun, OfAnotherBackEndGoesOnWithAWarning) {
+  ASSERT_EQ(run("whole", {}).code, 0);
+  ASSERT_EQ(run("parts", {"--checkpoint", checkpoint(), "--checkpoint-every", "8", "--frames", "11"}).code,
+            0);
+  const Hdf5CheckpointStore store;
+  Checkpoint changed = store.read(checkpoint());
+  EXPECT_EQ(changed.device, "cpu");
+  changed.device = "cuda";
+  fs::remove(checkpoint());
+  store.write(checkpoint(), changed);
+  const ChildResult resumed = run("parts", {"--resume", checkpoint()});
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_CONTAINS(resumed.err, "the checkpoint was made on cuda and goes on on cpu");
+  expectSame("whole", "parts");
+}
+
+class CheckpointOfCuda : public CheckpointOfRun {
+ protected:
+  /// The number of the water's particles in the last line, and its kinetic energy.
+  std::pair<double, double> endOf(const std::string& name) const {
+    const Value* const water = seriesOf(name).back().find("nodes")->find("water");
+    return {water->find("particles")->asDouble(), water->find("kinetic_energy")->asDouble()};
+  }
+};
+
+TEST_F(CheckpointOfCuda, GoesOnOnTheCpuAndTheOtherWayRound) {
+  const std::vector<std::string>& devices = availableDevices();
+  if (std::find(devices.begin(), devices.end(), "cuda") == devices.end()) GTEST_SKIP() << "there is no GPU";
+  for (const auto& [from, to] : {std::pair("cpu", "cuda"), std::pair("cuda", "cpu")}) {
+    device_ = from;
+    ASSERT_EQ(run("whole", {}).code, 0);
+    ASSERT_EQ(run("parts", {"--checkpoint", checkpoint(), "--checkpoint-every", "8", "--frames", "11"}).code,
+              0);
+    device_ = to;
+    const ChildResult resumed = run("parts", {"--resume", checkpoint()});
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_CONTAINS(resumed.err, "the checkpoint was made on " + std::string(from));
+    // Twelve frames on, bits have parted, and the water has not.
+    const auto [particles, energy] = endOf("parts");
+    const auto [ofWhole, energyOfWhole] = endOf("whole");
+    EXPECT_NEAR(particles / ofWhole, 1, 0.02);
+    EXPECT_NEAR(energy / energyOfWhole, 1, 0.1);
+  }
 }
 
 // Of the same size and at the same path, so that nothing but the content tells.
