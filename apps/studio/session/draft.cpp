@@ -18,7 +18,7 @@ constexpr int kOldDrafts = 3;
 
 /// Where the draft of a scene is, or an older one.
 fs::path draftOf(const ServedFolder& folder, const std::string& path, int age = 0) {
-  const fs::path scene = folder.resolve(path.empty() ? "untitled.json" : path);
+  const fs::path scene = folder.resolve(path.empty() ? kUntitled : path);
   const std::string name = "." + scene.filename().string() + ".draft";
   return scene.parent_path() / (age == 0 ? name : name + "." + std::to_string(age));
 }

@@ -11,6 +11,9 @@
 
 namespace weir::studio {
 
+/// Drafts and pictures of a scene without a file lie where those of this one would.
+inline constexpr const char* kUntitled = "untitled.json";
+
 /// What an earlier run left.
 struct Draft {
   Value scene;

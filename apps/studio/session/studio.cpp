@@ -262,6 +262,7 @@ Value Studio::sceneValue() const {
     v["draft"] = draft_->scene;
     v["draft_written"] = draft_->written;
   }
+  if (const std::int64_t made = pictureTime(folder_, path_.empty() ? kUntitled : path_)) v["pictured"] = made;
   return v;
 }
 
@@ -323,6 +324,7 @@ void Studio::setScene(ClientId client, const Value& message, Value& result) {
 void Studio::newScene(ClientId client, const Value&, Value& result) {
   requireWriter(client);
   path_.clear();
+  removePictureOfDraft(folder_, kUntitled);
   lossWarning_.clear();
   draft_.reset();
   // The world of before goes, too.
@@ -362,7 +364,10 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   const bool isTemplate = message.find("template") != nullptr;
   const std::string path = textMember(message, isTemplate ? "template" : "path");
   readScene(isTemplate ? ServedFolder(options_.templates) : folder_, path);
-  if (isTemplate) lossWarning_.clear();
+  if (isTemplate) {
+    lossWarning_.clear();
+    removePictureOfDraft(folder_, kUntitled);
+  }
   running_.reset();
   coarser_ = 1;
   playsWhenBuilt_ = false;

@@ -128,13 +128,20 @@ std::string readPicture(const ServedFolder& folder, const std::string& path, std
 void takePicture(const ServedFolder& folder, const fs::path& part, const std::string& path) {
   const fs::path file = sceneFile(folder, path);
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) throw usageError("there is no scene " + inQuotes(path));
+  if (!fs::is_regular_file(file, error) && !isReal(hiddenBeside(file, ".draft"), fs::file_type::regular))
+    throw usageError("there is no scene " + inQuotes(path));
   if (fs::file_size(part, error) > kMaxPicture || error || !isJpeg(readRegularFile(part, path)))
     throw usageError("this is no picture of a scene",
                      "a JPEG of at most " + std::to_string(kMaxPicture) + " bytes");
   const fs::path picture = hiddenBeside(file, ".jpg");
   fs::rename(part, picture, error);
   if (error) throw ioError("the picture of " + inQuotes(path) + " cannot be written: " + error.message());
+}
+
+void removePictureOfDraft(const ServedFolder& folder, const std::string& path) {
+  const fs::path file = sceneFile(folder, path);
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) fs::remove(hiddenBeside(file, ".jpg"), ignored);
 }
 
 }  // namespace weir::studio

@@ -38,7 +38,9 @@ std::int64_t pictureTime(const ServedFolder& folder, const std::string& path);
 /// The JPEG of a version, or with 0 that of the present scene. Throws an io Error if there is none.
 std::string readPicture(const ServedFolder& folder, const std::string& path, std::int64_t number);
 /// Moves an uploaded file to where the scene's picture lies. Throws a usage Error if it is no JPEG, or larger
-/// than kMaxPicture, or if there is no such scene.
+/// than kMaxPicture, or if there is neither such a scene nor a draft of it.
 void takePicture(const ServedFolder& folder, const std::filesystem::path& part, const std::string& path);
+/// Where there is no such scene, so that the picture was of a draft.
+void removePictureOfDraft(const ServedFolder& folder, const std::string& path);
 
 }  // namespace weir::studio

@@ -86,6 +86,18 @@ TEST_F(VersionsTest, APictureBelongsToItsVersion) {
   EXPECT_TRUE(versionsOf(ServedFolder(folder.path()), "scene.json").at(0).hasPicture);
 }
 
+TEST_F(VersionsTest, ADraftOfASceneWithoutAFileHasAPictureUntilAnotherSceneTakesItsPlace) {
+  const auto studio = start();
+  const Socket socket = studio->socket();
+  socket.ask(R"({"id": 1, "do": "scene.new"})");
+  EXPECT_EQ(put(*studio, "/api/picture/untitled.json", kJpeg), 400);
+  socket.ask(R"({"id": 1, "do": "scene.set", "scene": {"weir": 1, "nodes": {}}})");
+  EXPECT_EQ(put(*studio, "/api/picture/untitled.json", kJpeg), 200);
+  EXPECT_NE(studio->answer("GET /api/picture/untitled.json").find("some picture"), std::string::npos);
+  socket.ask(R"({"id": 2, "do": "scene.new"})");
+  EXPECT_NE(studio->answer("GET /api/picture/untitled.json").find("404"), std::string::npos);
+}
+
 TEST_F(VersionsTest, NothingButASmallJpegOfASceneIsAPicture) {
   const auto studio = start();
   EXPECT_EQ(put(*studio, "/api/picture/scene.json", "<script>"), 400);

@@ -264,7 +264,9 @@ step("a node unfolds to its modules in the graph: one is found by its text, come
   // Ports stay where they are, and the keyboard is at the first module.
   await page.waitForFunction(() => document.activeElement.closest(".inner li")?.previousElementSibling === null);
   await hands.stillness();
-  assert.equal(await link(), before);
+  // As far as one can see: a view that has come to rest may still be a thousandth of its size from where it goes.
+  const numbers = (path) => path.match(/[\d.]+/g).map(Number), after = numbers(await link());
+  numbers(before).forEach((v, i) => assert.ok(Math.abs(v - after[i]) < 0.5, `${before}, ${after}`));
   await inner.locator('[data-module="viscosity"] .title').click({ button: "right" });
   await take("viscosity", "Insert behind it…");
   await page.getByRole("combobox", { name: "Search modules" }).waitFor();

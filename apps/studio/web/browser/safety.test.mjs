@@ -1,7 +1,7 @@
 // No work is lost, and Play always does something: large numbers, files that are there already, drafts, a server that was
 // started again, runs that failed or ended.
 import assert from "node:assert/strict";
-import { readFile, writeFile } from "node:fs/promises";
+import { readFile, stat, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before } from "node:test";
 import { step } from "./steps.mjs";
@@ -181,6 +181,20 @@ step("what a window has edited outlives a server that was started again", async 
   await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.017");
   await other.locator('[data-node="water"]').waitFor();
   await written(".untitled.json.draft", (s) => s?.nodes.water.params.spacing === 0.017);
+});
+
+step("a draft of a scene without a file has a picture of its run", async () => {
+  const port = new URL(server.address).port, picture = join(server.folder, ".untitled.json.jpg");
+  await page.getByRole("button", { name: "Play" }).click();
+  await state("finished");
+  while (!(await stat(picture).catch(() => null))) await page.waitForTimeout(100);
+  await server.crash();
+  server = await startServer(["--port", port], { folder: server.folder });
+  await offer().getByText("3 nodes").waitFor();
+  await page.waitForFunction(() => document.querySelector(".last-seen").naturalWidth > 0);
+  await offer().getByRole("button", { name: "Restore" }).click();
+  await hands.select("water");
+  await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.017");
 });
 
 step("a window goes on with a server that was started again at its port, without another address", async () => {

@@ -184,6 +184,16 @@ step("undo goes back to the scene before, with its file, and redo to the one aft
   assert.ok((await server.read("other.json")).nodes.tank);
 });
 
+step("there are examples of all nodes and modules, but of those that read a file of the user's", async () => {
+  const without = await page.evaluate(async () => {
+    const [types, templates] = await Promise.all(["types", "templates"].map((what) => fetch(`/api/${what}`).then((r) => r.json())));
+    // What a node has by default is in its scenes.
+    const used = new Set(templates.flatMap((t) => t.types).flatMap((t) => [t, ...(types.nodes[t]?.modules ?? []).map((m) => m.type)]));
+    return [...Object.keys(types.nodes), ...Object.keys(types.modules)].filter((t) => !used.has(t));
+  });
+  assert.deepEqual(without, ["ParticleFile"]);
+});
+
 step("an example of the reference opens, and undo brings the scene back", async () => {
   await hands.select("water");
   await page.keyboard.press("F1");

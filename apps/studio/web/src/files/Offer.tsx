@@ -1,25 +1,20 @@
 // Offers changes that would else be lost: of an earlier run of the server, or of this window.
-import { useEffect, useState } from "react";
 import { ageOf } from "../model/time";
 import { answerOffer, useStudio } from "../model/store";
-import { addressOfPicture, fetchFiles } from "../protocol/client";
+import { addressOfPicture } from "../protocol/client";
+import { kUntitled } from "../share/thumbnail";
 import { Dialog } from "./Dialog";
 
 export function Offer() {
   const offer = useStudio((s) => s.offer);
   const path = useStudio((s) => s.sceneState.path);
-  const [picture, setPicture] = useState(0);
-  useEffect(() => {
-    setPicture(0);
-    if (offer && path) void fetchFiles(path.split("/").slice(0, -1).join("/")).then((all) => setPicture(all.find((f) => f.path === path)?.picture ?? 0), () => {});
-  }, [offer, path]);
   if (!offer) return null;
   const nodes = Object.keys(offer.scene.nodes).length;
   const later = () => answerOffer("later");
   return (
     <Dialog title="Changes that were not saved" onClose={later}>
       <h2>Changes that were not saved</h2>
-      {picture > 0 && <img className="last-seen" src={addressOfPicture(path, picture)} alt="What its run looked like" width={320} height={180} />}
+      {offer.picture !== undefined && <img className="last-seen" src={addressOfPicture(path || kUntitled, offer.picture)} alt="What its run looked like" width={320} height={180} />}
       <p>
         {offer.from === "draft" ? "There are changes to this scene that were not saved" : "This window has changes that the server does not have"}
         {offer.written !== undefined && `, made ${ageOf(offer.written)}`}: <b>{offer.scene.title ?? "Untitled"}</b>, {nodes} {nodes === 1 ? "node" : "nodes"}.

@@ -15,7 +15,7 @@ const get = useStudio.getState;
 async function goTo(file: { path: string }): Promise<boolean> {
   const state = file.path ? await request<ServedScene>("scene.open", { path: file.path }) : null;
   if (state) {
-    const { scene: _, draft: _d, draft_written: _w, ...sceneState } = state;
+    const { scene: _, draft: _d, draft_written: _w, pictured: _p, ...sceneState } = state;
     set({ sceneState });
     return true;
   }
@@ -58,10 +58,10 @@ export async function openScene(where: { path: string } | { template: string }):
   await judged();
   const state = await request<ServedScene>("scene.open", where);
   if (!state) return;
-  const { scene, draft, draft_written, ...sceneState } = state;
+  const { scene, draft, draft_written, pictured, ...sceneState } = state;
   endPart();
   take(scene, { selected: [], unfolded: [], file: { path: sceneState.path }, ...opened() }, sceneState, Object.keys(get().scene.nodes).length > 0);
-  offerDraft({ draft, draft_written });
+  offerDraft({ draft, draft_written, pictured });
   // Not the button that asked for it, which Space would press again.
   document.querySelector<HTMLElement>(".graph")?.focus({ preventScroll: true });
   await resetRun();

@@ -162,8 +162,9 @@ export interface Wanted {
 interface Offered {
   scene: Scene;
   from: "draft" | "window";
-  /** Seconds since 1970. */
+  /** Seconds since 1970, as when its picture was made. */
   written?: number | undefined;
+  picture?: number | undefined;
 }
 
 const kMaxSamples = 4000;
@@ -310,7 +311,7 @@ export async function request<T = JsonObject>(what: string, fields: object = {})
 }
 
 /** A scene as the server has it; `draft` is what was made of its file and not saved, in an earlier run. */
-export type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_written?: number };
+export type ServedScene = SceneState & { scene: Scene; draft?: Scene; draft_written?: number; pictured?: number };
 
 interface Hello extends Pick<Studio, "server" | "role" | "devices" | "device" | "version" | "status" | "pictures" | "video"> {
   scene: ServedScene;
@@ -330,8 +331,8 @@ export function take(scene: Scene, more: Partial<Studio>, sceneState: SceneState
 }
 
 /** Offers what an earlier run of the server was left with. */
-export function offerDraft({ draft, draft_written }: { draft?: Scene | undefined; draft_written?: number | undefined }): void {
-  if (draft) set({ offer: { scene: fromFile(draft), from: "draft", written: draft_written } });
+export function offerDraft({ draft, draft_written, pictured }: Omit<ServedScene, keyof SceneState | "scene">): void {
+  if (draft) set({ offer: { scene: fromFile(draft), from: "draft", written: draft_written, picture: pictured } });
 }
 
 /** Takes up what is offered, keeps it for later, or drops it for good. */
@@ -381,7 +382,7 @@ async function greet(): Promise<void> {
     if (!get().types) set({ types: await fetchTypes() });
     const { scene: served, history, numbers, ...hello } = await client.ask<Hello>("hello");
     const told = { numbers, samples: samplesOf(history) };
-    const { scene, draft, draft_written, ...sceneState } = served;
+    const { scene, draft, draft_written, pictured, ...sceneState } = served;
     const before = get();
     const restarted = before.server !== "" && before.server !== hello.server;
     // What was edited while there was no connection is kept where nobody else has made changes meanwhile.
@@ -400,9 +401,9 @@ async function greet(): Promise<void> {
     const left = lost ? { scene: lost, written: Date.now() / 1000 } : before.server === "" ? readUnsent() : null;
     if (left && !sameScene(left.scene, get().scene)) {
       keepUnsent(left);
-      return set({ offer: { ...left, from: "window" } });
+      return set({ offer: { ...left, from: "window", picture: pictured } });
     }
-    if (hello.role === "writer") offerDraft({ draft, draft_written });
+    if (hello.role === "writer") offerDraft({ draft, draft_written, pictured });
   } catch (e) {
     say(e);
   }
@@ -418,7 +419,7 @@ function receive(name: string, data: unknown): void {
     set({ log: [...get().log, line].slice(-kMaxLines) });
   }
   if (name === "scene") {
-    const { scene, draft: _, ...sceneState } = data as ServedScene;
+    const { scene, draft: _, draft_written: _w, pictured: _p, ...sceneState } = data as ServedScene;
     applying = true;
     const another = sceneState.path !== get().sceneState.path;
     set({ scene: fromFile(scene), sceneState, ...(another && { file: { path: sceneState.path }, ...opened() }) });

@@ -7,17 +7,20 @@ const kWidth = 320;
 const kHeight = 180;
 const kQuality = 0.8;
 
+/** Where the picture of a scene without a file lies. */
+export const kUntitled = "untitled.json";
+
 let at = "";
 
 /** Keeps a picture of what is seen, unless there is one of the same frame of the same run. */
 export function keepThumbnail(): void {
   const { sceneState, status, builds, role } = useStudio.getState();
   const now = `${sceneState.path} ${builds} ${status.frame}`;
-  if (role !== "writer" || !sceneState.path || (status.coarser ?? 1) > 1 || !mainView.current || now === at) return;
+  if (role !== "writer" || (status.coarser ?? 1) > 1 || !mainView.current || now === at) return;
   at = now;
   mainView.current.picture(kWidth, kHeight).toBlob((jpeg) => {
     // Without a picture a scene is as good as before.
-    if (jpeg) void uploadPicture(sceneState.path, jpeg).catch(() => {});
+    if (jpeg) void uploadPicture(sceneState.path || kUntitled, jpeg).catch(() => {});
   }, "image/jpeg", kQuality);
 }
 
