@@ -222,16 +222,19 @@ step("what was shared opens again where it is dropped: the page, a picture, a vi
   await opensFrom(picture);
   if (!(await page.evaluate(() => fetch("/api/types").then((r) => r.json()))).sections.render) return;
   await state("paused");
-  await button("Record").click();
-  await hands.type(page.getByRole("textbox", { name: "Video file" }), "falling.mp4");
-  await page.locator(".recording").waitFor();
-  await hands.pressInGraph(".");
-  await time("frame 1/");
-  await page.locator(".recording").click();
-  await page.getByRole("link", { name: /falling\.mp4/ }).waitFor();
-  const video = join(server.folder, "falling.mp4");
-  assert.equal(String(execFileSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of", "csv=p=0", video])).trim(), "2");
-  await opensFrom(video);
+  for (const name of ["falling.mp4", "falling.webm", "falling.gif"]) {
+    await button("Record").click();
+    await hands.type(page.getByRole("textbox", { name: "Video file" }), name);
+    await page.locator(".recording").waitFor();
+    await hands.pressInGraph(".");
+    await time("frame 1/");
+    await page.locator(".recording").click();
+    await page.getByRole("link", { name: new RegExp(name) }).waitFor();
+    const video = join(server.folder, name);
+    assert.equal(String(execFileSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of", "csv=p=0", video])).trim(), "2");
+    await opensFrom(video);
+    await state("paused");
+  }
   await writeFile(join(server.folder, "other.html"), "<p>Nothing of a scene</p>");
   await drop(join(server.folder, "other.html"));
   await page.getByRole("alert").filter({ hasText: "other.html carries no scene" }).waitFor();

@@ -185,6 +185,7 @@ step("what a window has edited outlives a server that was started again", async 
 
 step("a draft of a scene without a file has a picture of its run", async () => {
   const port = new URL(server.address).port, picture = join(server.folder, ".untitled.json.jpg");
+  await hands.type(spacing(), 0.0625);
   await page.getByRole("button", { name: "Play" }).click();
   await state("finished");
   while (!(await stat(picture).catch(() => null))) await page.waitForTimeout(100);
@@ -194,7 +195,7 @@ step("a draft of a scene without a file has a picture of its run", async () => {
   await page.waitForFunction(() => document.querySelector(".last-seen").naturalWidth > 0);
   await offer().getByRole("button", { name: "Restore" }).click();
   await hands.select("water");
-  await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.017");
+  await page.waitForFunction(() => document.querySelector('[aria-label="spacing"]').value === "0.0625");
 });
 
 step("a window goes on with a server that was started again at its port, without another address", async () => {

@@ -2,7 +2,7 @@
 import { describe, expect, test } from "vitest";
 import { addNode, emptyScene, type Scene } from "../src/model/scene";
 import type { Run } from "../src/model/runs";
-import { kBox, sceneIn, withScene } from "../src/share/carried";
+import { kId, sceneIn, withScene } from "../src/share/carried";
 import { inPage, replayPage } from "../src/share/replay";
 import { isScene, kindOfFile, stemOf } from "../src/files/kinds";
 import { kUses, withMesh, withParticles } from "../src/model/fromFile";
@@ -68,10 +68,27 @@ describe("scenes in other files", () => {
   });
   test("are found in a box of an MP4, wherever it stands", () => {
     const box = (kind: string, body: Uint8Array) => [...bytes("\0\0"), (body.length + 8) >> 8, (body.length + 8) & 255, ...bytes(kind), ...body];
-    const own = box("uuid", Uint8Array.of(...bytes(kBox), ...new TextEncoder().encode(scene)));
+    const own = box("uuid", Uint8Array.of(...bytes(kId), ...new TextEncoder().encode(scene)));
     const video = Uint8Array.of(...box("ftyp", bytes("isom")), ...box("uuid", bytes("another program.")), ...box("mdat", new Uint8Array(300)), ...own);
     expect(sceneIn(video)).toBe(scene);
     expect(sceneIn(video.slice(0, -1))).toBeNull();
+  });
+  test("are found in an element of a Matroska or WebM, behind others", () => {
+    const element = (id: number[], body: Uint8Array) => [...id, 0x40 | (body.length >> 8), body.length & 255, ...body];
+    const own = element([0xec], Uint8Array.of(...bytes(kId), ...new TextEncoder().encode(scene)));
+    const video = Uint8Array.of(...element([0x1a, 0x45, 0xdf, 0xa3], new Uint8Array(20)), ...element([0x18, 0x53, 0x80, 0x67], new Uint8Array(300)), ...element([0xec], bytes("another program has this")), ...own);
+    expect(sceneIn(video)).toBe(scene);
+    expect(sceneIn(video.slice(0, -1))).toBeNull();
+    expect(sceneIn(video.slice(0, -own.length))).toBeNull();
+  });
+  test("are found in the last comment of a GIF", () => {
+    const long = JSON.stringify({ weir: 1, title: "x".repeat(700), nodes: {} }), content = [...bytes(kId), ...new TextEncoder().encode(long)];
+    const blocks = [];
+    for (let at = 0; at < content.length; at += 255) blocks.push(Math.min(255, content.length - at), ...content.slice(at, at + 255));
+    const gif = Uint8Array.of(...bytes("GIF89a"), ...new Uint8Array(40), ...bytes("!"), 0xfe, ...blocks, 0, ...bytes(";"));
+    expect(sceneIn(gif)).toBe(long);
+    expect(sceneIn(gif.slice(0, 300))).toBeNull();
+    expect(sceneIn(gif.slice(0, 46))).toBeNull();
   });
   test("are found in a page that replays a run, which has its numbers as they were", async () => {
     const run: Run = { ...runOf([]), frames: [frameOf(0, 0), frameOf(1, 0.1)], geometry: { kind: "geometry", meshes: [{ node: "m", vertices: Float32Array.of(1, 2, 3), triangles: Uint32Array.of(0, 0, 0) }] } };

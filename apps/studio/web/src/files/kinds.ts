@@ -2,7 +2,8 @@
 
 export type FileKind = "scene" | "mesh" | "particles" | "carrier" | "other";
 
-const kEndings: { [ending: string]: FileKind } = { json: "scene", csv: "particles", vtkhdf: "particles", html: "carrier", png: "carrier", mp4: "carrier" };
+const kEndings: { [ending: string]: FileKind } = { json: "scene", csv: "particles", vtkhdf: "particles", html: "carrier", png: "carrier" };
+for (const video of ["mp4", "mov", "mkv", "webm", "gif"]) kEndings[video] = "carrier";
 for (const mesh of ["obj", "stl", "ply", "off", "gltf", "glb", "fbx", "dae", "3ds", "3mf"]) kEndings[mesh] = "mesh";
 
 export const kindOfFile = (name: string): FileKind => kEndings[/\.([^./]+)$/.exec(name.toLowerCase())?.[1] ?? ""] ?? "other";

@@ -1,8 +1,8 @@
 // Scenes inside pictures, videos and replays: how they are put there, and found again.
 
-/** The keyword of the text in a PNG, and the id of the box in an MP4, in 16 letters. */
+/** The keyword of the text in a PNG, and what stands before the scene in videos, in 16 letters. */
 const kKeyword = "weir-scene";
-export const kBox = "weir-scene-json1";
+export const kId = "weir-scene-json1";
 
 const kTable = Uint32Array.from({ length: 256 }, (_, n) => {
   let c = n;
@@ -61,10 +61,41 @@ function inMp4(file: Uint8Array): string | null {
     const short = view.getUint32(at), kind = letters(file, at + 4, 4);
     const size = short === 1 && at + 16 <= file.length ? Number(view.getBigUint64(at + 8)) : short === 0 ? file.length - at : short;
     if (size < kHead || at + size > file.length) return null;
-    if (kind === "uuid" && letters(file, at + kHead, kBox.length) === kBox) return new TextDecoder().decode(file.subarray(at + kHead + kBox.length, at + size));
+    if (kind === "uuid" && letters(file, at + kHead, kId.length) === kId) return new TextDecoder().decode(file.subarray(at + kHead + kId.length, at + size));
     at += size;
   }
   return null;
+}
+
+/** An integer of EBML (RFC 8794) and how long it is: the first bit that is set tells, and is no part of a size. */
+function ebmlNumber(file: Uint8Array, at: number, isSize: boolean): { value: number; length: number } {
+  const length = Math.clz32(file[at] ?? 0) - 23;
+  let value = isSize ? file[at]! & (0xff >> length) : file[at]!;
+  for (let i = 1; i < length; ++i) value = value * 256 + (file[at + i] ?? 0);
+  return { value, length };
+}
+
+/** The scene of an element Void at the upper level of a Matroska or WebM. */
+function inMatroska(file: Uint8Array): string | null {
+  const kVoid = 0xec;
+  for (let at = 0; at < file.length; ) {
+    const id = ebmlNumber(file, at, false), size = ebmlNumber(file, at + id.length, true), body = at + id.length + size.length;
+    if (id.length > 8 || size.length > 8 || body + size.value > file.length) return null;
+    if (id.value === kVoid && letters(file, body, kId.length) === kId) return new TextDecoder().decode(file.subarray(body + kId.length, body + size.value));
+    at = body + size.value;
+  }
+  return null;
+}
+
+/** The scene of the last comment of a GIF: blocks of at most 255 bytes, each behind its length, then a 0. */
+function inGif(file: Uint8Array): string | null {
+  const isBegin = (at: number) => file[at] === 0x21 && file[at + 1] === 0xfe && letters(file, at + 3, kId.length) === kId;
+  let at = file.length - 1;
+  while (at > 0 && !isBegin(at)) --at;
+  if (at <= 0) return null;
+  const parts: number[] = [];
+  for (at += 2; file[at]; at += 1 + file[at]!) parts.push(...file.subarray(at + 1, at + 1 + file[at]!));
+  return at < file.length ? new TextDecoder().decode(Uint8Array.from(parts.slice(kId.length))) : null;
 }
 
 const inHtml = (text: string): string | null => /<script type="application\/json" id="weir-scene">([^<]*)<\/script>/.exec(text)?.[1] ?? null;
@@ -73,6 +104,8 @@ const inHtml = (text: string): string | null => /<script type="application\/json
 export function sceneIn(bytes: Uint8Array): string | null {
   if (isPng(bytes)) return inPng(bytes);
   if (letters(bytes, 4, 4) === "ftyp") return inMp4(bytes);
+  if (letters(bytes, 0, 4) === "\x1a\x45\xdf\xa3") return inMatroska(bytes);
+  if (letters(bytes, 0, 4) === "GIF8") return inGif(bytes);
   // The scene stands before the numbers.
   const kHead = 2 ** 22;
   return inHtml(new TextDecoder().decode(bytes.subarray(0, kHead)));
