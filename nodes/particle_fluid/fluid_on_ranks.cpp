@@ -212,7 +212,6 @@ void ParticleFluid::restoreOnRanks(const StateReader& from) {
     from.get("sums", frame_->sums);
   else
     frame_->sums = sumsOfFluid(divided_->ranks(), state_->particles, state_->neighbors, constants_);
-  divided_->times().clear();
   if (gathered_) gathered_->restore(from.in("particles"));
 }
 

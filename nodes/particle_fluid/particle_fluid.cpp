@@ -226,7 +226,6 @@ void ParticleFluid::reset(const SetupContext& context) {
   refresh(start);
   warnOfSettings(context);
   state.restDt = context.dt;
-  if (divided_) divided_->times().clear();
   stepsTimed_ = 0;
 }
 
@@ -447,6 +446,8 @@ void ParticleFluid::step(const StepContext& context) {
   for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
   // A rank without particles may get some.
   if (state_->particles.bound() == 0 && !divided_) return;
+  // What the first frame took is no part of steps: it makes the first lists.
+  if (divided_ && stepsTimed_ == 0) divided_->times().clear();
   FluidStep step = fluidStep(context);
   runPipeline(step);
   ++stepsTimed_;
