@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import math
 import struct
 import threading
@@ -63,6 +64,22 @@ class Orbit:
                 "up": tuple(map(float, self.up))}
 
 
+def orbit_of(simulation: Simulation) -> Orbit:
+    """About what the scene's camera looks at; where it says nothing, about the particles that are there now, from so far
+    that all are seen."""
+    import numpy
+
+    camera = simulation.scene.render.camera
+    boxes = numpy.array([node["bounds"] for node in simulation.statistics["nodes"].values() if node.get("bounds")])
+    if len(boxes) == 0:  # no particles yet
+        boxes = numpy.array([[[-0.5] * 3, [0.5] * 3]])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    target = numpy.array(camera.target or (low + high) / 2)
+    away = max(float(numpy.linalg.norm(high - low)), 1e-6) / 2 / math.sin(math.radians(camera.fov) / 2)
+    direction = numpy.array([0.55, 0.42, 0.72])
+    return Orbit(camera.eye or target + away * direction / numpy.linalg.norm(direction), target, camera.up)
+
+
 class LiveView:
     """What sim.view() gives: a picture of the simulation, drawn anew at each frame while it plays, with buttons and a camera.
 
@@ -72,8 +89,7 @@ class LiveView:
     def __init__(self, simulation: Simulation, width: int | None, height: int | None, samples: int):
         widgets = _widgets()
         self._sim, self._size, self._samples = simulation, (width, height), samples
-        camera = simulation.scene.render.camera
-        self._orbit, self._fov = Orbit(camera.eye, camera.target, camera.up), float(camera.fov)
+        self._orbit = None  # until the camera is moved
         self._lock, self._thread, self._playing = threading.RLock(), None, False
         self._picture = widgets.Image(format="png")
         self._state = widgets.Label()
@@ -109,6 +125,7 @@ class LiveView:
         self._play.value = True
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
+        atexit.register(self.pause)  # a step is not cut off where Python ends
 
     def pause(self) -> None:
         """Stop at the next step; then the simulation is the caller's again."""
@@ -117,6 +134,7 @@ class LiveView:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
             self._thread = None
+            atexit.unregister(self.pause)
 
     def step(self) -> None:
         """Go to the next frame, and stop there."""
@@ -143,8 +161,17 @@ class LiveView:
             self._state.value = str(error)
             return False
 
+    def _camera(self) -> dict[str, Any] | None:
+        """None for the scene's own, until a slider is moved."""
+        moved = self._turn.value, self._rise.value, self._distance.value
+        if moved == (0, 0, 1):
+            return None
+        if self._orbit is None:
+            self._orbit = orbit_of(self._sim)
+        return self._orbit.camera(*moved) | {"fov": float(self._sim.scene.render.camera.fov)}
+
     def _draw(self) -> None:
-        camera = self._orbit.camera(self._turn.value, self._rise.value, self._distance.value) | {"fov": self._fov}
+        camera = self._camera()
         self._picture.value = png_of(self._sim.render(*self._size, camera=camera, samples=self._samples))
         self._state.value = f"{self._sim.time:.3g} s of {self._sim.duration:.3g} s, frame {self._sim.frame}"
 
