@@ -241,6 +241,15 @@ step("gravity is an arrow in the view, dragged and moved by keys", async () => {
 });
 
 step("everything that can be used has a name and a role", async () => {
+  // What stands in the graph is told by name and type, and bars between panes move by keys.
+  await page.getByRole("group", { name: "water, ParticleFluid" }).waitFor();
+  await page.getByRole("group", { name: "Link block.particles -> water.initial" }).waitFor({ state: "attached" });
+  await button("Fold water").waitFor();
+  const tall = async () => (await page.locator(".stage").boundingBox()).height, before = await tall();
+  await page.getByRole("separator", { name: "Height of the view" }).focus();
+  await page.keyboard.press("ArrowUp");
+  assert.ok((await tall()) < before);
+  await page.keyboard.press("ArrowDown");
   const missing = {};
   const look = async (where) => {
     const found = await namesThatAreMissing(page);

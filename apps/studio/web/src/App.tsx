@@ -134,12 +134,22 @@ function useKeptNumber(key: string, first: () => number) {
   return [value, setValue] as const;
 }
 
-/** A bar between two panes that is dragged. */
-function Divider({ onMove, vertical }: { onMove(by: number): void; vertical?: boolean }) {
+/** Pixels that a key moves a bar by. */
+const kKeyStep = 24;
+
+/** A bar between two panes, which is dragged or moved by the arrow keys; `value`, in percent, is how large the one is that it is named after. */
+function Divider({ name, value, onMove, vertical }: { name: string; value: number; onMove(by: number): void; vertical?: boolean }) {
   const from = useRef<number | null>(null);
+  const [less, more] = vertical ? ["ArrowUp", "ArrowDown"] : ["ArrowLeft", "ArrowRight"];
   return (
     <div
       className={vertical ? "divider vertical" : "divider"} role="separator" aria-orientation={vertical ? "horizontal" : "vertical"}
+      tabIndex={0} aria-label={name} aria-valuenow={Math.round(value)}
+      onKeyDown={(e) => {
+        if (e.key !== less && e.key !== more) return;
+        e.preventDefault();
+        onMove(e.key === less ? -kKeyStep : kKeyStep);
+      }}
       onPointerDown={(e) => (e.currentTarget.setPointerCapture(e.pointerId), (from.current = vertical ? e.clientY : e.clientX))}
       onPointerMove={(e) => {
         if (from.current === null) return;
@@ -173,13 +183,13 @@ export function App() {
       <FileBar dark={dark} onDark={() => setDark(!dark)} />
       <main style={{ gridTemplateRows: `${graph}fr 5px ${1 - graph}fr` }}>
         <Viewport dark={dark} />
-        <Divider vertical onMove={(by) => setGraph((g) => within(g + by / innerHeight, 0.15, 0.85))} />
+        <Divider name="Height of the view" value={100 * graph} vertical onMove={(by) => setGraph((g) => within(g + by / innerHeight, 0.15, 0.85))} />
         <ReactFlowProvider><GraphEditor /></ReactFlowProvider>
       </main>
-      <Divider onMove={(by) => setSide((s) => within(s - by, 240, 720))} />
+      <Divider name="Width of the properties" value={(100 * side) / innerWidth} onMove={(by) => setSide((s) => within(s - by, 240, 720))} />
       <aside style={{ "--insight": `${100 * insight}%` } as CSSProperties}>
         <div className="properties"><PropertyPanel /></div>
-        <Divider vertical onMove={(by) => setInsight((i) => within(i - by / innerHeight, 0.12, 0.8))} />
+        <Divider name="Height of the insight" value={100 * insight} vertical onMove={(by) => setInsight((i) => within(i - by / innerHeight, 0.12, 0.8))} />
         <Insight />
       </aside>
       <div className="bottom"><Problem /><Timeline /><Transport /></div>

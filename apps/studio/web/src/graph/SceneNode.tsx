@@ -79,7 +79,7 @@ export const SceneNode = memo(function SceneNode({ data, selected }: NodeProps &
       <header>
         <button
           className="fold"
-          aria-label={collapsed ? "Unfold" : "Fold"}
+          aria-label={`${collapsed ? "Unfold" : "Fold"} ${name}`}
           onClick={(e) => (e.stopPropagation(), edit((s) => collapse(s, [name], !collapsed)))}
         >
           {collapsed ? "▸" : "▾"}

@@ -87,7 +87,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
         // Its ports are where they were, unless they are others now.
         const samePorts = !was || (was.type === type && was.collapsed === collapsed);
         return placed({
-          id: name, type: "scene", position: { x, y }, selected: isSelected, data, zIndex,
+          id: name, type: "scene", position: { x, y }, selected: isSelected, data, zIndex, ariaLabel: [`${name}, ${typeName}`, off, told && "wrong"].filter(Boolean).join(", "),
           initialWidth: kSizeAtFirst.width, initialHeight: kSizeAtFirst.height, measured: samePorts ? sizes.get(name) : undefined,
         }, { x, y });
       });
@@ -105,7 +105,7 @@ export function useFlow(): { nodes: Node[]; edges: Edge[]; measured: (changes: N
       const className = id === wrongLink ? "wrong" : carries(scene, types, l) ? "" : "idle";
       const bends = bendsOf(scene, id);
       return kept.edges.get(id, [type, isSelected, className, bends], (): Edge => ({
-        id, source: l.from, target: l.to, sourceHandle: l.output, targetHandle: l.input, selected: isSelected, className,
+        id, source: l.from, target: l.to, sourceHandle: l.output, targetHandle: l.input, selected: isSelected, className, ariaLabel: `Link ${id}`,
         data: { className, bends }, style: { stroke: portColor(type) },
       }));
     });
