@@ -94,16 +94,6 @@ inline Number atMost(const Number& x, const Number& high) {
 #endif
 }
 
-inline Ints gather(const std::uint32_t* from, const Ints& at) {
-#ifdef __AVX2__
-  return reinterpret_cast<Ints>(
-      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from), reinterpret_cast<__m256i>(at), 4));
-#else
-  Ints values;
-  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]]);
-  return values;
-#endif
-}
 inline Number gather(const float* from, const Ints& at) {
 #ifdef __AVX2__
   return Lanes::Vector(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
@@ -245,9 +235,6 @@ WEIR_HD inline std::uint32_t laneOf(Ints ints, int) {
 }
 WEIR_HD inline Ints clamped(Ints x, int low, int high) {
   return x > low ? (x < high ? x : high) : low;
-}
-WEIR_HD inline Ints gather(const std::uint32_t* from, Ints at) {
-  return static_cast<int>(from[at]);
 }
 WEIR_HD inline Number gather(const float* from, Ints at) {
   return from[at];

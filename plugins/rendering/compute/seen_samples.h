@@ -83,8 +83,17 @@ struct SeenSamples {
 
   /// The colours of spheres, as in SplatSphere.
   WEIR_HD Ints sphereColors(const SeenRow& seen) const {
-    constexpr int kWords = sizeof(SplatSphere) / sizeof(std::uint32_t);
-    return gather(&spheres.data->color, sphereOf(seen) * kWords);
+#ifdef WEIR_HAS_LANES
+    // One by one: counted in words, the places of 430 million spheres and more are beyond an int.
+    int index[kPixels];
+    const Ints sphere = sphereOf(seen);
+    __builtin_memcpy(index, &sphere, sizeof index);
+    Ints colors;
+    for (int l = 0; l < kPixels; ++l) colors[l] = static_cast<int>(spheres.data[index[l]].color);
+    return colors;
+#else
+    return static_cast<int>(spheres[sphereOf(seen)].color);
+#endif
   }
 
  private:
