@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 #include "framework/base/error.h"
@@ -22,6 +23,17 @@ std::int64_t roomFor(std::int64_t bytes) {
 void addAttributes(const PackLayout& layout, ParticleSet& to) {
   for (const AttributeInfo& info : layout.attributes())
     withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { to.add<T>(info); });
+}
+
+/// At once, as some attributes are there twice while a set grows.
+void makeRoom(ParticleSet& empty, std::int64_t particles) {
+  if (particles <= empty.capacity()) return;
+  ParticleBatch batch;
+  batch.count = particles;
+  Array<int> none(empty.device(), 1);
+  none.fillZero();
+  empty.append(batch, {{nullptr, particles}, none.data()});
+  empty.clear();
 }
 
 }  // namespace
@@ -241,7 +253,7 @@ void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInO
 void DividedParticles::gather(ParticleSet* all) {
   const RankTimes::Scope scope(times(), RankWork::kGathering);
   const std::vector<std::int64_t> counts = ranks_.allGather(particles_.refreshCount());
-  // Ids make room for what comes behind them, straight to where it belongs.
+  // Ids first; what comes behind them goes straight to where it belongs.
   gatherIds(counts, all);
   for (const AttributeInfo& info : particles_.attributes())
     if (info.name != "id")
@@ -249,32 +261,42 @@ void DividedParticles::gather(ParticleSet* all) {
 }
 
 void DividedParticles::gatherIds(const std::vector<std::int64_t>& counts, ParticleSet* all) {
-  postAll<std::int64_t>("id");
-  if (all == nullptr) return;
   const PackLayout ids(particles_, {"id"});
-  for (const AttributeInfo& info : particles_.attributes())
-    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { all->add<T>(info); });
-  for (int from = 0; from < ranks_.size(); ++from)
-    for (std::int64_t got = 0; got < counts[std::size_t(from)]; got += kAtOnce)
-      all->appendPacked(ids, unpackedOf(from));
-  all->continueIdsFrom(particles_.nextId());
-  all->refreshCount();
-  releaseParcels();
-  buffer_ = Array<std::byte>(particles_.device());
+  if (all != nullptr) {
+    for (const AttributeInfo& info : particles_.attributes())
+      withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { all->add<T>(info); });
+    makeRoom(*all, std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
+    particles_.pack(ids, 0, particles_.bound(), buffer_);
+    all->appendPacked(ids, std::as_const(buffer_).view());
+    for (int from = 1; from < ranks_.size(); ++from)
+      for (std::int64_t got = 0; got < counts[std::size_t(from)]; got += kAtOnce)
+        all->appendPacked(ids, unpackedOf(from));
+    all->continueIdsFrom(particles_.nextId());
+    all->refreshCount();
+    buffer_ = Array<std::byte>(particles_.device());
+  } else {
+    postAll<std::int64_t>("id");
+  }
+  endGathering();
 }
 
 template <class T>
 void DividedParticles::gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts,
                               ParticleSet* all) {
-  postAll<T>(info.name);
-  if (all == nullptr) return;
-  T* to = all->get<T>(info.name).write().data();
-  for (int from = 0; from < ranks_.size(); ++from) {
-    T* const end = to + counts[std::size_t(from)];
-    for (; to < end; to += std::min<std::int64_t>(kAtOnce, end - to))
-      nextOf(from).copyTo(particles_.device(), to);
+  if (all != nullptr) {
+    const Attribute<const T> own = std::as_const(particles_).get<T>(info.name);
+    T* to = all->get<T>(info.name).write().data();
+    if (counts[0] > 0) particles_.device().copy(to, own.read().data(), std::size_t(counts[0]) * sizeof(T));
+    to += counts[0];
+    for (int from = 1; from < ranks_.size(); ++from) {
+      T* const end = to + counts[std::size_t(from)];
+      for (; to < end; to += std::min<std::int64_t>(kAtOnce, end - to))
+        nextOf(from).copyTo(particles_.device(), to);
+    }
+  } else {
+    postAll<T>(info.name);
   }
-  releaseParcels();
+  endGathering();
 }
 
 /// An attribute of all that this rank owns, to rank 0.
@@ -288,6 +310,12 @@ void DividedParticles::postAll(std::string_view attribute) {
     device.copy(some.data(), own.data + first, std::size_t(bytes));
     ranks_.postParcel(0, Parcel(std::move(some)));
   }
+}
+
+/// Nobody goes on before rank 0 has what was sent, so that no more than one attribute is there twice.
+void DividedParticles::endGathering() {
+  releaseParcels();
+  ranks_.sum(0);
 }
 
 std::int64_t DividedParticles::countOfAll() {

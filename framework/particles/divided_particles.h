@@ -67,9 +67,9 @@ class DividedParticles {
   }
   /// The same for so many words of each.
   void refreshWords(ArrayView<std::uint32_t> words, int wordsInOne);
-  /// Puts all particles of all ranks, with all attributes that are shown, into a set that is there on rank 0
-  /// only and null elsewhere: those of each rank in their order, one rank after the other. Ids go on there as
-  /// they do here.
+  /// Puts all particles of all ranks, with all attributes that are shown, into an empty set that is there on
+  /// rank 0 only and null elsewhere: those of each rank in their order, one rank after the other. Ids go on
+  /// there as they do here.
   void gather(ParticleSet* all);
 
   /// How many particles all ranks own.
@@ -107,6 +107,7 @@ class DividedParticles {
   template <class T>
   void postAll(std::string_view attribute);
   void gatherIds(const std::vector<std::int64_t>& counts, ParticleSet* all);
+  void endGathering();
   template <class T>
   void gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts, ParticleSet* all);
 

@@ -60,9 +60,13 @@ double ParticleFluid::memoryOnRanks(Device& device, double all) const {
   // Before lists are made, there is a batch of all, and which of it belongs to the rank.
   const double first = ParticleSet::memoryFor(share.own) + bytesOfArray(all, sizeof(Vec3f) + sizeof(int)),
                later = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own),
-               own = std::max(first, later), gathered = isWatched() ? memoryOfGathered(all) : 0;
-  if (device.kind() == DeviceKind::kCpu) return ranks_->sizeHere() * own + gathered;
-  return own + (ranks_->rank() == 0 ? gathered : 0);
+               own = std::max(first, later);
+  if (!isWatched()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
+  // All ranks but the first one send an attribute at a time.
+  const double gathered = memoryOfGathered(all), sent = bytesOfArray(share.own, sizeof(Vec3f));
+  if (device.kind() == DeviceKind::kCpu)
+    return ranks_->sizeHere() * own + (ranks_->sizeHere() - 1) * sent + gathered;
+  return own + (ranks_->rank() == 0 ? gathered : sent);
 }
 
 double ParticleFluid::memoryOfGathered(double all) const {
@@ -167,6 +171,16 @@ Value ParticleFluid::timesOfRanks() {
     v[std::string(kRankWorkNames[work])] = meanAndMax(times);
   }
   return v;
+}
+
+void ParticleFluid::tellOfShares(Log& log) const {
+  if (maxParticles_ == 0) return;
+  constexpr double kMillion = 1e6;
+  const ShareOfRank share = shareOfRank(maxParticles_);
+  log.info(fmt::format(
+      "node '{}': each of {} ranks has up to {:.4g} million particles and {:.3g} million copies "
+      "of others'; the first one gathers {} at frames",
+      name(), ranks_->size(), share.own / kMillion, share.halo / kMillion, isWatched() ? "all" : "none"));
 }
 
 Value ParticleFluid::ranksReport() const {

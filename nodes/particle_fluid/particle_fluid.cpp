@@ -212,7 +212,10 @@ void ParticleFluid::reset(const SetupContext& context) {
   const double images = PeriodicImages::shareOf(period(), constants_.supportRadius);
   if (maxParticles_ > 0)
     state.particles.expectAtMost(static_cast<std::int64_t>(maxParticles_ * (1 + images)));
-  if (ranks_ != nullptr) divideInitial();
+  if (ranks_ != nullptr) {
+    tellOfShares(context.log);
+    divideInitial();
+  }
   fluid->material = {
       .spacing = spacing, .density = {.value = restDensity}, .volume = {.value = constants_.particleVolume}};
   fluid->assign(shown());

@@ -200,6 +200,7 @@ class ParticleFluid final : public Node,
   void appendInitial();
   void divideInitial();
   void releaseInitial();
+  void tellOfShares(Log& log) const;
   /// How many particles a rank holds at most, of so many: its own, where slabs are not quite alike, and the
   /// copies that it sees of others'.
   struct ShareOfRank {

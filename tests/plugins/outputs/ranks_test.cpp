@@ -416,6 +416,48 @@ TEST_F(RanksTest, WhereOnlyNumbersAreWrittenNothingIsGathered) {
   }
 }
 
+TEST_F(RanksTest, TheirMemoryIsForetoldWithWhatIsGathered) {
+  const auto memoryOf = [&](const std::string& name, const std::string& ranks,
+                            std::vector<std::string> more) {
+    const std::string to = folder_ / (name + ".json");
+    std::vector<std::string> arguments{"run",
+                                       resourcesFolder() + "/scenes/benchmark_dam_break.json",
+                                       "--quiet",
+                                       "--ranks",
+                                       ranks,
+                                       "--frames",
+                                       "1",
+                                       "--set",
+                                       "world.dt=0.0005",
+                                       "--set",
+                                       "world.frame_rate=1000",
+                                       "--set",
+                                       "water.rest_steps=0",
+                                       "--stats",
+                                       to};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = runWeir(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    const Value all = parseJson(readFile(to), to);
+    const double peaks =
+        all.find("ranks")->find("water")->find("device_peak_bytes")->find("mean")->asDouble() *
+        std::stod(ranks);
+    return std::pair(all.find("memory")->find("device_estimated_bytes")->asDouble(), peaks);
+  };
+  // 531,441 particles, so that a layer is a part that can be seen.
+  for (const std::string ranks : {"1", "2", "4"}) {
+    const auto [foretold, peaks] = memoryOf("only" + ranks, ranks, {});
+    EXPECT_NEAR(foretold / peaks, 1, 0.05) << ranks;
+    const auto [foretoldGathered, gathered] =
+        memoryOf("ply" + ranks, ranks, {"--ply-particles", folder_ / ranks});
+    EXPECT_NEAR(foretoldGathered / gathered, 1, 0.05) << ranks;
+    // Positions, velocities, ids and densities of all, and of one attribute what is on its way.
+    constexpr double kAll = 531'441, kGathered = kAll * (12 + 12 + 8 + 4);
+    EXPECT_GT(gathered - peaks, 0.95 * kGathered) << ranks;
+    EXPECT_LT(gathered - peaks, 1.05 * kGathered + 12 * kAll) << ranks;
+  }
+}
+
 TEST_F(RanksTest, TheirNumbersAreThoseOfARunWithoutThem) {
   const auto numbersOf = [&](const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> changes{kCoarse, "water.rest_steps=0", "block.velocity=[0.5, 0, -0.25]"};
