@@ -22,6 +22,7 @@ describe("the health of a run", () => {
     const told = (max_speed: number, rare_events: JsonObject[] = []) => ({ time_step: { longest: 0.001 }, rare_events, nodes: { water: { max_speed }, foam: { max_speed: 1e6 } } });
     const cfl = (max_speed: number, bound: number | null = null, events: JsonObject[] = []) => lightsOf(told(max_speed, events), [], { spacings: { water: 0.01 }, cfl: bound })[3]!;
     expect(cfl(4)).toMatchObject({ level: "good", value: "0.4", node: "water" });
+    expect(cfl(5.02)).toMatchObject({ level: "good", value: "0.5" });
     expect(cfl(6).level).toBe("watch");
     expect(cfl(40)).toMatchObject({ level: "bad", value: "4" });
     expect(cfl(40).why).toContain("4 spacings in a step of 0.001 s");

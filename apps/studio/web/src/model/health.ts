@@ -152,7 +152,8 @@ function travel(numbers: JsonObject | null, reports: Reports, { spacings, cfl }:
   const found = kept ? Math.min(far, cfl) : far;
   const short = (v: number) => Number(v.toPrecision(2));
   const flies = `The fastest particle of ${node}, at ${short(speed)} m/s, flies ${short(found)} spacings in a step${kept ? ", which world.cfl bounds" : ` of ${short(dt)} s`}. `;
-  const judged = level(found, kTravel.watch, kTravel.bad);
+  // As it is told: "0.5" is not more than half a spacing.
+  const judged = level(short(found), kTravel.watch, kTravel.bad);
   return { name: "CFL", level: judged, value: String(short(found)), node, why: judged === "good" ? `${flies}Up to half a spacing is good.` : `${flies}Beyond half a spacing it may pass what it should meet, and walls. A smaller world.dt, or world.cfl, which makes steps follow the motion, helps.` };
 }
 
