@@ -5,19 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._errors import Error
+from ._optional import imported
 
 if TYPE_CHECKING:
     from ._scene import Scene
-
-
-def _pyvista() -> Any:
-    try:
-        import pyvista
-    except ImportError as reason:
-        text = f"PyVista cannot be imported: {reason}\n  hint: pip install pyvista"
-        raise Error(text, "usage", "", f"PyVista cannot be imported: {reason}", "", "pip install pyvista") from None
-    return pyvista
 
 
 def surface(mesh: Any, pose: Any = None) -> Any:
@@ -26,7 +17,7 @@ def surface(mesh: Any, pose: Any = None) -> Any:
 
     corners = numpy.full((len(mesh.faces), 1), 3, mesh.faces.dtype)
     vertices = mesh.vertices if pose is None else pose.apply(mesh.vertices).astype(numpy.float32)
-    made = _pyvista().PolyData(vertices, numpy.hstack([corners, mesh.faces]).ravel())
+    made = imported("pyvista", "PyVista").PolyData(vertices, numpy.hstack([corners, mesh.faces]).ravel())
     for name, values in (("Normals", mesh.normals), ("velocity", mesh.velocities)):
         if values is not None:
             made.point_data[name] = values
@@ -42,7 +33,7 @@ def points(particles: _core.Particles) -> Any:
         host = values.numpy() if isinstance(values, _core.DeviceArray) else numpy.array(values)
         return host.reshape(len(host), -1) if host.ndim > 1 else host
 
-    made = _pyvista().PolyData(copy_of("position"))
+    made = imported("pyvista", "PyVista").PolyData(copy_of("position"))
     for name in particles:
         if name != "position":
             made.point_data[name] = copy_of(name)
@@ -51,7 +42,7 @@ def points(particles: _core.Particles) -> Any:
 
 def blocks(scene: Scene) -> Any:
     """One block for each node that has particles or a mesh, by its name."""
-    made = _pyvista().MultiBlock()
+    made = imported("pyvista", "PyVista").MultiBlock()
     movers = {}
     for link in scene.links:
         output, input = link.split(" -> ")

@@ -10,18 +10,10 @@ import zlib
 from typing import TYPE_CHECKING, Any
 
 from ._errors import Error
+from ._optional import imported
 
 if TYPE_CHECKING:
     from ._simulation import Simulation
-
-
-def _widgets() -> Any:
-    try:
-        import ipywidgets
-    except ImportError as reason:
-        text = f"ipywidgets cannot be imported: {reason}\n  hint: pip install ipywidgets"
-        raise Error(text, "usage", "", f"ipywidgets cannot be imported: {reason}", "", "pip install ipywidgets") from None
-    return ipywidgets
 
 
 def png_of(picture: Any) -> bytes:
@@ -87,7 +79,7 @@ class LiveView:
     """
 
     def __init__(self, simulation: Simulation, width: int | None, height: int | None, samples: int):
-        widgets = _widgets()
+        widgets = imported("ipywidgets", "ipywidgets")
         self._sim, self._size, self._samples = simulation, (width, height), samples
         self._orbit = None  # until the camera is moved
         self._lock, self._thread, self._playing = threading.RLock(), None, False
