@@ -710,7 +710,7 @@ TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
   ChildOptions options;
   options.onStderr = [sent = false](int pid, const std::string& err) mutable {
     // The line of progress is there once there are steps.
-    if (!sent && contains(err, "frame")) sent = true, ::kill(pid, SIGINT);
+    if (!sent && contains(err, "ms/step")) sent = true, ::kill(pid, SIGINT);
   };
   const ChildResult result =
       runWeir({"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000",
