@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "framework/scene/scene_file.h"
+#include "tests/plugins/outputs/ranks_run.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/support/child_process.h"
 #include "tests/support/devices.h"
@@ -23,95 +24,6 @@
 
 namespace weir::test {
 namespace {
-
-/// All that is written, by name.
-using Files = std::map<std::string, std::string>;
-
-struct Outcome {
-  ChildResult result;
-  Files files;
-  Value statistics;
-};
-
-class RanksTest : public testing::Test {
- protected:
-  /// The scene, the dam break if there is none, with what is changed.
-  Outcome run(const std::string& name, const std::vector<std::string>& changes,
-              const std::vector<std::string>& more, int processes = 1) const {
-    const std::string to = folder_ / name;
-    std::filesystem::create_directory(to);
-    std::vector<std::string> arguments{"run",
-                                       scene_.empty() ? resourcesFolder() + "/scenes/dam_break.json" : scene_,
-                                       "--quiet",
-                                       "--duration",
-                                       duration_,
-                                       "--ply-particles",
-                                       to + "/ply",
-                                       "--stats",
-                                       to + "/stats.json",
-                                       "--series",
-                                       to + "/series.jsonl",
-                                       "--export",
-                                       to + "/export.vtkhdf"};
-    for (const std::string& change : changes) arguments.insert(arguments.end(), {"--set", change});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    arguments.insert(arguments.end(), device_.begin(), device_.end());
-    Outcome run{.result = processes == 1 ? runWeir(arguments) : runByMpi(processes, std::move(arguments))};
-    if (run.result.code != 0) return run;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(to + "/ply"))
-      if (entry.is_regular_file())
-        run.files[entry.path().filename().string()] = readFile(entry.path().string());
-    run.statistics = parseJson(readFile(to + "/stats.json"), "stats.json");
-    return run;
-  }
-
-  /// Takes five frames and saves the fourth, without outputs, which would have to be there at a resume.
-  ChildResult save(const std::string& checkpoint, const std::string& change,
-                   const std::vector<std::string>& where) const {
-    std::vector<std::string> arguments{
-        "run", scene_,         "--quiet",  "--duration",         duration_, "--set", change, "--frames",
-        "5",   "--checkpoint", checkpoint, "--checkpoint-every", "4"};
-    arguments.insert(arguments.end(), where.begin(), where.end());
-    return runWeir(arguments);
-  }
-
-  static ChildResult runByMpi(int processes, std::vector<std::string> arguments, ChildOptions options = {}) {
-    arguments.insert(arguments.begin(), {"-n", std::to_string(processes), weirProgram()});
-    // Of Open MPI, which asks whether one knows what one does.
-    options.environment = {{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
-                           {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
-                           {"OMPI_MCA_rmaps_base_oversubscribe", "1"}};
-    return runChild(findProgram("mpirun"), arguments, options);
-  }
-  static bool hasMpi() {
-    return !findProgram("mpirun").empty() &&
-           std::filesystem::exists(buildFolder() + "/lib/weir/plugins/weir_mpi.so");
-  }
-
-  void expectSameForAnyNumber(const std::vector<std::string>& changes,
-                              const std::vector<std::string>& numbers = {"2", "3", "4", "8"}) const {
-    const Outcome one = run("1", changes, {"--ranks", "1"});
-    ASSERT_EQ(one.result.code, 0) << one.result.err;
-    ASSERT_GE(one.files.size(), 10u);
-    for (const std::string& ranks : numbers) {
-      const Outcome several = run(ranks, changes, {"--ranks", ranks});
-      ASSERT_EQ(several.result.code, 0) << several.result.err;
-      ASSERT_EQ(several.files.size(), one.files.size());
-      for (const auto& [file, bytes] : one.files)
-        EXPECT_TRUE(several.files.at(file) == bytes) << file << " with " << ranks << " ranks";
-      EXPECT_EQ(writeJson(*several.statistics.find("nodes")), writeJson(*one.statistics.find("nodes")))
-          << ranks << " ranks";
-      expectSameSeries(folder_ / "1/series.jsonl", folder_ / (ranks + "/series.jsonl"));
-      expectSameExports(folder_ / "1/export.vtkhdf", folder_ / (ranks + "/export.vtkhdf"));
-    }
-  }
-
-  static const Value& fluidOf(const Outcome& run) { return *run.statistics.find("nodes")->find("water"); }
-
-  TemporaryFolder folder_;
-  std::string scene_, duration_ = "0.3";  // s
-  std::vector<std::string> device_;       // how to ask for another than the CPU
-};
 
 constexpr const char* kWhiteWater = R"({
   "weir": 1,
@@ -123,7 +35,6 @@ constexpr const char* kWhiteWater = R"({
   "links": ["block.particles -> water.initial", "water.fluid -> white.fluid"]
 })";
 
-constexpr const char* kCoarse = "water.spacing=0.05";
 constexpr const char* kFewIterations = "water.solver.type=SemiImplicitSolver";
 const std::vector<std::string> kFew{"2", "3", "4"};
 
@@ -375,113 +286,6 @@ TEST_F(RanksTest, SoIsAJetIntoATankWithAHole) {
     EXPECT_EQ(writeJson(nodesOf(ranks)), writeJson(one)) << ranks << " ranks";
     expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
   }
-}
-
-TEST_F(RanksTest, WhereOnlyNumbersAreWrittenNothingIsGathered) {
-  const auto statisticsOf = [&](const std::string& name, const std::vector<std::string>& more) {
-    const std::string to = folder_ / (name + ".json");
-    std::vector<std::string> arguments{"run",
-                                       resourcesFolder() + "/scenes/dam_break.json",
-                                       "--quiet",
-                                       "--frames",
-                                       "3",
-                                       "--set",
-                                       kCoarse,
-                                       "--set",
-                                       "block.velocity=[0.5, 0, -0.25]",
-                                       "--set",
-                                       "water.rest_steps=0",
-                                       "--stats",
-                                       to};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const ChildResult result = runWeir(arguments);
-    EXPECT_EQ(result.code, 0) << result.err;
-    return parseJson(readFile(to), to);
-  };
-  const Value watched = statisticsOf("watched", {"--ranks", "3", "--ply-particles", folder_ / "ply"});
-  const Value& reportOfWatched = *watched.find("ranks")->find("water");
-  EXPECT_EQ(reportOfWatched.find("gathered")->asInt(), 1000);
-  for (const std::string ranks : {"1", "2", "3", "4"}) {
-    const Value numbers = statisticsOf("only" + ranks, {"--ranks", ranks});
-    EXPECT_EQ(writeJson(*numbers.find("nodes")), writeJson(*watched.find("nodes"))) << ranks;
-    const Value& report = *numbers.find("ranks")->find("water");
-    EXPECT_EQ(report.find("ranks")->asInt(), std::stoi(ranks));
-    EXPECT_EQ(report.find("gathered")->asInt(), 0);
-    EXPECT_DOUBLE_EQ(report.find("particles")->find("mean")->asDouble(), 1000.0 / std::stoi(ranks));
-    // Steps have waited for others, for migration at least.
-    const Value& times = *report.find("step_ms");
-    for (const char* work : {"migration", "halo", "sums"})
-      EXPECT_GT(times.find(work)->find("max")->asDouble(), 0) << work;
-    EXPECT_EQ(times.find("gathering")->find("max")->asDouble(), 0);
-  }
-}
-
-TEST_F(RanksTest, TheirMemoryIsForetoldWithWhatIsGathered) {
-  const auto memoryOf = [&](const std::string& name, const std::string& ranks,
-                            std::vector<std::string> more) {
-    const std::string to = folder_ / (name + ".json");
-    std::vector<std::string> arguments{"run",
-                                       resourcesFolder() + "/scenes/benchmark_dam_break.json",
-                                       "--quiet",
-                                       "--ranks",
-                                       ranks,
-                                       "--frames",
-                                       "1",
-                                       "--set",
-                                       "world.dt=0.0005",
-                                       "--set",
-                                       "world.frame_rate=1000",
-                                       "--set",
-                                       "water.rest_steps=0",
-                                       "--stats",
-                                       to};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const ChildResult result = runWeir(arguments);
-    EXPECT_EQ(result.code, 0) << result.err;
-    const Value all = parseJson(readFile(to), to);
-    const double peaks =
-        all.find("ranks")->find("water")->find("device_peak_bytes")->find("mean")->asDouble() *
-        std::stod(ranks);
-    return std::pair(all.find("memory")->find("device_estimated_bytes")->asDouble(), peaks);
-  };
-  // 531,441 particles, so that a layer is a part that can be seen.
-  for (const std::string ranks : {"1", "2", "4"}) {
-    const auto [foretold, peaks] = memoryOf("only" + ranks, ranks, {});
-    EXPECT_NEAR(foretold / peaks, 1, 0.05) << ranks;
-    const auto [foretoldGathered, gathered] =
-        memoryOf("ply" + ranks, ranks, {"--ply-particles", folder_ / ranks});
-    EXPECT_NEAR(foretoldGathered / gathered, 1, 0.05) << ranks;
-    // Positions, velocities, ids and densities of all, and of one attribute what is on its way.
-    constexpr double kAll = 531'441, kGathered = kAll * (12 + 12 + 8 + 4);
-    EXPECT_GT(gathered - peaks, 0.95 * kGathered) << ranks;
-    EXPECT_LT(gathered - peaks, 1.05 * kGathered + 12 * kAll) << ranks;
-  }
-}
-
-TEST_F(RanksTest, TheirNumbersAreThoseOfARunWithoutThem) {
-  const auto numbersOf = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> changes{kCoarse, "water.rest_steps=0", "block.velocity=[0.5, 0, -0.25]"};
-    std::vector<std::string> arguments{"--frames", "0"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Outcome outcome = run(name, changes, arguments);
-    EXPECT_EQ(outcome.result.code, 0) << outcome.result.err;
-    return fluidOf(outcome);
-  };
-  const Value with = numbersOf("with", {"--ranks", "3"}), without = numbersOf("without", {"--device", "cpu"});
-  for (const char* name : {"particles", "kinetic_energy", "potential_energy", "max_speed"})
-    EXPECT_NEAR(with.find(name)->asDouble() / without.find(name)->asDouble(), 1, 1e-12) << name;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const char* name : {"linear_momentum", "center_of_mass"})
-      EXPECT_NEAR(with.find(name)->asArray()[std::size_t(axis)].asDouble(),
-                  without.find(name)->asArray()[std::size_t(axis)].asDouble(), 1e-12)
-          << name << axis;
-  EXPECT_EQ(writeJson(*with.find("bounds")), writeJson(*without.find("bounds")));
-  EXPECT_EQ(writeJson(*with.find("neighbors")), writeJson(*without.find("neighbors")));
-  // Densities are sums of floats, in another order.
-  for (const char* part : {"mean", "max"})
-    EXPECT_NEAR(with.find("compression")->find(part)->asDouble(),
-                without.find("compression")->find(part)->asDouble(), 1e-6)
-        << part;
 }
 
 TEST_F(RanksTest, RanksMayHaveNoParticles) {
