@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
-#include "framework/compute/atomic_or.h"
+#include "framework/compute/atomics.h"
 #include "framework/compute/parallel.h"
 #include "framework/solids/solid.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "framework/compute/array.h"
-#include "framework/compute/atomic_min.h"
+#include "framework/compute/atomics.h"
 #include "plugins/rendering/compute/pixel_lanes.h"
 #include "plugins/rendering/gl/splat_shapes.h"
 

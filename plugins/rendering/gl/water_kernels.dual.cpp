@@ -1,7 +1,6 @@
 #include "plugins/rendering/gl/water_kernels.h"
 
-#include "framework/compute/atomic_add.h"
-#include "framework/compute/atomic_min.h"
+#include "framework/compute/atomics.h"
 #include "framework/compute/parallel.h"
 #include "plugins/rendering/gl/splat_offers.h"
 

@@ -1,7 +1,9 @@
-// The least of what many threads of a kernel offer.
+// What many threads of a kernel do to one number: add, lower it, set bits. All are of integers, and their
+// results depend on no order, so kernels that use nothing else between their threads are deterministic.
 #pragma once
 
 #include <atomic>
+#include <bit>
 #include <cstdint>
 
 #include "framework/base/api.h"
@@ -9,8 +11,16 @@
 
 namespace WEIR_API weir {
 
-/// Lowers *least to `offered` if that is less; safe between the threads of one kernel. As the result depends
-/// on no order, kernels that use nothing else between their threads are deterministic.
+/// Adds to *sum; safe between the threads of one kernel.
+WEIR_HD inline void atomicAdd(std::uint32_t* sum, std::uint32_t added) {
+#ifdef __CUDA_ARCH__
+  ::atomicAdd(sum, added);
+#else
+  std::atomic_ref<std::uint32_t>(*sum).fetch_add(added, std::memory_order_relaxed);
+#endif
+}
+
+/// Lowers *min to `offered` if that is less; safe between the threads of one kernel.
 WEIR_HD inline void atomicMin(std::uint32_t* min, std::uint32_t offered) {
 #ifdef __CUDA_ARCH__
   ::atomicMin(min, offered);
@@ -40,6 +50,24 @@ WEIR_HD T currentMin(const T* min) {
   return *static_cast<const volatile T*>(min);
 #else
   return std::atomic_ref<T>(*const_cast<T*>(min)).load(std::memory_order_relaxed);
+#endif
+}
+
+/// Sets these bits of *word; safe between the threads of one kernel.
+WEIR_HD inline void atomicOr(std::uint32_t* word, std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+  ::atomicOr(word, bits);
+#else
+  std::atomic_ref<std::uint32_t>(*word).fetch_or(bits, std::memory_order_relaxed);
+#endif
+}
+
+/// The place of the lowest bit of what is not 0.
+WEIR_HD inline int lowestBit(std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+  return __ffs(static_cast<int>(bits)) - 1;
+#else
+  return std::countr_zero(bits);
 #endif
 }
 
