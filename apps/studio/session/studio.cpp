@@ -324,8 +324,7 @@ void Studio::setScene(ClientId client, const Value& message, Value& result) {
 void Studio::newScene(ClientId client, const Value&, Value& result) {
   requireWriter(client);
   path_.clear();
-  removePictureOfDraft(folder_, kUntitled);
-  lossWarning_.clear();
+  beginUntitled();
   draft_.reset();
   // The world of before goes, too.
   coarser_ = 1;
@@ -335,6 +334,13 @@ void Studio::newScene(ClientId client, const Value&, Value& result) {
   forgetRun();
   host_.load(nullptr, nullptr, device_);
   result = sceneState();
+}
+
+/// What was made of another scene without a file, and not saved, is not written over.
+void Studio::beginUntitled() {
+  keepOldDraft(folder_, "");
+  removePictureOfDraft(folder_, kUntitled);
+  lossWarning_.clear();
 }
 
 void Studio::findDraft() {
@@ -364,10 +370,7 @@ void Studio::openScene(ClientId client, const Value& message, Value& result) {
   const bool isTemplate = message.find("template") != nullptr;
   const std::string path = textMember(message, isTemplate ? "template" : "path");
   readScene(isTemplate ? ServedFolder(options_.templates) : folder_, path);
-  if (isTemplate) {
-    lossWarning_.clear();
-    removePictureOfDraft(folder_, kUntitled);
-  }
+  if (isTemplate) beginUntitled();
   running_.reset();
   coarser_ = 1;
   playsWhenBuilt_ = false;

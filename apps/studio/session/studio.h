@@ -143,6 +143,7 @@ class Studio final : private ServerEvents, private HostListener {
   bool needsReset() const;
   void takeScene(Value scene, std::string path, ClientId from);
   /// Offers what an earlier run was left with, if it is something else.
+  void beginUntitled();
   void findDraft();
   void keepDraft();
   void requireWriter(ClientId client) const;

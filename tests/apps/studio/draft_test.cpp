@@ -17,7 +17,7 @@ class DraftTest : public testing::Test {
   DraftTest() { folder.write("scene.json", kBriefScene); }
   std::unique_ptr<RunningStudio> start(const std::string& scene) const {
     StudioOptions options;
-    options.folder = folder.path();
+    options.folder = options.templates = folder.path();
     options.threads = 1;
     return std::make_unique<RunningStudio>(options, scene);
   }
@@ -112,6 +112,20 @@ TEST_F(DraftTest, ANewSceneHasNoFileThatItCouldOverwrite) {
   socket.ask(R"({"id": 6, "do": "scene.new"})");
   const Value set = socket.ask(edit());
   EXPECT_EQ(set.find("result")->find("path")->asString(), "");
+}
+
+TEST_F(DraftTest, OneWithoutAFileIsKeptBesideWhenAnotherSceneBegins) {
+  const auto studio = start("");
+  const Socket socket = studio->socket();
+  const auto kept = [&] { return parseJson(test::readFile(folder / ".untitled.json.draft.1"), "kept"); };
+  Value other = edit();
+  other["scene"]["title"] = "other";
+  socket.ask(edit());
+  socket.ask(R"({"id": 6, "do": "scene.new"})");
+  socket.ask(other);
+  EXPECT_EQ(kept(), edited());
+  socket.ask(R"({"id": 7, "do": "scene.open", "template": "scene.json"})");
+  EXPECT_EQ(kept(), *other.find("scene"));
 }
 
 TEST_F(DraftTest, WhatDiffersFromItsFileSaysSo) {
