@@ -52,8 +52,9 @@ class Registry {
   void addModule() {
     addModuleType({M::kInfo, source_, [] { return std::make_unique<M>(); }});
   }
-  /// The same for a type that is made at run time, such as a module in another language.
+  /// The same for types that are made at run time, such as those in another language.
   void addModuleType(ModuleType type);
+  void addNodeType(NodeType type);
   /// A section of the scene file beside "world" and "nodes", such as "render".
   template <class S>
   void addSection(const std::string& name, const std::string& doc) {
@@ -98,7 +99,6 @@ class Registry {
   void keepLoaded(std::shared_ptr<const void> library) { libraries_.push_back(std::move(library)); }
 
  private:
-  void addNodeType(NodeType type);
   void addSectionType(const std::string& name, SectionType type);
   void addServiceFactory(const std::string& interface, const std::string& name, std::any factory);
   static std::string serviceText(const std::string& interface, const std::string& name,

@@ -64,6 +64,18 @@ void giveArrays(Node& node, nb::dict arrays) {
       .inNode(node.name());
 }
 
+void fillBatch(ParticleBatch& batch, Device& device, nb::dict arrays) {
+  const ParticleData data = particlesOf(arrays);
+  batch.assign(device, data.positions, data.velocities);
+  batch.attributes.clear();
+  for (const ParticleColumn& column : data.columns)
+    std::visit(
+        [&]<class T>(const std::vector<T>& values) {
+          batch.attributes.push_back({column.info, Array<T>(device, values)});
+        },
+        column.values);
+}
+
 nb::object givenArrays(const Node& node) {
   if (const auto* file = dynamic_cast<const ParticleFile*>(&node);
       file != nullptr && file->given() != nullptr)

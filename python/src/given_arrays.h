@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/particles/particle_batch.h"
 #include "python/src/python_scene.h"
 
 namespace weir::python {
@@ -18,6 +19,9 @@ namespace nb = nanobind;
 /// the dict `attributes`, for the other `vertices` and `faces`. Throws a scene Error for a node of another
 /// type.
 void giveArrays(Node& node, nb::dict arrays);
+
+/// Particles on their way into a fluid, from the same arrays as those of a ParticleFile.
+void fillBatch(ParticleBatch& batch, Device& device, nb::dict arrays);
 
 /// Copies of what a node was given, by the same names; None if it was given nothing.
 nb::object givenArrays(const Node& node);

@@ -13,9 +13,10 @@
 #include "framework/run/guarded_output.h"
 #include "framework/scene/scene_file.h"
 #include "framework/solids/solid.h"
+#include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/register_nodes.h"
 #include "python/src/errors.h"
-#include "python/src/python_module.h"
+#include "python/src/python_part.h"
 #include "python/src/values.h"
 
 namespace weir::python {
@@ -45,15 +46,34 @@ std::vector<std::string> Library::plugins() const {
   return files;
 }
 
+namespace {
+
+/// What the registry's function that makes objects of a class holds: the texts live as long as it.
+struct PythonType {
+  explicit PythonType(nb::object type)
+      : texts{nb::cast<std::string>(type.attr("__name__")), docOf(type)}, held(std::move(type)) {}
+
+  PartTexts texts;
+  HeldObject held;
+};
+
+}  // namespace
+
 void Library::registerModule(nb::object type) {
   auto registry = std::make_shared<Registry>(*registry_);
-  const std::string name = nb::cast<std::string>(type.attr("__name__"));
-  // The texts that the registry refers to live as long as its function that makes modules.
-  const auto texts = std::make_shared<ModuleTexts>(ModuleTexts{name, docOf(type)});
-  const auto held = std::make_shared<HeldObject>(std::move(type));
-  registry->addModuleType({{texts->type, FluidModule::kFamily, texts->doc},
+  const auto made = std::make_shared<const PythonType>(std::move(type));
+  registry->addModuleType({{made->texts.type, FluidModule::kFamily, made->texts.doc},
                            registry->source(),
-                           [texts, held] { return makePythonModule(held->object); }});
+                           [made] { return makePythonPart<Module>(made->held.object); }});
+  registry_ = std::move(registry);
+}
+
+void Library::registerNode(nb::object type) {
+  auto registry = std::make_shared<Registry>(*registry_);
+  const auto made = std::make_shared<const PythonType>(std::move(type));
+  registry->addNodeType({{made->texts.type, made->texts.doc}, registry->source(), [made] {
+                           return makePythonPart<Node>(made->held.object);
+                         }});
   registry_ = std::move(registry);
 }
 
@@ -107,6 +127,8 @@ void bindLibrary(nb::module_& m) {
       .def_prop_ro("plugins", &Library::plugins, "Files of the plugins that are loaded.")
       .def("register_module", &Library::registerModule, nb::arg("type"),
            "Make a class of modules known by its name.")
+      .def("register_node", &Library::registerNode, nb::arg("type"),
+           "Make a class of nodes known by its name.")
       .def("types", &describeTypes, nb::sig("def types(self) -> dict"),
            "All types with their parameters and ports, as data.")
       .def("outputs", &describeOutputs, nb::sig("def outputs(self) -> dict"),

@@ -27,8 +27,10 @@ class Library {
   void loadPlugin(const std::string& file);
   /// Files of the plugins that are loaded.
   std::vector<std::string> plugins() const;
-  /// Makes a class that derives from weir.Module known by its name, for scenes that are read from files.
+  /// Makes a class that derives from weir.Module or weir.Node known by its name, for scenes that are read
+  /// from files.
   void registerModule(nb::object type);
+  void registerNode(nb::object type);
 
  private:
   std::shared_ptr<const Registry> registry_;

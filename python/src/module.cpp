@@ -5,6 +5,8 @@
 #include "python/src/library.h"
 #include "python/src/particles.h"
 #include "python/src/python_module.h"
+#include "python/src/python_node.h"
+#include "python/src/python_part.h"
 #include "python/src/python_scene.h"
 #include "python/src/python_simulation.h"
 
@@ -17,7 +19,9 @@ NB_MODULE(_core, m) {
   raiseErrorsAs(nb::module_::import_("weir._errors").attr("Error"));
   bindLibrary(m);
   bindParticles(m);
+  bindPart(m);
   bindModule(m);
   bindScene(m);
+  bindNode(m);
   bindSimulation(m);
 }

@@ -13,8 +13,6 @@ namespace weir::python {
 
 namespace {
 
-constexpr const char* kState = "python";
-
 /// What a method of a Python module gets. It can be used until the method returns.
 class StepView {
  public:
@@ -40,79 +38,27 @@ class StepView {
 
 }  // namespace
 
-std::string docOf(nb::handle type) {
-  const nb::object doc = nb::module_::import_("inspect").attr("cleandoc")(nb::str(type.attr("__doc__")));
-  return type.attr("__doc__").is_none() ? std::string() : nb::cast<std::string>(doc);
-}
+PythonModule::PythonModule(PartBase& half, PartTexts texts)
+    : PythonPart(*this, half, std::move(texts)), info_{this->texts().type, kFamily, this->texts().doc} {}
 
-PythonModule::PythonModule(ModuleBase& half, ModuleTexts texts)
-    : half_(half), texts_(std::move(texts)), info_{texts_.type, kFamily, texts_.doc} {}
-
-PythonModule::~PythonModule() {
-  const nb::gil_scoped_acquire gil;
-  half_.module_ = nullptr;
-  self_.reset();  // the other half may go with it
-}
-
-void PythonModule::attach(PythonScene& scene, std::string node) {
-  scene_ = &scene;
+void PythonModule::attachTo(PythonScene& scene, std::string node) {
+  attach(scene);
   node_ = std::move(node);
 }
 
-template <class T>
-void PythonModule::addParam(const std::string& name, nb::handle initial, ParamSpec spec) {
-  const T value = ParamTraits<T>::fromValue(toValue(initial), spec, {});
-  auto param = std::make_unique<Param<T>>(*this, name, value, spec);
-  getters_[name] = [p = param.get()] { return ParamTraits<T>::toValue(p->get()); };
-  parameters_.push_back(std::move(param));
-}
-
-void PythonModule::define(const PythonParameter& p, nb::handle initial) {
-  const auto keep = [&](const std::string& text) -> std::string_view { return strings_.emplace_back(text); };
-  const ParamSpec spec{.unit = keep(p.unit),
-                       .min = p.min,
-                       .max = p.max,
-                       .aboveMin = p.aboveMin,
-                       .live = p.live,
-                       .animated = p.animated,
-                       .doc = keep(p.doc)};
-  const Value value = toValue(initial);
-  ParamSpec plain = spec;
-  plain.animated = false;
-  try {
-    if (value.isBool()) return addParam<bool>(p.name, initial, plain);
-    if (value.isInt()) return addParam<std::int64_t>(p.name, initial, plain);
-    if (value.isNumber()) return addParam<double>(p.name, initial, spec);
-    if (value.isString()) return addParam<std::string>(p.name, initial, plain);
-    if (value.isArray() && value.asArray().size() == 2) return addParam<Vec2f>(p.name, initial, plain);
-    if (value.isArray() && value.asArray().size() == 3) return addParam<Vec3f>(p.name, initial, spec);
-  } catch (Error& e) {
-    throw e.inParameter(p.name);
-  }
-  throw nb::type_error(
-      ("the parameter '" + p.name + "' begins as none of bool, int, float, str, or two or three numbers")
-          .c_str());
-}
-
-nb::object PythonModule::get(const std::string& name) const {
-  const auto getter = getters_.find(name);
-  if (getter == getters_.end()) throw nb::attribute_error(name.c_str());
-  return toPython(getter->second(), true);
-}
-
 bool PythonModule::comesAfterSearch() const {
-  for (const auto& module : scene_->pipeline(node_).modules()) {
+  for (const auto& module : scene()->pipeline(node_).modules()) {
     if (module.get() == this) return false;
     if (module->enabled() && dynamic_cast<const NeighborSearch*>(module.get()) != nullptr) return true;
   }
   return false;
 }
 
-void PythonModule::call(const char* method, FluidStep& fluid, bool withDt) {
+void PythonModule::callIn(const char* method, FluidStep& fluid, bool withDt) {
   const nb::gil_scoped_acquire gil;
   letStreamWait(fluid.device, kLegacyStream);
   const nb::object view = nb::cast(StepView(fluid, *this));
-  scene_->running = {.node = node_, .knowsNeighbors = withDt && comesAfterSearch()};
+  scene()->running = {.node = node_, .knowsNeighbors = withDt && comesAfterSearch()};
   struct End {
     StepView& view;
     PythonScene& scene;
@@ -120,106 +66,23 @@ void PythonModule::call(const char* method, FluidStep& fluid, bool withDt) {
       view.end();
       scene.running.reset();
     }
-  } end{nb::cast<StepView&>(view), *scene_};
+  } end{nb::cast<StepView&>(view), *scene()};
   if (withDt)
-    self_.attr(method)(view, fluid.time.dt);
+    call(method, view, fluid.time.dt);
   else
-    self_.attr(method)(view);
+    call(method, view);
   waitForStream(fluid.device, kLegacyStream);
 }
 
 void PythonModule::reset(FluidStep& fluid) {
-  call("reset", fluid, false);
+  callIn("reset", fluid, false);
 }
 
 void PythonModule::step(FluidStep& fluid) {
-  call("step", fluid, true);
-}
-
-void PythonModule::report(NodeReport& report) {
-  const nb::gil_scoped_acquire gil;
-  const nb::object said = self_.attr("report")();
-  if (said.is_none()) return;
-  const Value values = toValue(said);
-  if (!values.isObject()) throw nb::type_error("report() of a module returns a dict");
-  for (const auto& [name, value] : values.asObject()) report.statistics[name] = value;
-}
-
-void PythonModule::save(const StateWriter& to) const {
-  const nb::gil_scoped_acquire gil;
-  const nb::bytes state = nb::cast<nb::bytes>(self_.attr("_saved_state")());
-  to.put(kState, std::span<const char>(state.c_str(), state.size()));
-}
-
-void PythonModule::restore(const StateReader& from) {
-  const std::vector<char> state = from.getAll<char>(kState);
-  const nb::gil_scoped_acquire gil;
-  self_.attr("_restore_state")(nb::bytes(state.data(), state.size()));
-}
-
-PythonModule& ModuleBase::module() const {
-  if (module_ == nullptr)
-    throw usageError("the module has no parameters",
-                     "a module that called super().__init__(), and whose scene is still there");
-  return *module_;
-}
-
-void ModuleBase::begin(ModuleTexts texts) {
-  if (module_ != nullptr) throw usageError("the module is made already", "one call of __init__");
-  own_ = std::make_unique<PythonModule>(*this, std::move(texts));
-  module_ = own_.get();
-}
-
-std::unique_ptr<Module> ModuleBase::give(nb::object self) {
-  static_cast<void>(module());
-  if (!own_) throw usageError("the module is in a scene already", "another object for another place");
-  own_->keep(std::move(self));
-  return std::move(own_);
-}
-
-std::unique_ptr<Module> makePythonModule(nb::handle type) {
-  const nb::gil_scoped_acquire gil;
-  nb::object made = type();
-  ModuleBase& half = nb::cast<ModuleBase&>(made);
-  return half.give(std::move(made));
+  callIn("step", fluid, true);
 }
 
 void bindModule(nb::module_& m) {
-  nb::class_<ModuleBase>(m, "ModuleBase", "What weir.Module is made of.", nb::dynamic_attr())
-      .def(nb::init<>())
-      .def(
-          "_begin",
-          [](ModuleBase& b, std::string type, std::string doc) {
-            b.begin({std::move(type), std::move(doc)});
-          },
-          nb::arg("type"), nb::arg("doc"))
-      .def(
-          "_define",
-          [](ModuleBase& b, std::string name, nb::handle initial, std::string unit, std::string doc,
-             double min, double max, bool above, bool live, bool animated) {
-            b.module().define(
-                {std::move(name), std::move(unit), std::move(doc), min, max, above, live, animated}, initial);
-          },
-          nb::arg("name"), nb::arg("initial"), nb::arg("unit"), nb::arg("doc"), nb::arg("min"),
-          nb::arg("max"), nb::arg("above"), nb::arg("live"), nb::arg("animated"))
-      .def(
-          "_get", [](const ModuleBase& b, const std::string& name) { return b.module().get(name); },
-          nb::arg("name"))
-      .def(
-          "_assign",
-          [](const ModuleBase& b, nb::handle values) {
-            PythonModule& module = b.module();
-            if (module.scene() == nullptr) return module.assignAll(toValue(values), {});
-            module.scene()->assign({Target::Kind::kModule, module.node(), module.name()}, toValue(values));
-          },
-          nb::arg("values"))
-      .def_prop_ro(
-          "name", [](const ModuleBase& b) { return b.module().name(); },
-          "Its name in the pipeline; \"\" outside.")
-      .def_prop_rw(
-          "enabled", [](const ModuleBase& b) { return b.module().enabled(); },
-          [](ModuleBase& b, bool on) { b.module().enable(on); }, "Whether it takes part in steps.");
-
   nb::class_<StepView>(m, "FluidStep",
                        "A fluid within one step, as a module's methods get it; gone when they return.")
       .def_prop_ro(

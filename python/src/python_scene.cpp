@@ -10,6 +10,7 @@
 #include "python/src/errors.h"
 #include "python/src/given_arrays.h"
 #include "python/src/python_module.h"
+#include "python/src/python_node.h"
 
 namespace weir::python {
 
@@ -99,7 +100,7 @@ PythonScene::PythonScene(std::shared_ptr<Library> library, std::unique_ptr<Scene
       log_(logToPython),
       scene_(std::move(scene)) {
   registry();
-  attachModules();
+  attachParts();
 }
 
 PythonScene::~PythonScene() = default;
@@ -158,19 +159,17 @@ ParticleSet& PythonScene::particles(const std::string& name) const {
       .inNode(name);
 }
 
-void PythonScene::addNode(const std::string& type, const std::string& name, const Value& parameters,
-                          nb::object arrays) {
+void PythonScene::addNode(std::unique_ptr<Node> node, const std::string& name, const Value& parameters) {
   Scene& to = scene();
   if (to.sections.contains(name))
     throw sceneError(inQuotes(name) + " is the name of a section of scenes", "another name for the node");
-  std::unique_ptr<Node> node = registry()->createNode(type);
-  if (!arrays.is_none()) giveArrays(*node, nb::cast<nb::dict>(arrays));
   try {
     node->assignAll(parameters, placeOf({Target::Kind::kNode, name, ""}));
   } catch (Error& e) {
     throw e.inNode(name);
   }
   to.graph.add(std::move(node), name);
+  attachParts();
   if (simulation_) staleBecause = "the new node " + inQuotes(name);
 }
 
@@ -292,15 +291,16 @@ void PythonScene::insertModule(const std::string& node, std::unique_ptr<Module> 
     modules.insert(*index, std::move(module), name);
   else
     modules.replace(name, std::move(module));
-  attachModules();
+  attachParts();
   if (simulation_) staleBecause = "the new module " + inQuotes(node + "." + name);
 }
 
-void PythonScene::attachModules() {
+void PythonScene::attachParts() {
   for (const auto& node : scene().graph.nodes()) {
+    if (auto* python = dynamic_cast<PythonNode*>(node.get())) python->attachTo(*this);
     if (node->pipeline() == nullptr) continue;
     for (const auto& module : node->pipeline()->modules())
-      if (auto* python = dynamic_cast<PythonModule*>(module.get())) python->attach(*this, node->name());
+      if (auto* python = dynamic_cast<PythonModule*>(module.get())) python->attachTo(*this, node->name());
   }
 }
 

@@ -50,8 +50,7 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   /// The particles of the fluid that a node puts out. Throws a usage Error if it has none.
   ParticleSet& particles(const std::string& node) const;
 
-  /// `arrays` are what giveArrays takes, or None.
-  void addNode(const std::string& type, const std::string& name, const Value& parameters, nb::object arrays);
+  void addNode(std::unique_ptr<Node> node, const std::string& name, const Value& parameters);
   void give(const std::string& node, nb::dict arrays);
   void link(const std::string& text);
   Value get(const Target& target, const std::vector<std::string>& path) const;
@@ -99,7 +98,7 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   };
   bool isStepping() const { return stepping_.has_value(); }
 
-  /// A module of a fluid whose method is called.
+  /// A module of a fluid in Python whose method is called.
   struct Running {
     std::string node;
     bool knowsNeighbors = false;  ///< whether the neighbours of this step have been found
@@ -111,7 +110,7 @@ class PythonScene : public std::enable_shared_from_this<PythonScene> {
   /// The scene as a file has it, without what nodes were given.
   Value written(const std::string& folder) const;
   Configurable& find(const Target& target) const;
-  void attachModules();
+  void attachParts();
   void openDeviceOnce(const std::string& device, int threads);
   /// Whether the module's type no longer has what is assigned, which then is done as a scene is read.
   bool assignMoved(const Target& target, const Value& values);

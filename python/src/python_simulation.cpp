@@ -130,8 +130,8 @@ void PythonSimulation::reset() {
   pictures_.reset();  // meshes may become others
   // What it throws leaves nodes half set up.
   failed_ = true;
-  stepping([&] { present.reset(); });
   scene_->staleBecause.clear();
+  stepping([&] { present.reset(); });
   failed_ = false;
 }
 

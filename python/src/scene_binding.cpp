@@ -12,7 +12,7 @@
 #include "python/src/given_arrays.h"
 #include "python/src/node_outputs.h"
 #include "python/src/particles.h"
-#include "python/src/python_module.h"
+#include "python/src/python_part.h"
 #include "python/src/python_scene.h"
 #include "python/src/values.h"
 
@@ -82,10 +82,22 @@ nb::list modulesOf(const PythonScene& scene, const std::string& node) {
   return modules;
 }
 
-/// The object of a module that is written in Python, or None.
-nb::object moduleObject(const PythonScene& scene, const std::string& node, const std::string& name) {
-  const auto* python = dynamic_cast<PythonModule*>(&scene.module(node, name));
+/// The object of a module or node that is written in Python, or None.
+template <class T>
+nb::object objectOf(const T& part) {
+  const auto* python = dynamic_cast<const PythonPart*>(&part);
   return python != nullptr ? python->self() : nb::none();
+}
+
+/// `type` is the name of a type, or an object of a class of nodes; `arrays` are what giveArrays takes, or
+/// None.
+void addNode(PythonScene& scene, nb::object type, const std::string& name, nb::handle parameters,
+             nb::object arrays) {
+  std::unique_ptr<Node> node = nb::isinstance<nb::str>(type)
+                                   ? scene.registry()->createNode(nb::cast<std::string>(type))
+                                   : nb::cast<PartBase&>(type).give<Node>(type);
+  if (!arrays.is_none()) giveArrays(*node, nb::cast<nb::dict>(arrays));
+  scene.addNode(std::move(node), name, toValue(parameters));
 }
 
 /// `module` is the name of a type, or an object of a class of modules.
@@ -98,7 +110,7 @@ void insertModule(PythonScene& scene, const std::string& node, nb::object module
     if (params.isObject()) scene.readMoved(node, name, type, params);
     made = scene.registry()->createModule(type);
   } else {
-    made = nb::cast<ModuleBase&>(module).give(module);
+    made = nb::cast<PartBase&>(module).give<Module>(module);
   }
   try {
     made->assignAll(params, {});
@@ -135,11 +147,8 @@ void bindScene(nb::module_& m) {
       .def_static("load", &load, nb::arg("library"), nb::arg("file"), nb::arg("changes"))
       .def_static("parse", &parse, nb::arg("library"), nb::arg("text"), nb::arg("file"), nb::arg("folder"),
                   nb::arg("changes"))
-      .def(
-          "add_node",
-          [](S& s, const std::string& type, const std::string& name, nb::handle parameters,
-             nb::object arrays) { s.addNode(type, name, toValue(parameters), std::move(arrays)); },
-          nb::arg("type"), nb::arg("name"), nb::arg("parameters"), nb::arg("arrays") = nb::none())
+      .def("add_node", &addNode, nb::arg("type"), nb::arg("name"), nb::arg("parameters"),
+           nb::arg("arrays") = nb::none())
       .def("give", &S::give, nb::arg("node"), nb::arg("arrays"))
       .def(
           "given", [](const S& s, const std::string& node) { return givenArrays(s.node(node)); },
@@ -160,8 +169,17 @@ void bindScene(nb::module_& m) {
       .def("sections", &sectionsOf)
       .def("modules", &modulesOf, nb::arg("node"),
            nb::sig("def modules(self, node: str) -> list[tuple[str, str]]"))
-      .def("module_object", &moduleObject, nb::arg("node"), nb::arg("name"),
-           nb::sig("def module_object(self, node: str, name: str) -> ModuleBase | None"))
+      .def(
+          "module_object",
+          [](const S& s, const std::string& node, const std::string& name) {
+            return objectOf(s.module(node, name));
+          },
+          nb::arg("node"), nb::arg("name"),
+          nb::sig("def module_object(self, node: str, name: str) -> PartBase | None"))
+      .def(
+          "node_object", [](const S& s, const std::string& node) { return objectOf(s.node(node)); },
+          nb::arg("node"), nb::sig("def node_object(self, node: str) -> PartBase | None"))
+      .def("time", [](const S& s) { return s.simulation() != nullptr ? s.simulation()->time() : 0; })
       .def(
           "module_enabled",
           [](const S& s, const std::string& node, const std::string& name) {

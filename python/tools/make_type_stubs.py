@@ -16,7 +16,7 @@ from os import PathLike
 from typing import Any, Literal
 
 from ._core import Particles
-from ._nodes import ModuleHandle, Modules, Node, Port
+from ._nodes import ModuleHandle, Modules, NodeHandle, Port
 from ._parameters import Parameters
 from ._results import BodyMotion, Pose
 '''
@@ -80,7 +80,7 @@ def main(folder: Path) -> None:
     types = library.types()
     nodes, modules = [HEAD], [HEAD]
     for name, about in types["nodes"].items():
-        nodes += class_lines(name, "Node", about["doc"], about["parameters"], ports(about) + OWN_MEMBERS.get(name, []))
+        nodes += class_lines(name, "NodeHandle", about["doc"], about["parameters"], ports(about) + OWN_MEMBERS.get(name, []))
     for name, about in types["modules"].items():
         modules += class_lines(name, "ModuleHandle", about["doc"], about["parameters"], [])
     (folder / "nodes.pyi").write_text("\n".join(nodes), encoding="utf-8")

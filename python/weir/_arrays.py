@@ -105,13 +105,14 @@ def _attribute(array: Any, name: str, count: int) -> Any:
     return numpy.ascontiguousarray(values, dtype=numpy.int32)
 
 
-def particle_arrays(positions: Any, velocities: Any, attributes: Mapping[str, Any] | None) -> dict[str, Any]:
-    """What a ParticleFile takes in place of a file."""
+def particle_arrays(positions: Any, velocities: Any, attributes: Mapping[str, Any] | None,
+                    least: int = 1) -> dict[str, Any]:
+    """What a ParticleFile takes in place of a file: at least that many particles."""
     import numpy
 
     places = floats(positions, "positions", (None, 3), allowed="(n, 3)")
     count = len(places)
-    if count == 0:
+    if count < least:
         raise array_error("positions", "found no particles", "at least one")
     if velocities is None:
         speeds = numpy.zeros((count, 3), numpy.float32)

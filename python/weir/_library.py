@@ -5,12 +5,9 @@ from __future__ import annotations
 import logging
 import os
 from pathlib import Path
-from typing import TypeVar
 
 from . import _core
 from ._errors import Error
-
-C = TypeVar("C", bound=type)
 
 
 def _folders() -> list[Path]:
@@ -40,15 +37,6 @@ def load_plugin(file: str | os.PathLike) -> None:
 def plugins() -> list[str]:
     """Files of the plugins that are loaded."""
     return library.plugins
-
-
-def register(module: C) -> C:
-    """Make a class of modules known by its name, so that scenes which name it can be read from files.
-
-    Can be used as a decorator. The class must be callable without arguments.
-    """
-    library.register_module(module)
-    return module
 
 
 def version() -> str:

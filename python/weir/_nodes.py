@@ -17,8 +17,8 @@ from ._results import BodyMotion, Pose, as_motion, as_pose, as_result
 class Port:
     """Where nodes are linked: `tank.boundary >> water.boundaries`."""
 
-    def __init__(self, node: Node, about: dict, is_output: bool):
-        self.node, self.name, self.type, self.is_output = node, about["name"], about["type"], is_output
+    def __init__(self, node: Any, about: dict, is_output: bool, many: bool = False):
+        self.node, self.name, self.type, self.is_output, self._many = node, about["name"], about["type"], is_output, many
         self.__doc__ = about["doc"]
 
     @property
@@ -29,19 +29,44 @@ class Port:
     @property
     def value(self) -> Any:
         """What an output holds: a weir.Mesh, weir.Particles, weir.ParticleArrays, or for each solid a weir.SolidForce.
+        What an input gets: that of the output that is linked to it, None without one, or a list if it takes many.
 
         Of particles it is a view, of the others a copy. A fluid's surface is that of the last frame, or of the last
         refresh() of the simulation. Needs an open simulation.
         """
         if not self.is_output:
-            raise usage_error(f"'{self.path}' is an input", "the output that is linked to it", f"node '{self.node.name}'")
+            values = [output.value for output in self.links]
+            return values if self._many else values[0] if values else None
         core, node = self.node._core, self.node.name
         if self.type == "Particles":
             core.particles(node).count  # an Error where there are none yet
             return core.particles(node)
         return as_result(self.type, core.output(node, self.name))
 
-    def __rshift__(self, other: Port) -> Node:
+    @property
+    def links(self) -> list[Port]:
+        """The ports at the other ends of its links; their `node` has more than the value, such as a pose."""
+        ends = [tuple(text.split(" -> ")) for text in self.node._core.links()]
+        if self.is_output:
+            return [_port_named(self.node._core, into) for out, into in ends if out == self.path]
+        return sorted((_port_named(self.node._core, out) for out, into in ends if into == self.path), key=lambda port: port.node.name)
+
+    @property
+    def spacing(self) -> float | None:
+        """Of an output of a node in Python: the distance of particles that the fluid below asks for, m; None without."""
+        return _core.spacing_of(self._own(), self.name)
+
+    def set_particles(self, positions: Any, velocities: Any = None, attributes: Mapping[str, Any] | None = None) -> None:
+        """Give particles out, in reset() or step() of a node in Python: the arrays are as in Scene.add_particles, and
+        there may be none."""
+        _core.put(self._own(), self.name, particle_arrays(positions, velocities, attributes, least=0))
+
+    def _own(self) -> _core.PartBase:
+        if not self.is_output or not isinstance(self.node, _core.PartBase):
+            raise usage_error(f"'{self.path}' is no output of a node in Python", "a weir.Output", f"node '{self.node.name}'")
+        return self.node
+
+    def __rshift__(self, other: Port) -> Any:
         """Link this output to an input; gives the node of the input."""
         if not isinstance(other, Port):
             return NotImplemented
@@ -50,6 +75,22 @@ class Port:
 
     def __repr__(self) -> str:
         return f"<{'output' if self.is_output else 'input'} {self.path}: {self.type}>"
+
+
+def _port_named(core: _core.Scene, path: str) -> Port:
+    node, name = path.rsplit(".", 1)
+    return getattr(node_named(core, node), name)
+
+
+def node_named(core: _core.Scene, name: str) -> Any:
+    """The node of that name: of one in Python its object, otherwise a NodeHandle."""
+    own = core.node_object(name)  # an Error that suggests the nearest name
+    if own is not None:
+        return own
+    found = node_class(dict(core.nodes())[name])()
+    found._bind(core, _core.Target("node", name))
+    object.__setattr__(found, "_name", name)
+    return found
 
 
 def link(core: _core.Scene, output: Port | str, input: Port | str) -> None:
@@ -131,8 +172,8 @@ class Modules(Mapping):
     def _put(self, name: str, module: Any, index: int | None, params: dict[str, Any]) -> ModuleHandle | Module:
         if isinstance(module, type):
             module = module() if issubclass(module, Module) else module.__name__
-        if isinstance(module, Module) and not module._made:
-            raise usage_error(f"the {type(module).__name__} is not made", "super().__init__(**params) in its __init__")
+        if isinstance(module, Module):
+            module._check_made()
         self._core.insert_module(self._node, module, name, index, params)
         return self[name]
 
@@ -140,7 +181,7 @@ class Modules(Mapping):
         return "Modules(" + ", ".join(f"{name}: {type}" for name, type in self._types().items()) + ")"
 
 
-class Node(Parameters):
+class NodeHandle(Parameters):
     """A node of a scene, with its parameters and ports as attributes."""
 
     _name: str
@@ -173,12 +214,12 @@ def _port_property(about: dict, is_output: bool) -> property:
     return property(lambda self: Port(self, about, is_output), doc=f"The {kind} of type {about['type']}. {about['doc']}")
 
 
-def _particles(self: Node) -> _core.Particles:
+def _particles(self: NodeHandle) -> _core.Particles:
     return self._core.particles(self._name)
 
 
 def _particle_member(name: str, doc: str) -> property:
-    def put(self: Node, values: Any) -> None:
+    def put(self: NodeHandle, values: Any) -> None:
         setattr(_particles(self), name, values)
 
     return property(lambda self: getattr(_particles(self), name), put, doc=doc)
@@ -194,7 +235,7 @@ def _fluid_members() -> dict[str, property]:
     }
 
 
-def _sample(self: Node, points: Any, attribute: str = "") -> Any:
+def _sample(self: NodeHandle, points: Any, attribute: str = "") -> Any:
     """An attribute of floats or vectors, such as "velocity", at points (n, 3) in space, m: the mean of the particles
     within two spacings, weighted as the node Gauge does it, and NaN where there are none.
 
@@ -203,24 +244,24 @@ def _sample(self: Node, points: Any, attribute: str = "") -> Any:
     return self._core.sampled(self._name, attribute, floats(points, "points", (None, 3), allowed="(n, 3)"))
 
 
-def _neighbors(self: Node) -> tuple[Any, Any]:
+def _neighbors(self: NodeHandle) -> tuple[Any, Any]:
     return _particles(self).neighbors()
 
 
 _neighbors.__doc__ = _core.Particles.neighbors.__doc__
 
 
-def _pose(self: Node, time: float | None = None) -> Pose:
+def _pose(self: NodeHandle, time: float | None = None) -> Pose:
     """Where its solids are, at the present time or another one, s. Needs an open simulation."""
     return as_pose(*self._core.pose(self._name, time))
 
 
-def _motion(self: Node) -> BodyMotion:
+def _motion(self: NodeHandle) -> BodyMotion:
     """Its velocities as they are now. Needs an open simulation."""
     return as_motion(*self._core.motion(self._name))
 
 
-def _place(self: Node, pose: Pose | None = None, velocity: Any = None, angular_velocity: Any = None) -> None:
+def _place(self: NodeHandle, pose: Pose | None = None, velocity: Any = None, angular_velocity: Any = None) -> None:
     """Put the body there, between steps; what is left out stays. `velocity` (m/s) is that of its centre of mass,
     `angular_velocity` is in rad/s; axes that are fixed keep 0. Water is pushed out of where it is put, so it must not be
     put far into it at once. Needs an open simulation."""
@@ -231,12 +272,12 @@ def _place(self: Node, pose: Pose | None = None, velocity: Any = None, angular_v
                      numbers(motion.angular_velocity if angular_velocity is None else angular_velocity, "angular_velocity", 3))
 
 
-def _set_particles(self: Node, positions: Any, velocities: Any = None, attributes: Mapping[str, Any] | None = None) -> None:
+def _set_particles(self: NodeHandle, positions: Any, velocities: Any = None, attributes: Mapping[str, Any] | None = None) -> None:
     """Take these particles in place of the present ones, from the next reset on; see Scene.add_particles."""
     self._core.give(self._name, particle_arrays(positions, velocities, attributes))
 
 
-def _set_mesh(self: Node, vertices: Any, faces: Any) -> None:
+def _set_mesh(self: NodeHandle, vertices: Any, faces: Any) -> None:
     """Take this mesh in place of the present one, from the next reset on; see Scene.add_mesh."""
     self._core.give(self._name, mesh_arrays(vertices, faces))
 
@@ -246,11 +287,11 @@ _OWN_MEMBERS: dict[str, dict[str, Any]] = {"ParticleFile": {"set_particles": _se
                                            "MeshFile": {"set_mesh": _set_mesh},
                                            "RigidBody": {"motion": _motion, "place": _place}}
 
-_node_classes: dict[str, type[Node]] = {}
+_node_classes: dict[str, type[NodeHandle]] = {}
 _module_classes: dict[str, type[ModuleHandle]] = {}
 
 
-def _make_node_class(name: str, about: dict) -> type[Node]:
+def _make_node_class(name: str, about: dict) -> type[NodeHandle]:
     members: dict[str, Any] = {}
     if any(port["type"] == "Particles" for port in about["outputs"]):
         members.update(_fluid_members())
@@ -264,7 +305,7 @@ def _make_node_class(name: str, about: dict) -> type[Node]:
         members.update({port["name"]: _port_property(port, is_output) for port in ports})
     members["_outputs"] = lambda self: [Port(self, port, True) for port in about["outputs"]]
     members["_type"] = name
-    return make_class(name, (Node,), about["doc"], about["parameters"], members)
+    return make_class(name, (NodeHandle,), about["doc"], about["parameters"], members)
 
 
 def _known(classes: dict, kind: str) -> dict:
@@ -279,7 +320,7 @@ def _known(classes: dict, kind: str) -> dict:
     return classes
 
 
-def node_class(name: str) -> type[Node] | None:
+def node_class(name: str) -> type[NodeHandle] | None:
     """The class of a node type; None if there is no such type."""
     return _node_classes.get(name) or _known(_node_classes, "nodes").get(name)
 
@@ -289,7 +330,7 @@ def module_class(name: str) -> type[ModuleHandle]:
     return _module_classes.get(name) or _known(_module_classes, "modules").get(name, ModuleHandle)
 
 
-def node_classes() -> dict[str, type[Node]]:
+def node_classes() -> dict[str, type[NodeHandle]]:
     """All of them, by name."""
     return _known(_node_classes, "nodes")
 

@@ -10,9 +10,14 @@ from . import _core, _nodes, _ply
 from ._arrays import mesh_arrays, particle_arrays
 from ._errors import usage_error
 from ._library import library
+from ._node import Node
 from ._parameters import Parameters, make_class
 
-N = TypeVar("N", bound=_nodes.Node)
+N = TypeVar("N", bound=_nodes.NodeHandle)
+P = TypeVar("P", bound=Node)
+
+
+ClassType = type  # which a parameter of add() hides
 
 
 class Section(Parameters):
@@ -81,10 +86,17 @@ class Scene:
     @overload
     def add(self, type: type[N], name: str, **params: Any) -> N: ...
     @overload
+    def add(self, type: type[P] | P, name: str, **params: Any) -> P: ...
+    @overload
     def add(self, type: str, name: str, **params: Any) -> Any: ...
     def add(self, type, name, **params):
-        """Add a node of a type, given by its name or as a class of weir.nodes, with values of its parameters."""
-        self._core.add_node(type if isinstance(type, str) else type.__name__, name, params)
+        """Add a node of a type, with values of its parameters. The type is given by its name or as a class of
+        weir.nodes; of nodes in Python, as a class that derives from weir.Node, or an object of it."""
+        if isinstance(type, ClassType):
+            type = type() if issubclass(type, Node) else type.__name__
+        if isinstance(type, Node):
+            type._check_made()
+        self._core.add_node(type, name, params)
         return self[name]
 
     def add_particles(self, name: str, positions: Any, velocities: Any = None,
@@ -123,18 +135,12 @@ class Scene:
         return self._core.links()
 
     @property
-    def nodes(self) -> dict[str, _nodes.Node]:
+    def nodes(self) -> dict[str, Any]:
         """All nodes by name, in the order in which they were added."""
         return {name: self[name] for name, _ in self._core.nodes()}
 
     def __getitem__(self, name: str) -> Any:
-        types = dict(self._core.nodes())
-        if name not in types:
-            self._core.modules(name)  # an Error that suggests the nearest name
-        found = _nodes.node_class(types[name])()
-        found._bind(self._core, _core.Target("node", name))
-        object.__setattr__(found, "_name", name)
-        return found
+        return _nodes.node_named(self._core, name)
 
     def __contains__(self, name: object) -> bool:
         return name in dict(self._core.nodes())
@@ -189,7 +195,8 @@ class Scene:
             file.write(text)
 
     def copy(self) -> Scene:
-        """Another scene that says the same, at time 0. Modules that are written in Python must be registered."""
+        """Another scene that says the same, at time 0. Modules and nodes that are written in Python must be
+        registered."""
         given = {node: self._core.given(node) for node in self._core.nodes_with_arrays()}
         made = Scene._of(_core.Scene.parse(library, self._core.to_json("/", {node: node for node in given}), "", "/", []))
         for node, arrays in given.items():
