@@ -28,8 +28,8 @@ class Input:
         self.name = name
 
     def __get__(self, node: Node | None, owner: type | None = None) -> Any:
-        about = {"name": self.name, "type": self.type, "doc": self.__doc__}
-        return self if node is None else Port(node, about, False, self.many)
+        about = {"name": self.name, "type": self.type, "doc": self.__doc__, "many": self.many}
+        return self if node is None else Port(node, about, False)
 
     def __set__(self, node: Node, value: Any) -> None:
         raise AttributeError(f"the input '{self.name}' cannot be set; it is linked: OUTPUT >> NODE.{self.name}")

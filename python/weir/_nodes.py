@@ -17,8 +17,9 @@ from ._results import BodyMotion, Pose, as_motion, as_pose, as_result
 class Port:
     """Where nodes are linked: `tank.boundary >> water.boundaries`."""
 
-    def __init__(self, node: Any, about: dict, is_output: bool, many: bool = False):
-        self.node, self.name, self.type, self.is_output, self._many = node, about["name"], about["type"], is_output, many
+    def __init__(self, node: Any, about: dict, is_output: bool):
+        self.node, self.name, self.type, self.is_output = node, about["name"], about["type"], is_output
+        self._many = about.get("many", False)
         self.__doc__ = about["doc"]
 
     @property

@@ -182,3 +182,14 @@ def test_exceptions_in_modules_leave_the_device_usable():
     sim.reset()
     sim.advance(2)
     assert np.isfinite(scene.water.positions.numpy()).all()
+
+
+def test_nodes_measure_and_give():
+    from test_nodes import raining
+
+    found = {}
+    for device in ("cpu", "cuda"):
+        scene = raining()
+        weir.Simulation(scene, device=device).run()
+        found[device] = {name: value for name, value in scene.middle.values.items() if name != "middle"}
+    assert found["cuda"] == pytest.approx(found["cpu"], rel=1e-4)

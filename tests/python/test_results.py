@@ -114,7 +114,9 @@ def test_outputs_of_other_nodes():
     assert scene.water.fluid.value.count == len(batch)
     with pytest.raises(weir.Error, match="type Boundary has no value"):
         scene.tank.boundary.value
-    with pytest.raises(weir.Error, match="'water.boundaries' is an input"):
+    assert [port.path for port in scene.water.boundaries.links] == ["tank.boundary"] and scene.water.sinks.value == []
+    assert [len(given) for given in scene.water.initial.value] == [len(batch)]
+    with pytest.raises(weir.Error, match="type Boundary has no value"):
         scene.water.boundaries.value
     assert not hasattr(scene.water, "pose")
     scene.add("Gauge", "late")
