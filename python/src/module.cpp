@@ -9,6 +9,7 @@
 #include "python/src/python_part.h"
 #include "python/src/python_scene.h"
 #include "python/src/python_simulation.h"
+#include "python/src/walls.h"
 
 NB_MODULE(_core, m) {
   namespace nb = nanobind;
@@ -21,6 +22,7 @@ NB_MODULE(_core, m) {
   bindParticles(m);
   bindPart(m);
   bindModule(m);
+  bindWalls(m);
   bindScene(m);
   bindNode(m);
   bindSimulation(m);

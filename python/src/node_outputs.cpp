@@ -16,9 +16,6 @@
 
 namespace weir::python {
 
-namespace {
-
-/// A node of an open simulation, which has been reset.
 Node& readyNode(const PythonScene& scene, const std::string& name) {
   Node& node = scene.node(name);
   if (scene.simulation() == nullptr)
@@ -30,6 +27,8 @@ Node& readyNode(const PythonScene& scene, const std::string& name) {
         .inNode(name);
   return node;
 }
+
+namespace {
 
 /// The particles on the host, for sums at points.
 class HostParticles {
@@ -128,8 +127,9 @@ nb::dict outputOf(const PythonScene& scene, const std::string& name, const std::
   if (const auto* mesh = valueOf<TriangleMesh>(*output)) return meshOf(*mesh);
   if (const auto* batch = valueOf<ParticleBatch>(*output)) return batchOf(*batch);
   if (const auto* forces = valueOf<SolidForces>(*output)) return forcesOf(*forces);
-  throw usageError("an output of the type " + output->typeName() + " has no value in Python",
-                   "outputs of the types TriangleMesh, DynamicMesh, Particles, ParticleBatch and SolidForces")
+  throw usageError(
+      "an output of the type " + output->typeName() + " has no value in Python",
+      "outputs of the types TriangleMesh, DynamicMesh, Particles, ParticleBatch, SolidForces and Boundary")
       .inNode(name);
 }
 

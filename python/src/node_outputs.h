@@ -13,6 +13,9 @@ namespace weir::python {
 
 namespace nb = nanobind;
 
+/// A node of an open simulation, which has been reset. Throws a usage Error for others.
+Node& readyNode(const PythonScene& scene, const std::string& name);
+
 /// What an output holds, as a dict: of a mesh `vertices`, `faces`, `normals` and `velocities` (the latter two
 /// only of a fluid's surface), of particles on their way into a fluid `positions`, `velocities` and
 /// `attributes`, of forces on solids `solids`. Throws a usage Error where there is no open simulation, and

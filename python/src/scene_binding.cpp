@@ -15,6 +15,7 @@
 #include "python/src/python_part.h"
 #include "python/src/python_scene.h"
 #include "python/src/values.h"
+#include "python/src/walls.h"
 
 namespace weir::python {
 
@@ -155,6 +156,7 @@ void bindScene(nb::module_& m) {
           nb::arg("node"), nb::sig("def given(self, node: str) -> dict | None"))
       .def("nodes_with_arrays", [](const S& s) { return nodesWithArrays(s.scene()); })
       .def("output", &outputOf, nb::arg("node"), nb::arg("output"))
+      .def("walls", &wallsOf, nb::arg("node"), nb::arg("output"))
       .def("report", &reportOf, nb::arg("node"), nb::sig("def report(self, node: str) -> dict"))
       .def("pose", &poseOf, nb::arg("node"), nb::arg("time").none(),
            nb::sig("def pose(self, node: str, time: float | None) -> tuple"))

@@ -20,11 +20,11 @@ from ._motion import motion
 from ._node import Input, Node, Output
 from ._nodes import ModuleHandle, Modules, NodeHandle, Port
 from ._part import Param, register
-from ._results import BodyMotion, Mesh, ParticleArrays, Pose, SolidForce
+from ._results import BodyMotion, Mesh, ParticleArrays, Pose, SolidForce, Walls
 from ._scene import Scene, Section, keyframes, load, loads
 from ._simulation import Simulation
 
 __version__ = version()
 __all__ = ["BodyMotion", "DeviceArray", "Error", "FluidStep", "Input", "Mesh", "Module", "ModuleHandle", "Modules", "Node", "NodeHandle", "Output", "Param", "ParticleArrays",
-           "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "devices", "keyframes", "load",
+           "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "Walls", "devices", "keyframes", "load",
            "load_plugin", "loads", "modules", "motion", "nodes", "plugins", "register", "schema", "version"]

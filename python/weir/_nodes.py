@@ -11,7 +11,7 @@ from ._errors import usage_error
 from ._library import library
 from ._module import Module
 from ._parameters import Parameters, make_class
-from ._results import BodyMotion, Pose, as_motion, as_pose, as_result
+from ._results import BodyMotion, Pose, Walls, as_motion, as_pose, as_result
 
 
 class Port:
@@ -29,8 +29,8 @@ class Port:
 
     @property
     def value(self) -> Any:
-        """What an output holds: a weir.Mesh, weir.Particles, weir.ParticleArrays, or for each solid a weir.SolidForce.
-        What an input gets: that of the output that is linked to it, None without one, or a list if it takes many.
+        """What an output holds: a weir.Mesh, weir.Particles, weir.ParticleArrays, weir.Walls, or for each solid a
+        weir.SolidForce. What an input gets: that of the output that is linked to it, None without one, or a list if it takes many.
 
         Of particles it is a view, of the others a copy. A fluid's surface is that of the last frame, or of the last
         refresh() of the simulation. Needs an open simulation.
@@ -42,6 +42,8 @@ class Port:
         if self.type == "Particles":
             core.particles(node).count  # an Error where there are none yet
             return core.particles(node)
+        if self.type == "Boundary":
+            return Walls(core.walls(node, self.name))
         return as_result(self.type, core.output(node, self.name))
 
     @property

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from . import _core
+from ._arrays import floats
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -90,6 +93,24 @@ class BodyMotion:
     """(3,) float64, m/s, of its centre of mass."""
     angular_velocity: Any
     """(3,) float64, rad/s."""
+
+
+class Walls:
+    """Solids that a fluid may not enter: those of a StaticBoundary and what it includes."""
+
+    def __init__(self, core: _core.Walls):
+        self._core = core
+
+    def distances(self, points: Any) -> Any:
+        """(n,) float32, m: from points (n, 3) to the nearest solid, negative in it."""
+        return self._query(points)[0]
+
+    def normals(self, points: Any) -> Any:
+        """(n, 3) float32, of length 1: out of the solid that is nearest to the points (n, 3)."""
+        return self._query(points)[1]
+
+    def _query(self, points: Any) -> tuple[Any, Any]:
+        return self._core.query(floats(points, "points", (None, 3), allowed="(n, 3)"))
 
 
 def as_result(kind: str, held: dict[str, Any]) -> Any:

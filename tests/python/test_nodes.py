@@ -72,6 +72,16 @@ def on_host(array):
     return array.numpy() if isinstance(array, weir.DeviceArray) else array
 
 
+def sphere(radius, count=40):
+    """Vertices and faces of a ball about the origin, from a grid of angles."""
+    polar, around = np.meshgrid(np.linspace(0, np.pi, count), np.linspace(0, 2 * np.pi, 2 * count, endpoint=False), indexing="ij")
+    vertices = radius * np.stack([np.sin(polar) * np.cos(around), np.cos(polar), np.sin(polar) * np.sin(around)], -1)
+    i, j = (index.ravel() for index in np.meshgrid(np.arange(count - 1), np.arange(2 * count), indexing="ij"))
+    k = (j + 1) % (2 * count)
+    a, b, c, d = i * 2 * count + j, i * 2 * count + k, (i + 1) * 2 * count + k, (i + 1) * 2 * count + j
+    return vertices.reshape(-1, 3), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
 def with_middle(scene, **params):
     scene.water.fluid >> scene.add(Middle, "middle", **params).fluid
     return scene
@@ -163,31 +173,53 @@ def test_inputs_take_surfaces_meshes_and_solids():
         meshes = weir.Input("TriangleMesh", many=True)
         forces = weir.Input("SolidForces")
         walls = weir.Input("Boundary")
+        particles = weir.Input("Particles")
 
         def report(self):
             solid = self.forces.links[0].node
             return {"meshes": [len(mesh.faces) for mesh in self.meshes.value], "no_surface": self.surfaces.value is None,
                     "force": self.forces.value["ball"].force, "place": solid.pose().translation,
-                    "restitution": self.walls.links[0].node.restitution}
+                    "restitution": self.walls.links[0].node.restitution,
+                    "wet": int((self.walls.value.distances(self.particles.value.positions) < 0.03).sum())}
 
     scene = dam_break()
     ball = scene.add("BoxMesh", "ball", min=(0.6, 0.1, 0.1), max=(0.8, 0.3, 0.3))
     other = scene.add("BoxMesh", "another", min=(0.6, 0.1, 0.1), max=(0.8, 0.3, 0.3))
     solid = scene.add("SemiAnalyticalSFI", "solid")
     ball.surface >> solid.solids
-    solid.fluid.__class__  # a port
     scene.water.fluid >> solid.fluid
     looks = scene.add(Looks, "looks")
     ball.surface >> looks.meshes
     other.surface >> looks.meshes
     solid.forces >> looks.forces
     scene.tank.boundary >> looks.walls
+    scene.water.fluid >> looks.particles
     assert looks.surfaces.links == []
     sim = weir.Simulation(scene, device=DEVICE)
     sim.advance(1)
     found = looks.values
     assert found["meshes"] == [12, 12] and found["no_surface"] is True
     assert len(found["force"]) == 3 and found["place"] == [0, 0, 0] and found["restitution"] == 0
+    x, y, z = on_host(scene.water.positions).T
+    assert found["wet"] == (np.min([x, 1 - x, y, 1 - y, z, 0.4 - z], axis=0) < 0.03).sum() > 50
+
+
+def test_walls_are_asked_by_distance():
+    scene = dam_break()
+    ball = scene.add_mesh("ball", *sphere(0.3))
+    wall = scene.add("StaticBoundary", "wall")
+    ball.surface >> wall.meshes
+    wall.boundary >> scene.water.boundaries
+    weir.Simulation(scene, device=DEVICE)
+    points = np.random.default_rng(2).normal(0, 0.15, (200, 3)) + 0.0
+    walls = wall.boundary.value
+    radii = np.linalg.norm(points, axis=1)
+    near = np.abs(radii - 0.3) < 0.05
+    assert near.sum() > 20
+    assert walls.distances(points)[near] == pytest.approx(radii[near] - 0.3, abs=0.004)
+    assert (walls.normals(points)[near] * points[near] / radii[near, None]).sum(1) == pytest.approx(1, abs=0.01)
+    with pytest.raises(weir.Error, match="points"):
+        walls.distances([(0, 1)])
 
 
 def test_a_node_steers_others():

@@ -112,12 +112,14 @@ def test_outputs_of_other_nodes():
     batch = scene.block.particles.value
     assert len(batch) == scene.water.count and batch.velocities.shape == batch.positions.shape and batch.attributes == {}
     assert scene.water.fluid.value.count == len(batch)
-    with pytest.raises(weir.Error, match="type Boundary has no value"):
-        scene.tank.boundary.value
+    assert scene.tank.boundary.value.distances([(0.1, 0.5, 0.2), (0.1, -0.1, 0.2)]) == pytest.approx([0.1, -0.1])
     assert [port.path for port in scene.water.boundaries.links] == ["tank.boundary"] and scene.water.sinks.value == []
     assert [len(given) for given in scene.water.initial.value] == [len(batch)]
-    with pytest.raises(weir.Error, match="type Boundary has no value"):
-        scene.water.boundaries.value
+    assert scene.water.boundaries.value[0].normals([(0.1, 0.5, 0.2)]) == pytest.approx(np.array([(1, 0, 0)]))
+    scene.add("Sink", "drain", min=(2, 2, 2), max=(3, 3, 3))
+    sim.reset()
+    with pytest.raises(weir.Error, match="type SinkRegion has no value"):
+        [port.value for port in scene.drain._outputs()]
     assert not hasattr(scene.water, "pose")
     scene.add("Gauge", "late")
     with pytest.raises(weir.Error, match="after the new node 'late'"):
