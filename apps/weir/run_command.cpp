@@ -346,10 +346,10 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   options.lastFrame = frames_;
   if (checkpoints) options.checkpoints = &*checkpoints;
   if (resumed) options.resume = &resumed->state;
-  std::optional<AgreedStop> stop;
+  std::optional<AgreedRun> agreed;
   if (ranks != nullptr) {
-    joinRanks(simulation, *ranks, outputs_->any() || checkpoints);
-    stop.emplace(*ranks, Interruption::asked(), options);
+    joinRanks(simulation, *ranks, {.frames = outputs_->any(), .checkpoints = checkpoints.has_value()});
+    agreed.emplace(*ranks, Interruption::asked(), options);
     if (ranks->rank() > 0) return runSimulation(simulation, {}, options);
   }
   const std::int64_t last = lastFrameOf(simulation.clock(), options);

@@ -1,13 +1,22 @@
 #include "framework/run/join_ranks.h"
 
+#include <functional>
 #include <utility>
 
 #include "framework/communication/on_ranks.h"
-#include "framework/communication/shared_by_ranks.h"
 
 namespace weir {
 
-void joinRanks(Simulation& simulation, Communicator& ranks, bool watched) {
+namespace {
+
+void forEachShared(Simulation& simulation, const std::function<void(SharedByRanks&)>& work) {
+  for (const auto& node : simulation.scene().graph.nodes())
+    if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) work(*shared);
+}
+
+}  // namespace
+
+void joinRanks(Simulation& simulation, Communicator& ranks, WatchedByRanks watched) {
   for (const auto& node : simulation.scene().graph.nodes()) {
     auto* const onRanks = dynamic_cast<OnRanks*>(node.get());
     try {
@@ -19,16 +28,20 @@ void joinRanks(Simulation& simulation, Communicator& ranks, bool watched) {
       throw e.inNode(node->name()).at({.file = simulation.scene().file});
     }
   }
-  const bool isWatched = ranks.any(watched && ranks.rank() == 0);
-  for (const auto& node : simulation.scene().graph.nodes())
-    if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) shared->watch(isWatched);
+  const bool speaks = ranks.rank() == 0;
+  const WatchedByRanks agreed{.frames = ranks.any(speaks && watched.frames),
+                              .checkpoints = ranks.any(speaks && watched.checkpoints)};
+  forEachShared(simulation, [&](SharedByRanks& shared) { shared.watch(agreed); });
 }
 
-AgreedStop::AgreedStop(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {
+AgreedRun::AgreedRun(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {
   options.stop = &stop_;
   options.onProgress = [this, &ranks, &asked, told = std::move(options.onProgress)](const Simulation& run) {
     if (ranks.any(asked)) stop_ = true;
     if (told) told(run);
+  };
+  options.atFrame = [&ranks](Simulation& run, bool makesCheckpoint) {
+    if (ranks.any(makesCheckpoint)) forEachShared(run, [](SharedByRanks& shared) { shared.gather(); });
   };
 }
 

@@ -96,7 +96,9 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
   const auto showFrame = [&] {
     outputs.showFrame(simulation);
     const bool ends = options.saveAndStop != nullptr && *options.saveAndStop;
-    if (options.checkpoints != nullptr && (ends || options.checkpoints->isDue(simulation))) {
+    const bool isDue = options.checkpoints != nullptr && (ends || options.checkpoints->isDue(simulation));
+    if (options.atFrame) options.atFrame(simulation, isDue);
+    if (isDue) {
       outputs.wait();
       options.checkpoints->write(simulation, observers);
       saved = ends;

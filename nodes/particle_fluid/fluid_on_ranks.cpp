@@ -43,7 +43,7 @@ void ParticleFluid::join(Communicator& ranks) {
 
 /// All ranks have the same scene, and answer alike. What brings solids to the particles reads none of them.
 bool ParticleFluid::isWatched() const {
-  return watched_ || fluid.links().size() > fluid.requests().size();
+  return watched_.frames || fluid.links().size() > fluid.requests().size();
 }
 
 ParticleFluid::ShareOfRank ParticleFluid::shareOfRank(double all) const {
@@ -61,7 +61,7 @@ double ParticleFluid::memoryOnRanks(Device& device, double all) const {
   const double first = ParticleSet::memoryFor(share.own) + bytesOfArray(all, sizeof(Vec3f) + sizeof(int)),
                later = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own),
                own = std::max(first, later);
-  if (!isWatched()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
+  if (!isGathered()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
   // All ranks but the first one send an attribute at a time.
   const double gathered = memoryOfGathered(all), sent = bytesOfArray(share.own, sizeof(Vec3f));
   if (device.kind() == DeviceKind::kCpu)
@@ -101,7 +101,7 @@ void ParticleFluid::divideInitial() {
   divided_->cut(box, positions);
   fitSlab(box, all);
   frame_ = std::make_unique<FrameOnRanks>();
-  if (ranks_->rank() == 0 && isWatched()) gathered_.emplace(state.particles.device());
+  if (ranks_->rank() == 0 && isGathered()) gathered_.emplace(state.particles.device());
   if (maxParticles_ == 0) return;
   const ShareOfRank share = shareOfRank(maxParticles_);
   state.particles.expectAtMost(static_cast<std::int64_t>(share.own + share.halo));
@@ -146,10 +146,7 @@ void ParticleFluid::lookOnRanks() {
   State& state = *state_;
   frame_->particles = divided_->countOfAll();
   frame_->sums = sumsOfFluid(divided_->ranks(), state.particles, state.neighbors, constants_);
-  if (isWatched()) {
-    if (gathered_) gathered_->clear();
-    divided_->gather(gathered_ ? &*gathered_ : nullptr);
-  }
+  if (isWatched()) gatherAll();
   Value& report = frame_->report;
   const auto ofRanks = [&](double own) { return meanAndMax(divided_->ranks().allGather(own)); };
   report["ranks"] = ranks_->size();
@@ -158,6 +155,15 @@ void ParticleFluid::lookOnRanks() {
   report["gathered"] = isWatched() ? frame_->particles : 0;
   report["device_peak_bytes"] = ofRanks(double(state.particles.device().memoryUse().peak));
   report["step_ms"] = timesOfRanks();
+}
+
+void ParticleFluid::gatherAll() {
+  if (gathered_) gathered_->clear();
+  divided_->gather(gathered_ ? &*gathered_ : nullptr);
+}
+
+void ParticleFluid::gather() {
+  if (!isWatched()) gatherAll();
 }
 
 /// Of a step since the reset, in milliseconds of the host.
@@ -177,10 +183,13 @@ void ParticleFluid::tellOfShares(Log& log) const {
   if (maxParticles_ == 0) return;
   constexpr double kMillion = 1e6;
   const ShareOfRank share = shareOfRank(maxParticles_);
-  log.info(fmt::format(
-      "node '{}': each of {} ranks has up to {:.4g} million particles and {:.3g} million copies "
-      "of others'; the first one gathers {} at frames",
-      name(), ranks_->size(), share.own / kMillion, share.halo / kMillion, isWatched() ? "all" : "none"));
+  log.info(
+      fmt::format("node '{}': each of {} ranks has up to {:.4g} million particles and {:.3g} million copies "
+                  "of others'; the first one gathers {}",
+                  name(), ranks_->size(), share.own / kMillion, share.halo / kMillion,
+                  isWatched()    ? "all at frames"
+                  : isGathered() ? "all at checkpoints"
+                                 : "none"));
 }
 
 Value ParticleFluid::ranksReport() const {

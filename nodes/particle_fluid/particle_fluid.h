@@ -153,7 +153,8 @@ class ParticleFluid final : public Node,
   std::int64_t particleCount() const override;
 
   ParticleSet& owned() override { return state_->particles; }
-  void watch(bool watched) override { watched_ = watched; }
+  void watch(WatchedByRanks watched) override { watched_ = watched; }
+  void gather() override;
   Value ranksReport() const override;
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
@@ -211,11 +212,14 @@ class ParticleFluid final : public Node,
   double memoryOnRanks(Device& device, double all) const;
   /// The same of what rank 0 gathers.
   double memoryOfGathered(double all) const;
-  /// Whether something looks at the particles of all ranks.
+  /// Whether something looks at the particles of all ranks at every frame.
   bool isWatched() const;
+  /// Whether rank 0 gathers them at all.
+  bool isGathered() const { return isWatched() || watched_.checkpoints; }
   /// The particles sorted where this rank has them, with lists, before anyone looks.
   void sortOnRanks(const StepContext& context);
   void lookOnRanks();
+  void gatherAll();
   Value timesOfRanks();
   void fitSlab(const Aabb& box, std::int64_t particles);
   /// The box around the particles of all ranks; empty if there are none.
@@ -290,9 +294,9 @@ class ParticleFluid final : public Node,
   std::optional<State> state_;
   // On several ranks.
   Communicator* ranks_ = nullptr;
-  bool watched_ = true;
+  WatchedByRanks watched_;
   std::unique_ptr<DividedParticles> divided_;
-  std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks
+  std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks or saves
   std::unique_ptr<FrameOnRanks> frame_;
   std::int64_t stepsTimed_ = 0;  // since the reset
 };

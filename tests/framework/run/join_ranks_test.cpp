@@ -106,7 +106,7 @@ TEST_F(JoinRanks, AllStopAtTheSameStepWhenOneIsAskedTo) {
       ++told;
       if (ranks.rank() == 1 && s.stepsDone() == kStep) asked = true;
     };
-    const AgreedStop stop(ranks, asked, options);
+    const AgreedRun stop(ranks, asked, options);
     EXPECT_EQ(runSimulation(simulation, {}, options), RunEnd::kInterrupted);
     EXPECT_GT(told, kStep);
   });
@@ -128,7 +128,7 @@ TEST_F(JoinRanks, OneThatFailsInAStepEndsAllWithItsError) {
       joinRanks(simulation, ranks);
       const std::atomic<bool> never = false;
       RunOptions options;
-      const AgreedStop stop(ranks, never, options);
+      const AgreedRun stop(ranks, never, options);
       runSimulation(simulation, {}, options);
     });
   });
