@@ -52,8 +52,8 @@ std::vector<std::int64_t> readIntegers(const Dataset& set) {
 std::int64_t ofStep(const Group& steps, const std::string& name, std::size_t step, std::int64_t otherwise) {
   if (!steps.isDataset(name)) return otherwise;
   const Dataset set = steps.dataset(name);
-  if (!set.isInteger()) throw set.error("holds no integers");
-  return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1).at(0);
+  if (!set.isInteger() || set.columns() != 1) throw set.error("holds no column of integers");
+  return set.read<std::int64_t>(static_cast<std::int64_t>(step), 1).front();
 }
 
 /// The same of the polygons, which are third of the four kinds of cells.

@@ -333,6 +333,15 @@ TEST_F(VtkHdfReaderTest, SaysWhatIsWrongWithAFile) {
          m.set<std::int64_t>("/VTKHDF/NumberOfPoints", {2});
        },
        "/VTKHDF lists 1 parts, but step 1 asks for 1 from part 7 on"},
+      {[&](Maker& m) {
+         start(m);
+         m.group("/VTKHDF/Steps");
+         m.set<double>("/VTKHDF/Steps/Values", {0, 1});
+         m.set<std::int64_t>("/VTKHDF/Steps/NumberOfParts", {}, {2, 0});
+         points(m);
+         m.set<std::int64_t>("/VTKHDF/NumberOfPoints", {2});
+       },
+       "/VTKHDF/Steps/NumberOfParts holds no column of integers"},
   };
   for (const Case& bad : cases) {
     const auto file = folder / "bad.vtkhdf";
