@@ -69,6 +69,8 @@ void Emitter::estimate(const SetupContext& context, MemoryNeeds& needs) {
   // Batches differ by a layer from step to step; arrays that grow are up to a quarter too long.
   const double atOnce = limited(std::ceil(fastest * context.dt / request->spacing) + 1);
   needs.add(bytesOfArrays(1.25 * atOnce, particles->positions, particles->velocities));
+  constexpr int kInFluid = 2;  // batches that it carries on (inflow.h)
+  needs.add(kInFluid * bytesOfArrays(atOnce, particles->positions, particles->velocities));
   needs.add(bytesOfArrays(inLayer * layersMade(), points_, directions_));
 }
 
@@ -102,13 +104,14 @@ double Emitter::longestStep(const StepContext& next, double cfl) {
 
 void Emitter::step(const StepContext& context) {
   particles->count = 0;
+  flowSpeed_ = 0;
   const double begin = std::max(context.time, start.get());
   const double end = std::min(context.time + context.dt, stop.get().value_or(context.time + context.dt));
   if (end <= begin) return;
-  const double flowSpeed = speed.mean(begin, end);
-  if (flowSpeed == 0) return;
+  flowSpeed_ = speed.mean(begin, end);
+  if (flowSpeed_ == 0) return;
   // Layer k leaves when the flow has travelled k spacings.
-  const double travelled = travel_ + flowSpeed * (end - begin);
+  const double travelled = travel_ + flowSpeed_ * (end - begin);
   const double layersAfter = std::ceil(travelled / spacing_);
   double wanted = (layersAfter - layers_) * static_cast<double>(inLayer_);
   if (maxParticles.get()) wanted = std::min(wanted, static_cast<double>(*maxParticles.get() - emitted_));
@@ -117,12 +120,12 @@ void Emitter::step(const StepContext& context) {
                           "fewer than 2,147,483,648 particles", "use a smaller speed or a smaller world.dt");
   if (const auto count = static_cast<std::int64_t>(wanted); count > 0) {
     // Where the first layer is at the beginning of the step: this far behind the surface.
-    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed * (begin - context.time);
+    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed_ * (begin - context.time);
     particles->positions.resize(count);
     particles->velocities.resize(count);
     particles->count = count;
     dispatch(context.device,
-             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed)); });
+             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed_)); });
     emitted_ += count;
   }
   layers_ = layersAfter;

@@ -8,6 +8,7 @@
 
 #include "framework/particles/divided_particles.h"
 #include "framework/particles/flight.h"
+#include "framework/particles/inflow_role.h"
 #include "nodes/particle_fluid/fluid_statistics.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/particle_fluid.h"
@@ -56,7 +57,8 @@ double ParticleFluid::largestSpeed() {
 void ParticleFluid::step(const StepContext& context) {
   if (state_->restDt) relaxInitialState(context);
   if (std::exchange(state_->resumed, false)) goOn(context);
-  for (std::size_t i = 0; i < emitters.size(); ++i) give(emitters[i], context.time);
+  state_->inflow.carry(state_->particles, context.time, spacing);
+  for (std::size_t i = 0; i < emitters.size(); ++i) give(i, context.time);
   // A rank without particles may get some.
   if (state_->particles.bound() == 0 && !divided_) return;
   // What the first frame took is no part of steps: it makes the first lists.
@@ -80,9 +82,13 @@ void ParticleFluid::runPipeline(FluidStep& step) {
 }
 
 /// Emitters do not know the solids, so what they put into one is left out here.
-void ParticleFluid::give(const ParticleBatch& born, double time) {
+void ParticleFluid::give(std::size_t emitter, double time) {
   State& state = *state_;
+  const ParticleBatch& born = emitters[emitter];
   if (born.count == 0) return;
+  const auto* const flow = dynamic_cast<const FlowsIn*>(&emitters.links()[emitter]->node());
+  if (flow != nullptr && flow->flowSpeed() > 0)
+    state.inflow.add(born, static_cast<int>(emitter), flow->flowSpeed(), time, state.particles);
   BatchSelection selected;
   if (!state.walls.empty()) {
     state.walls.place(time, 0);

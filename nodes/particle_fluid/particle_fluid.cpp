@@ -155,6 +155,7 @@ void ParticleFluid::save(const StateWriter& to) const {
   shown().save(to.in("particles"));
   state_->neighbors.save(to.in("neighbors"));
   if (frame_) to.put("sums", frame_->sums);
+  if (!emitters.empty()) state_->inflow.save(to.in("inflow"));
   to.put("events", state_->events);
   to.put("rest_steps", state_->restSteps);
   to.put("bulk_modulus", constants_.bulkModulus);
@@ -173,6 +174,7 @@ void ParticleFluid::restore(const StateReader& from) {
   }
   state.neighbors.restore(from.in("neighbors"));
   if (divided_) fitSlab(state.neighbors.box(), divided_->countOfAll());
+  state.inflow.restore(from.in("inflow"));
   from.get("rest_steps", state.restSteps);
   if (from.has("bulk_modulus") && !bulkModulus.get() && !mu.get())
     from.get("bulk_modulus", constants_.bulkModulus);

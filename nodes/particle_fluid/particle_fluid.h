@@ -16,6 +16,7 @@
 #include "framework/solids/solid_coupling.h"
 #include "nodes/particle_fluid/bulk_energy.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/inflow.h"
 #include "nodes/particle_fluid/periodic_domain.h"
 #include "nodes/particle_fluid/wall_field.h"
 #include "nodes/static_boundary/boundary.h"
@@ -174,7 +175,8 @@ class ParticleFluid final : public Node,
           speedSquared(device, 1),
           sinks(device),
           born(device),
-          bornCount(device, 1) {}
+          bornCount(device, 1),
+          inflow(device) {}
     ParticleSet particles;
     std::optional<PeriodicImages> images;
     NeighborList neighbors;
@@ -186,6 +188,7 @@ class ParticleFluid final : public Node,
     Array<SinkPiece> sinks;
     CellSort born;  // those of an emitter's particles that have room
     Array<int> bornCount;
+    Inflow inflow;
     Vec3f gravity{};
     NeighborEvents events;         // of all ranks
     NeighborEvents moreEvents;     // counted before a checkpoint, and not by this rank
@@ -273,7 +276,8 @@ class ParticleFluid final : public Node,
   void search();
   void checkEvents();
   void warnOfSettings(const SetupContext& context);
-  void give(const ParticleBatch& born, double time);
+  /// What the emitter of that number has brought to the beginning of a step.
+  void give(std::size_t emitter, double time);
   double largestSpeed();
   template <class Backend>
   void selectOn(Backend& device, const ParticleBatch& born);
