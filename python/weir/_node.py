@@ -21,6 +21,8 @@ class Input:
     """
 
     def __init__(self, type: str, *, doc: str = "", required: bool = True, many: bool = False):
+        if not isinstance(type, str):
+            raise TypeError(f"the type of an input is a text such as 'Particles', not {type!r}")
         self.type, self.required, self.many = type, required, many
         self.__doc__ = doc
 
@@ -80,9 +82,13 @@ class Node(Part):
 
     def __init__(self, **params: Any):
         super().__init__(**params)
-        for name, port in members_of(type(self), Input).items():
+        inputs, outputs = members_of(type(self), Input), members_of(type(self), Output)
+        for name in [*inputs, *outputs]:
+            if hasattr(Node, name):
+                raise TypeError(f"the port '{name}' of {type(self).__name__} has the name of what every node has")
+        for name, port in inputs.items():
             _core.add_input(self, name, port.type, port.__doc__, port.required, port.many)
-        for name, port in members_of(type(self), Output).items():
+        for name, port in outputs.items():
             _core.add_output(self, name, port.__doc__)
 
     def _begin(self, type: str, doc: str) -> None:

@@ -410,6 +410,31 @@ def test_reports_are_dicts_of_numbers():
         assert "'says' returns no dict" in sim.statistics["nodes"]["says"]["error"]
 
 
+def test_ports_are_checked_where_they_are_declared():
+    with pytest.raises(TypeError, match="a text such as 'Particles', not 3"):
+        weir.Input(3)
+    with pytest.raises(TypeError, match="'time' of Wrong has the name"):
+        type("Wrong", (weir.Node,), {"time": weir.Input("Particles")})()
+    with pytest.raises(TypeError, match="'odd'.*begins as none of"):
+        type("Odd", (weir.Node,), {"odd": weir.Param({})})()
+    scene = falling_drop()
+    unknown = scene.add(type("Unknown", (weir.Node,), {"fluid": weir.Input("Partickles")}), "unknown")
+    with pytest.raises(weir.Error, match="the output is a Particles, the input takes a Partickles"):
+        scene.water.fluid >> unknown.fluid
+
+
+def test_a_cycle_is_spelled_out():
+    class Both(weir.Node):
+        fluid = weir.Input("Particles")
+        drops = weir.Output()
+
+    scene = falling_drop()
+    both = scene.add(Both, "both")
+    scene.water.fluid >> both.fluid
+    with pytest.raises(weir.Error, match="water.*both"):
+        both.drops >> scene.water.emitters
+
+
 def test_one_object_has_one_place():
     scene, middle = falling_drop(), Middle()
     with pytest.raises(weir.Error, match="in no scene yet"):
