@@ -33,8 +33,9 @@ Module& moduleOf(const PartBase& half) {
 }  // namespace
 
 std::string docOf(nb::handle type) {
-  const nb::object doc = nb::module_::import_("inspect").attr("cleandoc")(nb::str(type.attr("__doc__")));
-  return type.attr("__doc__").is_none() ? std::string() : nb::cast<std::string>(doc);
+  const nb::object doc = type.attr("__doc__");
+  if (doc.is_none()) return {};
+  return nb::cast<std::string>(nb::module_::import_("inspect").attr("cleandoc")(doc));
 }
 
 PythonPart::PythonPart(Configurable& owner, PartBase& half, PartTexts texts)

@@ -298,6 +298,12 @@ def test_registered_nodes_are_read_from_files_and_copied(tmp_path):
         weir.register(dict)
 
 
+def test_classes_without_a_docstring_are_registered():
+    for base in (weir.Node, weir.Module):
+        weir.register(type(f"Bare{base.__name__}", (base,), {}))
+        assert f"Bare{base.__name__}" in weir.schema()
+
+
 def test_a_copy_of_what_is_not_registered_says_so():
     with pytest.raises(weir.Error, match="no node type 'Middle'"):
         with_middle(falling_drop()).copy()
