@@ -6,8 +6,8 @@
     weir.Simulation(scene).run(duration=2, video="dam_break.mp4")
 
 Scene builds and reads scenes, Simulation runs them, and `scene.water.positions` and its like are the particles as
-arrays that share memory with the simulation. Module and Node are the bases of modules and nodes that are written in Python. All node and
-module types explain themselves: `help(weir.nodes.ParticleFluid)`, `help(weir.modules.SemiImplicitSolver)`.
+arrays that share memory with the simulation. Module and Node are the bases of modules and nodes that are written in
+Python. All node and module types explain themselves: `help(weir.nodes.ParticleFluid)`, `help(weir.modules.SemiImplicitSolver)`.
 Messages go to the logger "weir" of Python's logging.
 """
 
@@ -25,6 +25,6 @@ from ._scene import Scene, Section, keyframes, load, loads
 from ._simulation import Simulation
 
 __version__ = version()
-__all__ = ["BodyMotion", "DeviceArray", "Error", "FluidStep", "Input", "Mesh", "Module", "ModuleHandle", "Modules", "Node", "NodeHandle", "Output", "Param", "ParticleArrays",
-           "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "Walls", "devices", "keyframes", "load",
+__all__ = ["BodyMotion", "DeviceArray", "Error", "FluidStep", "Input", "Mesh", "Module", "ModuleHandle", "Modules", "Node",
+           "NodeHandle", "Output", "Param", "ParticleArrays", "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "Walls", "devices", "keyframes", "load",
            "load_plugin", "loads", "modules", "motion", "nodes", "plugins", "register", "schema", "version"]

@@ -30,7 +30,8 @@ class Port:
     @property
     def value(self) -> Any:
         """What an output holds: a weir.Mesh, weir.Particles, weir.ParticleArrays, weir.Walls, or for each solid a
-        weir.SolidForce. What an input gets: that of the output that is linked to it, None without one, or a list if it takes many.
+        weir.SolidForce. What an input gets: that of the output that is linked to it, None without one, or a list if it
+        takes many.
 
         Of particles it is a view, of the others a copy. A fluid's surface is that of the last frame, or of the last
         refresh() of the simulation. Needs an open simulation.
@@ -49,10 +50,10 @@ class Port:
     @property
     def links(self) -> list[Port]:
         """The ports at the other ends of its links; their `node` has more than the value, such as a pose."""
-        ends = [tuple(text.split(" -> ")) for text in self.node._core.links()]
-        if self.is_output:
-            return [_port_named(self.node._core, into) for out, into in ends if out == self.path]
-        return sorted((_port_named(self.node._core, out) for out, into in ends if into == self.path), key=lambda port: port.node.name)
+        ends = [text.split(" -> ") for text in self.node._core.links()]
+        here, there = (0, 1) if self.is_output else (1, 0)
+        found = [_port_named(self.node._core, end[there]) for end in ends if end[here] == self.path]
+        return sorted(found, key=lambda port: port.node.name)  # the order in which an input reads them
 
     @property
     def spacing(self) -> float | None:
