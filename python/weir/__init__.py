@@ -26,5 +26,6 @@ from ._simulation import Simulation
 
 __version__ = version()
 __all__ = ["BodyMotion", "DeviceArray", "Error", "FluidStep", "Input", "Mesh", "Module", "ModuleHandle", "Modules", "Node",
-           "NodeHandle", "Output", "Param", "ParticleArrays", "Particles", "Port", "Pose", "Scene", "Section", "Simulation", "SolidForce", "Walls", "devices", "keyframes", "load",
-           "load_plugin", "loads", "modules", "motion", "nodes", "plugins", "register", "schema", "version"]
+           "NodeHandle", "Output", "Param", "ParticleArrays", "Particles", "Port", "Pose", "Scene", "Section", "Simulation",
+           "SolidForce", "Walls", "devices", "keyframes", "load", "load_plugin", "loads", "modules", "motion", "nodes", "plugins",
+           "register", "schema", "version"]
