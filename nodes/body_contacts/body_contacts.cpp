@@ -101,6 +101,8 @@ void BodyContacts::setDynamics(const SetupContext& context) {
 }
 
 void BodyContacts::reset(const SetupContext& context) {
+  const auto* cpu = dynamic_cast<const CpuBackend*>(&context.device);
+  threads_.emplace(cpu != nullptr ? cpu->threads() : 0);
   if (asks()) setDynamics(context);
   std::vector<BodyBatch::Member> members;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -120,7 +122,8 @@ void BodyContacts::changeMotions(const StepContext& context, std::vector<BodyDyn
   callGuarded(
       source_, [&] { return hookText("", "step", source_); },
       [&] {
-        dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity));
+        dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity),
+                        *threads_);
       });
 }
 

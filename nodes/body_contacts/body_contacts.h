@@ -1,8 +1,9 @@
 // Lets bodies collide with each other, with walls and with meshes, and holds them by joints.
 //
 // Bodies move on by themselves, as forces lead them; then this node takes them all, and a library (a service,
-// body_dynamics.h) changes the motion of those that touch something. It does so on the host: with CUDA a step
-// waits for the device. Where several ranks share a run, the first one does so for all.
+// body_dynamics.h) changes the motion of those that touch something. It does so on the host, on all its
+// threads: with CUDA a step waits for the device. Where several ranks share a run, the first one does so for
+// all.
 #pragma once
 
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/cpu_threads.h"
 #include "framework/graph/node.h"
 #include "framework/graph/registry.h"
 #include "nodes/body_contacts/body_batch.h"
@@ -60,6 +62,7 @@ class BodyContacts final : public Node, public OnRanks {
 
   Communicator* ranks_ = nullptr;
   std::unique_ptr<BodyDynamics> dynamics_;  // of the rank that asks it
+  std::optional<CpuThreads> threads_;       // its own
   std::optional<BodyBatch> batch_;
   std::string source_;
   std::int64_t held_ = 0;  // bodies, in the last step

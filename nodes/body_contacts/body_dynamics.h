@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/compute/cpu_threads.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/solids/free_body.h"
 #include "nodes/rigid_body/body_contact.h"
@@ -78,9 +79,10 @@ class BodyDynamics {
   virtual Overlap set(std::vector<HeldBody> bodies, std::vector<HeldSolid> solids,
                       std::vector<HeldJoint> joints) = 0;
   /// Motions in the order of the bodies, ways in that of the solids, drives in that of the joints. What comes
-  /// out depends on the arguments and on set() alone. Velocities below `slow` m/s do not bounce.
+  /// out depends on the arguments and on set() alone, not on how many threads there are. Velocities below
+  /// `slow` m/s do not bounce.
   virtual void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
-                    const std::vector<JointDrive>& drives, double dt, double slow) = 0;
+                    const std::vector<JointDrive>& drives, double dt, double slow, CpuThreads& threads) = 0;
 };
 
 }  // namespace weir

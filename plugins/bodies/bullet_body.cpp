@@ -33,6 +33,7 @@ BulletBody::BulletBody(const HeldBody& of) {
   for (const btVector3& v : vertices_) radius_ = std::max(radius_, double(v.length()));
   const Vec3f size = of.mesh->bounds().size();
   thickness_ = std::min({size.x, size.y, size.z});
+  apart_ = shape()->getContactBreakingThreshold(gContactBreakingThreshold);
 }
 
 btTransform BulletBody::transformOf(const BodyState& state) const {

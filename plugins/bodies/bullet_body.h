@@ -23,13 +23,15 @@ class BulletBody {
   double radius() const { return radius_; }
   /// The least extent of the mesh, m.
   double thickness() const { return thickness_; }
+  /// How far from others Bullet knows its contacts, m.
+  double apart() const { return apart_; }
 
  private:
   btMatrix3x3 axes_;  // of the shape, in the frame of the mesh
   btVector3 inertia_;
   BulletShape shape_;
   std::vector<btVector3> vertices_;
-  double radius_ = 0, thickness_ = 0;
+  double radius_ = 0, thickness_ = 0, apart_ = 0;
 };
 
 }  // namespace weir

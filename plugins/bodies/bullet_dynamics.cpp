@@ -1,89 +1,132 @@
 #include "plugins/bodies/bullet_dynamics.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <numeric>
+#include <optional>
 #include <utility>
 
-#include "plugins/bodies/bullet_body.h"
+#include "plugins/bodies/body_groups.h"
 #include "plugins/bodies/bullet_world.h"
+#include "plugins/bodies/group_step.h"
 
 namespace weir {
 
 namespace {
 
-/// How far the corner of its box that goes farthest goes, m.
-double farthestWay(const SolidWay& way, const BulletShape& of) {
-  btVector3 lo, hi;
-  of.shape->getAabb(btTransform::getIdentity(), lo, hi);
-  double farthest = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3f p{float(corner & 1 ? hi.x() : lo.x()), float(corner & 2 ? hi.y() : lo.y()),
-                  float(corner & 4 ? hi.z() : lo.z())};
-    farthest = std::max(farthest, double(length(way.end.toWorld(p) - way.begin.toWorld(p))));
-  }
-  return farthest;
+std::vector<std::size_t> numbersTo(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
 }
+
+/// Where all would be if nothing held them.
+Rooms roomsOf(const StepTask& task) {
+  Rooms rooms;
+  for (std::size_t k = 0; k < task.motions.size(); ++k) {
+    const BulletBody& body = task.scene.bodies[k];
+    rooms.bodies.push_back(roomOf(*body.shape(), body.transformOf(task.motions[k].before)));
+    rooms.bodies.back().extend(roomOf(*body.shape(), body.transformOf(task.motions[k].after)));
+  }
+  for (std::size_t k = 0; k < task.ways.size(); ++k) {
+    const btCollisionShape& shape = *task.scene.solids[k].shape;
+    rooms.solids.push_back(roomOf(shape, toBullet(task.ways[k].begin)));
+    rooms.solids.back().extend(roomOf(shape, toBullet(task.ways[k].end)));
+  }
+  return rooms;
+}
+
+/// The groups of a step, and those of their ends that are known.
+struct Groups {
+  std::vector<BodyGroup> groups;
+  std::vector<std::optional<GroupEnd>> ends;
+
+  /// Takes over the ends of groups that have not changed.
+  void regroup(std::vector<BodyGroup> into) {
+    std::vector<std::optional<GroupEnd>> known(into.size());
+    for (std::size_t n = 0, old = 0; n < into.size(); ++n) {
+      while (old < groups.size() && groups[old].bodies.front() < into[n].bodies.front()) ++old;
+      if (old < groups.size() && groups[old] == into[n]) known[n] = std::move(ends[old]);
+    }
+    groups = std::move(into);
+    ends = std::move(known);
+  }
+
+  /// The largest first, as they take longest.
+  std::vector<std::size_t> unknown() const {
+    std::vector<std::size_t> found;
+    for (std::size_t n = 0; n < groups.size(); ++n)
+      if (!ends[n]) found.push_back(n);
+    std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) {
+      return groups[a].bodies.size() > groups[b].bodies.size();
+    });
+    return found;
+  }
+
+  void step(const StepTask& task, CpuThreads& threads) {
+    const std::vector<std::size_t> wanted = unknown();
+    const auto one = [&](std::int64_t k) {
+      const std::size_t n = wanted[std::size_t(k)];
+      ends[n] = stepped(task, groups[n]);
+    };
+    threads.run(
+        std::int64_t(wanted.size()),
+        [](void* context, std::int64_t k) { (*static_cast<const decltype(one)*>(context))(k); },
+        const_cast<void*>(static_cast<const void*>(&one)));
+  }
+
+  /// Makes rooms as large as bodies needed. Returns whether one was too small.
+  bool grow(Rooms& rooms) const {
+    bool grown = false;
+    for (std::size_t n = 0; n < groups.size(); ++n)
+      for (std::size_t i = 0; i < groups[n].bodies.size(); ++i) {
+        Room& room = rooms.bodies[groups[n].bodies[i]];
+        grown = grown || !room.holds(ends[n]->rooms[i]);
+        room.extend(ends[n]->rooms[i]);
+      }
+    return grown;
+  }
+};
 
 class BulletDynamics final : public BodyDynamics {
  public:
   Overlap set(std::vector<HeldBody> bodies, std::vector<HeldSolid> solids,
               std::vector<HeldJoint> joints) override {
-    held_ = std::move(bodies);
-    joints_ = std::move(joints);
-    bodies_.clear();
-    solids_.clear();
-    for (const HeldBody& body : held_) bodies_.emplace_back(body);
+    scene_ = {.held = std::move(bodies), .bodies = {}, .solids = {}, .joints = std::move(joints)};
+    for (const HeldBody& body : scene_.held) scene_.bodies.emplace_back(body);
     std::vector<SolidWay> ways;
     for (const HeldSolid& solid : solids) {
-      solids_.push_back(shapeOfSolid(*solid.mesh));
+      scene_.solids.push_back(shapeOfSolid(*solid.mesh));
       ways.push_back({solid.start, solid.start});
     }
-    BulletWorld world(held_, bodies_, solids_, joints_);
-    for (std::size_t k = 0; k < bodies_.size(); ++k) world.place(k, held_[k].start);
+    return overlap(ways);
+  }
+
+  void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
+            const std::vector<JointDrive>& drives, double dt, double slow, CpuThreads& threads) override {
+    const StepTask task{scene_, motions, ways, drives, dt, slow};
+    Rooms rooms = roomsOf(task);
+    Groups groups;
+    do {
+      groups.regroup(groupsOf(scene_, rooms));
+      groups.step(task, threads);
+    } while (groups.grow(rooms));
+    for (std::size_t n = 0; n < groups.groups.size(); ++n)
+      for (std::size_t i = 0; i < groups.groups[n].bodies.size(); ++i)
+        motions[groups.groups[n].bodies[i]] = groups.ends[n]->motions[i];
+  }
+
+ private:
+  /// The deepest at the start.
+  Overlap overlap(const std::vector<SolidWay>& ways) const {
+    const BodyGroup all{numbersTo(scene_.bodies.size()), numbersTo(scene_.solids.size()),
+                        numbersTo(scene_.joints.size())};
+    BulletWorld world(scene_, all);
+    for (std::size_t k = 0; k < scene_.held.size(); ++k) world.place(k, scene_.held[k].start);
     world.moveSolids(ways, 0, 1);
     return world.deepestOverlap();
   }
 
-  void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
-            const std::vector<JointDrive>& drives, double dt, double slow) override {
-    BulletWorld world(held_, bodies_, solids_, joints_);
-    world.doNotBounceBelow(slow);
-    for (std::size_t k = 0; k < motions.size(); ++k)
-      world.place(k, {.center = motions[k].before.center,
-                      .rotation = motions[k].before.rotation,
-                      .velocity = motions[k].after.velocity,
-                      .spin = motions[k].after.spin});
-    const int parts = partsOf(motions, ways, dt);
-    for (int part = 0; part < parts; ++part) {
-      world.moveSolids(ways, double(part) / parts, dt);
-      world.step(drives, dt / parts);
-    }
-    for (std::size_t k = 0; k < motions.size(); ++k) {
-      motions[k].held = world.isHeld(k);
-      if (motions[k].held) motions[k].after = world.stateOf(k);
-    }
-  }
-
- private:
-  int partsOf(const std::vector<Motion>& motions, const std::vector<SolidWay>& ways, double dt) const {
-    constexpr double kFarthest = 0.1;  // of the size
-    constexpr int kMin = 2, kMax = 32;
-    double most = 0, fastest = 0, thinnest = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < motions.size(); ++k) {
-      most = std::max(most, length(motions[k].after.velocity) * dt / bodies_[k].thickness());
-      thinnest = std::min(thinnest, bodies_[k].thickness());
-    }
-    for (std::size_t k = 0; k < ways.size(); ++k)
-      fastest = std::max(fastest, farthestWay(ways[k], solids_[k]));
-    most = std::max(most, fastest / thinnest);
-    return std::clamp(int(std::ceil(std::min(most / kFarthest, double(kMax)))), kMin, kMax);
-  }
-
-  std::vector<HeldBody> held_;
-  std::vector<HeldJoint> joints_;
-  std::vector<BulletBody> bodies_;
-  std::vector<BulletShape> solids_;
+  BulletScene scene_;
 };
 
 }  // namespace

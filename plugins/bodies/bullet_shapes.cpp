@@ -71,8 +71,9 @@ std::vector<btVector3> fewOf(const std::vector<btVector3>& vertices) {
   return {few.getVertexPointer(), few.getVertexPointer() + few.numVertices()};
 }
 
-std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices) {
+std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices, double margin) {
   auto hull = std::make_unique<btConvexHullShape>();
+  hull->setMargin(margin);  // before its box is made, which has the margin around it, 40 mm by default
   for (const btVector3& v : vertices) hull->addPoint(v, false);
   hull->recalcLocalAabb();
   if (vertices.size() <= kMaxFeatures) hull->initializePolyhedralFeatures();
@@ -85,16 +86,16 @@ BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool
   const std::vector<btVector3> vertices = verticesOf(mesh, frame);
   const Extent of = extentOf(vertices);
   BulletShape made;
+  const double margin = kMargin * of.size();
   if (asHull || isConvex(mesh, of.size())) {
-    made.shape = hullOf(asHull && vertices.size() > kMaxFeatures ? fewOf(vertices) : vertices);
+    made.shape = hullOf(asHull && vertices.size() > kMaxFeatures ? fewOf(vertices) : vertices, margin);
   } else {
     made.triangles = trianglesOf(mesh, frame);
     auto shape = std::make_unique<btGImpactMeshShape>(made.triangles.get());
-    shape->setMargin(kMargin * of.size());
+    shape->setMargin(margin);
     shape->updateBound();
     made.shape = std::move(shape);
   }
-  made.shape->setMargin(kMargin * of.size());
   return made;
 }
 

@@ -7,6 +7,7 @@
 
 #include "framework/base/vec.h"
 #include "framework/geometry/triangle_mesh.h"
+#include "framework/solids/pose.h"
 
 namespace weir {
 
@@ -15,6 +16,11 @@ inline btVector3 toBullet(const Vec3d& v) {
 }
 inline Vec3d fromBullet(const btVector3& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+inline btTransform toBullet(const Pose& pose) {
+  const auto& [q, t] = pose;
+  return btTransform(btQuaternion(q.x, q.y, q.z, q.w), btVector3(t.x, t.y, t.z));
 }
 
 /// With the triangles that it refers to.

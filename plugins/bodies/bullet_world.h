@@ -1,22 +1,25 @@
-// Bullet's world for one step.
+// Bullet's world for a group of bodies and one step.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "nodes/body_contacts/body_dynamics.h"
-#include "plugins/bodies/bullet_body.h"
+#include "plugins/bodies/body_groups.h"
+#include "plugins/bodies/bullet_scene.h"
 
 namespace weir {
 
 class BulletWorld {
  public:
-  BulletWorld(const std::vector<HeldBody>& held, const std::vector<BulletBody>& bodies,
-              const std::vector<BulletShape>& solids, const std::vector<HeldJoint>& joints);
+  /// Both must outlive the world.
+  BulletWorld(const BulletScene& scene, const BodyGroup& group);
   ~BulletWorld();
 
+  // Bodies are numbered as in the group; ways and drives as solids and joints of the scene.
+
   /// There, with its velocities.
-  void place(std::size_t k, const BodyState& at);
+  void place(std::size_t i, const BodyState& at);
   /// To where they are after that share of a step of `dt` s, with their velocities.
   void moveSolids(const std::vector<SolidWay>& ways, double share, double dt);
   /// Speeds below this, in m/s.
@@ -24,8 +27,9 @@ class BulletWorld {
   /// Bodies move without forces but for those of contacts and joints.
   void step(const std::vector<JointDrive>& drives, double dt);
   /// Whether it has touched something or has a joint.
-  bool isHeld(std::size_t k) const;
-  BodyState stateOf(std::size_t k) const;
+  bool isHeld(std::size_t i) const;
+  BodyState stateOf(std::size_t i) const;
+  Room roomOf(std::size_t i) const;
   BodyDynamics::Overlap deepestOverlap();
 
  private:

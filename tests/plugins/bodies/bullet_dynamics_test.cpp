@@ -496,6 +496,39 @@ TEST(BulletDynamics, TheSameBitsForAnyNumberOfThreadsAndOnResume) {
             std::vector<std::string>{});
 }
 
+/// A step of bodies depends on nothing that they cannot touch, however fast it is.
+TEST(BulletDynamics, WhatIsFarAwayDoesNotChangeABit) {
+  constexpr int kCount = 3;
+  Boxes near = stack(kCount), both = stack(kCount);
+  both.add({0.05, 0.05, 0.05}, R"("density": 500, "position": [3, 2, 0], "velocity": [30, 0, 0])");
+  Trial alone(near), beside(both);
+  alone.advance(5);
+  beside.advance(5);
+  for (int k = 0; k < kCount; ++k) {
+    EXPECT_EQ(alone.state(k).center, beside.state(k).center);
+    EXPECT_EQ(alone.state(k).rotation, beside.state(k).rotation);
+    EXPECT_EQ(alone.state(k).velocity, beside.state(k).velocity);
+    EXPECT_EQ(alone.state(k).spin, beside.state(k).spin);
+  }
+}
+
+/// The second box, at rest, reaches the third only as the first one pushes it, 5 mm on, in that step.
+TEST(BulletDynamics, ABodyThatIsPushedMeetsOthersInTheSameStep) {
+  Boxes boxes{.gravity = 0, .floor = ""};
+  const std::string material = R"("mass": 1, "restitution": 0, "wall_friction": 0, )";
+  boxes.add({0.05, 0.05, 0.05}, material + R"("velocity": [10, 0, 0], "position": [-0.101, 0, 0])");
+  boxes.add({0.05, 0.05, 0.05}, material + R"("position": [0, 0, 0])");
+  boxes.add({0.05, 0.05, 0.05}, material + R"("position": [0.105, 0, 0])");
+  Trial run(boxes);
+  double nearest = 1;
+  const std::atomic<bool> stop = false;
+  run.scene->advanceFrame(
+      stop, [&] { nearest = std::min(nearest, run.state(2).center.x - run.state(1).center.x - 0.1); });
+  std::printf("the boxes come as near as %.2g m\n", nearest);
+  EXPECT_GT(nearest, -1e-3);
+  EXPECT_NEAR(run.state(0).velocity.x + run.state(1).velocity.x + run.state(2).velocity.x, 10, 1e-9);
+}
+
 TEST(BulletDynamics, RefusesBadInput) {
   const auto refusalOf = [](const Boxes& boxes) {
     return std::string(errorOf([&] { Trial run(boxes); }).what());

@@ -1,0 +1,75 @@
+#include "plugins/bodies/group_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "plugins/bodies/bullet_world.h"
+
+namespace weir {
+
+namespace {
+
+/// How far the corner of its box that goes farthest goes, m.
+double farthestWay(const SolidWay& way, const BulletShape& of) {
+  btVector3 lo, hi;
+  of.shape->getAabb(btTransform::getIdentity(), lo, hi);
+  double farthest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3f p{float(corner & 1 ? hi.x() : lo.x()), float(corner & 2 ? hi.y() : lo.y()),
+                  float(corner & 4 ? hi.z() : lo.z())};
+    farthest = std::max(farthest, double(length(way.end.toWorld(p) - way.begin.toWorld(p))));
+  }
+  return farthest;
+}
+
+/// Into which a step is cut, so that nothing goes farther in one than a share of a body's size.
+int partsOf(const StepTask& task, const BodyGroup& group) {
+  constexpr double kFarthest = 0.1;
+  constexpr int kMin = 2, kMax = 32;
+  double most = 0, fastest = 0, thinnest = std::numeric_limits<double>::infinity();
+  for (const std::size_t k : group.bodies) {
+    const double thickness = task.scene.bodies[k].thickness();
+    most = std::max(most, length(task.motions[k].after.velocity) * task.dt / thickness);
+    thinnest = std::min(thinnest, thickness);
+  }
+  for (const std::size_t k : group.solids)
+    fastest = std::max(fastest, farthestWay(task.ways[k], task.scene.solids[k]));
+  most = std::max(most, fastest / thinnest);
+  return std::clamp(int(std::ceil(std::min(most / kFarthest, double(kMax)))), kMin, kMax);
+}
+
+/// Bodies where they were, with the velocities that forces have given them.
+void begin(BulletWorld& world, const StepTask& task, const BodyGroup& group) {
+  world.doNotBounceBelow(task.slow);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    const auto& [before, after, held] = task.motions[group.bodies[i]];
+    world.place(i, {.center = before.center,
+                    .rotation = before.rotation,
+                    .velocity = after.velocity,
+                    .spin = after.spin});
+  }
+}
+
+}  // namespace
+
+GroupEnd stepped(const StepTask& task, const BodyGroup& group) {
+  BulletWorld world(task.scene, group);
+  begin(world, task, group);
+  GroupEnd end;
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms.push_back(world.roomOf(i));
+  const int parts = partsOf(task, group);
+  for (int part = 0; part < parts; ++part) {
+    world.moveSolids(task.ways, double(part) / parts, task.dt);
+    world.step(task.drives, task.dt / parts);
+    for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms[i].extend(world.roomOf(i));
+  }
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    end.motions.push_back(task.motions[group.bodies[i]]);
+    end.motions.back().held = world.isHeld(i);
+    if (world.isHeld(i)) end.motions.back().after = world.stateOf(i);
+  }
+  return end;
+}
+
+}  // namespace weir

@@ -1,0 +1,28 @@
+// A step of a group of bodies, whatever others do.
+#pragma once
+
+#include <vector>
+
+#include "plugins/bodies/body_groups.h"
+#include "plugins/bodies/bullet_scene.h"
+
+namespace weir {
+
+/// Of all bodies and solids of a scene.
+struct StepTask {
+  const BulletScene& scene;
+  const std::vector<BodyDynamics::Motion>& motions;
+  const std::vector<SolidWay>& ways;
+  const std::vector<JointDrive>& drives;
+  double dt, slow;  ///< s, m/s
+};
+
+/// In the order of the group's bodies.
+struct GroupEnd {
+  std::vector<BodyDynamics::Motion> motions;
+  std::vector<Room> rooms;  ///< where they have been
+};
+
+GroupEnd stepped(const StepTask& task, const BodyGroup& group);
+
+}  // namespace weir
