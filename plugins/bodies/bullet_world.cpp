@@ -9,6 +9,7 @@
 
 #include "plugins/bodies/bullet_joints.h"
 #include "plugins/bodies/contact_points.h"
+#include "plugins/bodies/contact_solver.h"
 #include "plugins/bodies/detecting_world.h"
 #include "plugins/bodies/wall_contacts.h"
 
@@ -98,7 +99,7 @@ struct BulletWorld::Parts {
   btDefaultCollisionConfiguration configuration{poolsFor(group.bodies.size())};
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
+  ContactSolver solver;
   DetectingWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btSphereShape nothing{1};
   btRigidBody fixed{0, nullptr, &nothing};  // what does not move
