@@ -103,6 +103,7 @@ void BodyContacts::setDynamics(const SetupContext& context) {
 void BodyContacts::reset(const SetupContext& context) {
   const auto* cpu = dynamic_cast<const CpuBackend*>(&context.device);
   threads_.emplace(cpu != nullptr ? cpu->threads() : 0);
+  known_->clear();
   if (asks()) setDynamics(context);
   std::vector<BodyBatch::Member> members;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -123,27 +124,30 @@ void BodyContacts::changeMotions(const StepContext& context, std::vector<BodyDyn
       source_, [&] { return hookText("", "step", source_); },
       [&] {
         dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity),
-                        *threads_);
+                        *known_, *threads_);
       });
 }
 
-void BodyContacts::shareMotions(std::vector<BodyDynamics::Motion>& motions) const {
-  static_assert(std::is_trivially_copyable_v<BodyDynamics::Motion>);
+template <class T>
+void BodyContacts::share(std::vector<T>& values) const {
+  static_assert(std::is_trivially_copyable_v<T>);
   if (ranks_ == nullptr) return;
-  const auto bytes = std::as_writable_bytes(std::span(motions));
+  const auto bytes = std::as_bytes(std::span(values));
   if (asks()) {
     for (int to = 1; to < ranks_->size(); ++to) ranks_->post(to, Message(bytes.begin(), bytes.end()));
     return;
   }
   const Message shared = ranks_->receive(0);
-  WEIR_CHECK(shared.size() == bytes.size());
-  std::copy(shared.begin(), shared.end(), bytes.begin());
+  WEIR_CHECK(shared.size() % sizeof(T) == 0u);
+  values.resize(shared.size() / sizeof(T));
+  std::copy(shared.begin(), shared.end(), std::as_writable_bytes(std::span(values)).begin());
 }
 
 void BodyContacts::step(const StepContext& context) {
   std::vector<BodyDynamics::Motion> motions = batch_->moveOn(context.gravity, context.dt);
   if (asks()) changeMotions(context, motions);
-  shareMotions(motions);
+  share(motions);
+  share(*known_);
   held_ = batch_->place(motions);
   for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].body->tellState(motions[k].after);
 }

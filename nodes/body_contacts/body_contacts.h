@@ -49,7 +49,8 @@ class BodyContacts final : public Node, public OnRanks {
   /// Lets the library change the motions of a step.
   void changeMotions(const StepContext& context, std::vector<BodyDynamics::Motion>& motions);
   /// All ranks get those of the first one.
-  void shareMotions(std::vector<BodyDynamics::Motion>& motions) const;
+  template <class T>
+  void share(std::vector<T>& values) const;
   int numberOf(const RigidBody& body, const Node& joint) const;
   HeldBody heldBody(const SetupContext& context, std::size_t k) const;
   HeldJoint heldJoint(std::size_t k) const;
@@ -65,7 +66,8 @@ class BodyContacts final : public Node, public OnRanks {
   std::optional<CpuThreads> threads_;       // its own
   std::optional<BodyBatch> batch_;
   std::string source_;
-  std::int64_t held_ = 0;  // bodies, in the last step
+  State<std::vector<KnownContact>> known_{*this, "known"};  // of the last step
+  std::int64_t held_ = 0;                                   // bodies, in the last step
 };
 
 }  // namespace weir

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -60,6 +61,14 @@ struct JointDrive {
   double effort = 0;            ///< at most, or, without a speed, constantly: N·m or N
 };
 
+/// What a contact did in a step, from which the next one starts.
+struct KnownContact {
+  std::int64_t a = 0, b = 0;  ///< bodies; b is less than 0 for what is none, in a way of the library's own
+  Vec3d at;                   ///< on body a, in a frame of its own, m
+  Vec3d normal;               ///< towards a
+  Vec3d impulse;              ///< on a, N·s
+};
+
 class BodyDynamics {
  public:
   static constexpr std::string_view kInterface = "BodyDynamics";
@@ -78,11 +87,13 @@ class BodyDynamics {
   /// overlap at the start.
   virtual Overlap set(std::vector<HeldBody> bodies, std::vector<HeldSolid> solids,
                       std::vector<HeldJoint> joints) = 0;
-  /// Motions in the order of the bodies, ways in that of the solids, drives in that of the joints. What comes
-  /// out depends on the arguments and on set() alone, not on how many threads there are. Velocities below
-  /// `slow` m/s do not bounce.
+  /// Motions in the order of the bodies, ways in that of the solids, drives in that of the joints. Velocities
+  /// below `slow` m/s do not bounce. Contacts are those of the last step, of which there are none at first,
+  /// and then those of this one. What comes out depends on these arguments and on set() alone, not on how
+  /// many threads there are.
   virtual void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
-                    const std::vector<JointDrive>& drives, double dt, double slow, CpuThreads& threads) = 0;
+                    const std::vector<JointDrive>& drives, double dt, double slow,
+                    std::vector<KnownContact>& contacts, CpuThreads& threads) = 0;
 };
 
 }  // namespace weir

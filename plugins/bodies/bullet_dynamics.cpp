@@ -85,6 +85,13 @@ struct Groups {
       }
     return grown;
   }
+
+  std::vector<KnownContact> contacts() const {
+    std::vector<KnownContact> all;
+    for (const auto& end : ends) all.insert(all.end(), end->contacts.begin(), end->contacts.end());
+    sortByBodies(all);
+    return all;
+  }
 };
 
 class BulletDynamics final : public BodyDynamics {
@@ -102,8 +109,9 @@ class BulletDynamics final : public BodyDynamics {
   }
 
   void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
-            const std::vector<JointDrive>& drives, double dt, double slow, CpuThreads& threads) override {
-    const StepTask task{scene_, motions, ways, drives, dt, slow};
+            const std::vector<JointDrive>& drives, double dt, double slow,
+            std::vector<KnownContact>& contacts, CpuThreads& threads) override {
+    const StepTask task{scene_, motions, ways, drives, contacts, dt, slow};
     Rooms rooms = roomsOf(task);
     Groups groups;
     do {
@@ -113,6 +121,7 @@ class BulletDynamics final : public BodyDynamics {
     for (std::size_t n = 0; n < groups.groups.size(); ++n)
       for (std::size_t i = 0; i < groups.groups[n].bodies.size(); ++i)
         motions[groups.groups[n].bodies[i]] = groups.ends[n]->motions[i];
+    contacts = groups.contacts();
   }
 
  private:

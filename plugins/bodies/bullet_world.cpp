@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kIterations = 400;  // at most
 // Of the speed below which nothing bounces: iterations end once no contact changes a velocity by more.
-constexpr double kConverged = 2.5e-5;
+constexpr double kConverged = 1e-4;
 // Manifolds that are allocated at once; more are allocated one by one.
 constexpr std::size_t kPool = 16, kPoolOfBody = 8;
 
@@ -74,7 +74,7 @@ void narrowTree() {
 struct BulletWorld::Parts {
   Parts(const BulletScene& of, const BodyGroup& with) : scene(of), group(with) {
     broadphase.m_deferedcollide = true;  // where bodies are added is not yet where they are
-    fixed.setUserIndex(kSolid);
+    fixed.setUserIndex(kWall);
     world.addRigidBody(&fixed, 0, 0);  // meets nothing by itself
     addBodies();
     addSolids();
@@ -112,6 +112,7 @@ struct BulletWorld::Parts {
   std::vector<Vec3d> spins;
   std::vector<BodyState> begun;
   double dt = 0, slow = 0;
+  const std::vector<KnownContact>* known = nullptr;  // when this part of the step begins
 
   const HeldBody& held(std::size_t i) const { return scene.held[group.bodies[i]]; }
   const BulletBody& body(std::size_t i) const { return scene.bodies[group.bodies[i]]; }
@@ -168,7 +169,7 @@ struct BulletWorld::Parts {
   void addSolids() {
     for (const std::size_t k : group.solids) {
       still.push_back(std::make_unique<btRigidBody>(0, nullptr, scene.solids[k].shape.get()));
-      still.back()->setUserIndex(kSolid);
+      still.back()->setUserIndex(kFirstSolid - int(k));
       still.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
       still.back()->setActivationState(DISABLE_DEACTIVATION);
       world.addRigidBody(still.back().get());
@@ -182,15 +183,14 @@ struct BulletWorld::Parts {
     info.m_splitImpulse = 1;
     info.m_splitImpulsePenetrationThreshold = 0;
     info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-    // What forces have done is all in the velocities of the first part of a step, so later parts are unlike
-    // it.
-    info.m_warmstartingFactor = 0;
+    info.m_warmstartingFactor = 0;  // that is ours
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setGravity({0, 0, 0});
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
     world.whenDetected = [this] {
       for (std::size_t i = 0; i < moving.size(); ++i) walls.add(*moving[i], body(i), held(i), dt);
       setMaterials(dispatcher, scene.held, fixed, dt, slow);
+      if (known != nullptr) recognise(dispatcher, *known);
     };
   }
 
@@ -233,14 +233,18 @@ void BulletWorld::doNotBounceBelow(double slow) {
   info.m_leastSquaresResidualThreshold = kConverged * slow * kConverged * slow;
 }
 
-void BulletWorld::step(const std::vector<JointDrive>& drives, double dt) {
+std::vector<KnownContact> BulletWorld::step(const std::vector<JointDrive>& drives, double dt,
+                                            const std::vector<KnownContact>& known) {
   parts_->dt = dt;
+  parts_->known = &known;
   parts_->beginBodies();
   parts_->joints->drive(drives, dt);
   parts_->world.stepSimulation(dt, 0);
   parts_->endBodies();
   parts_->markHeld();
+  std::vector<KnownContact> found = contactsOf(parts_->dispatcher);
   parts_->walls.forget();
+  return found;
 }
 
 bool BulletWorld::isHeld(std::size_t i) const {
@@ -267,6 +271,7 @@ BodyDynamics::Overlap BulletWorld::deepestOverlap() {
     if (-touch.point.getDistance() <= deepest.depth) return;
     deepest = {touch.one.getUserIndex(), touch.two.getUserIndex(), -touch.point.getDistance()};
     if (deepest.a < 0) std::swap(deepest.a, deepest.b);
+    deepest.b = std::max(deepest.b, -1);
   });
   parts_->walls.forget();
   return deepest;

@@ -7,6 +7,7 @@
 #include "nodes/body_contacts/body_dynamics.h"
 #include "plugins/bodies/body_groups.h"
 #include "plugins/bodies/bullet_scene.h"
+#include "plugins/bodies/known_contacts.h"
 
 namespace weir {
 
@@ -24,8 +25,10 @@ class BulletWorld {
   void moveSolids(const std::vector<SolidWay>& ways, double share, double dt);
   /// Speeds below this, in m/s.
   void doNotBounceBelow(double slow);
-  /// Bodies move without forces but for those of contacts and joints.
-  void step(const std::vector<JointDrive>& drives, double dt);
+  /// Bodies move without forces but for those of contacts and joints. Begins with what known contacts did;
+  /// returns what contacts have done.
+  std::vector<KnownContact> step(const std::vector<JointDrive>& drives, double dt,
+                                 const std::vector<KnownContact>& known);
   /// Whether it has touched something or has a joint.
   bool isHeld(std::size_t i) const;
   BodyState stateOf(std::size_t i) const;

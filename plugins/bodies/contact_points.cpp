@@ -26,6 +26,15 @@ void bounce(const Touch& touch, bool meets, bool atWall, double dt, double slow)
     point.setDistance(atWall ? 0 : kFar);
 }
 
+/// Where a gap is too small to be meant, its bodies touch: else a body that rests would fall through gaps of
+/// a millionth of its size and be thrown back, at speeds that no iteration ends.
+void closeGap(const Touch& touch) {
+  constexpr double kTouching = 3e-3;  // of what contacts may be apart
+  const btScalar apart =
+      touch.one.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
+  if (std::abs(touch.point.getDistance()) < kTouching * apart) touch.point.setDistance(0);
+}
+
 }  // namespace
 
 btScalar Touch::speed() const {
@@ -44,7 +53,10 @@ void setMaterials(btDispatcher& dispatcher, const std::vector<HeldBody>& held, c
       meets = meets || -touch.speed() * dt > touch.point.getDistance();
       mix(touch, held);
     }
-    for (const Touch& touch : touches) bounce(touch, meets, &touch.two == &walls, dt, slow);
+    for (const Touch& touch : touches) {
+      bounce(touch, meets, &touch.two == &walls, dt, slow);
+      closeGap(touch);
+    }
   });
 }
 

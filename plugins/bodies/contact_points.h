@@ -9,7 +9,8 @@
 
 namespace weir {
 
-constexpr int kSolid = -1;  // the user index of what is no body; a body has its number in the scene
+// User indices: a body has its number in the scene; what is none has kWall, or kFirstSolid - its number.
+constexpr int kWall = -1, kFirstSolid = -2;
 
 /// A point of two bodies.
 struct Touch {

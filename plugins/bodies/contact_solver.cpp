@@ -1,7 +1,9 @@
 #include "plugins/bodies/contact_solver.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "plugins/bodies/known_contacts.h"
 #include "plugins/bodies/row_order.h"
 
 namespace weir {
@@ -16,11 +18,6 @@ Six sixOf(const btVector3& linear, const btVector3& angular) {
 Six changeOf(const btSolverBody& body, const btVector3& direction, const btVector3& turn) {
   if (body.m_originalBody == nullptr) return {};
   return sixOf(direction * body.internalGetInvMass() * body.m_linearFactor, turn * body.m_angularFactor);
-}
-
-/// Bullet has two for each contact, one after the other.
-int frictionOf(std::size_t contact, int direction) {
-  return 2 * int(contact) + direction;
 }
 
 }  // namespace
@@ -43,6 +40,10 @@ ImpulseRow ContactSolver::rowOf(const btSolverConstraint& of) const {
           .b = std::size_t(of.m_solverBodyIdB)};
 }
 
+int ContactSolver::firstFriction(std::size_t contact) const {
+  return m_tmpSolverContactConstraintPool[int(contact)].m_frictionIndex;
+}
+
 std::vector<std::size_t> ContactSolver::orderOfContacts() const {
   const auto moving = [&](int k) {
     return m_tmpSolverBodyPool[k].internalGetInvMass().isZero() ? RowBodies::kStill : std::size_t(k);
@@ -63,7 +64,8 @@ void ContactSolver::readRows() {
   for (const std::size_t k : order_) contacts_.push_back(rowOf(m_tmpSolverContactConstraintPool[int(k)]));
   for (int direction = 0; direction < 2; ++direction)
     for (std::size_t n = 0; n < order_.size(); ++n) {
-      const btSolverConstraint& of = m_tmpSolverContactFrictionConstraintPool[frictionOf(order_[n], direction)];
+      const btSolverConstraint& of =
+          m_tmpSolverContactFrictionConstraintPool[firstFriction(order_[n]) + direction];
       frictions_.push_back({rowOf(of), of.m_friction, n});
     }
 }
@@ -88,12 +90,30 @@ void ContactSolver::separate(const SweepsEnd& end) {
   }
 }
 
+void ContactSolver::guess() {
+  for (std::size_t n = 0; n < order_.size(); ++n) {
+    const void* of = m_tmpSolverContactConstraintPool[int(order_[n])].m_originalContactPoint;
+    const KnownContact* known = knownAs(*static_cast<const btManifoldPoint*>(of));
+    if (known == nullptr) continue;
+    const auto along = [&](const ImpulseRow& row) {
+      const Six& j = row.directionA;
+      return dot(known->impulse, Vec3d{j[0], j[1], j[2]});
+    };
+    contacts_[n].impulse = std::max(along(contacts_[n]), 0.0);
+    for (FrictionRow* friction : {&frictions_[n], &frictions_[order_.size() + n]}) {
+      const double bound = friction->friction * contacts_[n].impulse;
+      friction->row.impulse = std::clamp(along(friction->row), -bound, bound);
+    }
+  }
+}
+
 void ContactSolver::solve(const SweepsEnd& end) {
   Changes changes;
   for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
     btSolverBody& body = m_tmpSolverBodyPool[k];
     changes.push_back(sixOf(body.internalGetDeltaLinearVelocity(), body.internalGetDeltaAngularVelocity()));
   }
+  applyImpulses(contacts_, frictions_, changes);
   sweep(joints_, contacts_, frictions_, changes, end);
   for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
     const Six& of = changes[std::size_t(k)];
@@ -108,7 +128,7 @@ void ContactSolver::writeImpulses() {
   for (std::size_t n = 0; n < order_.size(); ++n) {
     m_tmpSolverContactConstraintPool[int(order_[n])].m_appliedImpulse = contacts_[n].impulse;
     for (int direction = 0; direction < 2; ++direction)
-      m_tmpSolverContactFrictionConstraintPool[frictionOf(order_[n], direction)].m_appliedImpulse =
+      m_tmpSolverContactFrictionConstraintPool[firstFriction(order_[n]) + direction].m_appliedImpulse =
           frictions_[std::size_t(direction) * order_.size() + n].row.impulse;
   }
 }
@@ -119,6 +139,7 @@ btScalar ContactSolver::solveGroupCacheFriendlyIterations(btCollisionObject**, i
   const SweepsEnd end{info.m_numIterations, std::sqrt(info.m_leastSquaresResidualThreshold)};
   readRows();
   separate(end);
+  guess();
   solve(end);
   writeImpulses();
   return 0;

@@ -18,10 +18,14 @@ class ContactSolver final : public btSequentialImpulseConstraintSolver {
 
  private:
   ImpulseRow rowOf(const btSolverConstraint& of) const;
+  /// Of two that Bullet has for a contact.
+  int firstFriction(std::size_t contact) const;
   std::vector<std::size_t> orderOfContacts() const;
   void readRows();
   /// Gives Bullet the impulses that were found.
   void writeImpulses();
+  /// Impulses as known contacts had them.
+  void guess();
   void solve(const SweepsEnd& end);
   /// Moves bodies out of each other, without changing their velocities.
   void separate(const SweepsEnd& end);

@@ -55,13 +55,16 @@ void begin(BulletWorld& world, const StepTask& task, const BodyGroup& group) {
 
 GroupEnd stepped(const StepTask& task, const BodyGroup& group) {
   BulletWorld world(task.scene, group);
+  const std::vector<KnownContact> none;
   begin(world, task, group);
   GroupEnd end;
   for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms.push_back(world.roomOf(i));
   const int parts = partsOf(task, group);
   for (int part = 0; part < parts; ++part) {
     world.moveSolids(task.ways, double(part) / parts, task.dt);
-    world.step(task.drives, task.dt / parts);
+    // What forces have done is all in the velocities of the first part, so later parts are unlike it.
+    std::vector<KnownContact> found = world.step(task.drives, task.dt / parts, part == 0 ? task.known : none);
+    if (part == 0) end.contacts = std::move(found);
     for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms[i].extend(world.roomOf(i));
   }
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "plugins/bodies/body_groups.h"
 #include "plugins/bodies/bullet_scene.h"
+#include "plugins/bodies/known_contacts.h"
 
 namespace weir {
 
@@ -14,13 +15,15 @@ struct StepTask {
   const std::vector<BodyDynamics::Motion>& motions;
   const std::vector<SolidWay>& ways;
   const std::vector<JointDrive>& drives;
-  double dt, slow;  ///< s, m/s
+  const std::vector<KnownContact>& known;  ///< sorted, of the last step
+  double dt, slow;                         ///< s, m/s
 };
 
 /// In the order of the group's bodies.
 struct GroupEnd {
   std::vector<BodyDynamics::Motion> motions;
   std::vector<Room> rooms;  ///< where they have been
+  std::vector<KnownContact> contacts;
 };
 
 GroupEnd stepped(const StepTask& task, const BodyGroup& group);

@@ -47,7 +47,18 @@ double sweepOnce(std::vector<ImpulseRow>& joints, std::vector<ImpulseRow>& conta
   return most;
 }
 
+void applyImpulse(const ImpulseRow& row, Changes& changes) {
+  add(changes[row.a], row.impulse, row.changeA);
+  add(changes[row.b], row.impulse, row.changeB);
+}
+
 }  // namespace
+
+void applyImpulses(const std::vector<ImpulseRow>& contacts, const std::vector<FrictionRow>& frictions,
+                   Changes& changes) {
+  for (const ImpulseRow& row : contacts) applyImpulse(row, changes);
+  for (const FrictionRow& friction : frictions) applyImpulse(friction.row, changes);
+}
 
 void sweep(std::vector<ImpulseRow>& joints, std::vector<ImpulseRow>& contacts,
            std::vector<FrictionRow>& frictions, Changes& changes, const SweepsEnd& end) {

@@ -36,6 +36,10 @@ struct FrictionRow {
 /// Changes of the bodies' velocities.
 using Changes = std::vector<Six>;
 
+/// Adds what impulses do that rows have before they are swept.
+void applyImpulses(const std::vector<ImpulseRow>& contacts, const std::vector<FrictionRow>& frictions,
+                   Changes& changes);
+
 /// Sweeps over the rows until none changes a velocity by more than `least` m/s or rad/s, `most` times at
 /// most.
 struct SweepsEnd {
