@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""Writes meshes of gallery scenes, each of closed parts that do not touch: mill_wheel.ply (buckets between two rims, about the z axis),
+ship_hull.ply and ship_house.ply (a cutter along x, its waterline at y = 0). Metres."""
+import math
+import pathlib
+
+GAP = 0.004  # m, between parts
+MESHES = pathlib.Path(__file__).resolve().parents[2] / "resources/meshes"
+
+
+class Mesh:
+    def __init__(self):
+        self.vertices, self.triangles = [], []
+
+    def loops(self, loops, ends):
+        """A tube through loops of as many points each, the first and the last of them closed by fans; open for rings."""
+        numbers = []
+        for loop in loops:
+            numbers.append(range(len(self.vertices), len(self.vertices) + len(loop)))
+            self.vertices += loop
+        pairs = list(zip(numbers, numbers[1:])) + ([] if ends else [(numbers[-1], numbers[0])])
+        for near, far in pairs:
+            for i in range(len(near)):
+                j = (i + 1) % len(near)
+                self.triangles += [(near[i], near[j], far[j]), (near[i], far[j], far[i])]
+        if ends:
+            self._fan(loops[0], numbers[0], True)
+            self._fan(loops[-1], numbers[-1], False)
+
+    def _fan(self, loop, numbers, first):
+        self.vertices.append(tuple(sum(axis) / len(loop) for axis in zip(*loop)))
+        middle = len(self.vertices) - 1
+        for i in range(len(loop)):
+            j = (i + 1) % len(loop)
+            self.triangles.append((middle, numbers[j], numbers[i]) if first else (middle, numbers[i], numbers[j]))
+
+    def box(self, low, high):
+        (a, b, c), (d, e, f) = low, high
+        self.loops([[(a, b, z), (d, b, z), (d, e, z), (a, e, z)] for z in (c, f)], True)
+
+    def cylinder(self, radius, corners, start, end):
+        """Along y, from the place `start` to the place `end`."""
+        ring = [(radius * math.cos(2 * math.pi * k / corners), radius * math.sin(2 * math.pi * k / corners)) for k in range(corners)]
+        self.loops([[(x + a, y, b - z) for a, b in ring] for x, y, z in ((start[0], start[1], -start[2]), (end[0], end[1], -end[2]))], True)
+
+    def check(self, name):
+        """Each part has to be closed and to face outwards."""
+        edges = {}
+        for t in self.triangles:
+            for edge in zip(t, t[1:] + t[:1]):
+                edges[edge] = edges.get(edge, 0) + 1
+        if not all(n == 1 and edges.get(edge[::-1]) == 1 for edge, n in edges.items()):
+            raise SystemExit(f"{name} is not closed")
+
+    def turn_outwards(self, first):
+        """Of the triangles from `first` on, which are one part."""
+        total = 0
+        for i, j, k in self.triangles[first:]:
+            (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.vertices[i], self.vertices[j], self.vertices[k]
+            total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+        if total < 0:
+            self.triangles[first:] = [(i, k, j) for i, j, k in self.triangles[first:]]
+
+    def part(self, add):
+        first = len(self.triangles)
+        add()
+        self.turn_outwards(first)
+
+    def write(self, name):
+        self.check(name)
+        header = ["ply", "format ascii 1.0", f"element vertex {len(self.vertices)}", "property float x", "property float y",
+                  "property float z", f"element face {len(self.triangles)}", "property list uchar int vertex_indices", "end_header"]
+        lines = header + ["%.5g %.5g %.5g" % v for v in self.vertices] + ["3 %d %d %d" % t for t in self.triangles]
+        (MESHES / name).write_text("\n".join(lines) + "\n")
+
+
+def chamfered(outline, size=0.012):
+    """A closed outline without sharp corners, so that what is shaded smoothly looks flat between them."""
+    points = []
+    for i, (x, y) in enumerate(outline):
+        for a, b in (outline[i - 1], outline[(i + 1) % len(outline)]):
+            share = size / max(math.hypot(a - x, b - y), 4 * size)
+            points.append((x + share * (a - x), y + share * (b - y)))
+    return points
+
+
+def mill_wheel():
+    buckets, tip, floor, inner, half, board = 20, 2.0, 1.52, 1.42, 0.5, 0.05
+    mesh = Mesh()
+    outer = []
+    for k in range(buckets):
+        start = 2 * math.pi * k / buckets
+        # A board leans forwards, so that its bucket holds water above the axle.
+        for r, turn in ((floor, 0.0), (0.5 * (floor + tip), 0.015), (tip, 0.15), (tip, 0.15 + board / tip),
+                        (0.5 * (floor + tip), 0.015 + board / 1.7), (floor, board / floor)):
+            outer.append((r * math.cos(start + turn), r * math.sin(start + turn)))
+    outer = chamfered(outer)
+    count = len(outer)
+    # The inner side has as many points, spread evenly.
+    within = [(inner * math.cos(2 * math.pi * i / count), inner * math.sin(2 * math.pi * i / count)) for i in range(count)]
+    mesh.part(lambda: mesh.loops([[(x, y, -half) for x, y in outer], [(x, y, half) for x, y in outer],
+                                  [(x, y, half) for x, y in within], [(x, y, -half) for x, y in within]], False))
+    corners = 72
+    for side in (-1, 1):
+        near, far = side * (half + GAP), side * (half + 0.08)
+        rings = [[(r * math.cos(2 * math.pi * k / corners), r * math.sin(2 * math.pi * k / corners), z) for k in range(corners)]
+                 for r, z in chamfered([(inner, near), (tip + 0.04, near), (tip + 0.04, far), (inner, far)])]
+        mesh.part(lambda: mesh.loops(rings, False))
+        for k in range(8):
+            mesh.part(lambda: spoke(mesh, 2 * math.pi * (k + 0.5) / 8, 0.24, inner - GAP, side * (half - 0.1)))
+    hub = [[(r * math.cos(2 * math.pi * k / 32), r * math.sin(2 * math.pi * k / 32), z) for k in range(32)]
+           for r, z in ((0.16, -0.9), (0.16, -half), (0.22, -half), (0.22, half), (0.16, half), (0.16, 0.9))]
+    mesh.part(lambda: mesh.loops(hub, True))
+    mesh.write("mill_wheel.ply")
+
+
+def spoke(mesh, angle, start, end, place):
+    c, s = math.cos(angle), math.sin(angle)
+    wide, thick = 0.05, 0.04
+
+    def at(r):
+        return [(r * c - a * s, r * s + a * c, place + b) for a, b in ((-wide, -thick), (wide, -thick), (wide, thick), (-wide, thick))]
+
+    mesh.loops([at(start), at(end)], True)
+
+
+def ship_hull():
+    length, beam, draught, deck, stations, points = 12.0, 1.9, 1.25, 1.15, 40, 14
+    mesh = Mesh()
+    loops = []
+    for i in range(stations + 1):
+        s = -1 + 2 * i / stations
+        front = max(0.0, s)
+        half = beam * (1 - 0.28 * max(0.0, -s) ** 2) * max(0.015, 1 - front ** 2.3)
+        rim = deck + 0.75 * front ** 2 + 0.2 * max(0.0, -s) ** 2
+        keel = -draught * (1 - 0.55 * max(0.0, -s) ** 4 - 0.25 * front ** 6)
+        side = []
+        for k in range(points + 1):
+            t = k / points
+            width = half * t ** (0.33 + 0.75 * front ** 1.5)
+            side.append((0.5 * length * s + 1.1 * front ** 3 * t, keel + (rim - keel) * t, width))
+        loops.append(side + [(x, y, -z) for x, y, z in reversed(side[1:])])
+    mesh.part(lambda: mesh.loops(loops, True))
+    mesh.write("ship_hull.ply")
+
+
+def ship_house():
+    """Stands on the deck."""
+    mesh = Mesh()
+    deck = 1.15 + 0.2
+    for low, high in (((-4.2, deck, -1.15), (-0.4, deck + 1.35, 1.15)),
+                      ((-2.2, deck + 1.35 + GAP, -0.95), (-0.7, deck + 2.6, 0.95)),
+                      ((-2.35, deck + 2.6 + GAP, -1.1), (-0.5, deck + 2.7, 1.1))):
+        mesh.part(lambda: mesh.box(low, high))
+    mesh.part(lambda: mesh.cylinder(0.4, 24, (-3.1, deck + 1.35 + GAP, 0), (-3.25, deck + 3, 0)))
+    mesh.part(lambda: mesh.cylinder(0.06, 8, (-1.5, deck + 2.7 + GAP, 0), (-1.6, deck + 5.6, 0)))
+    mesh.write("ship_house.ply")
+
+
+mill_wheel()
+ship_hull()
+ship_house()
