@@ -74,13 +74,13 @@ class Mesh:
         (MESHES / name).write_text("\n".join(lines) + "\n")
 
 
-def chamfered(outline, size=0.012):
-    """A closed outline without sharp corners, so that what is shaded smoothly looks flat between them."""
+def with_edges(outline, size=0.012):
+    """A closed outline with small chamfers, and points beside them, so that what is shaded smoothly looks flat up to its edges."""
     points = []
     for i, (x, y) in enumerate(outline):
-        for a, b in (outline[i - 1], outline[(i + 1) % len(outline)]):
-            share = size / max(math.hypot(a - x, b - y), 4 * size)
-            points.append((x + share * (a - x), y + share * (b - y)))
+        for (a, b), sizes in ((outline[i - 1], (2 * size, size)), (outline[(i + 1) % len(outline)], (size, 2 * size))):
+            length = math.hypot(a - x, b - y)
+            points += [(x + s / length * (a - x), y + s / length * (b - y)) for s in sizes]
     return points
 
 
@@ -94,17 +94,16 @@ def mill_wheel():
         for r, turn in ((floor, 0.0), (0.5 * (floor + tip), 0.015), (tip, 0.15), (tip, 0.15 + board / tip),
                         (0.5 * (floor + tip), 0.015 + board / 1.7), (floor, board / floor)):
             outer.append((r * math.cos(start + turn), r * math.sin(start + turn)))
-    outer = chamfered(outer)
     count = len(outer)
     # The inner side has as many points, spread evenly.
     within = [(inner * math.cos(2 * math.pi * i / count), inner * math.sin(2 * math.pi * i / count)) for i in range(count)]
     mesh.part(lambda: mesh.loops([[(x, y, -half) for x, y in outer], [(x, y, half) for x, y in outer],
                                   [(x, y, half) for x, y in within], [(x, y, -half) for x, y in within]], False))
-    corners = 72
+    corners = 60
     for side in (-1, 1):
         near, far = side * (half + GAP), side * (half + 0.08)
         rings = [[(r * math.cos(2 * math.pi * k / corners), r * math.sin(2 * math.pi * k / corners), z) for k in range(corners)]
-                 for r, z in chamfered([(inner, near), (tip + 0.04, near), (tip + 0.04, far), (inner, far)])]
+                 for r, z in with_edges([(inner, near), (tip + 0.04, near), (tip + 0.04, far), (inner, far)])]
         mesh.part(lambda: mesh.loops(rings, False))
         for k in range(8):
             mesh.part(lambda: spoke(mesh, 2 * math.pi * (k + 0.5) / 8, 0.24, inner - GAP, side * (half - 0.1)))
@@ -132,7 +131,7 @@ def ship_hull():
         s = -1 + 2 * i / stations
         front = max(0.0, s)
         half = beam * (1 - 0.28 * max(0.0, -s) ** 2) * max(0.015, 1 - front ** 2.3)
-        rim = deck + 0.75 * front ** 2 + 0.2 * max(0.0, -s) ** 2
+        rim = deck + 0.75 * front ** 2
         keel = -draught * (1 - 0.55 * max(0.0, -s) ** 4 - 0.25 * front ** 6)
         side = []
         for k in range(points + 1):
@@ -147,7 +146,7 @@ def ship_hull():
 def ship_house():
     """Stands on the deck."""
     mesh = Mesh()
-    deck = 1.15 + 0.2
+    deck = 1.15 + GAP
     for low, high in (((-4.2, deck, -1.15), (-0.4, deck + 1.35, 1.15)),
                       ((-2.2, deck + 1.35 + GAP, -0.95), (-0.7, deck + 2.6, 0.95)),
                       ((-2.35, deck + 2.6 + GAP, -1.1), (-0.5, deck + 2.7, 1.1))):
