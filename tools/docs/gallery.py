@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import documents  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-LARGEST = 1 << 20  # bytes of a file of the repository
+LARGEST_CLIP, LARGEST_STILL = 3_000_000, 300_000  # bytes
 
 
 def wanted(page):
@@ -34,7 +34,16 @@ def wanted(page):
         yield image, above[-1].text
 
 
-def make(image, command, build, jpeg_quality):
+def to_jpeg(picture, made, size=LARGEST_STILL):
+    """At the best quality that fits into so many bytes."""
+    for quality in range(2, 32):  # of ffmpeg: 2 is the best
+        subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", picture, "-q:v", str(quality), made], check=True)
+        if made.stat().st_size <= size:
+            return
+    sys.exit(f"{made.name} does not fit into {size} bytes")
+
+
+def make(image, command, build):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "resources").symlink_to(ROOT / "resources")
@@ -43,12 +52,12 @@ def make(image, command, build, jpeg_quality):
         if image.suffix == ".jpg":
             last = max((folder / "out").glob("*.png"))
             made = folder / image.name
-            subprocess.run(["ffmpeg", "-loglevel", "error", "-i", last, "-q:v", str(jpeg_quality), made], check=True)
+            to_jpeg(last, made)
         else:
             made = folder / image.name
         size = made.stat().st_size
-        if size > LARGEST:
-            sys.exit(f"{image.name} has {size} bytes: at most {LARGEST} are wanted")
+        if size > LARGEST_CLIP:
+            sys.exit(f"{image.name} has {size} bytes: at most {LARGEST_CLIP} are wanted")
         image.parent.mkdir(parents=True, exist_ok=True)
         shutil.move(made, image)
     return size
@@ -59,7 +68,6 @@ def main():
     parser.add_argument("names", nargs="*", help="pictures to be made, such as honey.gif; all without names")
     parser.add_argument("--build", type=Path, default=ROOT / "build" / "cpu", help="folder of the build whose program runs")
     parser.add_argument("--page", type=Path, default=ROOT / "docs" / "gallery.md", help="the page with the commands")
-    parser.add_argument("--jpeg-quality", type=int, default=3, help="of ffmpeg: 2 is the best")
     options = parser.parse_args()
     pictures = list(wanted(options.page.resolve()))
     if unknown := set(options.names) - {image.name for image, _ in pictures}:
@@ -68,7 +76,7 @@ def main():
         if options.names and image.name not in options.names:
             continue
         start = time.monotonic()
-        size = make(image, command, options.build.resolve(), options.jpeg_quality)
+        size = make(image, command, options.build.resolve())
         print(f"{image.name}: {time.monotonic() - start:.0f} s, {size / 1e3:.0f} kB", flush=True)
 
 
