@@ -29,7 +29,7 @@ run() {
 
 for picture in docs/images/gallery/*.jpg; do
   name=$(basename "$picture" .jpg)
-  [ ! -e "resources/scenes/gallery/$name.json" ] || thumbnail "gallery_$name" "$picture"
+  if grep -q "gallery/$name.json" "$to/index.json"; then thumbnail "gallery_$name" "$picture"; fi
 done
 thumbnail jet_fills_goblet docs/images/jet_fills_goblet.png
 thumbnail dam_break_cut_open docs/images/dam_break_cut_open.png
@@ -44,3 +44,8 @@ for scene in sprinkler syrup position_based; do run $scene 10; done
 # Coarser: they have pictures of 240 pixels.
 for scene in falling_boxes boat water_wheel white_water; do run $scene 20 --set water.spacing=0.03; done
 run gallery/seaside 32 --set water.spacing=0.05
+run gallery/fountain 110 --set water.spacing=0.02
+run gallery/goblet 93
+run gallery/honey 49
+run gallery/pillar 24
+run gallery/turbine 48
