@@ -33,8 +33,6 @@ for picture in docs/images/gallery/*.jpg; do
 done
 thumbnail jet_fills_goblet docs/images/jet_fills_goblet.png
 thumbnail dam_break_cut_open docs/images/dam_break_cut_open.png
-# Its mesh is for users to choose; the picture has the duck of resources/meshes.
-thumbnail mesh_in_tank docs/images/gallery/mesh.jpg
 run dam_break 12
 run dam_break_surface 12
 run tank_at_rest 1
@@ -49,3 +47,7 @@ run gallery/goblet 93
 run gallery/honey 49
 run gallery/pillar 24
 run gallery/turbine 48
+run gallery/waterfall 110
+# Its mesh is for users to choose; the picture has the duck of resources/meshes.
+run mesh_in_tank 21 --set mesh.file=resources/meshes/duck.obj --set mesh.anchor=base --set mesh.position='[0.75, 0, 0.25]' \
+  --set render.surfaces.0.color='[0.95, 0.62, 0.04]'
