@@ -27,16 +27,16 @@ double farthestWay(const SolidWay& way, const BulletShape& of) {
 int partsOf(const StepTask& task, const BodyGroup& group) {
   constexpr double kFarthest = 0.1;
   constexpr int kMin = 2, kMax = 32;
-  double most = 0, fastest = 0, thinnest = std::numeric_limits<double>::infinity();
+  double largest = 0, fastest = 0, thinnest = std::numeric_limits<double>::infinity();
   for (const std::size_t k : group.bodies) {
     const double thickness = task.scene.bodies[k].thickness();
-    most = std::max(most, length(task.motions[k].after.velocity) * task.dt / thickness);
+    largest = std::max(largest, length(task.motions[k].after.velocity) * task.dt / thickness);
     thinnest = std::min(thinnest, thickness);
   }
   for (const std::size_t k : group.solids)
     fastest = std::max(fastest, farthestWay(task.ways[k], task.scene.solids[k]));
-  most = std::max(most, fastest / thinnest);
-  return std::clamp(int(std::ceil(std::min(most / kFarthest, double(kMax)))), kMin, kMax);
+  largest = std::max(largest, fastest / thinnest);
+  return std::clamp(int(std::ceil(std::min(largest / kFarthest, double(kMax)))), kMin, kMax);
 }
 
 /// Bodies where they were, with the velocities that forces have given them.

@@ -34,17 +34,17 @@ inline double apply(ImpulseRow& row, Changes& changes) {
 
 double sweepOnce(std::vector<ImpulseRow>& joints, std::vector<ImpulseRow>& contacts,
                  std::vector<FrictionRow>& frictions, Changes& changes) {
-  double most = 0;
-  for (ImpulseRow& joint : joints) most = std::max(most, apply(joint, changes));
-  for (ImpulseRow& contact : contacts) most = std::max(most, apply(contact, changes));
+  double largest = 0;
+  for (ImpulseRow& joint : joints) largest = std::max(largest, apply(joint, changes));
+  for (ImpulseRow& contact : contacts) largest = std::max(largest, apply(contact, changes));
   for (auto& [row, friction, contact] : frictions) {
     const double bound = friction * contacts[contact].impulse;
     if (!(contacts[contact].impulse > 0)) continue;
     row.lower = -bound;
     row.upper = bound;
-    most = std::max(most, apply(row, changes));
+    largest = std::max(largest, apply(row, changes));
   }
-  return most;
+  return largest;
 }
 
 void applyImpulse(const ImpulseRow& row, Changes& changes) {
@@ -62,8 +62,8 @@ void applyImpulses(const std::vector<ImpulseRow>& contacts, const std::vector<Fr
 
 void sweep(std::vector<ImpulseRow>& joints, std::vector<ImpulseRow>& contacts,
            std::vector<FrictionRow>& frictions, Changes& changes, const SweepsEnd& end) {
-  for (int k = 0; k < end.most; ++k)
-    if (sweepOnce(joints, contacts, frictions, changes) <= end.least) return;
+  for (int k = 0; k < end.maxSweeps; ++k)
+    if (sweepOnce(joints, contacts, frictions, changes) <= end.tolerance) return;
 }
 
 }  // namespace weir

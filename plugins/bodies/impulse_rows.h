@@ -40,11 +40,11 @@ using Changes = std::vector<Six>;
 void applyImpulses(const std::vector<ImpulseRow>& contacts, const std::vector<FrictionRow>& frictions,
                    Changes& changes);
 
-/// Sweeps over the rows until none changes a velocity by more than `least` m/s or rad/s, `most` times at
-/// most.
+/// Sweeps over the rows until none changes a velocity by more than the tolerance, at most maxSweeps
+/// times.
 struct SweepsEnd {
-  int most = 0;
-  double least = 0;
+  int maxSweeps = 0;
+  double tolerance = 0;  ///< m/s or rad/s
 };
 void sweep(std::vector<ImpulseRow>& joints, std::vector<ImpulseRow>& contacts,
            std::vector<FrictionRow>& frictions, Changes& changes, const SweepsEnd& end);

@@ -10,7 +10,7 @@
 namespace weir::test {
 namespace {
 
-constexpr SweepsEnd kEnd{.most = 100000, .least = 1e-14};
+constexpr SweepsEnd kEnd{.maxSweeps = 100000, .tolerance = 1e-14};
 
 double dot(const Six& a, const Six& b) {
   double sum = 0;
@@ -115,9 +115,9 @@ TEST(ImpulseRows, EndsOnceNothingChangesByMoreThanIsAllowed) {
   Changes exact(4, Six{}), rough(4, Six{}), none(4, Six{});
   sweep(joints, contacts, frictions, exact, kEnd);
   joints = begun;
-  sweep(joints, contacts, frictions, rough, {.most = 100000, .least = 1e-3});
+  sweep(joints, contacts, frictions, rough, {.maxSweeps = 100000, .tolerance = 1e-3});
   joints = begun;
-  sweep(joints, contacts, frictions, none, {.most = 0, .least = 0});
+  sweep(joints, contacts, frictions, none, {.maxSweeps = 0, .tolerance = 0});
   double off = 0;
   for (std::size_t b = 0; b < 4; ++b)
     for (std::size_t k = 0; k < 6; ++k) off = std::max(off, std::abs(rough[b][k] - exact[b][k]));
