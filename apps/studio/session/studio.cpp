@@ -1,5 +1,8 @@
 #include "apps/studio/session/studio.h"
 
+#include <malloc.h>
+
+#include <chrono>
 #include <limits>
 #include <utility>
 
@@ -110,12 +113,23 @@ void Studio::closed(ClientId client) {
   desk_.forget(client);
   pastDesk_.forget(client);
   host_.forget(client);
+  giveBackMemory();
   if (writer_ != client) return;
   host_.release();
   writer_.reset();
   if (clients_.empty()) return;
   writer_ = clients_.begin()->first;
   tellRole(*writer_);
+}
+
+/// What waited for a client that was slow, up to tens of megabytes, malloc() keeps as free for good where
+/// something small lies behind it.
+void Studio::giveBackMemory() {
+  constexpr std::chrono::seconds kPause{10};
+  const auto now = std::chrono::steady_clock::now();
+  if (now - memoryGivenBack_ < kPause) return;
+  memoryGivenBack_ = now;
+  ::malloc_trim(0);
 }
 
 const std::map<std::string, Studio::Command, std::less<>>& Studio::commands() {

@@ -2,6 +2,7 @@
 // PROTOCOL.md says. All but the simulation runs on the server's thread.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -144,6 +145,7 @@ class Studio final : private ServerEvents, private HostListener {
   void takeScene(Value scene, std::string path, ClientId from);
   /// Offers what an earlier run was left with, if it is something else.
   void beginUntitled();
+  void giveBackMemory();
   void findDraft();
   void keepDraft();
   void requireWriter(ClientId client) const;
@@ -172,6 +174,7 @@ class Studio final : private ServerEvents, private HostListener {
   SceneFiles sceneFiles_;
 
   std::map<ClientId, Client> clients_;
+  std::chrono::steady_clock::time_point memoryGivenBack_{};
   std::optional<ClientId> writer_;
   Value scene_;                   // as it is edited, right or wrong
   std::string path_;              // below the served folder; "" if it has no file yet
