@@ -459,7 +459,11 @@ File File::create(const std::filesystem::path& file, const std::string& name) {
   // names until the next flush, must not be given to other data.
   H5Pset_file_space_strategy(creation.get(), H5F_FSPACE_STRATEGY_NONE, false, 1);
   File made(Handle(H5Fcreate(file.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose), name);
-  if (made.handle_.get() < 0) throw made.error("create the file");
+  if (made.handle_.get() < 0) {
+    // Where the disk is full, HDF5 holds on to the file that it could not begin.
+    Library::theOne().somethingStaysOpen();
+    throw made.error("create the file");
+  }
   return made;
 }
 
