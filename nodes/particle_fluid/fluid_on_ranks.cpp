@@ -235,7 +235,7 @@ void ParticleFluid::restoreOnRanks(const StateReader& from) {
     from.get("sums", frame_->sums);
   else
     frame_->sums = sumsOfFluid(divided_->ranks(), state_->particles, state_->neighbors, constants_);
-  if (gathered_) gathered_->restore(from.in("particles"));
+  if (gathered_ && isWatched()) gathered_->restore(from.in("particles"));
 }
 
 }  // namespace weir

@@ -16,6 +16,7 @@ constexpr int kKept = 2;          // batches of a node; each has a layer at leas
 
 void Inflow::add(const ParticleBatch& born, int source, double speed, double time,
                  const ParticleSet& particles) {
+  WEIR_CHECK(born.velocities.size() >= born.count);
   const auto isOfSource = [source](const Batch& batch) { return batch.source == source; };
   if (std::count_if(batches_.begin(), batches_.end(), isOfSource) >= kKept)
     batches_.erase(std::find_if(batches_.begin(), batches_.end(), isOfSource));

@@ -11,18 +11,18 @@ namespace weir {
 
 namespace {
 
-/// Sets of numbers, each known by its least.
+/// Sets of numbers (union-find); the root of a set is its smallest number.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parents_(count) {
     std::iota(parents_.begin(), parents_.end(), std::size_t{0});
   }
-  std::size_t leastWith(std::size_t k) {
+  std::size_t rootOf(std::size_t k) {
     while (parents_[k] != k) k = parents_[k] = parents_[parents_[k]];
     return k;
   }
   void unite(std::size_t a, std::size_t b) {
-    a = leastWith(a), b = leastWith(b);
+    a = rootOf(a), b = rootOf(b);
     parents_[std::max(a, b)] = std::min(a, b);
   }
 
@@ -95,9 +95,9 @@ DisjointSets setsOf(const BulletScene& scene, const std::vector<Room>& reaches) 
 /// All of them, in the places of their first bodies; other places are empty.
 std::vector<BodyGroup> membersOf(DisjointSets sets, const BulletScene& scene) {
   std::vector<BodyGroup> groups(scene.bodies.size());
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) groups[sets.leastWith(k)].bodies.push_back(k);
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) groups[sets.rootOf(k)].bodies.push_back(k);
   for (std::size_t k = 0; k < scene.joints.size(); ++k)
-    groups[sets.leastWith(std::size_t(scene.joints[k].a))].joints.push_back(k);
+    groups[sets.rootOf(std::size_t(scene.joints[k].a))].joints.push_back(k);
   return groups;
 }
 

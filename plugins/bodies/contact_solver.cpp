@@ -14,6 +14,11 @@ Six sixOf(const btVector3& linear, const btVector3& angular) {
   return {linear.x(), linear.y(), linear.z(), angular.x(), angular.y(), angular.z()};
 }
 
+void split(const Six& of, btVector3& linear, btVector3& angular) {
+  linear = {of[0], of[1], of[2]};
+  angular = {of[3], of[4], of[5]};
+}
+
 /// Of an impulse of 1 in that direction.
 Six changeOf(const btSolverBody& body, const btVector3& direction, const btVector3& turn) {
   if (body.m_originalBody == nullptr) return {};
@@ -84,9 +89,8 @@ void ContactSolver::separate(const SweepsEnd& end) {
   Changes changes(std::size_t(m_tmpSolverBodyPool.size()), Six{});
   sweep(none, pushes, noFrictions, changes, end);
   for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
-    const Six& of = changes[std::size_t(k)];
-    m_tmpSolverBodyPool[k].internalGetPushVelocity() = {of[0], of[1], of[2]};
-    m_tmpSolverBodyPool[k].internalGetTurnVelocity() = {of[3], of[4], of[5]};
+    btSolverBody& body = m_tmpSolverBodyPool[k];
+    split(changes[std::size_t(k)], body.internalGetPushVelocity(), body.internalGetTurnVelocity());
   }
 }
 
@@ -116,9 +120,9 @@ void ContactSolver::solve(const SweepsEnd& end) {
   applyImpulses(contacts_, frictions_, changes);
   sweep(joints_, contacts_, frictions_, changes, end);
   for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
-    const Six& of = changes[std::size_t(k)];
-    m_tmpSolverBodyPool[k].internalGetDeltaLinearVelocity() = {of[0], of[1], of[2]};
-    m_tmpSolverBodyPool[k].internalGetDeltaAngularVelocity() = {of[3], of[4], of[5]};
+    btSolverBody& body = m_tmpSolverBodyPool[k];
+    split(changes[std::size_t(k)], body.internalGetDeltaLinearVelocity(),
+          body.internalGetDeltaAngularVelocity());
   }
 }
 

@@ -25,7 +25,7 @@ double farthestWay(const SolidWay& way, const BulletShape& of) {
 
 /// Into which a step is cut, so that nothing goes farther in one than a share of a body's size.
 int partsOf(const StepTask& task, const BodyGroup& group) {
-  constexpr double kFarthest = 0.1;
+  constexpr double kMaxShare = 0.1;
   constexpr int kMin = 2, kMax = 32;
   double largest = 0, fastest = 0, thinnest = std::numeric_limits<double>::infinity();
   for (const std::size_t k : group.bodies) {
@@ -36,7 +36,7 @@ int partsOf(const StepTask& task, const BodyGroup& group) {
   for (const std::size_t k : group.solids)
     fastest = std::max(fastest, farthestWay(task.ways[k], task.scene.solids[k]));
   largest = std::max(largest, fastest / thinnest);
-  return std::clamp(int(std::ceil(std::min(largest / kFarthest, double(kMax)))), kMin, kMax);
+  return std::clamp(int(std::ceil(std::min(largest / kMaxShare, double(kMax)))), kMin, kMax);
 }
 
 /// Bodies where they were, with the velocities that forces have given them.

@@ -23,12 +23,12 @@ const KnownContact* nearest(const Touch& touch, const std::vector<KnownContact>&
   const KnownContact* found = nullptr;
   const btScalar apart =
       touch.one.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
-  btScalar least = apart * apart;
+  btScalar nearestYet = apart * apart;
   for (auto k = begin; k != end; ++k) {
     const btScalar off = (toBullet(k->at) - touch.point.m_localPointA).length2();
-    if (off > least || toBullet(k->normal).dot(touch.point.m_normalWorldOnB) < kSameWay) continue;
+    if (off > nearestYet || toBullet(k->normal).dot(touch.point.m_normalWorldOnB) < kSameWay) continue;
     found = &*k;
-    least = off;
+    nearestYet = off;
   }
   return found;
 }
