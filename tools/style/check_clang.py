@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 # Warnings that GCC alone knows, and constants that nvcc alone reads.
 EXTRA = ["-fsyntax-only", "-Werror", "-Wno-unknown-warning-option", "-Wno-unused-const-variable"]
-GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_CPU_ISAS")
+GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_CPU_ISAS", "-femit-class-debug-always")
 LEFT_OUT = ("/isa/", "nanobind/src")
 
 

@@ -66,7 +66,7 @@ TEST_F(Cli, AProcessOfALaunchThatNothingJoinsIsRefused) {
   std::filesystem::copy_file(weirProgram(), alone);
   for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
     ChildOptions options;
-    options.environment["LD_LIBRARY_PATH"] = buildFolder() + "/lib";
+    options.environment["LD_LIBRARY_PATH"] = buildFolder() + "/lib:" + buildFolder() + "/lib/weir/bundled";
     options.environment[variable] = "2";
     expectFailure(runChild(alone, {"run", scene()}, options), 2, {"no plugin for MPI", "--ranks N"});
     options.environment[variable] = "1";

@@ -125,7 +125,8 @@ TEST_F(CheckpointOfRun, HoldsTheStatesOfAPluginsNode) {
   const ChildResult resumed = run("parts", with({"--resume", checkpoint()}));
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   expectSame("whole", "parts");
-  const Value* paddle = seriesOf("parts").back().find("nodes")->find("paddle");
+  const std::vector<Value> frames = seriesOf("parts");
+  const Value* paddle = frames.back().find("nodes")->find("paddle");
   EXPECT_GT(std::abs(paddle->find("position")->asDouble()), 0.05) << "it moves";
 }
 
@@ -222,7 +223,8 @@ class CheckpointOfCuda : public CheckpointOfRun {
  protected:
   /// The number of the water's particles in the last line, and its kinetic energy.
   std::pair<double, double> endOf(const std::string& name) const {
-    const Value* const water = seriesOf(name).back().find("nodes")->find("water");
+    const std::vector<Value> frames = seriesOf(name);
+    const Value* const water = frames.back().find("nodes")->find("water");
     return {water->find("particles")->asDouble(), water->find("kinetic_energy")->asDouble()};
   }
 };

@@ -8,6 +8,7 @@
 
 #include "framework/base/error.h"
 #include "plugins/rendering/gl/providers.h"
+#include "tests/plugins/rendering/gl/like_pictures.h"
 #include "tests/plugins/rendering/gl/pictures.h"
 
 namespace weir::rendering::gl {
@@ -71,8 +72,11 @@ TEST(GlContext, DrawsFromAnotherThread) {
 TEST(GlContext, PicturesDoNotDependOnTheProvider) {
   auto egl = contextOrNull(Provider::kEgl), osMesa = contextOrNull(Provider::kOsMesa);
   if (!egl || !osMesa) GTEST_SKIP() << "only one of EGL and OSMesa is installed";
+  // A GPU does not cover the same samples along an edge as Mesa does.
+  const bool bothMesa = egl->description().find("llvmpipe") != std::string::npos;
   Renderer first(std::move(egl)), second(std::move(osMesa));
-  EXPECT_LE(largestDifference(drawExample(first), drawExample(second)), 2);
+  const Picture wanted = drawExample(second);
+  expectLike(wanted, drawExample(first), bothMesa ? 0 : wanted.width * wanted.height / 500);
 }
 
 TEST(GlContext, WithoutOneTheErrorSaysWhatWasTried) {
