@@ -89,7 +89,12 @@ class Node : public Configurable, public Stateful {
   void setName(std::string name) { name_ = std::move(name); }
   /// How many nodes of its type stand before it in the scene.
   int ordinal() const { return ordinal_; }
-  void setOrdinal(int ordinal) { ordinal_ = ordinal; }
+  /// Its place among all nodes of the scene, from 0.
+  int place() const { return place_; }
+  void setPlace(int place, int ordinal) {
+    place_ = place;
+    ordinal_ = ordinal;
+  }
   /// The library that its type comes from, see Registry::setSource.
   const std::string& source() const { return source_; }
   void setSource(std::string source) { source_ = std::move(source); }
@@ -132,7 +137,7 @@ class Node : public Configurable, public Stateful {
   friend class InputPort;
   friend class OutputPort;
   std::string name_;
-  int ordinal_ = 0;
+  int place_ = 0, ordinal_ = 0;
   std::string source_{kOwnSource};
   std::vector<InputPort*> inputs_;
   std::vector<OutputPort*> outputs_;

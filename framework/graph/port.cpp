@@ -35,10 +35,11 @@ void InputPort::link(OutputPort& from) {
     throw sceneError("'" + path() + "' is linked to '" + links_.front()->path() +
                          "' already, and again to '" + from.path() + "'",
                      "one link into this input");
-  // In the order of names, so that a scene means the same however its links are listed.
+  // In the order of the nodes, so that a scene means the same however they are called and links are listed.
+  const auto place = [](const OutputPort* port) { return std::pair(port->node().place(), port->name()); };
   links_.insert(
       std::upper_bound(links_.begin(), links_.end(), &from,
-                       [](const OutputPort* a, const OutputPort* b) { return a->path() < b->path(); }),
+                       [&](const OutputPort* a, const OutputPort* b) { return place(a) < place(b); }),
       &from);
   from.links_.push_back(this);
 }

@@ -146,7 +146,7 @@ class Inputs final : public InputPort {
 
   std::size_t size() const { return links().size(); }
   bool empty() const { return links().empty(); }
-  /// What arrives on link i, in the order of the names of the nodes above.
+  /// What arrives on link i, in the order in which the scene has the nodes above.
   T& operator[](std::size_t i) const { return *static_cast<Output<T>&>(*links()[i]); }
   void request(const typename Output<T>::Request& r) const {
     for (OutputPort* link : links()) static_cast<Output<T>&>(*link).addRequest(*this, r);

@@ -66,9 +66,9 @@ Node& SceneGraph::add(std::unique_ptr<Node> node, const std::string& name) {
   if (find(name) != nullptr)
     throw sceneError("there are two nodes '" + name + "'", "a name of its own for each");
   node->setName(name);
-  node->setOrdinal(static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [&](const auto& other) {
-    return other->info().type == node->info().type;
-  })));
+  const auto isAlike = [&](const auto& other) { return other->info().type == node->info().type; };
+  node->setPlace(static_cast<int>(nodes_.size()),
+                 static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), isAlike)));
   nodes_.push_back(std::move(node));
   return *nodes_.back();
 }

@@ -27,32 +27,41 @@ constexpr const char* kScene = R"({
              "FIRSTblock.particles -> water.initial", "SECONDblock.particles -> water.initial" ]
 })";
 
-std::vector<Vec3f> positionsWhenNamed(Device& device, const std::string& first, const std::string& second,
-                                      const std::vector<std::string>& overrides = {}) {
+struct Places {
+  std::vector<Vec3f> positions;
+  std::vector<std::int64_t> ids;
+  bool operator==(const Places&) const = default;
+};
+
+Places placesWhenNamed(Device& device, const std::string& first, const std::string& second,
+                       const std::vector<std::string>& overrides = {}) {
   std::string text = std::regex_replace(kScene, std::regex("FIRST"), first);
   SimulatedScene scene(device, std::regex_replace(text, std::regex("SECOND"), second), overrides);
   scene->reset();
   while (scene->advanceFrame(false)) {
   }
-  return scene.node<ParticleFluid>("water").fluid->set().positions().toHost(scene->particleCount());
+  const ParticleSet& water = scene.node<ParticleFluid>("water").fluid->set();
+  return {water.positions().toHost(scene->particleCount()), water.ids().toHost(scene->particleCount())};
 }
 
 TEST(Renaming, ANodeChangesNoBitOfARun) {
   for (const std::string& name : availableDevices()) {
     SCOPED_TRACE(name);
     const auto device = openDevice(name);
-    const auto positions = positionsWhenNamed(*device, "a", "b");
-    ASSERT_GT(positions.size(), 1500u);
-    EXPECT_EQ(positionsWhenNamed(*device, "z", "y"), positions);
+    const Places usual = placesWhenNamed(*device, "a", "b");
+    ASSERT_GT(usual.ids.size(), 1500u);
+    const Places renamed = placesWhenNamed(*device, "z", "y");
+    EXPECT_EQ(renamed.ids, usual.ids);
+    EXPECT_TRUE(renamed == usual);
   }
 }
 
 TEST(Renaming, NodesOfOneTypeStillDrawNumbersOfTheirOwn) {
   const auto device = openDevice("cpu");
-  const auto usual = positionsWhenNamed(*device, "a", "b");
-  EXPECT_NE(positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}), usual);
-  EXPECT_EQ(positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}),
-            positionsWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}));
+  const auto usual = placesWhenNamed(*device, "a", "b");
+  EXPECT_FALSE(placesWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}) == usual);
+  EXPECT_TRUE(placesWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}) ==
+              placesWhenNamed(*device, "a", "b", {"ablock.seed=7", "bblock.seed=7"}));
 }
 
 }  // namespace
