@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "framework/graph/configurable.h"
-#include "plugins/rendering/cycles/cycles_settings.h"
+#include "plugins/rendering/cycles_settings.h"
 #include "plugins/rendering/video_settings.h"
 #include "plugins/rendering/view.h"
 #include "plugins/rendering/water_settings.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "framework/graph/configurable.h"
-#include "plugins/rendering/output/video_format.h"
+#include "plugins/video/video_format.h"
 
 namespace weir {
 

@@ -13,7 +13,7 @@
 #include "framework/graph/param_types.h"
 #include "plugins/rendering/color_map.h"
 #include "plugins/rendering/environment_image.h"
-#include "plugins/rendering/output/picture.h"
+#include "plugins/video/picture.h"
 
 namespace weir::rendering {
 

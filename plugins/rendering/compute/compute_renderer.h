@@ -7,7 +7,7 @@
 #include "plugins/rendering/compute/shade_kernels.h"
 #include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/frame.h"
-#include "plugins/rendering/output/picture.h"
+#include "plugins/video/picture.h"
 
 namespace weir::rendering {
 

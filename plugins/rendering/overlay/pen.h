@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "framework/base/vec.h"
-#include "plugins/rendering/output/picture.h"
 #include "plugins/rendering/overlay/font.h"
+#include "plugins/video/picture.h"
 
 namespace weir::rendering {
 

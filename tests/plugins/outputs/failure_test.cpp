@@ -8,7 +8,7 @@
 #include "framework/run/checkpoint.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
 #include "tests/plugins/outputs/written_run.h"
-#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/plugins/video/video_tools.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/small_disk.h"
 

@@ -15,7 +15,7 @@
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
 #include "tests/plugins/outputs/written_run.h"
-#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/plugins/video/video_tools.h"
 #include "tests/support/devices.h"
 
 namespace weir::test {

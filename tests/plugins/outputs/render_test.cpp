@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "tests/plugins/outputs/written_run.h"
-#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/plugins/video/video_tools.h"
 #include "tests/support/expect_error.h"
 
 namespace weir::test {

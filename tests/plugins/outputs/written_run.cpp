@@ -4,7 +4,7 @@
 
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/vtkhdf_reader.h"
-#include "tests/plugins/rendering/output/video_tools.h"
+#include "tests/plugins/video/video_tools.h"
 
 namespace weir::test {
 

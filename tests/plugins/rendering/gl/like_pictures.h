@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "plugins/rendering/output/image_file.h"
+#include "plugins/video/image_file.h"
 #include "tests/plugins/rendering/gl/pictures.h"
 
 namespace weir::rendering {

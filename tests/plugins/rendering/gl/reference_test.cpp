@@ -8,7 +8,7 @@
 
 #include "tests/plugins/rendering/gl/like_pictures.h"
 #include "tests/plugins/rendering/gl/pictures.h"
-#include "tests/plugins/rendering/output/read_png.h"
+#include "tests/plugins/video/read_png.h"
 
 namespace weir::rendering {
 namespace {
