@@ -27,7 +27,7 @@ class FolderOfFrames final : public PictureMaker {
       : device_(std::move(device)), handover_(folder, settings, frameRate) {}
 
   MeshId addMesh(const TriangleMesh& mesh) override { return handover_.addMesh(mesh); }
-  void replaceMesh(MeshId id, const MeshSpan& mesh) override { handover_.replaceMesh(id, mesh); }
+  void replaceMesh(MeshId id, const ShownMesh& mesh) override { handover_.replaceMesh(id, mesh); }
   Picture draw(const View& view) override {
     last_ = handover_.write(view);
     return {};

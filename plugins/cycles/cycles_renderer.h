@@ -31,7 +31,7 @@ class CyclesRenderer final : public PictureMaker {
   CyclesRenderer(std::unique_ptr<Device> device, const CyclesSettings& settings, double frameRate);
 
   MeshId addMesh(const TriangleMesh& mesh) override { return handover_.addMesh(mesh); }
-  void replaceMesh(MeshId id, const MeshSpan& mesh) override { handover_.replaceMesh(id, mesh); }
+  void replaceMesh(MeshId id, const ShownMesh& mesh) override { handover_.replaceMesh(id, mesh); }
   /// Minutes may pass.
   Picture draw(const View& view) override;
   Device* device() const override { return device_.get(); }

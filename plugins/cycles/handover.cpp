@@ -127,7 +127,7 @@ MeshId Handover::addMesh(const TriangleMesh& mesh) {
   return id;
 }
 
-void Handover::replaceMesh(MeshId id, const MeshSpan& mesh) {
+void Handover::replaceMesh(MeshId id, const ShownMesh& mesh) {
   meshes_.at(id) = {.file = "", .span = mesh};
 }
 
@@ -192,6 +192,8 @@ Value Handover::particlesOf(const ParticleView& particles, std::size_t index, Np
   const std::string name = fmt::format("particles{}_", index);
   arrays.add(name + "positions", particles.positions);
   if (!particles.velocities.empty()) arrays.add(name + "velocities", particles.velocities);
+  item["white"] = particles.white;
+  if (!particles.radii.empty()) arrays.add(name + "radii", particles.radii);
   if (particles.values.empty()) return item;
   arrays.add(name + "values", particles.values);
   item["range"] = listOf({particles.lowest, particles.highest});
@@ -220,6 +222,7 @@ Value Handover::surfaceOf(const SurfaceView& surface, std::size_t index, NpzFile
   arrays.add(name + "vertices", mesh.span.vertices);
   arrays.add(name + "triangles", mesh.span.triangles);
   if (!surface.velocities.empty()) arrays.add(name + "velocities", surface.velocities);
+  if (!mesh.span.colors.empty()) arrays.add(name + "colors", mesh.span.colors);
   return item;
 }
 

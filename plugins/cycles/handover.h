@@ -23,7 +23,7 @@ class Handover {
   // Meshes as a PictureMaker has them. One that is added with triangles is written once. One that is replaced
   // belongs to each frame; its arrays must be there until the frame is written.
   MeshId addMesh(const TriangleMesh& mesh);
-  void replaceMesh(MeshId id, const MeshSpan& mesh);
+  void replaceMesh(MeshId id, const ShownMesh& mesh);
 
   /// Writes frame_00012.npz of a view whose particles are on the host; one that is there is replaced when the
   /// new one is whole. Returns its path. Throws an io Error.
@@ -34,7 +34,7 @@ class Handover {
  private:
   struct Mesh {
     std::string file;  // of one that is written; "" of one that is replaced
-    MeshSpan span;
+    ShownMesh span;
   };
 
   Value sceneOf(const View& view);

@@ -211,6 +211,7 @@ class Pictures {
     for (const ParticleView& particles : view.particles) {
       made_->addAll(particles.positions);
       made_->addAll(particles.values);
+      made_->addAll(particles.radii);
     }
     for (FluidSurfaceSnapshot& surface : scene.fluidSurfaces) made_->addAll(surface.mesh.wait().vertices);
     made_->addAll(std::span<const Pose>(scene.poses));

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "framework/compute/device.h"
-#include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/triangle_mesh.h"
+#include "plugins/rendering/shown_mesh.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
@@ -17,7 +17,7 @@ class PictureMaker {
 
   /// Surfaces stay with it, so that one that keeps its shape is handed over once.
   virtual MeshId addMesh(const TriangleMesh& mesh) = 0;
-  virtual void replaceMesh(MeshId id, const MeshSpan& mesh) = 0;
+  virtual void replaceMesh(MeshId id, const ShownMesh& mesh) = 0;
 
   /// A picture without pixels if the run was interrupted meanwhile and there will be none. Throws an io Error
   /// if it cannot be made, and a scene Error for a camera that looks nowhere.

@@ -217,6 +217,11 @@ class SurfaceSettings final : public Configurable {
       std::nullopt,
       {.doc = "Colour; of glass, the colour that light has behind it. Without it, light grey or clear, and "
               "for fluids the particles' one colour."}};
+  Param<bool> particleColors{
+      *this,
+      "particle_colors",
+      false,
+      {.doc = "Of a matt or metal surface of a fluid: it has the colours that its particles have by color."}};
   Group<WaterSettings> water{*this, "water", "Of the look \"water\": what its inside does to light."};
   Param<bool> visible{*this, "visible", true, {.doc = "Whether it is shown."}};
 

@@ -43,6 +43,20 @@ std::string startColors(const ParticleSet& particles, const std::string& name, c
   return info->unit;
 }
 
+/// Of white water, its sizes and kinds. Other white particles have none.
+void startWhite(const ParticleSet& particles, std::int64_t count, FluidSnapshot& to) {
+  const auto has = [&](const char* name, AttributeType type) {
+    const AttributeInfo* info = particles.find(name);
+    return info != nullptr && info->type == type;
+  };
+  to.kinds = false;
+  if (!has("radius", AttributeType::kFloat)) return;
+  to.colorType = AttributeType::kFloat;
+  to.numbers<float>().start(particles.get<float>("radius").read(), count);
+  to.kinds = has("type", AttributeType::kInt);
+  if (to.kinds) to.numbers<int>().start(particles.get<int>("type").read(), count);
+}
+
 /// The particles that a node takes, whose surface it puts out; null if there are none.
 const Particles* fluidBehind(const Node& node) {
   for (const InputPort* input : node.inputs())
@@ -201,7 +215,10 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     to.look = place < settings_.fluids.size() ? &settings_.fluids[place] : nullptr;
     to.white = isWhite(settings_, output->node());
     to.colorType = std::nullopt;
-    if (to.white) continue;
+    if (to.white) {
+      startWhite(particles, count, to);
+      continue;
+    }
     if (to.look != nullptr && to.look->look == FluidLook::kWater) {
       const std::string& by = to.look->foam->by;
       if (by != "none")
@@ -227,6 +244,7 @@ void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnaps
     to.node = node;
     to.look = own != nullptr ? own->look.get() : SurfaceLook::kMatt;
     to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
+    if (own != nullptr && own->particleColors) captureColors(snapshot, fluid, to.fluid);
     to.water = std::nullopt;
     if (to.look == SurfaceLook::kWater) to.water = waterView(*own->water, 0, 0);
   }
@@ -253,9 +271,20 @@ void SceneCapture::captureMesh(const DynamicMesh& mesh, const Particles* fluid,
   if (!needs_.velocities || fluid == nullptr || !fluid->exist()) return;
   ParticleSet& particles = fluid->set();
   const std::int64_t count = particles.refreshCount();
+  to.fluid.positions.start(particles.positions().read(), count);
+  to.fluid.velocities.start(particles.velocities().read(), count);
+  to.fluid.spacing = fluid->material.spacing;
+}
+
+void SceneCapture::captureColors(SceneSnapshot& snapshot, const Particles* fluid, FluidSnapshot& to) const {
+  const std::string& by = settings_.color->by;
+  to.colorType = std::nullopt;
+  if (by == "none" || fluid == nullptr || !fluid->exist()) return;
+  ParticleSet& particles = fluid->set();
+  const std::int64_t count = particles.refreshCount();
   to.positions.start(particles.positions().read(), count);
-  to.velocities.start(particles.velocities().read(), count);
   to.spacing = fluid->material.spacing;
+  snapshot.colorUnit = startColors(particles, by, "/render/color/by", count, to);
 }
 
 const DynamicMesh& SceneCapture::meshOf(const std::string& node, const Particles& fluid,

@@ -53,8 +53,9 @@ struct FluidSnapshot {
   std::string node;                     ///< that puts the fluid out
   float spacing = 0;                    ///< m
   const FluidSettings* look = nullptr;  ///< null: spheres
-  bool white = false;                   ///< white spheres, without a quantity
-  /// Of the numbers that colour the particles; none if they have one colour.
+  bool white = false;  ///< white water, whose numbers are radii, with its kinds if they are known
+  bool kinds = false;  ///< whether numbers<int>() are those (WhiteKind)
+  /// Of the numbers that colour the particles, or are radii; none if they have one colour and radius.
   std::optional<AttributeType> colorType;
   FrameCopy<Vec3f> positions;
   FrameCopy<Vec3f> velocities;  ///< if there are arrows
@@ -67,13 +68,13 @@ inline constexpr Color kWhite{0.95f, 0.97f, 0.98f, 1};
 
 /// The surface of a fluid, on its way to the host.
 struct FluidSurfaceSnapshot {
-  explicit FluidSurfaceSnapshot(Device& device) : mesh(device), positions(device), velocities(device) {}
+  explicit FluidSurfaceSnapshot(Device& device) : mesh(device), fluid(device) {}
 
   std::string node;  ///< that puts it out, or whose particles it is made of
   DynamicMeshCopy mesh;
-  /// Of the particles of that fluid, for who needs to know how the surface moves; else none.
-  FrameCopy<Vec3f> positions, velocities;
-  float spacing = 0;  ///< of these, m
+  /// The particles of that fluid, for who needs to know how the surface moves or which colours it has; else
+  /// none.
+  FluidSnapshot fluid;
   SurfaceLook look = SurfaceLook::kMatt;
   Color color;
   std::optional<WaterView> water;  ///< of the look "water"
@@ -119,6 +120,7 @@ class SceneCapture {
   void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot);
   void captureClosedWater(const Simulation& simulation, SceneSnapshot& snapshot, std::size_t first);
   void captureMesh(const DynamicMesh& mesh, const Particles* fluid, FluidSurfaceSnapshot& to) const;
+  void captureColors(SceneSnapshot& snapshot, const Particles* fluid, FluidSnapshot& to) const;
   const DynamicMesh& meshOf(const std::string& node, const Particles& fluid,
                             const FluidMeshSettings& settings);
   bool isClosedWater(const std::string& node) const;

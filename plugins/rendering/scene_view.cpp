@@ -9,7 +9,7 @@
 #include "framework/base/check.h"
 #include "plugins/rendering/camera_path.h"
 #include "plugins/rendering/environment_file.h"
-#include "plugins/rendering/surface_velocities.h"
+#include "plugins/rendering/surface_means.h"
 #include "plugins/rendering/velocity_arrows.h"
 
 namespace weir::rendering {
@@ -137,10 +137,12 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.spacing,
                               .map = map_,
                               .fixed = fluid.white ? kWhite : settings_.color->fixed.get(),
-                              .node = fluid.node});
+                              .node = fluid.node,
+                              .white = fluid.white});
     if (water) addWater(fluid, view);
     if (!boundsAreStatic_) bounds_.extend(shown_[i]->box());
   }
+  loadSurfaceFluids(snapshot);
   if (colored) chooseRange(view);
   for (std::size_t i = 0; i < view.particles.size(); ++i) {
     view.particles[i].lowest = key_.low;
@@ -173,33 +175,50 @@ void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   view.lines.push_back({.points = arrows_, .color = settings.color, .width = settings.width});
 }
 
+void SceneView::loadSurfaceFluids(SceneSnapshot& snapshot) {
+  for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
+    if (i == surfaceFluids_.size()) surfaceFluids_.push_back(std::make_unique<ShownParticles>(device_));
+    FluidSnapshot& fluid = snapshot.fluidSurfaces[i].fluid;
+    if (fluid.positions.size() > 0) surfaceFluids_[i]->load(fluid, std::nullopt);
+    if (fluid.colorType) key_.shown = settings_.color->bar;
+  }
+}
+
 void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
-  velocitiesOfSurfaces_.clear();
-  velocitiesOfSurfaces_.reserve(snapshot.fluidSurfaces.size());
+  fieldsOfSurfaces_.assign(snapshot.fluidSurfaces.size(), {});
   for (std::size_t i = 0; i < snapshot.fluidSurfaces.size(); ++i) {
     FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces[i];
     const MeshSpan mesh = surface.mesh.wait();
+    SurfaceFields& fields = fieldsOfSurfaces_[i];
+    findFields(surface.fluid, mesh, *surfaceFluids_[i], fields);
     if (i == fluidSurfaces_.size()) fluidSurfaces_.push_back(maker_.addMesh({}));
-    maker_.replaceMesh(fluidSurfaces_[i], mesh);
+    maker_.replaceMesh(fluidSurfaces_[i], {mesh, fields.colors});
     if (mesh.triangles.empty()) continue;
     view.surfaces.push_back({.mesh = fluidSurfaces_[i],
                              .look = surface.look,
-                             .color = surface.color,
+                             .color = fields.colors.empty() ? surface.color : Color{1, 1, 1, 1},
                              .water = view.waters.size(),
                              .node = surface.node,
-                             .velocities = surfaceVelocities(surface, mesh)});
+                             .velocities = fields.velocities});
     if (surface.water) view.waters.push_back(*surface.water);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
   }
 }
 
-std::span<const Vec3f> SceneView::surfaceVelocities(FluidSurfaceSnapshot& surface, const MeshSpan& mesh) {
-  if (surface.velocities.size() == 0) return {};
-  velocitiesOfSurfaces_.push_back(
-      velocitiesAt(mesh.vertices, placesOnHost_.of(surface.positions.on(device_, placeRoom_)),
-                   velocitiesOnHost_.of(surface.velocities.on(device_, velocityRoom_)), 2 * surface.spacing));
-  return velocitiesOfSurfaces_.back();
+void SceneView::findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, ShownParticles& shown,
+                           SurfaceFields& fields) const {
+  ParticleView particles;
+  shown.give(particles, false);
+  const float radius = 2 * fluid.spacing;
+  if (!particles.velocities.empty())
+    fields.velocities = meansAt(mesh.vertices, particles.positions, particles.velocities, radius);
+  if (particles.values.empty()) return;
+  std::vector<Vec3f> colors;
+  colors.reserve(particles.values.size());
+  for (const float value : particles.values)
+    colors.push_back(map_.at((value - key_.low) / (key_.high - key_.low)));
+  fields.colors = meansAt(mesh.vertices, particles.positions, colors, radius);
 }
 
 void SceneView::chooseRange(const View& view) {
@@ -210,12 +229,14 @@ void SceneView::chooseRange(const View& view) {
   // Without a range, the one that holds all that was seen so far, in round numbers so that it seldom changes.
   constexpr float kNone = std::numeric_limits<float>::infinity();
   float low = rangeFound_ ? key_.low : kNone, high = rangeFound_ ? key_.high : -kNone;
-  for (std::size_t i = 0; i < view.particles.size(); ++i) {
-    if (view.particles[i].water) continue;
-    const Vec2f range = shown_[i]->range();
+  const auto widen = [&](ShownParticles& particles) {
+    const Vec2f range = particles.range();
     low = std::min(low, range.x);
     high = std::max(high, range.y);
-  }
+  };
+  for (std::size_t i = 0; i < view.particles.size(); ++i)
+    if (!view.particles[i].water && !view.particles[i].white) widen(*shown_[i]);
+  for (const auto& fluid : surfaceFluids_) widen(*fluid);
   const bool grew = !rangeFound_ || low < key_.low || high > key_.high;
   if (!(low <= high) || !grew) return;
   rangeFound_ = high > low;

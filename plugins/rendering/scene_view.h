@@ -49,8 +49,13 @@ class SceneView {
   void addWater(const FluidSnapshot& fluid, View& view);
   void addArrows(SceneSnapshot& snapshot, View& view);
   void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
-  /// Those of the fluid at each vertex; none where they are not captured.
-  std::span<const Vec3f> surfaceVelocities(FluidSurfaceSnapshot& surface, const MeshSpan& mesh);
+  void loadSurfaceFluids(SceneSnapshot& snapshot);
+  /// Of the fluid at each vertex of its surface; none of what is not captured.
+  struct SurfaceFields {
+    std::vector<Vec3f> velocities, colors;  // m/s; sRGB
+  };
+  void findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, ShownParticles& shown,
+                  SurfaceFields& fields) const;
   void chooseRange(const View& view);
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(const SceneSnapshot& snapshot);
@@ -69,7 +74,8 @@ class SceneView {
   // For arrows: what the device had no room for, and what it has as the host sees it.
   Array<Vec3f> placeRoom_, velocityRoom_;
   DeviceOutput<Vec3f> placesOnHost_, velocitiesOnHost_;
-  std::vector<std::vector<Vec3f>> velocitiesOfSurfaces_;
+  std::vector<std::unique_ptr<ShownParticles>> surfaceFluids_;  // behind each surface of a fluid
+  std::vector<SurfaceFields> fieldsOfSurfaces_;
   std::vector<Vec3f> arrows_;          // two points a line
   std::vector<SurfaceView> surfaces_;  // that are still
   std::vector<MeshId> fluidSurfaces_;

@@ -59,7 +59,9 @@ void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foam
   velocities_ = {};
   if (fluid.velocities.size() > 0) velocities_ = fluid.velocities.on(device_, velocityRoom_);
   values_ = {};
+  isWhite_ = fluid.white;
   if (!fluid.colorType) return;
+  if (fluid.white) return loadRadii(fluid);
   dispatch(device_, [&](auto& device) {
     withAttributeType(*fluid.colorType, [&]<class T>(std::type_identity<T>) {
       const ArrayView<const T> elements = fluid.numbers<T>().on(device, std::get<Array<T>>(numberRooms_));
@@ -72,6 +74,19 @@ void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foam
     });
     if (!foamEnds) return;
     findParts(device, values_, *foamEnds, roomForValues(values_.size));
+    values_ = made_.view();
+  });
+}
+
+void ShownParticles::loadRadii(FluidSnapshot& fluid) {
+  const auto on = [&]<class T>(FrameCopy<T>& numbers) {
+    return numbers.on(device_, std::get<Array<T>>(numberRooms_));
+  };
+  dispatch(device_, [&](auto& device) {
+    const ArrayView<const float> stored = on(fluid.numbers<float>());
+    ArrayView<const int> kinds;
+    if (fluid.kinds) kinds = on(fluid.numbers<int>());
+    findWhiteRadii(device, stored, kinds, 0.5f * fluid.spacing, roomForValues(stored.size));
     values_ = made_.view();
   });
 }
@@ -124,6 +139,10 @@ void ShownParticles::give(ParticleView& view, bool onDevice) {
   view.onDevice = onDevice;
   view.positions = onDevice ? spanOf(positions_) : positionsOnHost_.of(positions_);
   view.velocities = onDevice ? std::span<const Vec3f>() : velocitiesOnHost_.of(velocities_);
+  if (isWhite_) {
+    view.radii = onDevice ? std::span<const float>() : valuesOnHost_.of(values_);
+    return;
+  }
   const std::span<const float> values = onDevice ? spanOf(values_) : valuesOnHost_.of(values_);
   (view.water ? view.foam : view.values) = values;
 }

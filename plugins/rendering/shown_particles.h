@@ -46,10 +46,12 @@ class ShownParticles {
   template <class T>
   T found(const Array<T>& result) const;
   ArrayView<float> roomForValues(std::int64_t count);
+  void loadRadii(FluidSnapshot& fluid);
 
   Device& device_;
   ArrayView<const Vec3f> positions_;
-  ArrayView<const float> values_;
+  ArrayView<const float> values_;  // radii of white water
+  bool isWhite_ = false;
   ArrayView<const Vec3f> velocities_;  // none where they are not captured
   // For a frame that the device had no room for.
   Array<Vec3f> positionRoom_, velocityRoom_;

@@ -102,7 +102,7 @@ class MeshBook final : public PictureMaker {
     pages_.push_back(std::make_unique<Page>(Page{.still = mesh, .moving = {}}));
     return static_cast<MeshId>(pages_.size() - 1);
   }
-  void replaceMesh(MeshId id, const MeshSpan& mesh) override { pages_.at(id)->moving = mesh; }
+  void replaceMesh(MeshId id, const ShownMesh& mesh) override { pages_.at(id)->moving = mesh; }
   Picture draw(const View&) override { return {}; }
   Device* device() const override { return device_.get(); }
   bool readsDevice(const View&) const override { return false; }
@@ -112,12 +112,12 @@ class MeshBook final : public PictureMaker {
     const Page& page = *pages_.at(id);
     return page.still.triangles.empty() ? nullptr : &page.still;
   }
-  const MeshSpan& moving(MeshId id) const { return pages_.at(id)->moving; }
+  const ShownMesh& moving(MeshId id) const { return pages_.at(id)->moving; }
 
  private:
   struct Page {
     TriangleMesh still;
-    MeshSpan moving;
+    ShownMesh moving;
   };
 
   std::unique_ptr<Device> device_;
@@ -251,12 +251,12 @@ class UsdObserver final : public Observer {
 
   void addSurface(const SurfaceView& surface, const View& view, UsdMoment& moment, CrateFile& file) {
     const TriangleMesh* still = book_->still(surface.mesh);
-    const UsdThing& thing = thingOf(surface, view, still);
+    UsdThing& thing = thingOf(surface, view, still);
     if (still != nullptr) {
       moment.places.push_back({surface.rotation, surface.position});
       return;
     }
-    const MeshSpan& mesh = book_->moving(surface.mesh);
+    const ShownMesh& mesh = book_->moving(surface.mesh);
     const std::vector<std::int32_t> counts(mesh.triangles.size(), 3);
     const std::span<const std::int32_t> corners(reinterpret_cast<const std::int32_t*>(mesh.triangles.data()),
                                                 3 * mesh.triangles.size());
@@ -269,12 +269,20 @@ class UsdObserver final : public Observer {
     file.add("faceVertexCounts", "int[]", std::span<const std::int32_t>(counts));
     file.add("faceVertexIndices", "int[]", corners);
     if (!surface.velocities.empty()) file.add("velocities", "vector3f[]", surface.velocities);
+    if (!mesh.colors.empty()) addColors(mesh.colors, thing, file);
     file.add("extent", "float3[]", std::span<const Vec3f>(extent));
     file.endPrim();
   }
 
+  static void addColors(std::span<const Vec3f> srgb, UsdThing& thing, CrateFile& file) {
+    std::vector<Vec3f> light(srgb.size());
+    std::transform(srgb.begin(), srgb.end(), light.begin(), lightOf);
+    file.add(kDisplayColor, "color3f[]", std::span<const Vec3f>(light));
+    if (!thing.has(kDisplayColor)) thing.attributes.push_back({"color3f[]", kDisplayColor, true});
+  }
+
   /// The thing of a surface, which is made with its material when it is first seen.
-  const UsdThing& thingOf(const SurfaceView& surface, const View& view, const TriangleMesh* still) {
+  UsdThing& thingOf(const SurfaceView& surface, const View& view, const TriangleMesh* still) {
     const auto known = placeOf_.find(surface.mesh);
     if (known != placeOf_.end()) return stage_.things[known->second];
     placeOf_[surface.mesh] = stage_.things.size();

@@ -29,7 +29,7 @@ std::string textOf(const Vec3f& v) {
 }
 
 std::string textOf(const Color& c) {
-  return textOf(Vec3f{linear(c.r), linear(c.g), linear(c.b)});
+  return textOf(lightOf({c.r, c.g, c.b}));
 }
 
 /// Rows of a matrix that is multiplied with rows.
@@ -131,7 +131,7 @@ void putThing(Text& to, const UsdThing& thing, const UsdStage& stage, std::size_
   if (!thing.material.empty()) put(to, " (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )");
   put(to, "\n    {{\n");
   if (thing.isMesh) put(to, "        uniform token subdivisionScheme = \"none\"\n");
-  put(to, "        color3f[] primvars:displayColor = [{}]\n", textOf(thing.color));
+  if (!thing.has(kDisplayColor)) put(to, "        color3f[] {} = [{}]\n", kDisplayColor, textOf(thing.color));
   if (!thing.material.empty())
     put(to, "        rel material:binding = </World/Materials/{}>\n", thing.material);
   if (!thing.isMesh)
@@ -173,6 +173,15 @@ void putMaterial(Text& to, const std::string& name, const UsdMaterial& material)
 }
 
 }  // namespace
+
+Vec3f lightOf(const Vec3f& srgb) {
+  return {linear(srgb.x), linear(srgb.y), linear(srgb.z)};
+}
+
+bool UsdThing::has(std::string_view attribute) const {
+  return std::any_of(attributes.begin(), attributes.end(),
+                     [&](const UsdAttribute& one) { return one.name == attribute; });
+}
 
 std::string primNameOf(const std::string& name, std::vector<std::string>& taken) {
   std::string prim;

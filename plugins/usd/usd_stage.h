@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/base/vec.h"
@@ -13,6 +14,11 @@
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering {
+
+/// The attribute of the colours that programs show, and the light that sRGB colours stand for, as it has
+/// them.
+inline constexpr const char* kDisplayColor = "primvars:displayColor";
+Vec3f lightOf(const Vec3f& srgb);
 
 /// An attribute whose values the frames hold.
 struct UsdAttribute {
@@ -26,9 +32,11 @@ struct UsdThing {
   bool isMesh = false;
   bool isAnimated = true;  ///< its values are in the frames; else in `mesh`
   float width = 0;         ///< of points, m
-  Color color;
-  std::string material;  ///< below /World/Materials; "" for none
+  Color color;             ///< unless the frames have kDisplayColor
+  std::string material;    ///< below /World/Materials; "" for none
   std::vector<UsdAttribute> attributes;
+
+  bool has(std::string_view attribute) const;
   const TriangleMesh* mesh = nullptr;  ///< of one that keeps its shape
 };
 

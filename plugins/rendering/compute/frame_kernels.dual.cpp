@@ -5,6 +5,7 @@
 
 #include "framework/compute/parallel.h"
 #include "framework/particles/single_number.h"
+#include "nodes/white_water/white_particles.h"
 
 namespace weir::rendering {
 
@@ -26,6 +27,23 @@ struct FindPart {
   WEIR_HD void operator()(std::int64_t i) const {
     const float part = (values[i] - ends.x) / (ends.y - ends.x);
     parts[i] = part > 0 ? (part < 1 ? part : 1.0f) : 0.0f;
+  }
+};
+
+/// Drops in the air are the smallest; bubbles under water are seen fainter than they are large.
+WEIR_HD float shareOf(WhiteKind kind) {
+  return kind == WhiteKind::kFoam ? 0.7f : 0.5f;
+}
+
+struct FindWhiteRadius {
+  ArrayView<const float> stored;
+  ArrayView<const int> kinds;
+  float mean;
+  ArrayView<float> radii;
+  WEIR_HD void operator()(std::int64_t i) const {
+    const auto kind = kinds.size > 0 ? static_cast<WhiteKind>(kinds[i]) : WhiteKind::kSpray;
+    const float ratio = stored[i] / mean;
+    radii[i] = shareOf(kind) * mean * ratio * ratio * ratio;
   }
 };
 
@@ -90,6 +108,12 @@ void findParts(Backend& device, ArrayView<const float> values, const Vec2f& ends
 }
 
 template <class Backend>
+void findWhiteRadii(Backend& device, ArrayView<const float> stored, ArrayView<const int> kinds, float mean,
+                    ArrayView<float> radii) {
+  parallelFor(device, "white water", stored.size, FindWhiteRadius{stored, kinds, mean, radii});
+}
+
+template <class Backend>
 void rangeOf(Backend& device, ArrayView<const float> values, Vec2f* range) {
   reduce(device, "range", values.size, Vec2f{kInfinity, -kInfinity}, RangeOfOne{values}, UniteRanges{},
          range);
@@ -116,6 +140,8 @@ template void findNumbers(ThisBackend&, ArrayView<const std::int64_t>, ArrayView
 template void findNumbers(ThisBackend&, ArrayView<const Vec3f>, ArrayView<float>);
 template void findNumbers(ThisBackend&, ArrayView<const Mat3f>, ArrayView<float>);
 template void findParts(ThisBackend&, ArrayView<const float>, const Vec2f&, ArrayView<float>);
+template void findWhiteRadii(ThisBackend&, ArrayView<const float>, ArrayView<const int>, float,
+                             ArrayView<float>);
 template void rangeOf(ThisBackend&, ArrayView<const float>, Vec2f*);
 template void sumOf(ThisBackend&, ArrayView<const Vec3f>, PlacesSum*);
 template void chooseShown(ThisBackend&, ArrayView<const Vec3f>, ArrayView<const Cut>, ArrayView<int>, int*);

@@ -16,6 +16,13 @@ void findNumbers(Backend& device, ArrayView<const T> elements, ArrayView<float> 
 template <class Backend>
 void findParts(Backend& device, ArrayView<const float> values, const Vec2f& ends, ArrayView<float> parts);
 
+/// The radii, m, that white water is drawn with: of stored radii with the mean m and of kinds (WhiteKind), or
+/// of spray where there are none, share(kind) m (r/m)^3. The third power makes of a range, such as
+/// WhiteWater's, what spray and foam have: many small ones and few large ones.
+template <class Backend>
+void findWhiteRadii(Backend& device, ArrayView<const float> stored, ArrayView<const int> kinds, float mean,
+                    ArrayView<float> radii);
+
 /// The least and the largest of all finite values, in device memory; {inf, -inf} if there is none.
 template <class Backend>
 void rangeOf(Backend& device, ArrayView<const float> values, Vec2f* range);

@@ -64,7 +64,8 @@ std::vector<MeshVertex> withNormals(const TriangleMesh& mesh) {
         if (dot(faces[corner.triangle], faces[i]) > kCosineOfSharp)
           sum += faces[corner.triangle] * corner.angle;
       const Vec3f normal = normalized(sum);
-      vertices.push_back({mesh.vertices[vertex], normal == Vec3f{} ? faces[i] : normal});
+      vertices.push_back(
+          {.position = mesh.vertices[vertex], .normal = normal == Vec3f{} ? faces[i] : normal});
     }
   }
   return vertices;
@@ -72,11 +73,12 @@ std::vector<MeshVertex> withNormals(const TriangleMesh& mesh) {
 
 void describeMeshVertices(const Functions& gl) {
   const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
-  gl.enableVertexAttribArray(0);
-  gl.vertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(MeshVertex),
-                         offset(offsetof(MeshVertex, position)));
-  gl.enableVertexAttribArray(1);
-  gl.vertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(MeshVertex), offset(offsetof(MeshVertex, normal)));
+  const std::array places{offsetof(MeshVertex, position), offsetof(MeshVertex, normal),
+                          offsetof(MeshVertex, color)};
+  for (GLuint i = 0; i < places.size(); ++i) {
+    gl.enableVertexAttribArray(i);
+    gl.vertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(MeshVertex), offset(places[i]));
+  }
 }
 
 MeshId MeshStore::add(const TriangleMesh& mesh) {
@@ -93,11 +95,14 @@ void MeshStore::replace(MeshId id, const TriangleMesh& mesh) {
   replaceVertices(id, withNormals(mesh));
 }
 
-void MeshStore::replace(MeshId id, const MeshSpan& mesh) {
+void MeshStore::replace(MeshId id, const ShownMesh& mesh) {
   std::vector<MeshVertex> vertices;
   vertices.reserve(3 * mesh.triangles.size());
   for (const Vec3i& t : mesh.triangles)
-    for (int k = 0; k < 3; ++k) vertices.push_back({mesh.vertices[t[k]], mesh.normals[t[k]]});
+    for (int k = 0; k < 3; ++k) {
+      vertices.push_back({.position = mesh.vertices[t[k]], .normal = mesh.normals[t[k]]});
+      if (!mesh.colors.empty()) vertices.back().color = mesh.colors[t[k]];
+    }
   replaceVertices(id, vertices);
 }
 

@@ -5,15 +5,16 @@
 #include <span>
 #include <vector>
 
-#include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "plugins/rendering/gl/resources.h"
+#include "plugins/rendering/shown_mesh.h"
 #include "plugins/rendering/view.h"
 
 namespace weir::rendering::gl {
 
 struct MeshVertex {
   Vec3f position, normal;
+  Vec3f color{1, 1, 1};  ///< times that of the surface
 };
 
 /// Three vertices per triangle. The normal at a corner is the mean of those of the triangles there that are
@@ -29,7 +30,7 @@ class MeshStore {
   MeshId add(const TriangleMesh& mesh);
   void replace(MeshId id, const TriangleMesh& mesh);
   /// With the normals that the mesh brings, which are smooth everywhere.
-  void replace(MeshId id, const MeshSpan& mesh);
+  void replace(MeshId id, const ShownMesh& mesh);
   void remove(MeshId id);
 
   /// All of these are an InternalError for a mesh that was never added, or was removed.
@@ -51,7 +52,7 @@ class MeshStore {
   MeshId next_ = 1;
 };
 
-/// Describes a bound vertex buffer of MeshVertex: position at attribute 0, normal at 1.
+/// Describes a bound vertex buffer of MeshVertex: position at attribute 0, normal at 1, colour at 2.
 void describeMeshVertices(const Functions& gl);
 
 }  // namespace weir::rendering::gl

@@ -219,7 +219,7 @@ void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
   passes_->meshes.replace(id, mesh);
 }
 
-void Renderer::replaceMesh(MeshId id, const MeshSpan& mesh) {
+void Renderer::replaceMesh(MeshId id, const ShownMesh& mesh) {
   const CurrentContext current(*context_);
   passes_->meshes.replace(id, mesh);
 }

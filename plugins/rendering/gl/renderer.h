@@ -41,7 +41,7 @@ class Renderer final : public PictureMaker {
   /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
   MeshId addMesh(const TriangleMesh& mesh) override;
   void replaceMesh(MeshId id, const TriangleMesh& mesh);
-  void replaceMesh(MeshId id, const MeshSpan& mesh) override;
+  void replaceMesh(MeshId id, const ShownMesh& mesh) override;
   void removeMesh(MeshId id);
 
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that

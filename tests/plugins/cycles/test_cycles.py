@@ -161,6 +161,44 @@ class Pictures(WithFolder):
             self.assertAlmostEqual(rows.max() + 1 - rows.min(), across, delta=1.5)
             self.assertAlmostEqual(columns.mean() + 0.5, SIZE / 2 * (1 + middle / (4 * numpy.tan(numpy.radians(15)))), delta=1)
 
+    def test_spheres_may_have_a_radius_each(self):
+        looks = {"name": "foam particles", "radius": 0.2, "color": [1, 0, 0], "white": False}
+        places = numpy.array([[-0.5, 0, 0], [numpy.nan, 0, 0], [0.5, 0, 0]], dtype="f4")
+        seen = self.render(scene(particles=[looks]), particles0_positions=places,
+                           particles0_radii=numpy.array([0.1, 1, 0.3], dtype="f4"))
+        red = seen[..., 0] > 2 * seen[..., 2]
+        for half, radius in ((red[:, :SIZE // 2], 0.1), (red[:, SIZE // 2:], 0.3)):
+            rows = numpy.nonzero(half)[0]
+            across = radius / (4 * numpy.tan(numpy.radians(15))) * SIZE
+            self.assertAlmostEqual(rows.max() + 1 - rows.min(), across, delta=1.5)
+
+    def test_few_of_white_water_are_mist_and_many_are_white(self):
+        # Before a black wall: what passes between them is dark.
+        vertices, triangles = box([-3, -3, -1.2], [3, 3, -1])
+        wall = surface("matt", color=[0, 0, 0])
+        looks = {"name": "foam particles", "radius": 0.2, "color": [0.95, 0.97, 0.98], "white": True}
+
+        def light(count):
+            places = numpy.array([[0, 0, -0.05 * i] for i in range(count)], dtype="f4").reshape(-1, 3)
+            seen = self.render(scene(cycles={"samples": 64}, surfaces=[wall], particles=[looks]),
+                               surface0_vertices=vertices, surface0_triangles=triangles, particles0_positions=places)
+            return seen[SIZE // 2 - 2:SIZE // 2 + 2, SIZE // 2 - 2:SIZE // 2 + 2].mean()
+
+        none, one, many = light(0), light(1), light(12)
+        self.assertGreater(one, none + 0.1)
+        self.assertGreater(many, 1.1 * one)
+
+    def test_a_surface_may_have_a_colour_at_each_vertex(self):
+        vertices, triangles = box([-1, -1, -0.1], [1, 1, 0])
+        left = vertices[:, :1] < 0
+        colors = numpy.where(left, [[1, 0, 0]], [[0, 0, 1]]).astype("f4")
+        seen = self.render(scene(surfaces=[surface("matt")]), surface0_vertices=vertices, surface0_triangles=triangles,
+                           surface0_colors=colors)
+        middle = seen[SIZE // 2]
+        self.assertGreater(middle[SIZE // 8, 0], 3 * middle[SIZE // 8, 2])
+        self.assertGreater(middle[-SIZE // 8, 2], 3 * middle[-SIZE // 8, 0])
+        self.assertAlmostEqual(middle[SIZE // 2, 0], middle[SIZE // 2, 2], delta=0.1)
+
     def test_what_moves_is_blurred_by_its_way_while_the_shutter_is_open(self):
         vertices, triangles = box([-0.2, -0.2, -0.2], [0.2, 0.2, 0.2])
 

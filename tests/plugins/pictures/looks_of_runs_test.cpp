@@ -291,5 +291,35 @@ TEST_F(LooksOfRuns, TheSurfaceOfAFluidLooksLikeWater) {
   EXPECT_GT(dark.blue, 2 * dark.red);
 }
 
+TEST_F(LooksOfRuns, TheSurfaceOfAFluidHasTheColoursOfItsParticles) {
+  // A ball that rests and one that moves, beside both in one colour, red and then blue.
+  const std::string nodes = R"(, "skin": { "type": "FluidSurface" }, "other": { "type": "SphereSampler",
+      "params": { "center": [0.6, 0.5, 0], "radius": 0.2, "velocity": [0, 0, 1] } })";
+  const std::string links = R"(, "water.fluid -> skin.fluid", "other.particles -> water.initial")";
+  const auto picture = [&](const std::string& name, const std::string& look) {
+    const std::string file = scene(
+        R"("color": { "by": "speed", "range": [0, 1], "table": ["#ff0000", "#0000ff"], "bar": false },
+           "surfaces": [{ "node": "skin", )" +
+            look + "}]",
+        nodes, links);
+    const ChildResult result = runWeir({"run", file, "--quiet", "--frames", "0", "--images", folder / name});
+    EXPECT_EQ(result.code, 0) << result.err;
+    return rendering::readPng(folder / name + "/frame_00000.png");
+  };
+  const Picture both = picture("both", R"("particle_colors": true)");
+  const Picture red = picture("red", R"("color": "#ff0000")"),
+                blue = picture("blue", R"("color": "#0000ff")");
+  const auto expectSame = [](const Pixel& a, const Pixel& b) {
+    EXPECT_NEAR(a.red, b.red, 2);
+    EXPECT_NEAR(a.green, b.green, 2);
+    EXPECT_NEAR(a.blue, b.blue, 2);
+  };
+  constexpr int kOther = 142;  // px, of its middle
+  EXPECT_GT(at(red, 80, 60).red, 2 * at(red, 80, 60).blue);
+  EXPECT_GT(at(blue, kOther, 60).blue, 2 * at(blue, kOther, 60).red);
+  expectSame(at(both, 80, 60), at(red, 80, 60));
+  expectSame(at(both, kOther, 60), at(blue, kOther, 60));
+}
+
 }  // namespace
 }  // namespace weir::test

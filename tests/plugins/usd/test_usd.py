@@ -197,6 +197,24 @@ class ReadBack(unittest.TestCase):
             numpy.testing.assert_array_equal(numpy.array(mine.GetPointsAttr().Get(3)),
                                              numpy.array(theirs.GetPointsAttr().Get(3)))
 
+    def test_a_surface_has_the_colours_of_its_particles(self):
+        colored = json.loads(json.dumps(SCENE))
+        colored["render"].update(color={"by": "density", "range": [-1, 0], "table": ["#ff0000", "#0000ff"]},
+                                 surfaces=[{"node": "skin", "particle_colors": True}])
+        scene = self.folder / "colored.json"
+        scene.write_text(json.dumps(colored))
+        done = subprocess.run([WEIR, "run", scene, "--device", "cpu", "--frames", "1", "--usd",
+                               self.folder / "colored.usda"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        stage = Usd.Stage.Open(str(self.folder / "colored.usda"))
+        skin = UsdGeom.Mesh.Get(stage, "/World/skin")
+        colors = skin.GetDisplayColorPrimvar()
+        self.assertEqual(colors.GetInterpolation(), "vertex")
+        found = numpy.array(colors.Get(1))
+        self.assertEqual(len(found), len(skin.GetPointsAttr().Get(1)))
+        numpy.testing.assert_allclose(found, numpy.broadcast_to([0, 0, 1], found.shape), atol=1e-5)
+        self.assertEqual(UsdGeom.Mesh.Get(self.stage, "/World/skin").GetDisplayColorPrimvar().GetInterpolation(), "constant")
+
     def test_a_name_that_usd_does_not_allow_is_changed(self):
         scene = self.folder / "named.json"
         text = json.dumps(SCENE).replace('"water":', '"the-water":').replace("water.", "the-water.")

@@ -5,9 +5,11 @@ frame_00012.npz holds the array 'scene', the bytes of a JSON text, and the numbe
     particles0_positions  (n, 3) float32, m       of particles[0]
     particles0_values     (n,) float32            what colours them, where they are coloured
     particles0_velocities (n, 3) float32, m/s     where there is motion blur
+    particles0_radii      (n,) float32, m         where they are not all the same
     surface0_vertices     (n, 3) float32, m       of surfaces[0], if it is another mesh at each frame
     surface0_triangles    (n, 3) int32
     surface0_velocities   (n, 3) float32, m/s     where there is motion blur
+    surface0_colors       (n, 3) float32          where it has the colours of particles
 
 A surface that keeps its shape names a file of its own, mesh_00000.npz, with 'vertices' and 'triangles'. Surroundings
 that are a picture stand in environment.npz as 'light', (height, width, 3) float32, the first row below. Lengths are
@@ -104,7 +106,12 @@ class Frame:
         below = numpy.minimum(share.astype(numpy.int64), len(table) - 2)
         part = (share - below)[:, None]
         colors = (1 - part) * table[below] + part * table[below + 1]
-        return numpy.concatenate([colors, numpy.ones((len(colors), 1))], axis=1).astype(numpy.float32)
+        return _opaque(colors)
+
+    def surface_colors(self, index):
+        """(n, 4) float32, linear; None where it has the one colour."""
+        colors = self.array(f"surface{index}_colors")
+        return None if colors is None else _opaque(linear(colors))
 
 
 class Run:
@@ -138,6 +145,10 @@ def linear(srgb):
     """Light of sRGB colours."""
     srgb = numpy.asarray(srgb, dtype=numpy.float32)
     return numpy.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4).astype(numpy.float32)
+
+
+def _opaque(colors):
+    return numpy.concatenate([colors, numpy.ones((len(colors), 1))], axis=1).astype(numpy.float32)
 
 
 def is_closed(triangles):

@@ -77,10 +77,19 @@ def _rgba(color):
     return (*(float(c) for c in linear(color[:3])), 1.0)
 
 
-def opaque(name, color, metallic, roughness):
+def _base(nodes, color, colored):
+    if not colored:
+        return _rgba(color)
+    attribute = nodes.add("ShaderNodeAttribute")
+    attribute.attribute_name = COLOR
+    return attribute.outputs["Color"]
+
+
+def opaque(name, color, metallic, roughness, colored=False):
+    """Of one colour, or of the attribute COLOR."""
     material = _new(name)
     nodes = _Nodes(material.node_tree)
-    shader = nodes.add("ShaderNodeBsdfPrincipled", Base_Color=_rgba(color), Metallic=metallic, Roughness=roughness,
+    shader = nodes.add("ShaderNodeBsdfPrincipled", Base_Color=_base(nodes, color, colored), Metallic=metallic, Roughness=roughness,
                        Specular_IOR_Level=0.5 if metallic else 0.25)
     nodes.output(shader.outputs[0])
     return material
@@ -90,13 +99,21 @@ def particles(name, color, colored):
     """Of spheres: the attribute COLOR, or one colour."""
     material = _new(name)
     nodes = _Nodes(material.node_tree)
-    base = _rgba(color)
-    if colored:
-        attribute = nodes.add("ShaderNodeAttribute")
-        attribute.attribute_name = COLOR
-        base = attribute.outputs["Color"]
-    shader = nodes.add("ShaderNodeBsdfPrincipled", Base_Color=base, Roughness=0.4, Specular_IOR_Level=0.35)
+    shader = nodes.add("ShaderNodeBsdfPrincipled", Base_Color=_base(nodes, color, colored), Roughness=0.4, Specular_IOR_Level=0.35)
     nodes.output(shader.outputs[0])
+    return material
+
+
+def white_water(name, color):
+    """Of drops and bubbles too small to be seen one by one: light comes out of them on all sides alike, and much of it
+    passes between them, so that few are mist and many are white."""
+    material = _new(name)
+    nodes = _Nodes(material.node_tree)
+    tint = _rgba(color)
+    front = nodes.add("ShaderNodeBsdfDiffuse", Color=tint).outputs[0]
+    back = nodes.add("ShaderNodeBsdfTranslucent", Color=tint).outputs[0]
+    clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
+    nodes.output(nodes.mix(0.3, nodes.mix(0.5, front, back), clear))
     return material
 
 
@@ -178,12 +195,12 @@ def ground(name, color, radius, tiles, fades):
     return material
 
 
-def surface(name, item, waters, closed, caustics):
+def surface(name, item, waters, closed, caustics, colored):
     """Of a surface of the hand-over, by its look."""
     if item["look"] == "water" and closed:
         return water(name, waters[item["water"]], caustics)
     if item["look"] in ("glass", "water"):
         return glass(name, item["color"], closed)
     if item["look"] == "metal":
-        return opaque(name, item["color"], 1.0, 0.22)
-    return opaque(name, item["color"], 0.0, 0.7)
+        return opaque(name, item["color"], 1.0, 0.22, colored)
+    return opaque(name, item["color"], 0.0, 0.4 if colored else 0.7, colored)

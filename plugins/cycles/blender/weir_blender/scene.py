@@ -16,6 +16,7 @@ from .handover import camera_matrix, is_closed, linear, pose_matrix, turned
 COLLECTION = "Weir"
 PREFIX = "Weir "
 COLOR = materials.COLOR
+RADIUS = "weir_radius"
 
 
 class SceneBuilder:
@@ -88,18 +89,18 @@ class SceneBuilder:
     def _surface(self, frame, index, item):
         name = PREFIX + item["name"]
         thing = self._object(name, lambda: bpy.data.meshes.new(name))
-        file = item.get("mesh")
+        file, colors = item.get("mesh"), frame.surface_colors(index)
         if file is None or self._changed("mesh " + name, (str(frame.path.parent), file)):
             vertices, triangles = frame.mesh(index)
-            fill_mesh(thing.data, vertices, triangles, frame.array(f"surface{index}_velocities"))
+            fill_mesh(thing.data, vertices, triangles, frame.array(f"surface{index}_velocities"), colors)
             self._closed[name] = is_closed(triangles)
         self._place(thing, frame.scene, item)
         closed = self._closed[name]
         caustics = frame.scene["cycles"]["caustics"]
         waters = frame.scene["waters"]
-        made_of = repr((item["look"], item["color"], closed, caustics,
+        made_of = repr((item["look"], item["color"], closed, caustics, colors is not None,
                         waters[item["water"]] if item["look"] == "water" else None))
-        self._dress(thing, name, made_of, lambda: materials.surface(name, item, waters, closed, caustics))
+        self._dress(thing, name, made_of, lambda: materials.surface(name, item, waters, closed, caustics, colors is not None))
         return name
 
     def _place(self, thing, description, item):
@@ -131,15 +132,16 @@ class SceneBuilder:
         colors = frame.particle_colors(index)
         positions = frame.positions(index)
         whole = numpy.isfinite(positions).all(axis=1)
-        velocities = frame.array(f"particles{index}_velocities")
-        fill_points(thing.data, positions[whole], None if velocities is None else velocities[whole],
-                    None if colors is None else colors[whole])
-        colored = colors is not None
-        material = self._dress(thing, name, repr((item["color"], colored)),
-                               lambda: materials.particles(name, item["color"], colored))
+        velocities, radii = (frame.array(f"particles{index}_{what}") for what in ("velocities", "radii"))
+        fill_points(thing.data, *(None if of is None else of[whole] for of in (positions, velocities, colors, radii)))
+        colored, white = colors is not None, item.get("white", False)
+        material = self._dress(thing, name, repr((item["color"], colored, white)),
+                               lambda: materials.white_water(name, item["color"]) if white else
+                               materials.particles(name, item["color"], colored))
         modifier = thing.modifiers.get("Spheres") or thing.modifiers.new("Spheres", "NODES")
-        if self._changed("spheres " + name, (item["radius"], material.name)) or modifier.node_group is None:
-            modifier.node_group = sphere_nodes(name, item["radius"], material)
+        radius = item["radius"] if radii is None else None
+        if self._changed("spheres " + name, (radius, material.name)) or modifier.node_group is None:
+            modifier.node_group = sphere_nodes(name, radius, material)
         return name
 
     # Ground, camera, light ---------------------------------------------------------------------------------------
@@ -261,8 +263,8 @@ def _tone(scene, picture):
     view.exposure = math.log2(picture["exposure"]) + (0.6 if view.view_transform == "AgX" else 0)
 
 
-def fill_mesh(mesh, vertices, triangles, velocities=None):
-    """Makes it the mesh of these triangles, smooth; the velocities are for motion blur."""
+def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None):
+    """Makes it the mesh of these triangles, smooth; the velocities are for motion blur, the colours light."""
     mesh.clear_geometry()
     vertices = turned(vertices)
     mesh.vertices.add(len(vertices))
@@ -277,6 +279,7 @@ def fill_mesh(mesh, vertices, triangles, velocities=None):
         mesh.polygons.foreach_set("loop_total", numpy.full(count, 3, dtype=numpy.int32))
     mesh.polygons.foreach_set("use_smooth", _smooth(vertices, corners))
     _set_velocities(mesh, velocities)
+    _set(mesh, COLOR, "FLOAT_COLOR", "color", colors)
     mesh.update(calc_edges=True)
     mesh.validate()
 
@@ -288,26 +291,32 @@ def _smooth(vertices, corners):
 
 
 def _set_velocities(mesh, velocities):
-    if velocities is None or len(velocities) == 0:
+    if velocities is not None:
+        _set(mesh, "velocity", "FLOAT_VECTOR", "vector", turned(velocities))
+
+
+def _set(mesh, name, kind, member, values):
+    """An attribute of the points of a mesh, if there are values."""
+    if values is None or len(values) == 0:
         return
-    attribute = mesh.attributes.get("velocity") or mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
-    attribute.data.foreach_set("vector", numpy.ascontiguousarray(turned(velocities), dtype=numpy.float32).ravel())
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+    attribute.data.foreach_set(member, numpy.ascontiguousarray(values, dtype=numpy.float32).ravel())
 
 
-def fill_points(mesh, positions, velocities=None, colors=None):
+def fill_points(mesh, positions, velocities=None, colors=None, radii=None):
     """A mesh of vertices alone, which become spheres."""
     mesh.clear_geometry()
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", numpy.ascontiguousarray(turned(positions), dtype=numpy.float32).ravel())
     _set_velocities(mesh, velocities)
-    if colors is not None and len(colors) > 0:
-        attribute = mesh.attributes.get(COLOR) or mesh.attributes.new(COLOR, "FLOAT_COLOR", "POINT")
-        attribute.data.foreach_set("color", numpy.ascontiguousarray(colors, dtype=numpy.float32).ravel())
+    _set(mesh, COLOR, "FLOAT_COLOR", "color", colors)
+    _set(mesh, RADIUS, "FLOAT", "value", radii)
     mesh.update()
 
 
 def sphere_nodes(name, radius, material):
-    """Geometry nodes that make a sphere of each vertex, which Cycles draws as such."""
+    """Geometry nodes that make a sphere of each vertex, which Cycles draws as such; of the attribute RADIUS if `radius`
+    is None."""
     group = bpy.data.node_groups.get(name) or bpy.data.node_groups.new(name, "GeometryNodeTree")
     group.nodes.clear()
     if hasattr(group, "interface"):
@@ -319,7 +328,13 @@ def sphere_nodes(name, radius, material):
         group.outputs.new("NodeSocketGeometry", "Geometry")
     begin, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
     points, dress = group.nodes.new("GeometryNodeMeshToPoints"), group.nodes.new("GeometryNodeSetMaterial")
-    points.inputs["Radius"].default_value = radius
+    if radius is None:
+        each = group.nodes.new("GeometryNodeInputNamedAttribute")
+        each.data_type = "FLOAT"
+        each.inputs["Name"].default_value = RADIUS
+        group.links.new(next(o for o in each.outputs if o.enabled and o.type == "VALUE"), points.inputs["Radius"])
+    else:
+        points.inputs["Radius"].default_value = radius
     dress.inputs["Material"].default_value = material
     group.links.new(begin.outputs[0], points.inputs[0])
     group.links.new(points.outputs[0], dress.inputs[0])

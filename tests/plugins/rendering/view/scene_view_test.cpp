@@ -115,6 +115,30 @@ TEST_P(SceneViews, OfWhiteSpheres) {
   EXPECT_FALSE(view.colorKey().shown);
 }
 
+TEST_P(SceneViews, OfWhiteWaterWhoseRadiiSpreadAndFollowItsKinds) {
+  constexpr float kMean = 0.05f;  // of the spacing 0.1
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    heights[i] = kMean * (0.5f + static_cast<float>(i) / static_cast<float>(heights.size()));
+    numbers[i] = static_cast<int>(i % 3);
+  }
+  set(R"({"clips": [{"point": [0.1, 0, 0], "normal": [1, 0, 0]}]})");
+  capture(AttributeType::kFloat);
+  FluidSnapshot& fluid = snapshot.fluids[0];
+  fluid.white = fluid.kinds = true;
+  fluid.numbers<int>().start(onDevice(numbers), static_cast<std::int64_t>(numbers.size()));
+  SceneView view(settings, *settings.camera, renderer);
+  const View seen = view.of(snapshot, ParticlePlace::kHost);
+  EXPECT_TRUE(seen.particles[0].white);
+  EXPECT_TRUE(seen.particles[0].values.empty()) << "radii are no colours";
+  std::vector<float> wanted;
+  for (std::size_t i = 0; i < heights.size(); ++i)
+    if (positions[i].x <= 0.1f)
+      wanted.push_back((numbers[i] == 1 ? 0.7f : 0.5f) * kMean * std::pow(heights[i] / kMean, 3.0f));
+  ASSERT_EQ(seen.particles[0].radii.size(), wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    ASSERT_NEAR(seen.particles[0].radii[i], wanted[i], 1e-6f * wanted[i]) << i;
+}
+
 TEST(WhiteLook, IsThatOfWhiteWaterUnlessTheSceneSaysOtherwise) {
   RenderSettings settings;
   WhiteWater foam;

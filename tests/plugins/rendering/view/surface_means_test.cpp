@@ -1,5 +1,5 @@
-// The velocities of a fluid's surface, for motion blur.
-#include "plugins/rendering/surface_velocities.h"
+// What a fluid has where its surface is.
+#include "plugins/rendering/surface_means.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace weir::test {
 namespace {
 
-using rendering::velocitiesAt;
+using rendering::meansAt;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -22,7 +22,7 @@ std::vector<Vec3f> lattice(int half, float spacing) {
   return places;
 }
 
-TEST(SurfaceVelocities, AreThoseOfTheFluidThatTurns) {
+TEST(SurfaceMeans, AreThoseOfTheFluidThatTurns) {
   // A linear field is its own mean over a lattice that is symmetric about the place.
   constexpr float kSpacing = 0.1f;
   const std::vector<Vec3f> positions = lattice(6, kSpacing);
@@ -30,25 +30,25 @@ TEST(SurfaceVelocities, AreThoseOfTheFluidThatTurns) {
   std::vector<Vec3f> velocities;
   for (const Vec3f& p : positions) velocities.push_back(drift + cross(spin, p));
   const std::vector<Vec3f> places{{0, 0, 0}, {0.2f, -0.3f, 0.1f}, {-0.35f, 0.05f, 0.25f}};
-  const std::vector<Vec3f> found = velocitiesAt(places, positions, velocities, 2 * kSpacing);
+  const std::vector<Vec3f> found = meansAt(places, positions, velocities, 2 * kSpacing);
   ASSERT_EQ(found.size(), places.size());
   for (std::size_t i = 0; i < places.size(); ++i)
     EXPECT_LT(length(found[i] - (drift + cross(spin, places[i]))), 1e-5f) << i;
 }
 
-TEST(SurfaceVelocities, CountThoseThatAreNearAlone) {
+TEST(SurfaceMeans, CountThoseThatAreNearAlone) {
   const std::vector<Vec3f> positions{{0, 0, 0}, {0.19f, 0, 0}, {0.21f, 0, 0}, {kNaN, 0, 0}};
   const std::vector<Vec3f> velocities{{1, 0, 0}, {3, 0, 0}, {100, 0, 0}, {100, 0, 0}};
-  const std::vector<Vec3f> found = velocitiesAt(
+  const std::vector<Vec3f> found = meansAt(
       std::vector<Vec3f>{{0, 0, 0}, {5, 5, 5}, {kNaN, 0, 0}, {1e30f, 0, 0}}, positions, velocities, 0.2f);
   const float far = 1 - 0.19f * 0.19f / (0.2f * 0.2f), weight = far * far;
   EXPECT_NEAR(found[0].x, (1 + 3 * weight) / (1 + weight), 1e-5f);
   for (std::size_t i = 1; i < found.size(); ++i) EXPECT_EQ(length(found[i]), 0) << i;
 }
 
-TEST(SurfaceVelocities, AreNoneWithoutParticles) {
-  EXPECT_EQ(length(velocitiesAt(std::vector<Vec3f>{{1, 2, 3}}, {}, {}, 0.1f).front()), 0);
-  EXPECT_TRUE(velocitiesAt({}, std::vector<Vec3f>{{1, 2, 3}}, std::vector<Vec3f>{{1, 2, 3}}, 0.1f).empty());
+TEST(SurfaceMeans, AreNoneWithoutParticles) {
+  EXPECT_EQ(length(meansAt(std::vector<Vec3f>{{1, 2, 3}}, {}, {}, 0.1f).front()), 0);
+  EXPECT_TRUE(meansAt({}, std::vector<Vec3f>{{1, 2, 3}}, std::vector<Vec3f>{{1, 2, 3}}, 0.1f).empty());
 }
 
 }  // namespace

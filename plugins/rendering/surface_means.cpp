@@ -1,4 +1,4 @@
-#include "plugins/rendering/surface_velocities.h"
+#include "plugins/rendering/surface_means.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,10 +60,10 @@ class Cells {
 
 }  // namespace
 
-std::vector<Vec3f> velocitiesAt(std::span<const Vec3f> places, std::span<const Vec3f> positions,
-                                std::span<const Vec3f> velocities, float radius) {
+std::vector<Vec3f> meansAt(std::span<const Vec3f> places, std::span<const Vec3f> positions,
+                           std::span<const Vec3f> vectors, float radius) {
   WEIR_CHECK(radius > 0);
-  WEIR_CHECK(positions.size() == velocities.size());
+  WEIR_CHECK(positions.size() == vectors.size());
   const Cells cells(positions, radius);
   std::vector<Vec3f> means(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -73,8 +73,8 @@ std::vector<Vec3f> velocitiesAt(std::span<const Vec3f> places, std::span<const V
     cells.around(places[i], [&](std::size_t k) {
       const Vec3f away = positions[k] - places[i];
       const float left = 1 - dot(away, away) / (radius * radius);
-      if (!(left > 0) || !isFinite(velocities[k])) return;
-      sum += (left * left) * velocities[k];
+      if (!(left > 0) || !isFinite(vectors[k])) return;
+      sum += (left * left) * vectors[k];
       weights += left * left;
     });
     if (weights > 0) means[i] = (1 / weights) * sum;
