@@ -89,7 +89,7 @@ def on_files(files, config):
     return files
 
 
-PICTURES = {".jpg", ".png", ".gif", ".hdr"}
+PICTURES = {".jpg", ".png", ".gif", ".webp", ".hdr"}
 
 
 def add_file_page(path):
