@@ -100,7 +100,7 @@ class WhiteWater final : public Node {
                       {.unit = "m",
                        .min = 0,
                        .aboveMin = true,
-                       .doc = "Smallest and largest radius, for exports; pictures show the mean.",
+                       .doc = "Smallest and largest radius; pictures show smaller ones.",
                        .also = "size"}};
   Param<float> airDrag{*this,
                        "air_drag",

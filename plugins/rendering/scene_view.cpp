@@ -134,7 +134,9 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
     if (!water && !fluid.white) key_.shown = settings_.color->bar && colored;
     shown_[i]->load(fluid, water ? fluid.look->foam->range.get() : std::optional<Vec2f>());
-    view.particles.push_back({.radius = 0.5f * settings_.particleSize * fluid.spacing,
+    constexpr float kShareOfWhite = 0.5f;  // of white water's radii, as of foam in findWhiteRadii()
+    const float radius = 0.5f * settings_.particleSize * fluid.spacing;
+    view.particles.push_back({.radius = fluid.white ? kShareOfWhite * radius : radius,
                               .map = map_,
                               .fixed = fluid.white ? kWhite : settings_.color->fixed.get(),
                               .node = fluid.node,

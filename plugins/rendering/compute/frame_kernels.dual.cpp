@@ -30,9 +30,9 @@ struct FindPart {
   }
 };
 
-/// Drops in the air are the smallest; bubbles under water are seen fainter than they are large.
+/// Drops are the smallest, and bubbles under water are faint.
 WEIR_HD float shareOf(WhiteKind kind) {
-  return kind == WhiteKind::kFoam ? 0.7f : 0.5f;
+  return kind == WhiteKind::kFoam ? 0.5f : 0.3f;
 }
 
 struct FindWhiteRadius {
@@ -43,7 +43,7 @@ struct FindWhiteRadius {
   WEIR_HD void operator()(std::int64_t i) const {
     const auto kind = kinds.size > 0 ? static_cast<WhiteKind>(kinds[i]) : WhiteKind::kSpray;
     const float ratio = stored[i] / mean;
-    radii[i] = shareOf(kind) * mean * ratio * ratio * ratio;
+    radii[i] = shareOf(kind) * mean * ratio * ratio;
   }
 };
 

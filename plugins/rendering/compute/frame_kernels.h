@@ -16,9 +16,10 @@ void findNumbers(Backend& device, ArrayView<const T> elements, ArrayView<float> 
 template <class Backend>
 void findParts(Backend& device, ArrayView<const float> values, const Vec2f& ends, ArrayView<float> parts);
 
-/// The radii, m, that white water is drawn with: of stored radii with the mean m and of kinds (WhiteKind), or
-/// of spray where there are none, share(kind) m (r/m)^3. The third power makes of a range, such as
-/// WhiteWater's, what spray and foam have: many small ones and few large ones.
+/// The radii, m, that white water is drawn with: of stored radii r with the mean m and of kinds (WhiteKind),
+/// or of spray where there are none, share(kind) m (r/m)^2. Smaller than they are, as what is seen of a
+/// particle stands for many; the second power makes of a range, such as WhiteWater's, many small ones and few
+/// large ones.
 template <class Backend>
 void findWhiteRadii(Backend& device, ArrayView<const float> stored, ArrayView<const int> kinds, float mean,
                     ArrayView<float> radii);
