@@ -284,9 +284,6 @@ WEIR_HD N smoothstep(float low, float high, const N& x) {
   const N t = clamped((x - low) / (high - low), 0.0f, 1.0f);
   return t * t * (3 - 2 * t);
 }
-WEIR_HD inline Numbers3 selectAll(const Mask& condition, const Numbers3& a, const Numbers3& b) {
-  return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
-}
 /// The unit vector along v; zero for zero.
 WEIR_HD inline Numbers3 unit(const Numbers3& v) {
   const Number size = sqrtf(dot(v, v));

@@ -12,11 +12,6 @@ namespace weir::rendering::gl {
 
 inline constexpr std::uint32_t kOneBits = 0x3f800000;  // of 1.0f
 
-/// Numbers that are not negative keep their order as bits.
-WEIR_HD inline std::uint32_t bitsOf(float depth) {
-  return std::bit_cast<std::uint32_t>(depth > 0 ? depth : 0.0f);
-}
-
 WEIR_HD inline int clampToInt(float x, int low, int high) {
   return x > float(low) ? (x < float(high) ? int(x) : high) : low;
 }
