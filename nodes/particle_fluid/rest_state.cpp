@@ -40,17 +40,27 @@ bool RestState::unloadUnheld(int steps) {
 
 namespace {
 
-/// Whether damping no longer makes the fluid calmer: at its last stops it was on average as fast as at those
-/// before. `peaks` has mean squares of the speed (m²/s²), one a stop. More than a little motion is never what
-/// a solver leaves.
-bool stagnates(const std::vector<double>& peaks, double atRest) {
-  constexpr int kStops = 10;
-  constexpr double kProgress = 0.95, kMaxLeft = 20;
-  if (peaks.size() < 2 * kStops) return false;
-  const auto early = peaks.end() - 2 * kStops, late = peaks.end() - kStops;
-  const double before = std::accumulate(early, late, 0.0), now = std::accumulate(late, peaks.end(), 0.0);
-  return now >= kProgress * before && now <= kMaxLeft * kStops * atRest;
-}
+/// What damping still achieves. `peaks` has mean squares of the speed (m²/s²), one a stop.
+class Progress {
+ public:
+  Progress(const std::vector<double>& peaks, double atRest) {
+    if (peaks.size() < 2 * kStops) return;
+    const auto early = peaks.end() - 2 * kStops, late = peaks.end() - kStops;
+    const double before = std::accumulate(early, late, 0.0), now = std::accumulate(late, peaks.end(), 0.0);
+    none_ = now >= kLeast * before;
+    little_ = now <= kMaxLeft * kStops * atRest;
+  }
+
+  /// At its last stops the fluid was on average as fast as at those before.
+  bool stagnates() const { return none_; }
+  /// What is left is what the solver leaves: more than a little motion never is.
+  bool isOver() const { return none_ && little_; }
+
+ private:
+  static constexpr int kStops = 10;
+  static constexpr double kLeast = 0.95, kMaxLeft = 20;
+  bool none_ = false, little_ = false;
+};
 
 }  // namespace
 
@@ -81,9 +91,12 @@ int RestState::reach(int max, const std::function<void()>& step) {
     // Motion is stopped where it is fastest, which is where the forces vanish.
     const bool fastest = square <= last && taken - stopped >= kMinMotion;
     if (fastest) peaks.push_back(last);
-    const bool calm = fastest && (square <= atRest || stagnates(peaks, atRest));
-    // Before, pushes are those of particles on their way to where they will rest.
-    const bool unloaded = (calm || (fastest && 2 * taken > max)) && unloadUnheld(taken - stopped);
+    const Progress progress(peaks, atRest);
+    const bool calm = fastest && (square <= atRest || progress.isOver());
+    // Before, pushes are those of particles on their way to where they will rest. What its container carries
+    // may never come to rest in it.
+    const bool settled = calm || (fastest && (progress.stagnates() || 2 * taken > max));
+    const bool unloaded = settled && unloadUnheld(taken - stopped);
     moving = unloaded || !calm;
     if (unloaded) peaks.clear();
     dispatch(fluid_.device, [&](auto& device) { dampOn(device, fastest ? 0.0f : 1.0f); });
