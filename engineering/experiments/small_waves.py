@@ -1,11 +1,11 @@
 """Period of a small standing wave by the program, and what a relief of the packing's shear stress does to it
-(engineering/jelly.md). Needs weir as a Python module, numpy and scipy.
+(engineering/jelly.md). Needs weir as a Python module and numpy, and scipy for the relief.
 
   python3 engineering/experiments/small_waves.py [NAME=VALUE…]
 
 The first mode of a tank of 1 m, 0.4 m deep, periodic across, starts with the velocities of potential flow; its
 closed form has ω² = g·k·tanh(k·h). With ends=0 the tank is periodic along, too, and the wave is 1 m long: deep enough
-for the floor to matter little. With relief = 1 each step begins with
+for the floor to matter little. With mesh=1 the walls are a mesh of SemiAnalyticalSFI. With relief = 1 each step begins with
 
   v_i ← v_i + (dt/ρ0)·Σ_j V0·(D_i + D_j)·|W'|/r·r_ij,   D_i = K·(λ_i − 1)·dev(M_i)/m_i,   M_i = Σ_j V0·|W'|/r·r⊗r,
 
@@ -18,13 +18,12 @@ import sys
 
 import numpy as np
 import weir
-from scipy.spatial import cKDTree
 
 LENGTH, DEPTH, G = 1.0, 0.4, 9.8
 # Lengths in m, but width in spacings; m/s, Pa, s. modulus=0 leaves it and the tolerance to the program; the relief
 # needs pressures that are better known than by the default tolerance.
 SETTINGS = dict(spacing=0.04, ratio=2.0, width=8, speed=0.2, dt=2e-3, modulus=1e6, tolerance=1e-4, viscosity=0,
-                relief=0.0, memory=0.01, spread=1, duration=1.5, still=0, ends=1)
+                relief=0.0, memory=0.01, spread=1, duration=1.5, still=0, ends=1, mesh=0)
 
 
 def tank(s):
@@ -33,8 +32,7 @@ def tank(s):
     scene.world.set(duration=s["duration"], frame_rate=50, dt=s["dt"])
     block = scene.add("BoxSampler", "block", min=(0, 0, 0), max=(LENGTH, DEPTH, wide))
     beyond = 0 if s["ends"] else 1
-    walls = scene.add("StaticBoundary", "tank", shape="box", min=(-beyond, 0, -1),
-                      max=(LENGTH + beyond, 2 * DEPTH, 1 + wide), inverted=True)
+    low, high = (-beyond, 0, -1), (LENGTH + beyond, 2 * DEPTH, 1 + wide)
     water = scene.add("ParticleFluid", "water", spacing=s["spacing"], support_ratio=s["ratio"],
                       periodic="z" if s["ends"] else "xz", domain_min=(-0.5 * s["ends"], -0.5, 0),
                       domain_max=(LENGTH + 0.5 * s["ends"], 1.5, wide))
@@ -43,7 +41,13 @@ def tank(s):
         water.modules["solver"].set(tolerance=s["tolerance"])
     water.modules["viscosity"].enabled = bool(s["viscosity"])
     block.particles >> water.initial
-    walls.boundary >> water.boundaries
+    if s["mesh"]:
+        walls = scene.add("SemiAnalyticalSFI", "tank", fill="container")
+        scene.add("BoxMesh", "box", min=low, max=high).surface >> walls.solids
+        water.fluid >> walls.fluid
+    else:
+        walls = scene.add("StaticBoundary", "tank", shape="box", min=low, max=high, inverted=True)
+        walls.boundary >> water.boundaries
     return scene, water, wide
 
 
@@ -67,6 +71,7 @@ class Relief:
 
     def sums(self, x):
         """Ends and ways of all pairs, |W'|/r and W of each, λ and M of each particle."""
+        from scipy.spatial import cKDTree
         images, index = x, np.arange(len(x))
         for axis, size in [(2, self.wide)] + [(0, LENGTH)] * (not self.s["ends"]):
             high, low = np.flatnonzero(images[:, axis] > size - self.H), np.flatnonzero(images[:, axis] < self.H)
@@ -136,9 +141,9 @@ def main():
         z = np.flatnonzero(np.diff(np.sign(a)))
         zeros = t[z] - a[z] * (t[z + 1] - t[z]) / (a[z + 1] - a[z])
         period = 2 * np.mean(np.diff(zeros))
-        left = np.max(np.abs(a[z[0]:z[1]])) / s["speed"]
-        print(f"  period {period:.4f} s, {100 * (period * omega / 2 / np.pi - 1):+.1f} %; "
-              f"{100 * (1 - left):.1f} % lost in the first half")
+        lost = [100 * (1 - np.max(np.abs(a[low:high])) / s["speed"]) for low, high in zip(z[:2], z[1:3])]
+        print(f"  period {period:.4f} s, {100 * (period * omega / 2 / np.pi - 1):+.1f} %; {lost[0]:.1f} % lost in the first "
+              f"half" + (f", {lost[1]:.1f} % in the first period" if lost[1:] else ""))
     each = max(1, len(t) // 8)
     print("  velocities beside the wave, m/s:", *np.round(noise[::each], 3))
     print("  energy gained, J/kg:", *np.round(np.array(energy[::each]) - energy[0], 4))
