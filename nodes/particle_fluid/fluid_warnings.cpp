@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "framework/graph/setting_warning.h"
 
@@ -53,6 +54,21 @@ void warnOfWeight(const FluidOutlook& outlook, const std::string& where) {
                 fmt::format("a bulk_modulus of at least {:.2g} Pa", outlook.pressure / kNoticeable));
 }
 
+void warnOfStiffness(const FluidOutlook& outlook, const std::string& where) {
+  // λ is near 1, so it is told to the rounding of 1. Fluid whose weight is a few of these never comes to
+  // rest.
+  constexpr double kRoundings = 8, kLeast = kRoundings * std::numeric_limits<float>::epsilon();
+  const FluidConstants& c = outlook.constants;
+  const double compression = outlook.pressure / c.bulkModulus;
+  if (compression == 0 || compression >= kLeast * (1 - kSettingRounding)) return;
+  warnOfSetting(
+      outlook.log, where,
+      fmt::format("its own weight, {:.3g} Pa at the bottom, compresses the fluid by {:.2g} there, "
+                  "which is lost in the rounding of single precision",
+                  outlook.pressure, compression),
+      fmt::format("a bulk_modulus of at most {:.2g} Pa", outlook.pressure / (kLeast * c.stiffened)));
+}
+
 }  // namespace
 
 void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const SetupContext& context) {
@@ -62,6 +78,7 @@ void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const S
     warnOfSpeed(outlook, where, fluid.speed);
   }
   warnOfWeight(outlook, where);
+  warnOfStiffness(outlook, where);
 }
 
 }  // namespace weir

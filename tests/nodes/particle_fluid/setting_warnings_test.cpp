@@ -137,6 +137,33 @@ TEST(SettingWarnings, AFluidThatItsWeightCompresses) {
       {"world.gravity=[0, -1, 0]"});
 }
 
+TEST(SettingWarnings, AFluidTooStiffForItsNumbers) {
+  // 5.3e3 Pa are 5.3e-8 of 1e11 Pa, half a rounding of 1; eight of them are 5.3e3/9.5e-7 = 5.6e9.
+  const std::vector<std::string> changes{"water.solver.type=AcceleratedSolver",
+                                         "water.solver.tolerance=0.001", "water.bulk_modulus=1e11"};
+  expectWarning(changes, {"node 'water'", "5.3e-08", "single precision", "bulk_modulus of at most 5.6e+09"},
+                {"water.bulk_modulus=5e9"});
+  expectWarning(changes, {"rounding"}, {"world.gravity=[0, 0, 0]"});
+}
+
+TEST(SettingWarnings, SurfaceTensionOnTooSmallASupport) {
+  CpuDevice device(1);
+  std::string text = kGood;
+  const std::string solver = R"("solver": { "type": "SemiImplicitSolver" })";
+  text.insert(text.find(solver), R"("tension": { "type": "SurfaceTension", "after": "viscosity",
+                                                "params": { "coefficient": 0.03 } }, )");
+  const auto with = [&](const char* change) {
+    SimulatedScene scene(device, text, {change});
+    scene->reset();
+    return scene.warnings();
+  };
+  const std::vector<std::string> warnings = with("water.support_ratio=1.5");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_CONTAINS(warnings[0],
+                  "module 'tension': surface tension needs a support_ratio of at least 2; at 1.5");
+  EXPECT_TRUE(with("water.support_ratio=2").empty());
+}
+
 TEST(SettingWarnings, ATooFastJet) {
   // 50 m/s · 1/1000 s are 5 cm.
   expectWarning({"nozzle.speed=50"},
