@@ -16,6 +16,7 @@ sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 
 import benchmarks as runner  # noqa: E402  (it finds the others)
 import compare_splishsplash as comparison  # noqa: E402
+import converged_steps  # noqa: E402
 import page  # noqa: E402
 import results  # noqa: E402
 
@@ -58,6 +59,30 @@ class Folder(unittest.TestCase):
 
     def read(self, content):
         return results.read(self.file("r.json", content))
+
+
+
+class ConvergedSteps(Folder):
+    def curves(self):
+        stiff = written([entry("dam-default", size, ms) for size, ms in ((135_000, 1.0), (540_000, 4.0))])
+        stiff["command"] += " --cases dam-default --set water.support_ratio=1.5 --set water.bulk_modulus=1e7"
+        files = [self.file("stiff.json", stiff), self.file("defaults.json", written([entry("dam-default", 4096, 0.5)])),
+                 self.file("three.json", written([entry("dam-packing", 4096, 0.1), entry("dam", 4096, 9)]))]
+        return converged_steps.curves_of(files)
+
+    def test_a_curve_for_each_solver_and_support(self):
+        self.assertEqual(set(self.curves()), {("H100", "to 0.1 %", "1.5"), ("H100", "to 0.1 %", "2"),
+                                              ("H100", "three iterations", "1.2")})
+
+    def test_table_and_exponents_are_of_batches(self):
+        self.assertIn("| H100 | to 0.1 % | 1.5 | 540,000 | 1.8 | 3.6 | 1 % |", converged_steps.table(self.curves()))
+        self.assertEqual(list(converged_steps.exponents(self.curves(), "late")),
+                         ["H100, to 0.1 %, 1.5 d, late: particles^1.00 from 135,000 on"])
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "there is no matplotlib")
+    def test_the_plot_is_drawn(self):
+        converged_steps.draw(self.curves(), self.folder / "plot.png")
+        self.assertGreater((self.folder / "plot.png").stat().st_size, 1000)
 
 
 class Fits(unittest.TestCase):
