@@ -63,21 +63,28 @@ struct MergeCell {
   }
 };
 
+/// The ids of particles, from one of them on.
+struct IdsFrom {
+  ArrayView<const std::int64_t> ids;
+  std::int64_t first = 0;
+  WEIR_HD std::int64_t operator()(std::int64_t i) const { return ids[first + i]; }
+};
+
 /// Puts the particles of each cell into the order of their ids, where order[k] for start[c] ≤ k < start[c +
-/// 1] are those of cell c; the id of particle order[k] is ids[first + order[k]].
+/// 1] are those of cell c; the id of particle order[k] is ids(order[k]).
+template <class Ids>
 struct OrderCellByIds {
   ArrayView<const int> start;
   ArrayView<int> order;
-  ArrayView<const std::int64_t> ids;
-  std::int64_t first = 0;
+  Ids ids;
 
   WEIR_HD void operator()(std::int64_t c) const {
     // Few, and mostly in order.
     for (int end = start[c] + 1; end < start[c + 1]; ++end) {
       const int moved = order[end];
-      const std::int64_t id = ids[first + moved];
+      const std::int64_t id = ids(moved);
       int k = end;
-      for (; k > start[c] && ids[first + order[k - 1]] > id; --k) order[k] = order[k - 1];
+      for (; k > start[c] && ids(order[k - 1]) > id; --k) order[k] = order[k - 1];
       order[k] = moved;
     }
   }

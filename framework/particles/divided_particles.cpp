@@ -88,8 +88,19 @@ void DividedParticles::cut(const Aabb& box, const std::vector<ArrayView<const Ve
 }
 
 void DividedParticles::cutLayersOf(const std::vector<std::int64_t>& counts) {
+  // What is on its way then comes to little beside what a rank has.
+  constexpr std::int64_t kFewest = 4096, kParts = 64;
+  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  atOnce_ = std::max(kFewest, all / (kParts * ranks_.size()));
   slabs_.cuts = cutLayers(slabs_.layers.first, counts, ranks_.size());
   cuts_.assign(slabs_.cuts);
+  cutAnew_ = true;
+}
+
+void DividedParticles::follow(const Slabs& slabs) {
+  slabs_ = slabs;
+  cuts_.assign(slabs_.cuts);
+  cutAnew_ = true;
 }
 
 SlabsView DividedParticles::onDevice() const {
@@ -109,19 +120,34 @@ void DividedParticles::append(const ParticleBatch& batch, const BatchSelection& 
 
 void DividedParticles::restore(const StateReader& from, const Aabb& box) {
   ParticleSet all(particles_.device());
-  const PackLayout layout(particles_);
-  addAttributes(layout, all);
+  read(from, all);
+  cut(box, {ArrayView<const Vec3f>{all.positions().read().data(), all.bound()}});
+  takeOwn(all);
+}
+
+void DividedParticles::restore(const StateReader& from) {
+  ParticleSet all(particles_.device());
+  read(from, all);
+  takeOwn(all);
+}
+
+void DividedParticles::read(const StateReader& from, ParticleSet& all) const {
+  addAttributes(PackLayout(particles_), all);
   all.restore(from);
+}
+
+void DividedParticles::takeOwn(ParticleSet& all) {
   const ArrayView<const Vec3f> positions{all.positions().read().data(), all.bound()};
-  cut(box, {positions});
   particles_.clear();
   Array<int> own(all.device(), all.bound());
   std::int64_t count = 0;
   if (all.bound() > 0)
     count =
         dispatch(all.device(), [&](auto& device) { return findOwnOn(device, positions, {}, own.view()); });
+  const PackLayout layout(particles_);
   all.pack(layout, {own.data(), count}, buffer_);
   particles_.appendPacked(layout, std::as_const(buffer_).view());
+  buffer_ = Array<std::byte>(particles_.device());  // never again so much
   particles_.continueIdsFrom(all.nextId());
   particles_.refreshCount();
 }
@@ -157,21 +183,45 @@ void DividedParticles::releaseParcels() {
 }
 
 void DividedParticles::migrate() {
+  migrate({});
+}
+
+/// Where space was cut anew, most particles may leave: if the longest axis is another one. They go in parts
+/// then, the last ones first, so that none of the others takes the place of one that has left. In steps in
+/// between, few leave.
+void DividedParticles::migrate(ArrayView<const Vec3f> points) {
   const RankTimes::Scope scope(times(), RankWork::kMigration);
   releaseParcels();
-  const std::int64_t count = particles_.refreshCount();
-  std::int64_t leaving = 0;
-  if (count > 0) leaving = dispatch(particles_.device(), [&](auto& device) { return findLeavingOn(device); });
-  const std::vector<int> indices = found_.toHost(leaving), owners = owners_.toHost(leaving);
+  const auto at = [&]() -> ArrayView<const Vec3f> {
+    if (points.size > 0) return points;
+    return std::as_const(particles_).positions().read();
+  };
+  std::int64_t left = 0;
+  if (particles_.refreshCount() > 0)
+    left = dispatch(particles_.device(), [&](auto& device) { return findLeavingOn(device, at()); });
+  const std::vector<int> leaving = found_.toHost(left);
+  const std::int64_t parts = std::exchange(cutAnew_, false) ? ranks_.max((left + atOnce_ - 1) / atOnce_) : 1;
+  for (std::int64_t part = 0; part < std::max<std::int64_t>(parts, 1); ++part) {
+    const std::int64_t count = parts > 1 ? std::min(left, atOnce_) : left;
+    left -= count;
+    dispatch(particles_.device(),
+             [&](auto& device) { findOwnersOn(device, at(), {found_.data() + left, count}); });
+    const auto first = leaving.begin() + left;
+    if (part > 0) releaseParcels();
+    exchange({first, first + count}, owners_.toHost(count));
+  }
+}
+
+void DividedParticles::exchange(const std::vector<int>& leaving, const std::vector<int>& owners) {
   std::vector<std::vector<int>> byRank(std::size_t(ranks_.size()));
-  for (std::size_t k = 0; k < indices.size(); ++k) byRank[std::size_t(owners[k])].push_back(indices[k]);
+  for (std::size_t k = 0; k < leaving.size(); ++k) byRank[std::size_t(owners[k])].push_back(leaving[k]);
   const PackLayout layout(particles_);
   for (int to = 0; to < ranks_.size(); ++to) {
     if (to == ranks_.rank()) continue;
     const Array<int> going(particles_.device(), byRank[std::size_t(to)]);
     ranks_.postParcel(to, packed(layout, going.view()));
   }
-  particles_.remove(indices);
+  particles_.remove(leaving);
   particles_.dropHalo();
   for (int from = 0; from < ranks_.size(); ++from)
     if (from != ranks_.rank()) particles_.appendPacked(layout, unpackedOf(from));
@@ -323,7 +373,7 @@ std::int64_t DividedParticles::countOfAll() {
 }
 
 double DividedParticles::memoryFor(double owned) {
-  return bytesOfArray(owned, sizeof(int));  // of those that migrate; parcels are small
+  return bytesOfArray(owned, sizeof(int));  // of those that migrate; what is on its way is little
 }
 
 }  // namespace weir

@@ -77,15 +77,20 @@ struct PlaceLayer {
 }  // namespace
 
 template <class Backend>
-std::int64_t DividedParticles::findLeavingOn(Backend& device) {
+std::int64_t DividedParticles::findLeavingOn(Backend& device, ArrayView<const Vec3f> points) {
   const Count count = particles_.count();
   found_.resizeDiscarding(count.bound);
-  const OwnerOf ownerOf{onDevice(), ranks_.rank(), particles_.positions().read()};
-  compact(device, "leave", count, Leaves{ownerOf}, found_.view(), foundCount_.data());
-  const std::int64_t leaving = foundCount_.toHost().front();
-  owners_.resizeDiscarding(leaving);
-  parallelFor(device, "owners", leaving, WriteOwner{ownerOf, std::as_const(found_).view(), owners_.view()});
-  return leaving;
+  compact(device, "leave", count, Leaves{{onDevice(), ranks_.rank(), points}}, found_.view(),
+          foundCount_.data());
+  return foundCount_.toHost().front();
+}
+
+template <class Backend>
+void DividedParticles::findOwnersOn(Backend& device, ArrayView<const Vec3f> points,
+                                    ArrayView<const int> indices) {
+  owners_.resizeDiscarding(indices.size);
+  parallelFor(device, "owners", indices.size,
+              WriteOwner{{onDevice(), ranks_.rank(), points}, indices, owners_.view()});
 }
 
 template <class Backend>
@@ -113,7 +118,8 @@ void DividedParticles::placeLayerOn(Backend& device, const SortedLayers& sorted,
                          sorted.cellStart.data + std::int64_t{layer} * sorted.cellsInLayer});
 }
 
-template std::int64_t DividedParticles::findLeavingOn(ThisBackend&);
+template std::int64_t DividedParticles::findLeavingOn(ThisBackend&, ArrayView<const Vec3f>);
+template void DividedParticles::findOwnersOn(ThisBackend&, ArrayView<const Vec3f>, ArrayView<const int>);
 template std::int64_t DividedParticles::findOwnOn(ThisBackend&, ArrayView<const Vec3f>, const BatchSelection&,
                                                   ArrayView<int>);
 template void DividedParticles::countInLayersOn(ThisBackend&, ArrayView<const Vec3f>, const Count&,

@@ -39,20 +39,26 @@ class DividedParticles {
   /// The layers of cells that are this rank's, and all.
   CellLayers ownLayers() const { return slabs_.layersOf(ranks_.rank()); }
   const CellLayers& allLayers() const { return slabs_.layers; }
+  const Slabs& slabs() const { return slabs_; }
 
-  /// Cuts space anew, for particles in this box of all ranks. Particles stay where they are until the next
-  /// migrate().
+  /// Divides space as another set does, whose particles these go with. Particles stay where they are until
+  /// the next migrate().
+  void follow(const Slabs& slabs);
+  /// Cuts space anew, for particles in this box of all ranks. Particles stay as above.
   void cut(const Aabb& box);
   /// The same for particles that every rank has, in arrays on its device.
   void cut(const Aabb& box, const std::vector<ArrayView<const Vec3f>>& positions);
   /// Adds those of a batch, which every rank has and selects from alike, that belong to this rank.
   void append(const ParticleBatch& batch, const BatchSelection& selected = {});
   /// Takes what belongs to this rank of a saved set, which every rank reads, in place of all that it has.
-  /// Space is cut for the box that it was cut for.
+  /// Space is cut for the box that it was cut for, or stays divided as it is.
   void restore(const StateReader& from, const Aabb& box);
+  void restore(const StateReader& from);
 
   /// Owned particles go to the ranks that their positions belong to; those that are not finite stay.
   void migrate();
+  /// The same as if they stood at these points.
+  void migrate(ArrayView<const Vec3f> points);
   /// Sends the particles beside other slabs to their ranks, with position and id, and takes those as halo, in
   /// the order of cells; writes where these begin, too.
   void showHalo(const SortedLayers& sorted);
@@ -88,8 +94,13 @@ class DividedParticles {
     HaloRange halo;
   };
 
-  /// Those of a set that every rank has.
-  void appendOwn(ParticleSet& all);
+  /// Reads a set that every rank has, with the attributes of this one.
+  void read(const StateReader& from, ParticleSet& all) const;
+  /// Those of it that are this rank's, in place of all that it has.
+  void takeOwn(ParticleSet& all);
+  /// Sends these particles, in ascending order, to where they belong, and takes what others send at the same
+  /// time.
+  void exchange(const std::vector<int>& leaving, const std::vector<int>& owners);
   void cutLayersOf(const std::vector<std::int64_t>& particlesInLayers);
   SlabsView onDevice() const;
   void findNeighborRanks(const SortedLayers& sorted);
@@ -121,7 +132,10 @@ class DividedParticles {
                          ArrayView<int> own);
   /// Leaves indices in `found_`; how many is returned, once the device has told.
   template <class Backend>
-  std::int64_t findLeavingOn(Backend& device);
+  std::int64_t findLeavingOn(Backend& device, ArrayView<const Vec3f> points);
+  /// Leaves in `owners_` whose these are.
+  template <class Backend>
+  void findOwnersOn(Backend& device, ArrayView<const Vec3f> points, ArrayView<const int> indices);
   template <class Backend>
   void placeLayerOn(Backend& device, const SortedLayers& sorted, int layer, ArrayView<const int> start,
                     std::int64_t first);
@@ -135,6 +149,8 @@ class DividedParticles {
   Array<std::byte> buffer_;
   std::vector<Parcel> parcels_;  // which the device may still be reading
   std::vector<Neighbor> neighbors_;
+  std::int64_t atOnce_ = std::int64_t{1} << 16;  // particles that leave a rank at a time, where many do
+  bool cutAnew_ = true;                          // since the last migration
 };
 
 }  // namespace weir

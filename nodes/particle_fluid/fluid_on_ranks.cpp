@@ -7,23 +7,11 @@
 #include <map>
 
 #include "framework/particles/divided_particles.h"
+#include "framework/communication/ranks_report.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir {
-
-namespace {
-
-Value meanAndMax(const std::vector<double>& ofRanks) {
-  double sum = 0, max = 0;
-  for (const double one : ofRanks) sum += one, max = std::max(max, one);
-  Value v = Value::object();
-  v["mean"] = sum / double(ofRanks.size());
-  v["max"] = max;
-  return v;
-}
-
-}  // namespace
 
 void ParticleFluid::join(Communicator& ranks) {
   if (period().any())
@@ -41,7 +29,12 @@ void ParticleFluid::join(Communicator& ranks) {
   ranks_ = &ranks;
 }
 
-/// All ranks have the same scene, and answer alike. What brings solids to the particles reads none of them.
+const Slabs* ParticleFluid::slabs() const {
+  return divided_ ? &divided_->slabs() : nullptr;
+}
+
+/// All ranks have the same scene, and answer alike. What asks for something, as what brings solids does, does
+/// with those that each rank has.
 bool ParticleFluid::isWatched() const {
   return watched_.frames || fluid.links().size() > fluid.requests().size();
 }
@@ -148,13 +141,13 @@ void ParticleFluid::lookOnRanks() {
   frame_->sums = sumsOfFluid(divided_->ranks(), state.particles, state.neighbors, constants_);
   if (isWatched()) gatherAll();
   Value& report = frame_->report;
-  const auto ofRanks = [&](double own) { return meanAndMax(divided_->ranks().allGather(own)); };
+  const auto ofRanks = [&](double own) { return meanAndMaxOfRanks(divided_->ranks(), own); };
   report["ranks"] = ranks_->size();
   report["particles"] = ofRanks(double(state.particles.bound()));
   report["halo"] = ofRanks(double(state.particles.haloCount()));
   report["gathered"] = isWatched() ? frame_->particles : 0;
   report["device_peak_bytes"] = ofRanks(double(state.particles.device().memoryUse().peak));
-  report["step_ms"] = timesOfRanks();
+  report["step_ms"] = stepTimesOfRanks(*ranks_, divided_->times(), stepsTimed_);
 }
 
 void ParticleFluid::gatherAll() {
@@ -164,19 +157,6 @@ void ParticleFluid::gatherAll() {
 
 void ParticleFluid::gather() {
   if (!isWatched()) gatherAll();
-}
-
-/// Of a step since the reset, in milliseconds of the host.
-Value ParticleFluid::timesOfRanks() {
-  const double perStep = 1e3 / double(std::max<std::int64_t>(stepsTimed_, 1));
-  Value v = Value::object();
-  const std::vector<RankTimes::Seconds> ofRanks = ranks_->allGather(divided_->times().seconds());
-  for (std::size_t work = 0; work < kRankWorkNames.size(); ++work) {
-    std::vector<double> times;
-    for (const RankTimes::Seconds& one : ofRanks) times.push_back(perStep * one[work]);
-    v[std::string(kRankWorkNames[work])] = meanAndMax(times);
-  }
-  return v;
 }
 
 void ParticleFluid::tellOfShares(Log& log) const {

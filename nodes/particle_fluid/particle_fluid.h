@@ -154,6 +154,7 @@ class ParticleFluid final : public Node,
   std::int64_t particleCount() const override;
 
   ParticleSet& owned() override { return state_->particles; }
+  const Slabs* slabs() const override;
   void watch(WatchedByRanks watched) override { watched_ = watched; }
   void gather() override;
   Value ranksReport() const override;
@@ -223,7 +224,6 @@ class ParticleFluid final : public Node,
   void sortOnRanks(const StepContext& context);
   void lookOnRanks();
   void gatherAll();
-  Value timesOfRanks();
   void fitSlab(const Aabb& box, std::int64_t particles);
   /// The box around the particles of all ranks; empty if there are none.
   Aabb boxOnRanks(Device& device);

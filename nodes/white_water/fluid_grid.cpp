@@ -23,15 +23,16 @@ double FluidGrid::memoryFor(double particles) {
          bytesOfArray(particles, sizeof(Vec4f)) + bytesOfArray(particles, sizeof(Vec3f));
 }
 
+Aabb FluidGrid::boxOf(const Particles& fluid) {
+  if (fluid.set().bound() == 0) return {};
+  dispatch(fluid.set().device(), [&](auto& device) { findBoxOn(device, fluid); });
+  return box_.toHost().front();
+}
+
 void FluidGrid::fit(const Particles& fluid) {
   radius_ = kNearRadius * fluid.material.spacing;
   fittedFor_ = fluid.set().bound();
-  Aabb box;
-  if (fittedFor_ > 0) {
-    dispatch(fluid.set().device(), [&](auto& device) { findBoxOn(device, fluid); });
-    box = box_.toHost().front();
-  }
-  grid_ = chooseCellGrid(box, radius_, cellsFor(fittedFor_));
+  grid_ = chooseCellGrid(boxOf(fluid), radius_, cellsFor(fittedFor_));
 }
 
 FluidGridView FluidGrid::view() const {

@@ -3,8 +3,9 @@
 //   W(r) = 315/(64π·H³)·(1 − r²/H²)³        H = 1.5 spacings (Müller et al. 2003)
 //
 // of a radius of its own: what is found depends neither on the fluid's support nor on its solver. Sums go by
-// cells around the point and, within one, by the order of the particles, so the shape of the grid does not
-// change their bits.
+// cells around the point and, within one, by ids, so neither the shape of the grid nor the order of the
+// particles changes their bits. On several ranks each has the particles that it owns, and behind these, in
+// the order of places, those of others that are near (fluid_beside.h).
 #pragma once
 
 #include <numbers>
@@ -18,6 +19,13 @@ namespace weir {
 
 /// Radius of the kernel, in spacings.
 inline constexpr float kNearRadius = 1.5;
+
+/// A particle of the fluid on another rank.
+struct FluidPoint {
+  Vec4f place;     ///< m, and the volume in m³
+  Vec3f velocity;  ///< m/s
+  std::int64_t id = 0;
+};
 
 struct FluidGridView {
   CellGrid grid;
@@ -95,14 +103,16 @@ class FluidGrid {
   /// Bytes on the device for that many particles.
   static double memoryFor(double particles);
 
+  /// The box around the particles that are finite; waits for the device.
+  Aabb boxOf(const Particles& fluid);
   /// Chooses cells that suit where the particles are; waits for the device.
   void fit(const Particles& fluid);
-  /// Sorts the particles as they are now; those that are not finite are left out.
+  /// Sorts the particles as they are now, with those of other ranks; what is not finite is left out.
   template <class Backend>
-  void sort(Backend& device, const Particles& fluid);
+  void sort(Backend& device, const Particles& fluid, ArrayView<const FluidPoint> beside);
 
   FluidGridView view() const;
-  /// Which particle of the fluid stands at a place, and how many places there are.
+  /// Which particle of the fluid stands at a place, those of others behind all, and how many places there are.
   ArrayView<const int> order() const { return sorted_.order(); }
   Count count() const { return {places_.size(), kept_.data()}; }
   std::int64_t cells() const { return grid_.cellCount(); }

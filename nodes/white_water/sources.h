@@ -62,7 +62,7 @@ struct CountBorn {
   FluidGridView fluid;
   ArrayView<const int> order;
   ArrayView<const Vec3f> normals;  // empty where crests make nothing
-  ArrayView<const std::int64_t> ids;
+  ArrayView<const std::int64_t> ids;  // of this rank's particles, behind which are those of others
   Ramp energy, air, crest;   // of m²/s², m/s, 1/m
   float airRate, crestRate;  // 1/(m² s)
   float dt, max;
@@ -74,8 +74,8 @@ struct CountBorn {
   WEIR_HD void operator()(std::int64_t k) const {
     const Vec3f v = fluid.velocities[k];
     const float fast = energy(dot(v, v));
-    if (!(fast > 0)) return;
     const int i = order[k];
+    if (!(fast > 0) || i >= filled.size) return;
     const Vec3f p = xyz(fluid.places[k]);
     float around = 0, whirl = 0;
     fluid.forEachNear(p, [&](int j, const Vec3f& away, float squared) {

@@ -35,20 +35,35 @@ void WhiteWater::validate() const {
   for (const auto* range : {&lifetime, &radius}) checkAscending(*range, false);
 }
 
-void WhiteWater::estimate(const SetupContext&, MemoryNeeds& needs) {
-  const double n = static_cast<double>(maxParticles), ofFluid = fluid->maxCount;
-  const float mean = 0.5f * (radius->x + radius->y);
+/// What ranks own is enough.
+void WhiteWater::configure(const SetupContext&) {
+  fluid.request({});
+}
+
+void WhiteWater::estimate(const SetupContext& context, MemoryNeeds& needs) {
+  const double n = static_cast<double>(maxParticles);
   particles->maxCount = n;
-  particles->material.spacing = 2 * mean;
+  particles->material.spacing = radius->x + radius->y;
   needs.particles = n;
-  needs.device = ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
-                 3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) +
-                 CellSort::kPerParticle * bytesOfArray(n, sizeof(int)) +
-                 bytesOfArray(n, 2 * sizeof(Vec3f) + sizeof(int) + 2 * sizeof(float));
-  const double perFluid = FluidGrid::memoryFor(ofFluid) + bytesOfArray(ofFluid, sizeof(Vec3f)) +
-                          bytesOfArray(ofFluid, sizeof(float)) + 2 * bytesOfArray(ofFluid, sizeof(int));
-  needs.add(perFluid);
+  if (ranks_ != nullptr) {
+    needs.device = memoryOnRanks(context.device);
+  } else {
+    needs.device = memoryOfOwn(n);
+    needs.add(memoryOfSources(fluid->maxCount));
+  }
   needs.remedy = [n](double share) { return fmt::format("max_particles of at most {:.2g}", share * n); };
+}
+
+double WhiteWater::memoryOfOwn(double n) const {
+  return ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
+         3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat) +
+         CellSort::kPerParticle * bytesOfArray(n, sizeof(int)) +
+         bytesOfArray(n, 2 * sizeof(Vec3f) + sizeof(int) + 2 * sizeof(float));
+}
+
+double WhiteWater::memoryOfSources(double n) {
+  return FluidGrid::memoryFor(n) + bytesOfArray(n, sizeof(Vec3f)) + bytesOfArray(n, sizeof(float)) +
+         2 * bytesOfArray(n, sizeof(int));
 }
 
 void WhiteWater::reset(const SetupContext& context) {
@@ -69,7 +84,6 @@ void WhiteWater::reset(const SetupContext& context) {
       .spacing = static_cast<float>(2 * mean),
       .density = {},
       .volume = {.value = static_cast<float>(4 / 3.0 * std::numbers::pi * mean * mean * mean)}};
-  particles->assign(*set_);
   made_ = refused_ = steps_ = 0;
   waited_ = 0;
   removed_ = Array<int>(device, 1);
@@ -83,7 +97,10 @@ void WhiteWater::reset(const SetupContext& context) {
   born_ = {};
   sources_.emplace(device);
   grid_.emplace(device);
-  grid_->fit(*fluid);
+  shared_.reset();
+  if (ranks_ != nullptr) share(device);
+  particles->assign(shown());
+  grid_->fit(presentFluid());
   const MaterialField& volume = fluid->material.volume;
   if (!volume.byParticle() && !(volume.value > 0))
     throw sceneError("the particles of '" + fluid.links().front()->path() + "' have no volume",
@@ -91,12 +108,19 @@ void WhiteWater::reset(const SetupContext& context) {
 }
 
 void WhiteWater::save(const StateWriter& to) const {
-  set_->save(to.in("particles"));
+  shown().save(to.in("particles"));
 }
 
 void WhiteWater::restore(const StateReader& from) {
-  set_->restore(from.in("particles"));
-  grid_->fit(*fluid);  // as at the frame where it was saved, as the order of particles follows from it
+  if (shared_) {
+    shared_->particles.follow(*sharedFluid().slabs());
+    shared_->particles.restore(from.in("particles"));
+  } else {
+    set_->restore(from.in("particles"));
+  }
+  grid_->fit(presentFluid());  // as at the frame where it was saved, as the order of particles follows from it
+  if (shared_ && ranks_->rank() > 0) removed_->fillZero();  // which rank 0 has counted
+  if (shared_) lookOnRanks();
 }
 
 std::optional<StepContext> WhiteWater::ownStep(const StepContext& context) {
@@ -122,7 +146,19 @@ void WhiteWater::step(const StepContext& context) {
 }
 
 void WhiteWater::frame(const StepContext&) {
-  grid_->fit(*fluid);
+  grid_->fit(presentFluid());
+  if (shared_) lookOnRanks();
+}
+
+Particles WhiteWater::presentFluid() const {
+  Particles present = *fluid;
+  if (ranks_ != nullptr) present.assign(sharedFluid().owned());
+  return present;
+}
+
+std::int64_t WhiteWater::particleCount() const {
+  if (!set_) return 0;
+  return shared_ ? shared_->tally.particles : set_->bound();
 }
 
 bool WhiteWater::followsRecordings() const {
@@ -168,20 +204,22 @@ void WhiteWater::makeRoomForBorn(std::int64_t count) {
     std::visit([&](auto& values) { values.resizeDiscarding(count); }, attribute.values);
 }
 
+WhiteWater::Tally WhiteWater::tallyOwn() {
+  const std::int64_t count = set_->refreshCount();
+  if (count == 0) return {};
+  Array<Vec3i> counted(set_->device(), 1);
+  dispatch(set_->device(), [&](auto& device) { countKindsOn(device, counted.data()); });
+  return {count, counted.toHost().front()};
+}
+
 void WhiteWater::report(NodeReport& report) {
   if (!set_) return;
   Value& v = report.statistics;
-  const std::int64_t count = set_->refreshCount();
-  Vec3i kinds{0, 0, 0};
-  if (count > 0) {
-    Array<Vec3i> counted(set_->device(), 1);
-    dispatch(set_->device(), [&](auto& device) { countKindsOn(device, counted.data()); });
-    kinds = counted.toHost().front();
-  }
-  v["particles"] = count;
-  v["spray"] = kinds.x;
-  v["foam"] = kinds.y;
-  v["bubbles"] = kinds.z;
+  const Tally tally = shared_ ? shared_->tally : tallyOwn();
+  v["particles"] = tally.particles;
+  v["spray"] = tally.kinds.x;
+  v["foam"] = tally.kinds.y;
+  v["bubbles"] = tally.kinds.z;
   v["particles_made"] = made_.get();
   v["particles_removed"] = removed_->toHost().front();
   v["particles_refused"] = refused_.get();

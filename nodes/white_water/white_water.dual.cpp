@@ -11,21 +11,42 @@ namespace weir {
 
 namespace {
 
+/// Where a particle goes without walls and, but for its drag, without fluid.
+struct Course {
+  Vec3f gravity;
+  float airDrag, dt;  // 1/s, s
+
+  WEIR_HD static bool flies(int kind) { return kind == static_cast<int>(WhiteKind::kSpray); }
+  WEIR_HD Motion flown(const Motion& start) const { return dragged(start, gravity, airDrag, dt); }
+  WEIR_HD Vec3f end(const Motion& start, int kind) const {
+    return flies(kind) ? flown(start).position : start.position + dt * start.velocity;
+  }
+};
+
+struct FindAhead {
+  Course course;
+  ArrayView<const Vec3f> positions, velocities;
+  ArrayView<const int> kinds;
+  ArrayView<Vec3f> ahead;
+  WEIR_HD void operator()(std::int64_t i) const {
+    ahead[i] = course.end({positions[i], velocities[i]}, kinds[i]);
+  }
+};
+
 /// Moves particle i by a step, and says what it is.
 struct Advance {
   FluidGridView fluid;
   FluidWalls walls;
-  Vec3f gravity, rise;       // m/s², m/s
-  float airDrag, waterDrag;  // 1/s
+  Course course;
+  Vec3f rise;       // m/s
+  float waterDrag;  // 1/s
   float dt;
   WhiteParticles all;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Motion start{all.positions[i], all.velocities[i]};
-    const Motion flown = dragged(start, gravity, airDrag, dt);
-    const bool flies = all.kinds[i] == static_cast<int>(WhiteKind::kSpray);
     // Where it will be, as the fluid is there already.
-    const Vec3f ahead = flies ? flown.position : start.position + dt * start.velocity;
+    const Vec3f ahead = course.end(start, all.kinds[i]);
     if (!isFinite(ahead)) {
       all.lifetimes[i] = 0;
       return;
@@ -33,7 +54,7 @@ struct Advance {
     const FluidHere here = fluidAt(fluid, ahead);
     const float open = 1 - walls.hidden(ahead, fluid.radius);
     const WhiteKind kind = kindOf(here.filled > 0 ? here.filled / open : 0.0f);
-    Motion moved = kind == WhiteKind::kSpray  ? flown
+    Motion moved = kind == WhiteKind::kSpray  ? course.flown(start)
                    : kind == WhiteKind::kFoam ? drifted(start, here.velocity, all.kinds[i])
                                               : risen(start, here.velocity);
     walls.stop(start.position, false, moved);
@@ -66,9 +87,11 @@ struct CellOfAlive {
   }
 };
 
-/// Particle b of the batch. Where there is no room for all that are wanted, they are evenly thinned.
+/// Particle b of the batch, the one after `first` of all ranks. Where there is no room for all that are
+/// wanted, they are evenly thinned.
 struct Bear {
-  std::int64_t born, wanted;
+  std::int64_t first, born, wanted;
+  std::int64_t wantedBefore;  // on other ranks
   std::uint64_t seed;
   std::int64_t step;
   float dt, spread;  // s, m
@@ -83,7 +106,8 @@ struct Bear {
   ArrayView<float> bornLifetimes, bornRadii;
 
   WEIR_HD void operator()(std::int64_t b) const {
-    const auto number = static_cast<int>(born == wanted ? b : b * wanted / born);
+    const std::int64_t k = first + b, ofAll = born == wanted ? k : k * wanted / born;
+    const auto number = static_cast<int>(ofAll - wantedBefore);
     const std::int64_t i = parentOf(number);
     Draws draws(seed, ids[i], step, number - before[i]);
     const Vec3f parent = positions[i], v = velocities[i], along = normalized(v);
@@ -130,33 +154,58 @@ struct AddCounts {
 
 template <class Backend>
 void WhiteWater::stepOn(Backend& device, const StepContext& context) {
-  grid_->sort(device, *fluid);
+  if (shared_) migrateOn(device, context);
+  const Particles of = presentFluid();
+  grid_->sort(device, of, shared_ ? shared_->fluid.points() : ArrayView<const FluidPoint>{});
   walls_->place(context.time, context.dt, *poses_);
   if (set_->bound() > 0) {
     advanceOn(device, context);
     sortAliveOn(device);
   }
-  if (fluid->set().bound() == 0) return;
-  countBornOn(device, context);
+  // Ranks count together.
+  if (of.set().bound() == 0 && !shared_) return;
+  countBornOn(device, of, context);
   int wanted = 0;
-  device.download(&wanted, sources_->before.data() + fluid->set().bound(), sizeof(int));
+  device.download(&wanted, sources_->before.data() + of.set().bound(), sizeof(int));
   if (set_->bound() > 0) set_->refreshCount();
-  if (wanted > 0) bearOn(device, context, wanted);
+  const Births births = birthsOfAll(wanted);
+  if (births.wanted > 0) bearOn(device, of, context, births);
+}
+
+template <class Backend>
+void WhiteWater::migrateOn(Backend& device, const StepContext& context) {
+  const Slabs& slabs = *sharedFluid().slabs();
+  sharedFluid().owned().refreshCount();
+  set_->refreshCount();
+  ++shared_->stepsTimed;
+  Array<Vec3f>& ahead = shared_->ahead;
+  ahead.resizeDiscarding(set_->bound());
+  parallelFor(device, "ahead", set_->count(),
+              FindAhead{{context.gravity, airDrag, static_cast<float>(context.dt)},
+                        std::as_const(*set_).positions().read(),
+                        std::as_const(*set_).velocities().read(),
+                        std::as_const(kind_).read(),
+                        ahead.view()});
+  shared_->particles.follow(slabs);
+  shared_->particles.migrate(std::as_const(ahead).view());
+  const Particles of = presentFluid();
+  const RankTimes::Scope scope(shared_->particles.times(), RankWork::kHalo);
+  // As far as the neighbours of a particle's neighbours.
+  shared_->fluid.fetch(of, grid_->boxOf(of), slabs, 2 * kNearRadius * of.material.spacing);
 }
 
 template <class Backend>
 void WhiteWater::advanceOn(Backend& device, const StepContext& context) {
-  const float pull = length(context.gravity);
+  const float pull = length(context.gravity), dt = static_cast<float>(context.dt);
   // Displaced water makes bubbles start with twice gravity, so this is the rate that ends at rise_speed.
   const float rate = riseSpeed > 0 ? 2 * pull / riseSpeed : 0;
   parallelForUneven(device, "white water", set_->count(),
                     Advance{.fluid = grid_->view(),
                             .walls = walls_->view(),
-                            .gravity = context.gravity,
+                            .course = {context.gravity, airDrag, dt},
                             .rise = pull > 0 ? (-riseSpeed / pull) * context.gravity : Vec3f{},
-                            .airDrag = airDrag,
                             .waterDrag = rate,
-                            .dt = static_cast<float>(context.dt),
+                            .dt = dt,
                             .all = elements()});
 }
 
@@ -173,7 +222,7 @@ template <class Backend>
 void WhiteWater::findNormalsOn(Backend& device) {
   Sources& found = *sources_;
   found.fast.resizeDiscarding(grid_->cells());
-  found.normals.resizeDiscarding(fluid->set().bound());
+  found.normals.resizeDiscarding(grid_->count().bound);
   parallelFor(device, "fast cells", grid_->cells(),
               MarkFast{grid_->view(), speedLimits->x * speedLimits->x, found.fast.view()});
   parallelForUneven(
@@ -182,11 +231,11 @@ void WhiteWater::findNormalsOn(Backend& device) {
 }
 
 template <class Backend>
-void WhiteWater::countBornOn(Backend& device, const StepContext& context) {
+void WhiteWater::countBornOn(Backend& device, const Particles& of, const StepContext& context) {
   Sources& found = *sources_;
-  const std::int64_t all = fluid->set().bound();
-  for (Array<int>* array : {&found.born, &found.before}) array->resizeDiscarding(all + 1);
-  found.filled.resizeDiscarding(all);
+  const std::int64_t own = of.set().bound(), all = shared_ ? shared_->particles.ranks().sum(own) : own;
+  for (Array<int>* array : {&found.born, &found.before}) array->resizeDiscarding(own + 1);
+  found.filled.resizeDiscarding(own);
   found.born.fillZero();
   if (waveCrests > 0) findNormalsOn(device);
   const auto limits = [](const Vec2f& at) { return Ramp{at.x, at.y}; };
@@ -195,7 +244,7 @@ void WhiteWater::countBornOn(Backend& device, const StepContext& context) {
       CountBorn{.fluid = grid_->view(),
                 .order = grid_->order(),
                 .normals = waveCrests > 0 ? std::as_const(found.normals).view() : ArrayView<const Vec3f>{},
-                .ids = std::as_const(fluid->set()).ids().read(),
+                .ids = std::as_const(of.set()).ids().read(),
                 .energy = limits({speedLimits->x * speedLimits->x, speedLimits->y * speedLimits->y}),
                 .air = limits(airLimits),
                 .crest = limits(crestLimits),
@@ -207,40 +256,46 @@ void WhiteWater::countBornOn(Backend& device, const StepContext& context) {
                 .step = context.index,
                 .filled = found.filled.view(),
                 .born = found.born.view()});
-  exclusiveScan(device, std::as_const(found.born).view(), found.before.view(), all + 1);
+  exclusiveScan(device, std::as_const(found.born).view(), found.before.view(), own + 1);
 }
 
 template <class Backend>
-void WhiteWater::bearOn(Backend& device, const StepContext& context, std::int64_t wanted) {
-  const std::int64_t born = wanted < room() ? wanted : room();
-  made_ += born;
-  refused_ += wanted - born;
-  if (born < wanted) limitReached(context.log);
-  if (born <= 0) return;
-  makeRoomForBorn(born);
-  const ParticleSet& parents = fluid->set();
-  const float half = 0.5f * fluid->material.spacing;
-  parallelFor(device, "bear", born,
-              Bear{.born = born,
-                   .wanted = wanted,
-                   .seed = seed_,
-                   .step = context.index,
-                   .dt = static_cast<float>(context.dt),
-                   .spread = half,
-                   .lifetimes = lifetime,
-                   .radii = radius,
-                   .walls = walls_->view(),
-                   .before = std::as_const(sources_->before).view(),
-                   .filled = std::as_const(sources_->filled).view(),
-                   .positions = parents.positions().read(),
-                   .velocities = parents.velocities().read(),
-                   .ids = parents.ids().read(),
-                   .bornPositions = born_.positions.view(),
-                   .bornVelocities = born_.velocities.view(),
-                   .kinds = std::get<Array<int>>(born_.attributes[0].values).view(),
-                   .bornLifetimes = std::get<Array<float>>(born_.attributes[1].values).view(),
-                   .bornRadii = std::get<Array<float>>(born_.attributes[2].values).view()});
-  set_->append(born_);
+void WhiteWater::bearOn(Backend& device, const Particles& of, const StepContext& context,
+                        const Births& births) {
+  made_ += births.made;
+  refused_ += births.wanted - births.made;
+  if (births.made < births.wanted) limitReached(context.log);
+  const std::int64_t first = births.firstMade(births.before),
+                     born = births.firstMade(births.before + births.own) - first, id = set_->nextId();
+  if (born > 0) {
+    makeRoomForBorn(born);
+    const ParticleSet& parents = of.set();
+    parallelFor(device, "bear", born,
+                Bear{.first = first,
+                     .born = births.made,
+                     .wanted = births.wanted,
+                     .wantedBefore = births.before,
+                     .seed = seed_,
+                     .step = context.index,
+                     .dt = static_cast<float>(context.dt),
+                     .spread = 0.5f * fluid->material.spacing,
+                     .lifetimes = lifetime,
+                     .radii = radius,
+                     .walls = walls_->view(),
+                     .before = std::as_const(sources_->before).view(),
+                     .filled = std::as_const(sources_->filled).view(),
+                     .positions = parents.positions().read(),
+                     .velocities = parents.velocities().read(),
+                     .ids = parents.ids().read(),
+                     .bornPositions = born_.positions.view(),
+                     .bornVelocities = born_.velocities.view(),
+                     .kinds = std::get<Array<int>>(born_.attributes[0].values).view(),
+                     .bornLifetimes = std::get<Array<float>>(born_.attributes[1].values).view(),
+                     .bornRadii = std::get<Array<float>>(born_.attributes[2].values).view()});
+    set_->continueIdsFrom(id + first);
+    set_->append(born_);
+  }
+  set_->continueIdsFrom(id + births.made);
 }
 
 template <class Backend>

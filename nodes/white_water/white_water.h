@@ -25,14 +25,24 @@
 // White water goes in steps of its own, of as many of the fluid's as last no longer than max_dt; one ends at
 // each frame. They are exact for a fluid that does not change in them, and of second order for foam in one
 // that does. Lifetimes run while a particle is spray or foam.
+//
+// Where ranks share the fluid, they share its white water by the same slabs: a particle goes to the rank in
+// whose slab it will be, where the fluid around it is (fluid_beside.h), and is made by the rank whose
+// particle of the fluid makes it. Each that is made gets the id that it would get on one rank.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "framework/base/api.h"
+#include "framework/communication/on_ranks.h"
+#include "framework/communication/shared_by_ranks.h"
 #include "framework/graph/node.h"
+#include "framework/particles/divided_particles.h"
+#include "framework/particles/owned_particles.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
+#include "nodes/white_water/fluid_beside.h"
 #include "nodes/white_water/fluid_grid.h"
 #include "nodes/white_water/walls_of_fluid.h"
 
@@ -41,7 +51,7 @@ namespace WEIR_API weir {
 struct FluidWalls;
 struct WhiteParticles;
 
-class WhiteWater final : public Node {
+class WhiteWater final : public Node, public OnRanks, public OwnedParticles, public SharedByRanks {
  public:
   static constexpr NodeInfo kInfo{
       "WhiteWater", "Spray, foam and bubbles of a fluid, as particles of their own.",
@@ -136,6 +146,8 @@ class WhiteWater final : public Node {
   Output<Particles> particles{*this, "particles", "Spray, foam and bubbles."};
 
   void validate() const override;
+  void join(Communicator& ranks) override;
+  void configure(const SetupContext& context) override;
   void estimate(const SetupContext& context, MemoryNeeds& needs) override;
   void reset(const SetupContext& context) override;
   void step(const StepContext& context) override;
@@ -147,9 +159,44 @@ class WhiteWater final : public Node {
   void report(NodeReport& report) override;
   void save(const StateWriter& to) const override;
   void restore(const StateReader& from) override;
-  std::int64_t particleCount() const override { return set_ ? set_->bound() : 0; }
+  std::int64_t particleCount() const override;
+
+  ParticleSet& owned() override { return *set_; }
+  const Slabs* slabs() const override { return shared_ ? &shared_->particles.slabs() : nullptr; }
+  void watch(WatchedByRanks watched) override { watched_ = watched; }
+  void gather() override;
+  Value ranksReport() const override;
 
  private:
+  /// How many there are.
+  struct Tally {
+    std::int64_t particles = 0;
+    Vec3i kinds;  // spray, foam, bubbles
+  };
+  /// How many a step makes. On several ranks, those of each come in their order.
+  struct Births {
+    std::int64_t wanted = 0;  // by all ranks
+    std::int64_t made = 0;    // of these
+    std::int64_t before = 0;  // wanted by the ranks before this one
+    std::int64_t own = 0;     // wanted by this one
+
+    /// The first one made of those from the given number of wanted ones on.
+    std::int64_t firstMade(std::int64_t number) const {
+      return made == wanted ? number : (number * made + wanted - 1) / wanted;
+    }
+  };
+  /// What ranks that share the particles have.
+  struct Shared {
+    Shared(Communicator& ranks, ParticleSet& set, float cellSize)
+        : particles(ranks, set, cellSize), fluid(particles.ranks(), set.device()), ahead(set.device()) {}
+    DividedParticles particles;
+    FluidBeside fluid;
+    Array<Vec3f> ahead;                  // where a step takes them, m
+    std::optional<ParticleSet> gathered;  // on rank 0, if somebody looks or saves
+    Tally tally;                         // of all ranks, at the last frame
+    Value report = Value::object();
+    std::int64_t stepsTimed = 0;  // since the reset
+  };
   /// What kernels find of the fluid's particles, by their order in the fluid; scratch.
   struct Sources {
     explicit Sources(Device& device)
@@ -163,22 +210,44 @@ class WhiteWater final : public Node {
   WhiteParticles elements();
   /// Of the particles born next, `count` of them.
   void makeRoomForBorn(std::int64_t count);
-  std::int64_t room() const { return maxParticles - set_->bound(); }
   void limitReached(Log& log);
+  /// The fluid; on several ranks, what this one has of it.
+  Particles presentFluid() const;
+  /// The node above, as ranks see it.
+  OwnedParticles& sharedFluid() const;
+  Tally tallyOwn();
+  bool isWatched() const;
+  bool isGathered() const { return isWatched() || watched_.checkpoints; }
+  /// What is looked at and saved: all particles, where this rank has gathered them.
+  ParticleSet& shown() { return shared_ && shared_->gathered ? *shared_->gathered : *set_; }
+  const ParticleSet& shown() const { return shared_ && shared_->gathered ? *shared_->gathered : *set_; }
+  void share(Device& device);
+  void lookOnRanks();
+  void gatherAll();
+  void sumRemoved();
+  /// Bytes on the device for as many, and for what is found of so many particles of the fluid.
+  double memoryOfOwn(double particles) const;
+  static double memoryOfSources(double fluid);
+  double memoryOnRanks(Device& device) const;
+  double memoryOfGathered() const;
   /// The step of its own that ends with this one of the fluid, if one does.
   std::optional<StepContext> ownStep(const StepContext& context);
   template <class Backend>
   void stepOn(Backend& device, const StepContext& context);
+  /// On several ranks: all go to where the step will take them, and the fluid near there comes.
+  template <class Backend>
+  void migrateOn(Backend& device, const StepContext& context);
+  Births birthsOfAll(std::int64_t own);
   template <class Backend>
   void advanceOn(Backend& device, const StepContext& context);
   template <class Backend>
   void sortAliveOn(Backend& device);
   template <class Backend>
-  void countBornOn(Backend& device, const StepContext& context);
+  void countBornOn(Backend& device, const Particles& of, const StepContext& context);
   template <class Backend>
   void findNormalsOn(Backend& device);
   template <class Backend>
-  void bearOn(Backend& device, const StepContext& context, std::int64_t wanted);
+  void bearOn(Backend& device, const Particles& of, const StepContext& context, const Births& births);
   template <class Backend>
   void countKindsOn(Backend& device, Vec3i* counts);
 
@@ -192,6 +261,9 @@ class WhiteWater final : public Node {
   ParticleBatch born_;
   std::uint64_t seed_ = 0;
   bool warned_ = false;
+  Communicator* ranks_ = nullptr;
+  WatchedByRanks watched_;
+  std::unique_ptr<Shared> shared_;  // on several ranks, from the reset on
   State<double> waited_{*this, "waited"};  // since its last step, s
   State<std::int64_t> steps_{*this, "steps"}, made_{*this, "made"}, refused_{*this, "refused"};
   State<Array<int>> removed_{*this, "removed"};  // by sinks; one number

@@ -264,5 +264,43 @@ TEST_P(DividedParticlesTest, OfASelectionEachRankTakesItsOwnWithTheIdsOfAll) {
   }
 }
 
+/// In several parts, so that little is there twice.
+TEST_P(DividedParticlesTest, MostGoToAnotherRankWhereAnotherAxisIsTheLongest) {
+  const Cloud cloud = cloudAlong(0, 100'000);
+  Aabb upright = cloud.box;
+  upright.hi.y = upright.lo.y + 2 * upright.size().x;
+  for (const int ranks : {2, 5}) {
+    std::map<std::int64_t, int> owners;
+    std::int64_t stayed = 0;
+    std::mutex mutex;
+    onRanks(ranks, cloud, [&](Part& part) {
+      const int rank = part.divided.ranks().rank();
+      const Ids before = part.particles.ids().toHost(part.particles.refreshCount());
+      std::vector<float> values;
+      for (const std::int64_t id : before) values.push_back(2 * float(id));
+      part.field.assign(values);
+      part.divided.cut(upright);
+      const double held = double(part.particles.device().memoryUse().inUse);
+      part.divided.migrate();
+      // Of each 36 bytes are sent.
+      EXPECT_LT(double(part.particles.device().memoryUse().inUse) - held,
+                0.7 * 36 * double(cloud.positions.size()) / ranks);
+      const Ids ids = part.particles.ids().toHost(part.particles.refreshCount());
+      const std::vector<Vec3f> positions = part.particles.positions().toHost(std::ssize(ids));
+      const std::vector<float> fields = part.field.toHost(std::ssize(ids));
+      const std::lock_guard lock(mutex);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        EXPECT_TRUE(owners.emplace(ids[i], rank).second) << ids[i] << " is there twice";
+        ASSERT_EQ(part.divided.slabs().view().slabOf(positions[i]), rank);
+        ASSERT_EQ(positions[i], cloud.positions[std::size_t(ids[i])]);
+        ASSERT_EQ(fields[i], 2 * float(ids[i]));
+      }
+      for (const std::int64_t id : before) stayed += owners.contains(id) && owners[id] == rank ? 1 : 0;
+    });
+    EXPECT_EQ(owners.size(), cloud.positions.size());
+    EXPECT_LT(stayed, 3 * std::ssize(cloud.positions) / 4);
+  }
+}
+
 }  // namespace
 }  // namespace weir::test

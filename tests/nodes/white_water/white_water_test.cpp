@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 
+#include "framework/communication/thread_ranks.h"
 #include "nodes/rigid_body/rigid_body.h"
 #include "nodes/white_water/dragged_motion.h"
 #include "tests/support/devices.h"
@@ -362,6 +363,15 @@ TEST_P(WhiteWaterOn, FoamAndSprayDieInTheirTime) {
   EXPECT_NEAR(static_cast<double>(scene.particles().size()) / made, 0.525, 0.04);
   scene.step(25);
   EXPECT_TRUE(scene.particles().empty());
+}
+
+TEST_P(WhiteWaterOn, OfParticlesThatRanksDoNotShareIsRefused) {
+  Given scene(*device);
+  runOnThreads(1, [&](Communicator& ranks) {
+    const Error error = errorOf([&] { scene.foam->join(ranks); });
+    EXPECT_CONTAINS(error.what(), "ranks do not share the particles of 'water.fluid'");
+    EXPECT_CONTAINS(error.what(), "without --ranks");
+  });
 }
 
 WEIR_ON_EVERY_DEVICE(WhiteWaterOn);

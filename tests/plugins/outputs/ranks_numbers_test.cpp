@@ -93,6 +93,20 @@ TEST_F(RanksTest, TheirMemoryIsForetoldWithWhatIsGathered) {
   }
 }
 
+/// Then most particles go to another rank at once.
+TEST_F(RanksTest, SoIsTheirMemoryWhereAnotherAxisBecomesTheLongest) {
+  for (const std::string ranks : {"2", "4"}) {
+    // A plane more along y than along the others, and two fewer after a frame of falling onto the floor.
+    const Value all = statisticsOfRun(folder_ / "stats.json", "benchmark_dam_break", "1",
+                                      {"world.dt=0.0005", "world.frame_rate=1000", "block.velocity=[0, -20, 0]",
+                                       "block.max=[0.81, 0.82, 0.81]"},
+                                      {"--ranks", ranks});
+    const Value& water = *all.find("ranks")->find("water");
+    const double peaks = water.find("device_peak_bytes")->find("mean")->asDouble() * std::stod(ranks);
+    EXPECT_NEAR(all.find("memory")->find("device_estimated_bytes")->asDouble() / peaks, 1, 0.05) << ranks;
+  }
+}
+
 TEST_F(RanksTest, TheirNumbersAreThoseOfARunWithoutThem) {
   const auto numbersOf = [&](const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> changes{kCoarse, "water.rest_steps=0", "block.velocity=[0.5, 0, -0.25]"};

@@ -15,7 +15,7 @@
 
 namespace weir::test {
 
-/// All that is written, by name.
+/// All that is written, by its path in the folder of the run.
 using Files = std::map<std::string, std::string>;
 
 struct Outcome {
@@ -51,7 +51,7 @@ class RanksTest : public testing::Test {
     if (run.result.code != 0) return run;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(to + "/ply"))
       if (entry.is_regular_file())
-        run.files[entry.path().filename().string()] = readFile(entry.path().string());
+        run.files[entry.path().lexically_relative(to).string()] = readFile(entry.path().string());
     run.statistics = parseJson(readFile(to + "/stats.json"), "stats.json");
     return run;
   }
@@ -95,6 +95,15 @@ class RanksTest : public testing::Test {
       expectSameSeries(folder_ / "1/series.jsonl", folder_ / (ranks + "/series.jsonl"));
       expectSameExports(folder_ / "1/export.vtkhdf", folder_ / (ranks + "/export.vtkhdf"));
     }
+  }
+
+  /// The frames that a resumed run has written are those of the whole one.
+  static void expectSameEnd(const Outcome& resumed, const Outcome& whole, const std::string& what) {
+    ASSERT_EQ(resumed.result.code, 0) << resumed.result.err;
+    EXPECT_GE(resumed.files.size(), 3u) << what;
+    for (const auto& [file, bytes] : resumed.files)
+      EXPECT_TRUE(whole.files.at(file) == bytes) << file << ", " << what;
+    EXPECT_EQ(writeJson(*resumed.statistics.find("nodes")), writeJson(*whole.statistics.find("nodes"))) << what;
   }
 
   static const Value& fluidOf(const Outcome& run) { return *run.statistics.find("nodes")->find("water"); }

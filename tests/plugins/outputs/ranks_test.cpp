@@ -25,15 +25,19 @@
 namespace weir::test {
 namespace {
 
-constexpr const char* kWhiteWater = R"({
+/// A node that has not the role.
+constexpr const char* kTracers = R"({
   "weir": 1,
   "nodes": {
     "block": { "type": "BoxSampler" },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.1 } },
-    "white": { "type": "WhiteWater" }
+    "points": { "type": "VortexTracers" }
   },
-  "links": ["block.particles -> water.initial", "water.fluid -> white.fluid"]
+  "links": ["block.particles -> points.initial"]
 })";
+
+std::string pluginOfTracers() {
+  return buildFolder() + "/lib/weir/test_plugins/weir_tracers.so";
+}
 
 constexpr const char* kFewIterations = "water.solver.type=SemiImplicitSolver";
 const std::vector<std::string> kFew{"2", "3", "4"};
@@ -307,15 +311,6 @@ TEST_F(RanksTest, ProcessesOfMpiWriteTheSameAsThreads) {
   EXPECT_EQ(writeJson(fluidOf(processes)), writeJson(fluidOf(threads)));
 }
 
-/// The frames that a resumed run has written are those of the whole one.
-void expectSameEnd(const Outcome& resumed, const Outcome& whole, const std::string& what) {
-  ASSERT_EQ(resumed.result.code, 0) << resumed.result.err;
-  EXPECT_GE(resumed.files.size(), 3u) << what;
-  for (const auto& [file, bytes] : resumed.files)
-    EXPECT_TRUE(whole.files.at(file) == bytes) << file << ", " << what;
-  EXPECT_EQ(writeJson(*resumed.statistics.find("nodes")), writeJson(*whole.statistics.find("nodes"))) << what;
-}
-
 TEST_F(RanksTest, ACheckpointOfAnyNumberOfRanksGoesOnOnAnyOther) {
   scene_ = folder_.write("jet.json", kJet);
   const std::vector<std::string> coarse{"water.spacing=0.05"};
@@ -384,10 +379,10 @@ TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
 
 TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
-  scene_ = folder_.write("white.json", kWhiteWater);
-  const Outcome refused = run("refused", {}, {}, 3);
+  scene_ = folder_.write("tracers.json", kTracers);
+  const Outcome refused = run("refused", {}, {"--plugin", pluginOfTracers()}, 3);
   EXPECT_EQ(refused.result.code, 3);
-  const std::string words = "a WhiteWater cannot run on several ranks yet";
+  const std::string words = "a VortexTracers cannot run on several ranks yet";
   EXPECT_CONTAINS(refused.result.err, words);
   EXPECT_EQ(refused.result.err.find(words), refused.result.err.rfind(words));
 }
@@ -416,10 +411,10 @@ TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
     std::filesystem::remove_all(folder_ / "refused");
     return refused.result.err;
   };
-  scene_ = folder_.write("white.json", kWhiteWater);
-  const std::string white = errorOf({}, {});
-  EXPECT_CONTAINS(white, "node 'white'");
-  EXPECT_CONTAINS(white, "a WhiteWater cannot run on several ranks yet");
+  scene_ = folder_.write("tracers.json", kTracers);
+  const std::string tracers = errorOf({}, {"--plugin", pluginOfTracers()});
+  EXPECT_CONTAINS(tracers, "node 'points'");
+  EXPECT_CONTAINS(tracers, "a VortexTracers cannot run on several ranks yet");
 }
 
 /// On a machine with one GPU, all ranks share it.
