@@ -352,7 +352,8 @@ CellSortMemory sortMemory(std::int64_t count, ArrayView<int> start, Array<int>& 
 template <class Backend>
 void putIntoOrderOfIds(Backend& device, const ArrayView<const int>& start, ArrayView<int> order,
                        const AttributeView<const std::int64_t>& ids, std::int64_t first) {
-  parallelFor(device, "order by ids", start.size - 1, OrderCellByIds<IdsFrom>{start, order, {ids.view(), first}});
+  parallelFor(device, "order by ids", start.size - 1,
+              OrderCellByIds<IdsFrom>{start, order, {ids.view(), first}});
 }
 
 }  // namespace

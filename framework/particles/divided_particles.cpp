@@ -204,8 +204,9 @@ void DividedParticles::migrate(ArrayView<const Vec3f> points) {
   for (std::int64_t part = 0; part < std::max<std::int64_t>(parts, 1); ++part) {
     const std::int64_t count = parts > 1 ? std::min(left, atOnce_) : left;
     left -= count;
-    dispatch(particles_.device(),
-             [&](auto& device) { findOwnersOn(device, at(), {found_.data() + left, count}); });
+    dispatch(particles_.device(), [&](auto& device) {
+      findOwnersOn(device, at(), {found_.data() + left, count});
+    });
     const auto first = leaving.begin() + left;
     if (part > 0) releaseParcels();
     exchange({first, first + count}, owners_.toHost(count));

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "framework/particles/divided_particles.h"
 #include "framework/communication/ranks_report.h"
+#include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 

@@ -51,11 +51,10 @@ template <class Backend>
 void FluidBeside::packOn(Backend& device, const Particles& own, ArrayView<FluidPoint> to) {
   const ParticleSet& set = own.set();
   const Attribute<const float> volumes = own.ownValues(own.material.volume);
-  parallelFor(
-      device, "pack points", to.size,
-      PackPoint{std::as_const(found_).view(), set.positions().read(), set.velocities().read(),
-                volumes ? volumes.read().view() : ArrayView<const float>{}, own.material.volume.value,
-                set.ids().read(), to});
+  parallelFor(device, "pack points", to.size,
+              PackPoint{std::as_const(found_).view(), set.positions().read(), set.velocities().read(),
+                        volumes ? volumes.read().view() : ArrayView<const float>{}, own.material.volume.value,
+                        set.ids().read(), to});
 }
 
 template std::int64_t FluidBeside::findWantedOn(ThisBackend&, const Particles&, const CellLayers&,

@@ -1,5 +1,5 @@
-// Where ranks share a fluid: the particles of other ranks near those that a rank asks about, which are its own
-// and all points of its slab.
+// Where ranks share a fluid: the particles of other ranks near those that a rank asks about, which are its
+// own and all points of its slab.
 //
 // A halo of the fluid's own (DividedParticles) reaches as far as its solver does, and shows what was there
 // before the step. Here is what is there now, as far as a normal of a neighbour sees. Who has what near whom

@@ -89,8 +89,7 @@ void FluidGrid::sort(Backend& device, const Particles& fluid, ArrayView<const Fl
   places_.resizeDiscarding(all.bound);
   velocities_.resizeDiscarding(all.bound);
   parallelFor(device, "fluid by cells", count(),
-              PutByCell{sorted_.order(), points,
-                        volumes ? volumes.read().view() : ArrayView<const float>{},
+              PutByCell{sorted_.order(), points, volumes ? volumes.read().view() : ArrayView<const float>{},
                         fluid.material.volume.value, places_.view(), velocities_.view()});
 }
 

@@ -112,7 +112,8 @@ class FluidGrid {
   void sort(Backend& device, const Particles& fluid, ArrayView<const FluidPoint> beside);
 
   FluidGridView view() const;
-  /// Which particle of the fluid stands at a place, those of others behind all, and how many places there are.
+  /// Which particle of the fluid stands at a place, those of others behind all, and how many places there
+  /// are.
   ArrayView<const int> order() const { return sorted_.order(); }
   Count count() const { return {places_.size(), kept_.data()}; }
   std::int64_t cells() const { return grid_.cellCount(); }

@@ -61,10 +61,10 @@ struct FindNormal {
 struct CountBorn {
   FluidGridView fluid;
   ArrayView<const int> order;
-  ArrayView<const Vec3f> normals;  // empty where crests make nothing
+  ArrayView<const Vec3f> normals;     // empty where crests make nothing
   ArrayView<const std::int64_t> ids;  // of this rank's particles, behind which are those of others
-  Ramp energy, air, crest;   // of m²/s², m/s, 1/m
-  float airRate, crestRate;  // 1/(m² s)
+  Ramp energy, air, crest;            // of m²/s², m/s, 1/m
+  float airRate, crestRate;           // 1/(m² s)
   float dt, max;
   std::uint64_t seed;
   std::int64_t step;

@@ -118,7 +118,8 @@ void WhiteWater::restore(const StateReader& from) {
   } else {
     set_->restore(from.in("particles"));
   }
-  grid_->fit(presentFluid());  // as at the frame where it was saved, as the order of particles follows from it
+  grid_->fit(
+      presentFluid());  // as at the frame where it was saved, as the order of particles follows from it
   if (shared_ && ranks_->rank() > 0) removed_->fillZero();  // which rank 0 has counted
   if (shared_) lookOnRanks();
 }

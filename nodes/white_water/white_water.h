@@ -191,9 +191,9 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
         : particles(ranks, set, cellSize), fluid(particles.ranks(), set.device()), ahead(set.device()) {}
     DividedParticles particles;
     FluidBeside fluid;
-    Array<Vec3f> ahead;                  // where a step takes them, m
+    Array<Vec3f> ahead;                   // where a step takes them, m
     std::optional<ParticleSet> gathered;  // on rank 0, if somebody looks or saves
-    Tally tally;                         // of all ranks, at the last frame
+    Tally tally;                          // of all ranks, at the last frame
     Value report = Value::object();
     std::int64_t stepsTimed = 0;  // since the reset
   };
@@ -263,7 +263,7 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
   bool warned_ = false;
   Communicator* ranks_ = nullptr;
   WatchedByRanks watched_;
-  std::unique_ptr<Shared> shared_;  // on several ranks, from the reset on
+  std::unique_ptr<Shared> shared_;         // on several ranks, from the reset on
   State<double> waited_{*this, "waited"};  // since its last step, s
   State<std::int64_t> steps_{*this, "steps"}, made_{*this, "made"}, refused_{*this, "refused"};
   State<Array<int>> removed_{*this, "removed"};  // by sinks; one number

@@ -98,8 +98,8 @@ TEST_F(RanksTest, SoIsTheirMemoryWhereAnotherAxisBecomesTheLongest) {
   for (const std::string ranks : {"2", "4"}) {
     // A plane more along y than along the others, and two fewer after a frame of falling onto the floor.
     const Value all = statisticsOfRun(folder_ / "stats.json", "benchmark_dam_break", "1",
-                                      {"world.dt=0.0005", "world.frame_rate=1000", "block.velocity=[0, -20, 0]",
-                                       "block.max=[0.81, 0.82, 0.81]"},
+                                      {"world.dt=0.0005", "world.frame_rate=1000",
+                                       "block.velocity=[0, -20, 0]", "block.max=[0.81, 0.82, 0.81]"},
                                       {"--ranks", ranks});
     const Value& water = *all.find("ranks")->find("water");
     const double peaks = water.find("device_peak_bytes")->find("mean")->asDouble() * std::stod(ranks);

@@ -103,7 +103,8 @@ class RanksTest : public testing::Test {
     EXPECT_GE(resumed.files.size(), 3u) << what;
     for (const auto& [file, bytes] : resumed.files)
       EXPECT_TRUE(whole.files.at(file) == bytes) << file << ", " << what;
-    EXPECT_EQ(writeJson(*resumed.statistics.find("nodes")), writeJson(*whole.statistics.find("nodes"))) << what;
+    EXPECT_EQ(writeJson(*resumed.statistics.find("nodes")), writeJson(*whole.statistics.find("nodes")))
+        << what;
   }
 
   static const Value& fluidOf(const Outcome& run) { return *run.statistics.find("nodes")->find("water"); }
