@@ -89,7 +89,7 @@ void DividedParticles::cut(const Aabb& box, const std::vector<ArrayView<const Ve
 
 void DividedParticles::cutLayersOf(const std::vector<std::int64_t>& counts) {
   // What is on its way then comes to little beside what a rank has.
-  constexpr std::int64_t kFewest = 4096, kParts = 64;
+  constexpr std::int64_t kFewest = 4096;
   const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
   atOnce_ = std::max(kFewest, all / (kParts * ranks_.size()));
   slabs_.cuts = cutLayers(slabs_.layers.first, counts, ranks_.size());
@@ -373,8 +373,15 @@ std::int64_t DividedParticles::countOfAll() {
   return ranks_.sum(particles_.refreshCount());
 }
 
-double DividedParticles::memoryFor(double owned) {
-  return bytesOfArray(owned, sizeof(int));  // of those that migrate; what is on its way is little
+double DividedParticles::memoryFor(double owned, double halo) {
+  // What a rank sends to each of two others as their halo, and what it unpacks of one of these.
+  constexpr double kOfHalo = sizeof(Vec3f) + sizeof(std::int64_t), kNeighbors = 2;
+  const double shown = halo / kNeighbors * kOfHalo,
+               sent = shown > 0 ? kNeighbors * double(roomFor(std::int64_t(shown))) : 0;
+  // What of those that migrate is on its way in two turns, and their indices.
+  constexpr double kOfMoving = 2 * sizeof(Vec3f) + sizeof(std::int64_t), kTurns = 2;
+  return sent + shown + bytesOfArray(kTurns * owned / double(kParts), std::size_t(kOfMoving)) +
+         bytesOfArray(owned, sizeof(int));
 }
 
 }  // namespace weir

@@ -81,8 +81,9 @@ class DividedParticles {
   /// How many particles all ranks own.
   std::int64_t countOfAll();
 
-  /// Bytes on the device that this takes where so many are owned.
-  static double memoryFor(double owned);
+  /// Bytes on the device that this takes where so many are owned, and so many are in the halo of a rank
+  /// between two others.
+  static double memoryFor(double owned, double halo = 0);
 
  private:
   /// A rank that touches this one: the layer that it sees of this rank, and where its particles are in the
@@ -113,6 +114,8 @@ class DividedParticles {
   /// Gives the memory of all parcels that have come back to their senders.
   void releaseParcels();
 
+  /// Where space was cut anew, no more leave at a time than this part of a fair share.
+  static constexpr std::int64_t kParts = 64;
   /// How many particles a message to rank 0 has at most: those of MPI have less than 2 GiB.
   static constexpr std::int64_t kAtOnce = std::int64_t{1} << 25;
   template <class T>
