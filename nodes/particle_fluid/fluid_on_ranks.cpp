@@ -52,7 +52,8 @@ double ParticleFluid::memoryOnRanks(Device& device, double all) const {
   const ShareOfRank share = shareOfRank(all);
   // Before lists are made, there is a batch of all, and which of it belongs to the rank.
   const double first = ParticleSet::memoryFor(share.own) + bytesOfArray(all, sizeof(Vec3f) + sizeof(int)),
-               later = memoryFor(device, share.own + share.halo) + DividedParticles::memoryFor(share.own, share.halo),
+               later = memoryFor(device, share.own + share.halo) +
+                       DividedParticles::memoryFor(share.own, share.halo),
                own = std::max(first, later);
   if (!isGathered()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
   // All ranks but the first one send an attribute at a time.

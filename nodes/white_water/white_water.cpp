@@ -72,6 +72,7 @@ void WhiteWater::reset(const SetupContext& context) {
                      "a fluid with \"periodic\": \"none\"");
   Device& device = context.device;
   seed_ = randomSeed(*this, context, seed);
+  shared_.reset();
   set_.emplace(device);
   set_->expectAtMost(maxParticles);
   kind_ = set_->add<int>({"type", AttributeType::kInt, "", "0: spray, 1: foam, 2: bubble."});
@@ -97,7 +98,6 @@ void WhiteWater::reset(const SetupContext& context) {
   born_ = {};
   sources_.emplace(device);
   grid_.emplace(device);
-  shared_.reset();
   if (ranks_ != nullptr) share(device);
   particles->assign(shown());
   grid_->fit(presentFluid());
@@ -118,8 +118,8 @@ void WhiteWater::restore(const StateReader& from) {
   } else {
     set_->restore(from.in("particles"));
   }
-  grid_->fit(
-      presentFluid());  // as at the frame where it was saved, as the order of particles follows from it
+  // As at the frame where it was saved, as the order of particles follows from it.
+  grid_->fit(presentFluid());
   if (shared_ && ranks_->rank() > 0) removed_->fillZero();  // which rank 0 has counted
   if (shared_) lookOnRanks();
 }
