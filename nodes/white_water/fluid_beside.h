@@ -13,7 +13,7 @@
 #include "framework/communication/slabs.h"
 #include "nodes/white_water/fluid_grid.h"
 
-namespace weir {
+namespace WEIR_API weir {
 
 class FluidBeside {
  public:
