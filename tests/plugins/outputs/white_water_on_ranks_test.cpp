@@ -55,6 +55,15 @@ TEST_F(WhiteWaterOnRanks, IsTheSameWithoutALimitInStepsOfTheFluid) {
   expectSameForAnyNumber({"foam.max_particles=1000000", "foam.max_dt=0", "foam.seed=9"}, {"3"});
 }
 
+TEST_F(WhiteWaterOnRanks, IsTheSameOnProcessesOfMpi) {
+  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
+  const Outcome threads = run("threads", {}, {"--ranks", "3"}), processes = run("mpi", {}, {}, 2);
+  ASSERT_EQ(threads.result.code, 0) << threads.result.err;
+  ASSERT_EQ(processes.result.code, 0) << processes.result.err;
+  EXPECT_TRUE(processes.files == threads.files);
+  EXPECT_EQ(writeJson(*processes.statistics.find("nodes")), writeJson(*threads.statistics.find("nodes")));
+}
+
 TEST_F(WhiteWaterOnRanks, GoesOnFromACheckpointOfAnyNumberOfThem) {
   const std::string seed = "foam.seed=4";
   const Outcome whole = run("whole", {seed}, {"--ranks", "2", "--frames", "8"});
