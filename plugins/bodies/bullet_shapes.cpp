@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kFlat = 1e-5;            // of the size: how far a point may be off a plane
 constexpr double kMargin = 1e-4;          // of the size: Bullet's skin around shapes
+constexpr double kSmaller = 1e-3;         // by how much hulls are smaller
 constexpr std::size_t kMaxFeatures = 64;  // vertices of hulls of which whole faces are in contact
 
 std::vector<btVector3> verticesOf(const TriangleMesh& mesh, const btTransform& frame) {
@@ -71,14 +72,22 @@ std::vector<btVector3> fewOf(const std::vector<btVector3>& vertices) {
   return {few.getVertexPointer(), few.getVertexPointer() + few.numVertices()};
 }
 
-std::unique_ptr<btCollisionShape> hullOf(const std::vector<btVector3>& vertices, double margin) {
-  auto hull = std::make_unique<btConvexHullShape>();
-  hull->setMargin(margin);  // before its box is made, which has the margin around it, 40 mm by default
-  for (const btVector3& v : vertices) hull->addPoint(v, false);
-  hull->recalcLocalAabb();
-  if (vertices.size() <= kMaxFeatures) hull->initializePolyhedralFeatures();
-  return hull;
-}
+/// A convex hull that is smaller by a share than what it stands for.
+class SmallerHull final : public btConvexHullShape {
+ public:
+  SmallerHull(const std::vector<btVector3>& vertices, double margin) {
+    setMargin(margin);  // before its box is made, which has the margin around it, 40 mm by default
+    const Extent of = extentOf(vertices);
+    center_ = 0.5 * (of.lo + of.hi);
+    for (const btVector3& v : vertices) addPoint(v + kSmaller * (center_ - v), false);
+    recalcLocalAabb();
+    if (vertices.size() <= kMaxFeatures) initializePolyhedralFeatures();
+  }
+  const btVector3& center() const { return center_; }
+
+ private:
+  btVector3 center_;
+};
 
 }  // namespace
 
@@ -88,7 +97,8 @@ BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool
   BulletShape made;
   const double margin = kMargin * of.size();
   if (asHull || isConvex(mesh, of.size())) {
-    made.shape = hullOf(asHull && vertices.size() > kMaxFeatures ? fewOf(vertices) : vertices, margin);
+    const bool few = asHull && vertices.size() > kMaxFeatures;
+    made.shape = std::make_unique<SmallerHull>(few ? fewOf(vertices) : vertices, margin);
   } else {
     made.triangles = trianglesOf(mesh, frame);
     auto shape = std::make_unique<btGImpactMeshShape>(made.triangles.get());
@@ -97,6 +107,13 @@ BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool
     made.shape = std::move(shape);
   }
   return made;
+}
+
+double standsOut(const btCollisionShape& shape, const btTransform& at, const btVector3& point,
+                 const btVector3& outwards) {
+  if (shape.getShapeType() != CONVEX_HULL_SHAPE_PROXYTYPE) return 0;
+  const btVector3 center = at * static_cast<const SmallerHull&>(shape).center();
+  return -kSmaller / (1 - kSmaller) * outwards.dot(point - center);
 }
 
 BulletShape shapeOfSolid(const TriangleMesh& mesh) {

@@ -29,6 +29,12 @@ struct BulletShape {
   std::unique_ptr<btCollisionShape> shape;
 };
 
+/// By how much the shape at that place stands out over what it stands for, at a point of its surface, m.
+/// Hulls are smaller by a thousandth, as Bullet finds the direction between hulls that are apart more
+/// exactly, and faster, than that between those that overlap or just touch. `outwards` is of length 1.
+double standsOut(const btCollisionShape& shape, const btTransform& at, const btVector3& point,
+                 const btVector3& outwards);
+
 /// Of a body: a convex hull, or else the triangles themselves; if `asHull`, a coarse hull of any mesh.
 /// `frame` takes points of the mesh to points of the shape.
 BulletShape shapeOfBody(const TriangleMesh& mesh, const btTransform& frame, bool asHull = false);

@@ -11,13 +11,14 @@
 #include "plugins/bodies/contact_points.h"
 #include "plugins/bodies/contact_solver.h"
 #include "plugins/bodies/detecting_world.h"
+#include "plugins/bodies/hull_contacts.h"
 #include "plugins/bodies/wall_contacts.h"
 
 namespace weir {
 
 namespace {
 
-constexpr int kIterations = 400;  // at most
+constexpr int kIterations = 100;  // at most
 // Of the speed below which nothing bounces: iterations end once no contact changes a velocity by more.
 constexpr double kConverged = 1e-4;
 // Manifolds that are allocated at once; more are allocated one by one.
@@ -98,6 +99,7 @@ struct BulletWorld::Parts {
 
   btDefaultCollisionConfiguration configuration{poolsFor(group.bodies.size())};
   btCollisionDispatcher dispatcher{&configuration};
+  HullContacts hulls{dispatcher};
   btDbvtBroadphase broadphase;
   ContactSolver solver;
   DetectingWorld world{&dispatcher, &broadphase, &solver, &configuration};
@@ -113,6 +115,7 @@ struct BulletWorld::Parts {
   std::vector<BodyState> begun;
   double dt = 0, slow = 0;
   const std::vector<KnownContact>* known = nullptr;  // when this part of the step begins
+  std::vector<Vec3d> handed;                         // of these, to Bullet's points
 
   const HeldBody& held(std::size_t i) const { return scene.held[group.bodies[i]]; }
   const BulletBody& body(std::size_t i) const { return scene.bodies[group.bodies[i]]; }
@@ -190,7 +193,7 @@ struct BulletWorld::Parts {
     world.whenDetected = [this] {
       for (std::size_t i = 0; i < moving.size(); ++i) walls.add(*moving[i], body(i), held(i), dt);
       setMaterials(dispatcher, scene.held, fixed, dt, slow);
-      if (known != nullptr) recognise(dispatcher, *known);
+      if (known != nullptr) handed = handOut(dispatcher, *known);
     };
   }
 

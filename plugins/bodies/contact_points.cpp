@@ -3,9 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/bodies/bullet_shapes.h"
+
 namespace weir {
 
 namespace {
+
+/// Between what the shapes stand for.
+void measure(const Touch& touch) {
+  btManifoldPoint& point = touch.point;
+  const auto out = [](const btRigidBody& body, const btVector3& at, const btVector3& outwards) {
+    return standsOut(*body.getCollisionShape(), body.getWorldTransform(), at, outwards);
+  };
+  point.setDistance(point.getDistance() +
+                    out(touch.one, point.getPositionWorldOnA(), -point.m_normalWorldOnB) +
+                    out(touch.two, point.getPositionWorldOnB(), point.m_normalWorldOnB));
+}
 
 void mix(const Touch& touch, const std::vector<HeldBody>& held) {
   const int a = touch.one.getUserIndex(), b = touch.two.getUserIndex();
@@ -29,7 +42,7 @@ void bounce(const Touch& touch, bool meets, bool atWall, double dt, double slow)
 /// Where a gap is too small to be meant, its bodies touch: else a body that rests would fall through gaps of
 /// a millionth of its size and be thrown back, at speeds that no iteration ends.
 void closeGap(const Touch& touch) {
-  constexpr double kTouching = 3e-3;  // of what contacts may be apart
+  constexpr double kTouching = 1e-2;  // of what contacts may be apart
   const btScalar apart =
       touch.one.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
   if (std::abs(touch.point.getDistance()) < kTouching * apart) touch.point.setDistance(0);
@@ -50,6 +63,7 @@ void setMaterials(btDispatcher& dispatcher, const std::vector<HeldBody>& held, c
   forEachManifold(dispatcher, [&](const std::vector<Touch>& touches) {
     bool meets = false;  // in this part of the step
     for (const Touch& touch : touches) {
+      if (&touch.two != &walls) measure(touch);  // of walls, the true vertices are known
       meets = meets || -touch.speed() * dt > touch.point.getDistance();
       mix(touch, held);
     }

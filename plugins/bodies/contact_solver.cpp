@@ -3,50 +3,42 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/bodies/bullet_shapes.h"
 #include "plugins/bodies/known_contacts.h"
 #include "plugins/bodies/row_order.h"
 
 namespace weir {
 
-namespace {
-
-Six sixOf(const btVector3& linear, const btVector3& angular) {
-  return {linear.x(), linear.y(), linear.z(), angular.x(), angular.y(), angular.z()};
+BodyPair ContactSolver::bodiesOf(const BulletRow& of) const {
+  return {std::uint32_t(of.m_solverBodyIdA), std::uint32_t(of.m_solverBodyIdB)};
 }
 
-void split(const Six& of, btVector3& linear, btVector3& angular) {
-  linear = {of[0], of[1], of[2]};
-  angular = {of[3], of[4], of[5]};
+Pull ContactSolver::pullOf(const BulletRow& of) const {
+  const BodyPair bodies = bodiesOf(of);
+  return {.a = roots_[bodies.a].pull(of.m_contactNormal1, of.m_relpos1CrossNormal),
+          .b = roots_[bodies.b].pull(of.m_contactNormal2, of.m_relpos2CrossNormal)};
 }
 
-/// Of an impulse of 1 in that direction.
-Six changeOf(const btSolverBody& body, const btVector3& direction, const btVector3& turn) {
-  if (body.m_originalBody == nullptr) return {};
-  return sixOf(direction * body.internalGetInvMass() * body.m_linearFactor, turn * body.m_angularFactor);
+ImpulseRow ContactSolver::readRow(const BulletRow& of) const {
+  ImpulseRow row = rowOf(pullOf(of), bodiesOf(of), of.m_cfm / of.m_jacDiagABInv);
+  row.wanted = of.m_rhs / of.m_jacDiagABInv;
+  row.lower = of.m_lowerLimit;
+  row.upper = of.m_upperLimit;
+  return row;
 }
 
-}  // namespace
-
-ImpulseRow ContactSolver::rowOf(const btSolverConstraint& of) const {
-  const btSolverBody &a = m_tmpSolverBodyPool[of.m_solverBodyIdA],
-                     &b = m_tmpSolverBodyPool[of.m_solverBodyIdB];
-  return {.directionA = sixOf(of.m_contactNormal1, of.m_relpos1CrossNormal),
-          .directionB = sixOf(of.m_contactNormal2, of.m_relpos2CrossNormal),
-          .changeA = changeOf(a, of.m_contactNormal1, of.m_angularComponentA),
-          .changeB = changeOf(b, of.m_contactNormal2, of.m_angularComponentB),
-          .mobility = 1 / of.m_jacDiagABInv,
-          .inverse = of.m_jacDiagABInv,
-          .wanted = of.m_rhs,
-          .softness = of.m_cfm,
-          .lower = of.m_lowerLimit,
-          .upper = of.m_upperLimit,
-          .impulse = of.m_appliedImpulse,
-          .a = std::size_t(of.m_solverBodyIdA),
-          .b = std::size_t(of.m_solverBodyIdB)};
+const btSolverConstraint& ContactSolver::frictionOf(const BulletRow& contact, int direction) const {
+  return m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + direction];
 }
 
-int ContactSolver::firstFriction(std::size_t contact) const {
-  return m_tmpSolverContactConstraintPool[int(contact)].m_frictionIndex;
+FrictionRows ContactSolver::readFriction(std::size_t contact) const {
+  const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[contact])];
+  const BulletRow &one = frictionOf(of, 0), &two = frictionOf(of, 1);
+  FrictionRows rows = weir::frictionOf({pullOf(one), pullOf(two)}, bodiesOf(of));
+  rows.contact = std::uint32_t(contact);
+  rows.friction = one.m_friction;
+  rows.wanted = {one.m_rhs / one.m_jacDiagABInv, two.m_rhs / two.m_jacDiagABInv};
+  return rows;
 }
 
 std::vector<std::size_t> ContactSolver::orderOfContacts() const {
@@ -62,78 +54,72 @@ std::vector<std::size_t> ContactSolver::orderOfContacts() const {
 }
 
 void ContactSolver::readRows() {
+  roots_.clear();
+  for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) roots_.emplace_back(m_tmpSolverBodyPool[k]);
   order_ = orderOfContacts();
-  joints_.clear(), contacts_.clear(), frictions_.clear();
+  rows_ = {};
   for (int k = 0; k < m_tmpSolverNonContactConstraintPool.size(); ++k)
-    joints_.push_back(rowOf(m_tmpSolverNonContactConstraintPool[k]));
-  for (const std::size_t k : order_) contacts_.push_back(rowOf(m_tmpSolverContactConstraintPool[int(k)]));
-  for (int direction = 0; direction < 2; ++direction)
-    for (std::size_t n = 0; n < order_.size(); ++n) {
-      const btSolverConstraint& of =
-          m_tmpSolverContactFrictionConstraintPool[firstFriction(order_[n]) + direction];
-      frictions_.push_back({rowOf(of), of.m_friction, n});
-    }
+    rows_.joints.push_back(readRow(m_tmpSolverNonContactConstraintPool[k]));
+  for (std::size_t n = 0; n < order_.size(); ++n) {
+    rows_.contacts.push_back(readRow(m_tmpSolverContactConstraintPool[int(order_[n])]));
+    rows_.frictions.push_back(readFriction(n));
+  }
 }
 
 void ContactSolver::separate(const SweepsEnd& end) {
-  std::vector<ImpulseRow> pushes, none;
-  std::vector<FrictionRow> noFrictions;
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const btSolverConstraint& of = m_tmpSolverContactConstraintPool[int(order_[k])];
+  ImpulseRows pushes;
+  for (std::size_t n = 0; n < order_.size(); ++n) {
+    const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[n])];
     if (of.m_rhsPenetration == 0) continue;
-    pushes.push_back(contacts_[k]);
-    pushes.back().wanted = of.m_rhsPenetration;
-    pushes.back().impulse = 0;
+    pushes.contacts.push_back(rows_.contacts[n]);
+    pushes.contacts.back().wanted = of.m_rhsPenetration / of.m_jacDiagABInv;
   }
-  if (pushes.empty()) return;
-  Changes changes(std::size_t(m_tmpSolverBodyPool.size()), Six{});
-  sweep(none, pushes, noFrictions, changes, end);
-  for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
-    btSolverBody& body = m_tmpSolverBodyPool[k];
-    split(changes[std::size_t(k)], body.internalGetPushVelocity(), body.internalGetTurnVelocity());
+  if (pushes.contacts.empty()) return;
+  Changes changes(roots_.size(), Six{});
+  sweep(pushes, changes, end);
+  for (std::size_t k = 0; k < roots_.size(); ++k) {
+    btSolverBody& body = m_tmpSolverBodyPool[int(k)];
+    body.internalGetPushVelocity() = roots_[k].linear(changes[k]);
+    body.internalGetTurnVelocity() = roots_[k].angular(changes[k]);
   }
 }
 
 void ContactSolver::guess() {
   for (std::size_t n = 0; n < order_.size(); ++n) {
-    const void* of = m_tmpSolverContactConstraintPool[int(order_[n])].m_originalContactPoint;
-    const KnownContact* known = knownAs(*static_cast<const btManifoldPoint*>(of));
+    const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[n])];
+    const Vec3d* known = handedTo(*static_cast<const btManifoldPoint*>(of.m_originalContactPoint));
     if (known == nullptr) continue;
-    const auto along = [&](const ImpulseRow& row) {
-      const Six& j = row.directionA;
-      return dot(known->impulse, Vec3d{j[0], j[1], j[2]});
-    };
-    contacts_[n].impulse = std::max(along(contacts_[n]), 0.0);
-    for (FrictionRow* friction : {&frictions_[n], &frictions_[order_.size() + n]}) {
-      const double bound = friction->friction * contacts_[n].impulse;
-      friction->row.impulse = std::clamp(along(friction->row), -bound, bound);
-    }
+    const auto along = [&](const BulletRow& row) { return dot(*known, fromBullet(row.m_contactNormal1)); };
+    FrictionRows& friction = rows_.frictions[n];
+    rows_.contacts[n].impulse = std::max(along(of), 0.0);
+    friction.impulse = {along(frictionOf(of, 0)), along(frictionOf(of, 1))};
+    const double bound = friction.friction * rows_.contacts[n].impulse;
+    const double length = std::hypot(friction.impulse[0], friction.impulse[1]);
+    if (length > bound)
+      for (double& impulse : friction.impulse) impulse *= bound / length;
   }
 }
 
 void ContactSolver::solve(const SweepsEnd& end) {
-  Changes changes;
-  for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
-    btSolverBody& body = m_tmpSolverBodyPool[k];
-    changes.push_back(sixOf(body.internalGetDeltaLinearVelocity(), body.internalGetDeltaAngularVelocity()));
-  }
-  applyImpulses(contacts_, frictions_, changes);
-  sweep(joints_, contacts_, frictions_, changes, end);
-  for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) {
-    btSolverBody& body = m_tmpSolverBodyPool[k];
-    split(changes[std::size_t(k)], body.internalGetDeltaLinearVelocity(),
-          body.internalGetDeltaAngularVelocity());
+  Changes changes(roots_.size(), Six{});
+  applyImpulses(rows_, changes);
+  sweep(rows_, changes, end);
+  for (std::size_t k = 0; k < roots_.size(); ++k) {
+    btSolverBody& body = m_tmpSolverBodyPool[int(k)];
+    body.internalGetDeltaLinearVelocity() += roots_[k].linear(changes[k]);
+    body.internalGetDeltaAngularVelocity() += roots_[k].angular(changes[k]);
   }
 }
 
 void ContactSolver::writeImpulses() {
-  for (std::size_t k = 0; k < joints_.size(); ++k)
-    m_tmpSolverNonContactConstraintPool[int(k)].m_appliedImpulse = joints_[k].impulse;
+  for (std::size_t k = 0; k < rows_.joints.size(); ++k)
+    m_tmpSolverNonContactConstraintPool[int(k)].m_appliedImpulse = rows_.joints[k].impulse;
   for (std::size_t n = 0; n < order_.size(); ++n) {
-    m_tmpSolverContactConstraintPool[int(order_[n])].m_appliedImpulse = contacts_[n].impulse;
+    BulletRow& contact = m_tmpSolverContactConstraintPool[int(order_[n])];
+    contact.m_appliedImpulse = rows_.contacts[n].impulse;
     for (int direction = 0; direction < 2; ++direction)
-      m_tmpSolverContactFrictionConstraintPool[firstFriction(order_[n]) + direction].m_appliedImpulse =
-          frictions_[std::size_t(direction) * order_.size() + n].row.impulse;
+      m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + direction].m_appliedImpulse =
+          rows_.frictions[n].impulse[std::size_t(direction)];
   }
 }
 

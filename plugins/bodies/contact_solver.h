@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plugins/bodies/impulse_rows.h"
+#include "plugins/bodies/mass_root.h"
 
 namespace weir {
 
@@ -17,9 +18,14 @@ class ContactSolver final : public btSequentialImpulseConstraintSolver {
                                              const btContactSolverInfo& info, btIDebugDraw* drawer) override;
 
  private:
-  ImpulseRow rowOf(const btSolverConstraint& of) const;
+  using BulletRow = btSolverConstraint;
+
+  BodyPair bodiesOf(const BulletRow& of) const;
+  Pull pullOf(const BulletRow& of) const;
+  ImpulseRow readRow(const BulletRow& of) const;
+  FrictionRows readFriction(std::size_t contact) const;
   /// Of two that Bullet has for a contact.
-  int firstFriction(std::size_t contact) const;
+  const BulletRow& frictionOf(const BulletRow& contact, int direction) const;
   std::vector<std::size_t> orderOfContacts() const;
   void readRows();
   /// Gives Bullet the impulses that were found.
@@ -30,9 +36,9 @@ class ContactSolver final : public btSequentialImpulseConstraintSolver {
   /// Moves bodies out of each other, without changing their velocities.
   void separate(const SweepsEnd& end);
 
+  std::vector<MassRoot> roots_;     // of Bullet's bodies
   std::vector<std::size_t> order_;  // of Bullet's contacts
-  std::vector<ImpulseRow> joints_, contacts_;
-  std::vector<FrictionRow> frictions_;  // of all contacts in the first direction, then in the second
+  ImpulseRows rows_;                // a friction for each contact
 };
 
 }  // namespace weir

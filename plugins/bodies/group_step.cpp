@@ -10,17 +10,17 @@ namespace weir {
 
 namespace {
 
-/// How far the corner of its box that goes farthest goes, m.
-double farthestWay(const SolidWay& way, const BulletShape& of) {
+/// How far the corner of its box that goes most goes, m.
+double largestWay(const SolidWay& way, const BulletShape& of) {
   btVector3 lo, hi;
   of.shape->getAabb(btTransform::getIdentity(), lo, hi);
-  double farthest = 0;
+  double largest = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3f p{float(corner & 1 ? hi.x() : lo.x()), float(corner & 2 ? hi.y() : lo.y()),
                   float(corner & 4 ? hi.z() : lo.z())};
-    farthest = std::max(farthest, double(length(way.end.toWorld(p) - way.begin.toWorld(p))));
+    largest = std::max(largest, double(length(way.end.toWorld(p) - way.begin.toWorld(p))));
   }
-  return farthest;
+  return largest;
 }
 
 /// Into which a step is cut, so that nothing goes farther in one than a share of a body's size.
@@ -34,7 +34,7 @@ int partsOf(const StepTask& task, const BodyGroup& group) {
     thinnest = std::min(thinnest, thickness);
   }
   for (const std::size_t k : group.solids)
-    fastest = std::max(fastest, farthestWay(task.ways[k], task.scene.solids[k]));
+    fastest = std::max(fastest, largestWay(task.ways[k], task.scene.solids[k]));
   largest = std::max(largest, fastest / thinnest);
   return std::clamp(int(std::ceil(std::min(largest / kMaxShare, double(kMax)))), kMin, kMax);
 }

@@ -1,6 +1,8 @@
 #include "plugins/bodies/known_contacts.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
 #include <tuple>
 
 #include "plugins/bodies/bullet_shapes.h"
@@ -14,20 +16,33 @@ bool isBefore(const KnownContact& one, const KnownContact& two) {
   return std::tie(one.a, one.b) < std::tie(two.a, two.b);
 }
 
-/// The nearest that faces the same way, at most as far off as contacts may be apart.
-const KnownContact* nearest(const Touch& touch, const std::vector<KnownContact>& known) {
+/// A point of Bullet's, of two bodies.
+struct FoundPoint {
+  std::int64_t a, b;
+  btManifoldPoint* point;
+};
+
+/// In the order of known contacts. Two bodies may have several manifolds.
+std::vector<FoundPoint> pointsOf(btDispatcher& dispatcher) {
+  std::vector<FoundPoint> points;
+  forEachTouch(dispatcher, [&](const Touch& touch) {
+    points.push_back({numberOf(touch.one), numberOf(touch.two), &touch.point});
+  });
+  std::stable_sort(points.begin(), points.end(), [](const FoundPoint& one, const FoundPoint& two) {
+    return std::tie(one.a, one.b) < std::tie(two.a, two.b);
+  });
+  return points;
+}
+
+/// The nearest point that faces the same way; null if none does.
+btManifoldPoint* nearest(const KnownContact& known, std::span<const FoundPoint> points) {
   constexpr double kSameWay = 0.9;
-  KnownContact wanted;
-  wanted.a = numberOf(touch.one), wanted.b = numberOf(touch.two);
-  const auto [begin, end] = std::equal_range(known.begin(), known.end(), wanted, isBefore);
-  const KnownContact* found = nullptr;
-  const btScalar apart =
-      touch.one.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
-  btScalar nearestYet = apart * apart;
-  for (auto k = begin; k != end; ++k) {
-    const btScalar off = (toBullet(k->at) - touch.point.m_localPointA).length2();
-    if (off > nearestYet || toBullet(k->normal).dot(touch.point.m_normalWorldOnB) < kSameWay) continue;
-    found = &*k;
+  btManifoldPoint* found = nullptr;
+  btScalar nearestYet = SIMD_INFINITY;
+  for (const FoundPoint& of : points) {
+    const btScalar off = (toBullet(known.at) - of.point->m_localPointA).length2();
+    if (off > nearestYet || toBullet(known.normal).dot(of.point->m_normalWorldOnB) < kSameWay) continue;
+    found = of.point;
     nearestYet = off;
   }
   return found;
@@ -46,14 +61,27 @@ void sortByBodies(std::vector<KnownContact>& contacts) {
   std::stable_sort(contacts.begin(), contacts.end(), isBefore);
 }
 
-void recognise(btDispatcher& dispatcher, const std::vector<KnownContact>& known) {
-  forEachTouch(dispatcher, [&](const Touch& touch) {
-    touch.point.m_userPersistentData = const_cast<KnownContact*>(nearest(touch, known));
-  });
+std::vector<Vec3d> handOut(btDispatcher& dispatcher, const std::vector<KnownContact>& known) {
+  std::vector<Vec3d> impulses;
+  impulses.reserve(known.size());  // points keep where they are
+  const std::vector<FoundPoint> points = pointsOf(dispatcher);
+  for (const FoundPoint& of : points) of.point->m_userPersistentData = nullptr;
+  auto begin = points.begin();
+  for (const KnownContact& of : known) {
+    const auto isBefore = [&](const FoundPoint& p) { return std::tie(p.a, p.b) < std::tie(of.a, of.b); };
+    begin = std::find_if_not(begin, points.end(), isBefore);
+    const auto end = std::find_if(
+        begin, points.end(), [&](const FoundPoint& p) { return std::tie(p.a, p.b) != std::tie(of.a, of.b); });
+    btManifoldPoint* point = nearest(of, std::span(begin, end));
+    if (point == nullptr) continue;
+    if (point->m_userPersistentData == nullptr) point->m_userPersistentData = &impulses.emplace_back();
+    *static_cast<Vec3d*>(point->m_userPersistentData) += of.impulse;
+  }
+  return impulses;
 }
 
-const KnownContact* knownAs(const btManifoldPoint& point) {
-  return static_cast<const KnownContact*>(point.m_userPersistentData);
+const Vec3d* handedTo(const btManifoldPoint& point) {
+  return static_cast<const Vec3d*>(point.m_userPersistentData);
 }
 
 std::vector<KnownContact> contactsOf(btDispatcher& dispatcher) {

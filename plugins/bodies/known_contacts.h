@@ -19,11 +19,13 @@ inline int numberOf(const btCollisionObject& object) {
 /// Ascending by their two bodies, then as they were found.
 void sortByBodies(std::vector<KnownContact>& contacts);
 
-/// Lets each point of Bullet's contacts that is where a known one was, seen from its first body, point at
-/// that one; others at nothing. Known contacts are sorted, and must outlive the points.
-void recognise(btDispatcher& dispatcher, const std::vector<KnownContact>& known);
-/// That a point was recognised as; null if there is none.
-const KnownContact* knownAs(const btManifoldPoint& point);
+/// Hands the impulse of each known contact to that of Bullet's points of the same two bodies which is nearest
+/// to where it was, seen from the first of them, and faces the same way. Points of a face come and go as
+/// bodies turn by a millionth, but what two bodies bear stays. Known contacts are sorted. Returns the sums,
+/// to which points point as long as this lives.
+std::vector<Vec3d> handOut(btDispatcher& dispatcher, const std::vector<KnownContact>& known);
+/// On the first body, N·s; null if there is none.
+const Vec3d* handedTo(const btManifoldPoint& point);
 /// Those that did something.
 std::vector<KnownContact> contactsOf(btDispatcher& dispatcher);
 

@@ -138,8 +138,8 @@ TEST(BulletDynamics, SlidingBeginsAtTheFrictionsAngle) {
       };
       std::printf("mu %g: %.2g m below, %.4f of %.4f m just above, %.4f of %.4f m above\n", friction, below,
                   atOnce, expected(1.01 * friction), above, expected(tangent));
-      EXPECT_LT(below, 1e-3);
-      EXPECT_NEAR(atOnce, expected(1.01 * friction), 0.002);
+      EXPECT_LT(below, 1e-6);
+      EXPECT_NEAR(atOnce, expected(1.01 * friction), 2e-4);
       EXPECT_NEAR(above / expected(tangent), 1, 0.03) << angle;
     }
 }
@@ -526,7 +526,7 @@ TEST(BulletDynamics, ABodyThatIsPushedMeetsOthersInTheSameStep) {
   run.scene->advanceFrame(
       stop, [&] { nearest = std::min(nearest, run.state(2).center.x - run.state(1).center.x - 0.1); });
   std::printf("the boxes come as near as %.2g m\n", nearest);
-  EXPECT_GT(nearest, -1e-3);
+  EXPECT_GT(nearest, -1e-6);
   EXPECT_NEAR(run.state(0).velocity.x + run.state(1).velocity.x + run.state(2).velocity.x, 10, 1e-9);
 }
 

@@ -21,11 +21,11 @@ double dot(const Six& a, const Six& b) {
 /// Bodies of a mass and of moments of inertia of their own; the first does not move.
 struct Bodies {
   std::mt19937 random{7};
-  std::vector<Six> inverses;
+  std::vector<Six> roots;  // of the inverse masses
 
   explicit Bodies(std::size_t count) {
-    inverses.push_back(Six{});
-    while (inverses.size() < count) inverses.push_back(numbers(0.5, 2));
+    roots.push_back(Six{});
+    while (roots.size() < count) roots.push_back(numbers(0.7, 1.4));
   }
   double number(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
   Six numbers(double lo, double hi) {
@@ -33,52 +33,78 @@ struct Bodies {
     for (double& x : six) x = number(lo, hi);
     return six;
   }
-  /// Wants that speed along a direction of its own.
-  ImpulseRow row(std::size_t a, std::size_t b, double speed) {
-    ImpulseRow row{.directionA = numbers(-1, 1), .directionB = numbers(-1, 1), .a = a, .b = b};
+  /// Along a direction of its own.
+  Pull pull(std::size_t a, std::size_t b) {
+    Pull pull{numbers(-1, 1), numbers(-1, 1)};
     for (std::size_t k = 0; k < 6; ++k) {
-      row.changeA[k] = inverses[a][k] * row.directionA[k];
-      row.changeB[k] = inverses[b][k] * row.directionB[k];
+      pull.a[k] *= roots[a][k];
+      pull.b[k] *= roots[b][k];
     }
-    row.mobility = dot(row.directionA, row.changeA) + dot(row.directionB, row.changeB);
-    row.inverse = 1 / row.mobility;
-    row.wanted = speed * row.inverse;
+    return pull;
+  }
+  ImpulseRow row(std::size_t a, std::size_t b, double speed) {
+    ImpulseRow row = rowOf(pull(a, b), {std::uint32_t(a), std::uint32_t(b)});
+    row.wanted = speed;
     row.lower = -std::numeric_limits<double>::infinity();
     row.upper = std::numeric_limits<double>::infinity();
     return row;
   }
+  ImpulseRow contact(std::size_t a, std::size_t b, double speed) {
+    ImpulseRow row = this->row(a, b, speed);
+    row.lower = 0;
+    return row;
+  }
+  FrictionRows frictionOf(std::size_t a, std::size_t b, double friction, FrictionRows::Two speed) {
+    const std::array<Pull, 2> pulls{pull(a, b), pull(a, b)};
+    FrictionRows rows = weir::frictionOf(pulls, {std::uint32_t(a), std::uint32_t(b)});
+    rows.friction = friction;
+    rows.wanted = speed;
+    return rows;
+  }
 };
 
+double speedOf(const Pull& pull, BodyPair bodies, const Changes& changes) {
+  return dot(pull.a, changes[bodies.a]) + dot(pull.b, changes[bodies.b]);
+}
 double speedOf(const ImpulseRow& row, const Changes& changes) {
-  return dot(row.directionA, changes[row.a]) + dot(row.directionB, changes[row.b]);
+  return speedOf(row.pull, row.bodies, changes);
 }
 
 TEST(ImpulseRows, JointsGetTheSpeedsThatTheyWant) {
   Bodies bodies(5);
-  std::vector<ImpulseRow> joints, contacts;
-  std::vector<FrictionRow> frictions;
+  ImpulseRows rows;
   for (std::size_t k = 0; k < 12; ++k)
-    joints.push_back(bodies.row(k % 5, (k + 1 + k / 5) % 5, bodies.number(-1, 1)));
+    rows.joints.push_back(bodies.row(k % 5, (k + 1 + k / 5) % 5, bodies.number(-1, 1)));
   Changes changes(5, Six{});
-  sweep(joints, contacts, frictions, changes, kEnd);
-  for (const ImpulseRow& row : joints) EXPECT_NEAR(speedOf(row, changes), row.wanted * row.mobility, 1e-9);
+  sweep(rows, changes, kEnd);
+  for (const ImpulseRow& row : rows.joints) EXPECT_NEAR(speedOf(row, changes), row.wanted, 1e-9);
   EXPECT_EQ(changes[0], Six{});
+}
+
+/// J·v = b − ε·λ.
+TEST(ImpulseRows, SoftJointsGiveWay) {
+  Bodies bodies(2);
+  ImpulseRows rows;
+  ImpulseRow soft = rowOf(bodies.pull(0, 1), {0, 1}, 0.3);
+  soft.wanted = 1, soft.lower = -10, soft.upper = 10;
+  rows.joints.push_back(soft);
+  Changes changes(2, Six{});
+  sweep(rows, changes, kEnd);
+  EXPECT_NEAR(speedOf(rows.joints[0], changes), 1 - 0.3 * rows.joints[0].impulse, 1e-12);
+  EXPECT_GT(rows.joints[0].impulse, 0);
 }
 
 /// λ ≥ 0, v ≥ b, λ·(v − b) = 0.
 TEST(ImpulseRows, ContactsPushAndDoNotPull) {
   Bodies bodies(6);
-  std::vector<ImpulseRow> joints, contacts;
-  std::vector<FrictionRow> frictions;
-  for (std::size_t k = 0; k < 15; ++k) {
-    contacts.push_back(bodies.row(k % 6, (k + 1 + k / 6) % 6, bodies.number(-1, 1)));
-    contacts.back().lower = 0;
-  }
+  ImpulseRows rows;
+  for (std::size_t k = 0; k < 15; ++k)
+    rows.contacts.push_back(bodies.contact(k % 6, (k + 1 + k / 6) % 6, bodies.number(-1, 1)));
   Changes changes(6, Six{});
-  sweep(joints, contacts, frictions, changes, kEnd);
+  sweep(rows, changes, kEnd);
   int pushing = 0;
-  for (const ImpulseRow& row : contacts) {
-    const double lacks = row.wanted * row.mobility - speedOf(row, changes);
+  for (const ImpulseRow& row : rows.contacts) {
+    const double lacks = row.wanted - speedOf(row, changes);
     EXPECT_GE(row.impulse, 0);
     EXPECT_LT(lacks, 1e-9);
     EXPECT_NEAR(row.impulse * lacks, 0, 1e-9);
@@ -88,42 +114,87 @@ TEST(ImpulseRows, ContactsPushAndDoNotPull) {
   EXPECT_LT(pushing, 15);
 }
 
-/// |λ| ≤ μ·N; what is below that bound stops its bodies.
+/// |λ| ≤ μ·N in all directions; what is below that bound stops its bodies, and what is at it acts along what
+/// is lacking.
 TEST(ImpulseRows, FrictionIsBoundedByItsContact) {
   for (const double friction : {0.1, 10.0}) {
     Bodies bodies(2);
-    std::vector<ImpulseRow> joints, contacts{bodies.row(0, 1, 1)};
-    contacts.front().lower = 0;
-    std::vector<FrictionRow> frictions{{bodies.row(0, 1, 2), friction, 0}};
+    ImpulseRows rows;
+    rows.contacts.push_back(bodies.contact(0, 1, 1));
+    rows.frictions.push_back(bodies.frictionOf(0, 1, friction, {2, -1}));
     Changes changes(2, Six{});
-    sweep(joints, contacts, frictions, changes, kEnd);
-    const ImpulseRow& row = frictions.front().row;
-    EXPECT_GT(contacts.front().impulse, 0);
-    if (friction < 1)
-      EXPECT_NEAR(std::abs(row.impulse), friction * contacts.front().impulse, 1e-12);
-    else
-      EXPECT_NEAR(speedOf(row, changes), 2, 1e-9);
+    sweep(rows, changes, kEnd);
+    const FrictionRows& of = rows.frictions.front();
+    const double normal = rows.contacts.front().impulse;
+    const auto lack = [&](std::size_t k) { return of.wanted[k] - speedOf(of.pulls[k], of.bodies, changes); };
+    EXPECT_GT(normal, 0);
+    const double size = std::hypot(of.impulse[0], of.impulse[1]);
+    if (friction < 1) {
+      EXPECT_NEAR(size, friction * normal, 1e-12);
+      EXPECT_NEAR(of.impulse[0] * lack(1) - of.impulse[1] * lack(0), 0, 1e-10);
+      EXPECT_GT(of.impulse[0] * lack(0) + of.impulse[1] * lack(1), 0);
+    } else {
+      EXPECT_LT(size, friction * normal);
+      EXPECT_NEAR(lack(0), 0, 1e-9);
+      EXPECT_NEAR(lack(1), 0, 1e-9);
+    }
   }
+}
+
+TEST(ImpulseRows, AContactThatDoesNothingDoesNotRub) {
+  Bodies bodies(2);
+  ImpulseRows rows;
+  rows.contacts.push_back(bodies.contact(0, 1, -1));
+  rows.frictions.push_back(bodies.frictionOf(0, 1, 0.5, {2, -1}));
+  rows.contacts.front().impulse = 1;
+  rows.frictions.front().impulse = {0.1, 0.1};
+  Changes changes(2, Six{});
+  sweep(rows, changes, {.maxSweeps = 1, .tolerance = 0});
+  rows.contacts.front().wanted = -100;
+  sweep(rows, changes, kEnd);
+  EXPECT_EQ(rows.contacts.front().impulse, 0);
+  EXPECT_EQ(rows.frictions.front().impulse, (FrictionRows::Two{0, 0}));
 }
 
 TEST(ImpulseRows, EndsOnceNothingChangesByMoreThanIsAllowed) {
   Bodies bodies(4);
-  std::vector<ImpulseRow> joints, contacts;
-  std::vector<FrictionRow> frictions;
-  for (std::size_t k = 0; k < 6; ++k) joints.push_back(bodies.row(k % 4, (k + 1) % 4, 1));
-  const std::vector<ImpulseRow> begun = joints;
+  ImpulseRows rows;
+  for (std::size_t k = 0; k < 6; ++k) rows.joints.push_back(bodies.row(k % 4, (k + 1) % 4, 1));
+  const ImpulseRows begun = rows;
   Changes exact(4, Six{}), rough(4, Six{}), none(4, Six{});
-  sweep(joints, contacts, frictions, exact, kEnd);
-  joints = begun;
-  sweep(joints, contacts, frictions, rough, {.maxSweeps = 100000, .tolerance = 1e-3});
-  joints = begun;
-  sweep(joints, contacts, frictions, none, {.maxSweeps = 0, .tolerance = 0});
+  const int many = sweep(rows, exact, kEnd);
+  rows = begun;
+  const int fewer = sweep(rows, rough, {.maxSweeps = 100000, .tolerance = 1e-3});
+  rows = begun;
+  EXPECT_EQ(sweep(rows, none, {.maxSweeps = 0, .tolerance = 0}), 0);
   double off = 0;
   for (std::size_t b = 0; b < 4; ++b)
     for (std::size_t k = 0; k < 6; ++k) off = std::max(off, std::abs(rough[b][k] - exact[b][k]));
   EXPECT_GT(off, 0);
   EXPECT_LT(off, 0.1);
+  EXPECT_LT(fewer, many);
   EXPECT_EQ(none, Changes(4, Six{}));
+}
+
+/// A column of bodies, each on the one below, which all are to stop: the load of all is on the lowest.
+TEST(ImpulseRows, SweepsFollowTheHeightOfAColumn) {
+  const auto sweepsFor = [](std::size_t count) {
+    ImpulseRows rows;
+    for (std::size_t k = 0; k < count; ++k) {
+      Pull pull;
+      pull.b[0] = 1;
+      pull.a[0] = k == 0 ? 0 : -1;
+      rows.contacts.push_back(rowOf(pull, {std::uint32_t(k), std::uint32_t(k + 1)}));
+      rows.contacts.back().upper = std::numeric_limits<double>::infinity();
+    }
+    Changes changes(count + 1, Six{-1});
+    changes[0] = {};
+    const int sweeps = sweep(rows, changes, {.maxSweeps = 100000, .tolerance = 1e-6});
+    EXPECT_NEAR(rows.contacts.front().impulse, double(count), 1e-3 * double(count));
+    return sweeps;
+  };
+  EXPECT_LT(sweepsFor(40), 3 * sweepsFor(20));
+  EXPECT_LT(sweepsFor(40), 400);
 }
 
 }  // namespace
