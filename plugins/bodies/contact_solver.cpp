@@ -57,7 +57,8 @@ void ContactSolver::readRows() {
   roots_.clear();
   for (int k = 0; k < m_tmpSolverBodyPool.size(); ++k) roots_.emplace_back(m_tmpSolverBodyPool[k]);
   order_ = orderOfContacts();
-  rows_ = {};
+  rows_.joints.clear(), rows_.contacts.clear(), rows_.frictions.clear();
+  rows_.contacts.reserve(order_.size()), rows_.frictions.reserve(order_.size());
   for (int k = 0; k < m_tmpSolverNonContactConstraintPool.size(); ++k)
     rows_.joints.push_back(readRow(m_tmpSolverNonContactConstraintPool[k]));
   for (std::size_t n = 0; n < order_.size(); ++n) {
@@ -68,6 +69,7 @@ void ContactSolver::readRows() {
 
 void ContactSolver::separate(const SweepsEnd& end) {
   ImpulseRows pushes;
+  pushes.contacts.reserve(order_.size());
   for (std::size_t n = 0; n < order_.size(); ++n) {
     const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[n])];
     if (of.m_rhsPenetration == 0) continue;
