@@ -44,15 +44,18 @@ Nearest nearestOf(const btCollisionObjectWrapper& one, const btCollisionObjectWr
   return {true, normal, collected.m_pointInWorld - b.getMargin() * normal, collected.m_distance + margins};
 }
 
+/// Those of hulls with few vertices are known.
+bool haveFaces(const btCollisionObjectWrapper& one, const btCollisionObjectWrapper& two) {
+  return hullOf(one).getConvexPolyhedron() != nullptr && hullOf(two).getConvexPolyhedron() != nullptr;
+}
+
 /// Adds the points of the faces that meet there.
 void addFaces(const btCollisionObjectWrapper& one, const btCollisionObjectWrapper& two, const Nearest& at,
               btScalar reach, btManifoldResult& result) {
-  const btConvexPolyhedron *a = hullOf(one).getConvexPolyhedron(), *b = hullOf(two).getConvexPolyhedron();
-  if (a == nullptr || b == nullptr) return;
   btVertexArray once, twice;
-  btPolyhedralContactClipping::clipHullAgainstHull(at.normal, *a, *b, one.getWorldTransform(),
-                                                   two.getWorldTransform(), at.distance - reach, reach, once,
-                                                   twice, result);
+  btPolyhedralContactClipping::clipHullAgainstHull(
+      at.normal, *hullOf(one).getConvexPolyhedron(), *hullOf(two).getConvexPolyhedron(),
+      one.getWorldTransform(), two.getWorldTransform(), at.distance - reach, reach, once, twice, result);
 }
 
 class Hulls final : public btActivatingCollisionAlgorithm {
@@ -69,12 +72,7 @@ class Hulls final : public btActivatingCollisionAlgorithm {
     if (manifold_ == nullptr)
       manifold_ = m_dispatcher->getNewManifold(one->getCollisionObject(), two->getCollisionObject());
     result->setPersistentManifold(manifold_);
-    manifold_->clearManifold();
-    const btScalar reach = manifold_->getContactBreakingThreshold();
-    const Nearest at = nearestOf(*one, *two, reach);
-    if (!at.found) return;
-    addFaces(*one, *two, at, reach, *result);
-    if (manifold_->getNumContacts() == 0) result->addContactPoint(at.normal, at.onTwo, at.distance);
+    add(*one, *two, *result);
   }
 
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
@@ -87,6 +85,18 @@ class Hulls final : public btActivatingCollisionAlgorithm {
   }
 
  private:
+  void add(const btCollisionObjectWrapper& one, const btCollisionObjectWrapper& two,
+           btManifoldResult& result) {
+    const btScalar reach = manifold_->getContactBreakingThreshold();
+    const Nearest at = nearestOf(one, two, reach);
+    const bool faces = haveFaces(one, two);
+    if (faces) manifold_->clearManifold();
+    if (faces && at.found) addFaces(one, two, at, reach, result);
+    if (at.found && (!faces || manifold_->getNumContacts() == 0))
+      result.addContactPoint(at.normal, at.onTwo, at.distance);
+    if (!faces) result.refreshContactPoints();  // they gather from one part of a step to the next
+  }
+
   btPersistentManifold* manifold_ = nullptr;
 };
 
