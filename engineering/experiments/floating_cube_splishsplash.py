@@ -3,9 +3,9 @@ engineering/bodies.md. Prints time and draught over the side.
 
   floating_cube_splishsplash.py SPACINGS DENSITY [SECONDS] [DEPTH]
 
-The cube has a side of 0.1 m and that many spacings; the pool is two sides wide and DEPTH sides deep (2). Needs pysplishsplash of
-PyPI; where its import ends in libGLdispatch, preload the system's. Boundary particles are half a spacing inside of surfaces, as
-those of the pool are half a spacing outside, and the body has the mass of the whole cube."""
+The cube has a side of 0.1 m and that many spacings; the pool is two sides wide and DEPTH sides deep (2). Needs
+pysplishsplash of PyPI; where its import ends in libGLdispatch, preload the system's. Boundary particles are half a spacing
+inside of surfaces, as those of the pool are half a spacing outside, and the body has the mass of the whole cube."""
 
 import json
 import sys
@@ -42,12 +42,14 @@ def scene(folder, count, density, depth):
 
 def main():
     count, density = int(sys.argv[1]), float(sys.argv[2])
-    seconds, depth = (float(sys.argv[3]) if len(sys.argv) > 3 else 1.5), SIDE * (float(sys.argv[4]) if len(sys.argv) > 4 else 2)
+    seconds, depth = [float(given) for given in sys.argv[3:5] + ["1.5", "2"][len(sys.argv[3:5]):]]
+    depth *= SIDE
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scene.json").write_text(json.dumps(scene(folder, count, density, depth)))
         base = sph.Exec.SimulatorBase()
-        base.init(["weir", "--no-gui", "--no-cache", "--scene-file", str(folder / "scene.json"), "--output-dir", name], "cube")
+        base.init(["weir", "--no-gui", "--no-cache", "--scene-file", str(folder / "scene.json"), "--output-dir", name],
+                  "cube")
         base.initSimulation()
         base.setValueFloat(base.STOP_AT, seconds)
         simulation, told = sph.Simulation.getCurrent(), [0.0]
