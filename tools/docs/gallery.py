@@ -31,7 +31,7 @@ LOOPS = {  # the last frame, and what is set
     "mill": (60, "let.spacing=0.03", "world.frame_rate=15", "render.environment.exposure=0.9"),
     "ship": (42, "let.spacing=0.1", "world.frame_rate=15", "render.environment.exposure=0.9"),
     "village": (60, "let.spacing=0.1", "world.frame_rate=12", "render.environment.exposure=0.9"),
-    "paint": (60, "let.spacing=0.004", "world.frame_rate=15"),
+    "paint": (47, "let.spacing=0.004", "world.frame_rate=15"),
 }
 LOOP_SIZE = "render.width=640", "render.height=360"
 
