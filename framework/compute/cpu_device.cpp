@@ -13,6 +13,7 @@
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
+#include "framework/base/interruption.h"
 #include "framework/base/sanitizers.h"
 #include "framework/compute/allocation_fault.h"
 #include "framework/compute/cpu_profiler.h"
@@ -176,6 +177,7 @@ void CpuBackend::forRanges(std::int64_t n, std::int64_t grain,
   Launch launch{.n = n, .grain = grain, .body = body, .context = context};
   // Waking threads for one range would cost more than the range.
   if (ranges == 1 || threads() == 1) {
+    InterruptibleWork::endIfAsked();
     for (std::int64_t k = 0; k < ranges; ++k) launch.run(k);
     return;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "framework/base/interruption.h"
 #include "framework/particles/divided_particles.h"
 
 namespace weir {
@@ -80,6 +81,7 @@ int RestState::reach(int max, const std::function<void()>& step) {
   bool moving = true;
   std::vector<double> peaks;  // at stops
   while (taken < max && moving) {
+    InterruptibleWork::endIfAsked();
     step();
     dispatch(fluid_.device, [&](auto& device) {
       findCarriedOn(device);

@@ -352,18 +352,21 @@ TEST_F(Cli, ASceneThatIsBeingSetUpIsLeftWhenTheRunIsInterrupted) {
   // Its particles are brought to rest before the first step, which takes minutes.
   const std::string slow =
       sceneWith("\"max\": [0.2, 0.2, 0.2]", "\"max\": [0.5, 0.5, 0.2], \"arrangement\": \"relaxed\"");
-  bool asked = false;
-  ChildOptions options;
-  options.onStderr = [&](int pid, const std::string& err) {
-    if (!asked && contains(err, "memory: ")) asked = ::kill(pid, SIGINT) == 0;
-  };
-  const ChildResult result = runWeir({"run", slow, "--device", "cpu", "--set", "water.spacing=0.01", "--set",
-                                      "water.rest_steps=100000", "--stats", folder / "stats.json"},
-                                     options);
-  EXPECT_TRUE(asked) << result.err;
-  EXPECT_EQ(result.code, 130) << result.err;
-  EXPECT_CONTAINS(result.err, "interrupted before the first step");
-  EXPECT_FALSE(std::filesystem::exists(folder / ".stats.json.lock"));
+  for (const char* threads : {"1", "2"}) {
+    bool asked = false;
+    ChildOptions options;
+    options.onStderr = [&](int pid, const std::string& err) {
+      if (!asked && contains(err, "memory: ")) asked = ::kill(pid, SIGINT) == 0;
+    };
+    const ChildResult result =
+        runWeir({"run", slow, "--device", "cpu", "--threads", threads, "--set", "water.spacing=0.01", "--set",
+                 "water.rest_steps=100000", "--stats", folder / "stats.json"},
+                options);
+    EXPECT_TRUE(asked) << result.err;
+    EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_CONTAINS(result.err, "interrupted before the first step");
+    EXPECT_FALSE(std::filesystem::exists(folder / ".stats.json.lock"));
+  }
 }
 
 TEST_F(Cli, AnOutputThatCannotBeWrittenIsAnError) {

@@ -154,7 +154,7 @@ TEST_F(BodiesOfRuns, BadInputIsToldWithPlaceAndRemedy) {
   expect(R"("density": 800)", R"("mass": 0)", {"scene.json", "mass", "above 0"});
   expect(R"("density": 800)", R"("density": 1e999)", {"scene.json"});
   expect(R"("position": [-0.03, 0.25, 0.01])", R"("position": [-0.03, 0.19, 0.01])",
-         {"contacts", "m deep within 'low'", "bodies that start apart"});
+         {"contacts", "'low' starts", "m deep within 'high'", "bodies that start apart"});
   expect(R"("position": [-0.03, 0.25, 0.01])", R"("position": [-0.03, 0.25, 0.5])",
          {"high", "m deep within its walls", "a position"});
   expect(R"("arm.body -> hinge.body", )", "", {"hinge", "body"});
