@@ -133,15 +133,13 @@ void SceneGraph::validate() const {
 
 std::vector<Node*> SceneGraph::order() const {
   // By their places in the scene, where the links leave the order free: names must not change a run.
-  std::map<const Node*, std::size_t> place, waitingFor;
-  std::map<std::size_t, Node*> ready;
+  std::map<const Node*, std::size_t> waitingFor;
+  std::map<int, Node*> ready;
   for (const auto& node : nodes_) {
     std::size_t links = 0;
     for (const InputPort* input : node->inputs()) links += input->links().size();
-    const std::size_t at = place.size();
-    place[node.get()] = at;
     waitingFor[node.get()] = links;
-    if (links == 0) ready[at] = node.get();
+    if (links == 0) ready[node->place()] = node.get();
   }
   std::vector<Node*> order;
   while (!ready.empty()) {
@@ -150,7 +148,7 @@ std::vector<Node*> SceneGraph::order() const {
     order.push_back(node);
     for (const OutputPort* output : node->outputs())
       for (const InputPort* input : output->links())
-        if (--waitingFor[&input->node()] == 0) ready[place.at(&input->node())] = &input->node();
+        if (--waitingFor[&input->node()] == 0) ready[input->node().place()] = &input->node();
   }
   WEIR_CHECK(order.size() == nodes_.size());  // link() refuses cycles
   return order;

@@ -8,6 +8,7 @@
 
 #include "framework/base/check.h"
 #include "plugins/rendering/camera_path.h"
+#include "plugins/rendering/compute/frame_kernels.h"
 #include "plugins/rendering/environment_file.h"
 #include "plugins/rendering/surface_means.h"
 #include "plugins/rendering/velocity_arrows.h"
@@ -134,9 +135,8 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
     const bool water = fluid.look != nullptr && fluid.look->look == FluidLook::kWater;
     if (!water && !fluid.white) key_.shown = settings_.color->bar && colored;
     shown_[i]->load(fluid, water ? fluid.look->foam->range.get() : std::optional<Vec2f>());
-    constexpr float kShareOfWhite = 0.5f;  // of white water's radii, as of foam in findWhiteRadii()
     const float radius = 0.5f * settings_.particleSize * fluid.spacing;
-    view.particles.push_back({.radius = fluid.white ? kShareOfWhite * radius : radius,
+    view.particles.push_back({.radius = fluid.white ? shownShareOf(WhiteKind::kFoam) * radius : radius,
                               .map = map_,
                               .fixed = fluid.white ? kWhite : settings_.color->fixed.get(),
                               .node = fluid.node,
@@ -212,15 +212,15 @@ void SceneView::findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, Sho
                            SurfaceFields& fields) const {
   ParticleView particles;
   shown.give(particles, false);
-  const float radius = 2 * fluid.spacing;
-  if (!particles.velocities.empty())
-    fields.velocities = meansAt(mesh.vertices, particles.positions, particles.velocities, radius);
+  if (particles.velocities.empty() && particles.values.empty()) return;
+  const SurfaceMeans means(particles.positions, 2 * fluid.spacing);
+  if (!particles.velocities.empty()) fields.velocities = means.at(mesh.vertices, particles.velocities);
   if (particles.values.empty()) return;
   std::vector<Vec3f> colors;
   colors.reserve(particles.values.size());
   for (const float value : particles.values)
     colors.push_back(map_.at((value - key_.low) / (key_.high - key_.low)));
-  fields.colors = meansAt(mesh.vertices, particles.positions, colors, radius);
+  fields.colors = means.at(mesh.vertices, colors);
 }
 
 void SceneView::chooseRange(const View& view) {

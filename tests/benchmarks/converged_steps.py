@@ -64,10 +64,8 @@ def series(rows, moment):
 
 
 def draw(curves, file):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    figure, axis = plt.subplots(figsize=(7.5, 5))
+    import plot
+    figure, axis = plot.plt.subplots(figsize=(7.5, 5))
     colors = {}
     for (device, solver, ratio), rows in sorted(curves.items()):
         color = colors.setdefault((device, ratio), f"C{len(colors)}")
@@ -75,12 +73,7 @@ def draw(curves, file):
             points = series(rows, moment)
             if points and (moment == "late" or solver == SOLVERS["dam-default"]):
                 axis.loglog(*zip(*points), style, color=color, marker="o", markersize=3.5, label=f"{device}, {ratio} d, {solver}, {moment}")
-    axis.grid(True, which="both", color="#e4e4e4", linewidth=0.5)
-    axis.set_xlabel("particles")
-    axis.set_ylabel("ms a step")
-    axis.legend(fontsize=7)
-    figure.tight_layout()
-    figure.savefig(file, dpi=110)
+    plot.save(figure, axis, file)
 
 
 def main():

@@ -11,6 +11,17 @@ PEER_STYLES = (("s", "#d62728"), ("v", "#7f7f7f"), ("^", "#ff7f0e"), ("D", "#8c5
 CASES = (("dam", "1 sweep", "-"), ("dam-3-sweeps", "3 sweeps", "--"))
 
 
+def save(figure, axis, file):
+    """A plot of the time of a step against the number of particles."""
+    axis.grid(True, which="both", color="#e4e4e4", linewidth=0.5)
+    axis.set_xlabel("particles")
+    axis.set_ylabel("ms a step")
+    axis.legend(fontsize=7)
+    figure.tight_layout()
+    figure.savefig(file, dpi=110)
+    plt.close(figure)
+
+
 def draw(many, peers, file):
     figure, axis = plt.subplots(figsize=(8.2, 5.4))
     for color, results in zip(COLORS * len(many), many):
@@ -29,10 +40,4 @@ def draw(many, peers, file):
             if points:
                 axis.loglog(*zip(*points), marker, color=color, markerfacecolor=face, markersize=6,
                             label=f"{peer['name']}, {moment}")
-    axis.grid(True, which="both", color="#e4e4e4", linewidth=0.5)
-    axis.set_xlabel("particles")
-    axis.set_ylabel("ms a step")
-    axis.legend(fontsize=7)
-    figure.tight_layout()
-    figure.savefig(file, dpi=110)
-    plt.close(figure)
+    save(figure, axis, file)

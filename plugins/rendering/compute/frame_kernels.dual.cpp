@@ -5,7 +5,6 @@
 
 #include "framework/compute/parallel.h"
 #include "framework/particles/single_number.h"
-#include "nodes/white_water/white_particles.h"
 
 namespace weir::rendering {
 
@@ -30,11 +29,6 @@ struct FindPart {
   }
 };
 
-/// Drops are the smallest, and bubbles under water are faint.
-WEIR_HD float shareOf(WhiteKind kind) {
-  return kind == WhiteKind::kFoam ? 0.5f : 0.3f;
-}
-
 struct FindWhiteRadius {
   ArrayView<const float> stored;
   ArrayView<const int> kinds;
@@ -43,7 +37,7 @@ struct FindWhiteRadius {
   WEIR_HD void operator()(std::int64_t i) const {
     const auto kind = kinds.size > 0 ? static_cast<WhiteKind>(kinds[i]) : WhiteKind::kSpray;
     const float ratio = stored[i] / mean;
-    radii[i] = shareOf(kind) * mean * ratio * ratio;
+    radii[i] = shownShareOf(kind) * mean * ratio * ratio;
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "framework/base/vec.h"
 #include "framework/compute/array.h"
+#include "nodes/white_water/white_particles.h"
 
 namespace weir::rendering {
 
@@ -16,10 +17,15 @@ void findNumbers(Backend& device, ArrayView<const T> elements, ArrayView<float> 
 template <class Backend>
 void findParts(Backend& device, ArrayView<const float> values, const Vec2f& ends, ArrayView<float> parts);
 
+/// The part of its radius that white water is drawn with. Drops are the smallest, and bubbles are faint.
+WEIR_HD constexpr float shownShareOf(WhiteKind kind) {
+  return kind == WhiteKind::kFoam ? 0.5f : 0.3f;
+}
+
 /// The radii, m, that white water is drawn with: of stored radii r with the mean m and of kinds (WhiteKind),
-/// or of spray where there are none, share(kind) m (r/m)^2. Smaller than they are, as what is seen of a
-/// particle stands for many; the second power makes of a range, such as WhiteWater's, many small ones and few
-/// large ones.
+/// or of spray where there are none, shownShareOf(kind) m (r/m)^2. Smaller than they are, as what is seen of
+/// a particle stands for many; the second power makes of a range, such as WhiteWater's, many small ones and
+/// few large ones.
 template <class Backend>
 void findWhiteRadii(Backend& device, ArrayView<const float> stored, ArrayView<const int> kinds, float mean,
                     ArrayView<float> radii);

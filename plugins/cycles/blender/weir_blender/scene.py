@@ -370,15 +370,20 @@ def _world(item, light):
     return world
 
 
-def _by_ray(tree, output, others, camera):
-    """One background for what the camera sees, also through glass and water, and one for all else."""
+def _seen(tree):
+    """1 for what the camera sees, also through glass and water."""
     path = tree.nodes.new("ShaderNodeLightPath")
     seen = tree.nodes.new("ShaderNodeMath")
     seen.operation = "MAXIMUM"
     tree.links.new(path.outputs["Is Camera Ray"], seen.inputs[0])
     tree.links.new(path.outputs["Is Transmission Ray"], seen.inputs[1])
+    return seen.outputs[0]
+
+
+def _by_ray(tree, output, others, camera):
+    """One background for what the camera sees, also through glass and water, and one for all else."""
     mix = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(seen.outputs[0], mix.inputs[0])
+    tree.links.new(_seen(tree), mix.inputs[0])
     tree.links.new(others.outputs[0], mix.inputs[1])
     tree.links.new(camera.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs[0])
@@ -403,13 +408,8 @@ def _gradient(tree, item):
 def _studio(tree, background, item, light):
     """The gradient, and lamps above that mirrors show: brighter the higher, in a broad band."""
     tree.links.new(_gradient(tree, item), background.inputs["Color"])
-    path = tree.nodes.new("ShaderNodeLightPath")
-    seen = tree.nodes.new("ShaderNodeMath")
-    seen.operation = "MAXIMUM"
-    tree.links.new(path.outputs["Is Camera Ray"], seen.inputs[0])
-    tree.links.new(path.outputs["Is Transmission Ray"], seen.inputs[1])
     strength = tree.nodes.new("ShaderNodeMapRange")
-    tree.links.new(seen.outputs[0], strength.inputs[0])
+    tree.links.new(_seen(tree), strength.inputs[0])
     for socket, value in zip(strength.inputs[1:5], (0.0, 1.0, 0.5, 1.0)):
         socket.default_value = value
     tree.links.new(strength.outputs[0], background.inputs["Strength"])
