@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "apps/weir/program_file.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #include "framework/graph/plugin_probe.h"
 #include "nodes/register_nodes.h"
@@ -101,6 +102,7 @@ void Program::loadPluginsOf(const fs::path& scene, const std::vector<FilePath>& 
 }
 
 std::unique_ptr<Scene> Program::load(const fs::path& file, const std::vector<Override>& overrides) {
+  const InterruptibleWork work;
   std::vector<std::string> warnings;
   std::unique_ptr<Scene> scene = loadScene(file, registry_, overrides, warnings, pluginLoader(file));
   for (const std::string& warning : warnings) log_.warn(warning);

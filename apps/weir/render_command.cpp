@@ -8,6 +8,7 @@
 
 #include "apps/weir/replay.h"
 #include "apps/weir/shown_run.h"
+#include "framework/base/interruption.h"
 #include "framework/base/text.h"
 #include "nodes/particle_file/guarded_recording.h"
 
@@ -165,6 +166,7 @@ int RenderCommand::run() {
   taken.addInput(file_, "the export");
   taken.addInput(scene_, "the scene");
   outputs_->checkPaths(taken);
+  const Interruption interruption;  // before the locks, whose files a signal would leave behind
   const std::vector<OutputLock> locks = taken.lock();
   const std::unique_ptr<Recording> recording = openRecording();
   std::unique_ptr<Scene> scene = loadScene(*recording);

@@ -255,7 +255,12 @@ void RunCommand::divideAmongGpus() {
   ranks_ = gpus_;
 }
 
+OnWarning RunCommand::onWarning() const {
+  return checkpoint_.empty() ? OnWarning::kEnd : OnWarning::kSave;
+}
+
 std::unique_ptr<Scene> RunCommand::loadSilently() const {
+  const InterruptibleWork work;
   std::vector<std::string> ignored;
   return loadScene(scene_, program_.registry(), overrides(), ignored, program_.pluginLoader(scene_));
 }
@@ -286,14 +291,13 @@ int RunCommand::runLaunched(LaunchedRanks& launched) const {
           "--ranks is given, and a launcher has started " + std::to_string(ranks.size()) + " ranks already",
           "one of them");
     const bool speaks = ranks.rank() == 0;
+    const Interruption interruption(speaks ? onWarning() : OnWarning::kEnd);
     std::vector<OutputLock> locks;
     if (speaks) locks = takeOutputPaths();
     auto scene = speaks ? program_.load(scene_, overrides()) : loadSilently();
     // Where threads are given, they are those of each process.
     const std::unique_ptr<Device> device = openDeviceOf(rankHere(ranks), threads_ > 0 ? 1 : ranks.sizeHere());
     Log silent;
-    std::optional<Interruption> interruption;  // rank 0 makes its own
-    if (!speaks) interruption.emplace();
     end = runScene(std::move(scene), *device, speaks ? program_.log() : silent, &ranks);
     if (speaks) printResults();
   };
@@ -317,6 +321,7 @@ int RunCommand::run() {
         "a launcher has started several of these processes, and no plugin for MPI is there to join them",
         "mpirun or srun where 'weir info' lists MPI, or one process",
         "--ranks N and --gpus N need no launcher");
+  const Interruption interruption(onWarning());  // before the locks, whose files a signal would leave behind
   const std::vector<OutputLock> locks = takeOutputPaths();
   RunEnd end = RunEnd::kFailed;
   if (ranks_) {

@@ -9,6 +9,7 @@
 
 #include "apps/weir/output_options.h"
 #include "apps/weir/program.h"
+#include "framework/base/interruption.h"
 #include "framework/communication/launched_ranks.h"
 #include "framework/run/checkpoint.h"
 
@@ -36,6 +37,7 @@ class RunCommand {
   /// What --resume names, if it belongs to the simulation; with `auto`, the newest one if there is any.
   std::optional<Checkpoint> readCheckpoint(const Simulation& simulation) const;
   void printResults() const;
+  OnWarning onWarning() const;
   /// The run of one rank, or of a run that has none; `ranks` is null there.
   RunEnd runScene(std::unique_ptr<Scene> scene, Device& device, Log& log, Communicator* ranks) const;
   RunEnd runOnRanks() const;

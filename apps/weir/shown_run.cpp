@@ -58,9 +58,8 @@ RunEnd runShown(Program& program, Simulation& simulation,
   for (const auto& observer : observers) watching.push_back(observer.get());
   Progress progress([](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
                     terminalWidth, monotonicSeconds);
-  const Interruption interruption(options.checkpoints != nullptr ? OnWarning::kSave : OnWarning::kEnd);
-  if (options.stop == nullptr) options.stop = &interruption.asked();
-  options.saveAndStop = &interruption.warned();
+  if (options.stop == nullptr) options.stop = &Interruption::asked();
+  options.saveAndStop = &Interruption::warned();
   options.onProgress = [&, told = std::move(options.onProgress)](const Simulation& s) {
     if (told) told(s);
     if (!quiet) progress.update(state(s));

@@ -20,7 +20,7 @@ inline constexpr int kSavedForLater = 75;
 int exitCodeOf(RunEnd end);
 
 /// runSimulation, with `stop`, `saveAndStop` and `onProgress` of the options set: shows what `state` says,
-/// unless `quiet`.
+/// unless `quiet`. The caller has an Interruption, made before it locks its outputs.
 RunEnd runShown(Program& program, Simulation& simulation,
                 const std::vector<std::unique_ptr<Observer>>& observers, RunOptions options, bool quiet,
                 const std::function<ProgressState(const Simulation&)>& state);

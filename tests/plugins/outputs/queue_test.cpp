@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "framework/scene/scene_file.h"
 #include "tests/plugins/outputs/written_run.h"
@@ -122,6 +123,20 @@ TEST_F(Queue, TheNewestCheckpointThatIsWholeIsTaken) {
   const ChildResult nowhere = run("run", {"--resume", "auto"});
   EXPECT_EQ(nowhere.code, 2);
   EXPECT_CONTAINS(nowhere.err, "--resume auto is given without --checkpoint");
+}
+
+TEST_F(Queue, ASignalBeforeTheFirstStepLeavesNoLockBehind) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGINT, SIGTERM, SIGHUP}) {  // at slightly other moments
+    ChildOptions options;
+    bool sent = false;
+    options.onStderr = [&](int pid, const std::string&) {
+      if (!std::exchange(sent, true)) ::kill(pid, signal);
+    };
+    const ChildResult ended = run("early", checkpointed("early"), options);
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    EXPECT_FALSE(fs::exists(folder / ".early.json.lock")) << signal;
+    EXPECT_FALSE(fs::exists(folder / ".early.h5.lock")) << signal;
+  }
 }
 
 /// Three points of some tenths of a second each, and one that fails.
