@@ -9,6 +9,7 @@
 #include "framework/base/value.h"
 #include "framework/compute/cuda_support.h"
 #include "framework/compute/device_count.h"
+#include "framework/compute/dispatch.h"
 #include "framework/compute/readback.h"
 
 namespace weir {

@@ -226,28 +226,6 @@ bool builtWithCuda();
 /// "cuda:N". Throws a usage Error for anything else, and for CUDA where there is none, with the reason.
 std::unique_ptr<Device> openDevice(std::string_view spec, int threads = 0);
 
-namespace detail {
-/// Throws the simulation Error of a library that was built without nvcc and is asked to run on CUDA.
-[[noreturn]] void throwNoCudaKernels();
-}  // namespace detail
-
-/// Calls f with the device as its back end's own class. A plugin may be built without CUDA for a Weir that
-/// has it; its kernels then refuse a CUDA device with a simulation Error.
-template <class F>
-decltype(auto) dispatch(Device& device, F&& f) {
-#ifdef WEIR_HAS_CUDA
-  if (device.kind() == DeviceKind::kCuda) return f(static_cast<CudaDevice&>(device));
-#else
-  if (device.kind() == DeviceKind::kCuda) detail::throwNoCudaKernels();
-#endif
-  CpuDevice& cpu = static_cast<CpuDevice&>(device);
-#ifdef WEIR_HAS_CPU_ISAS
-  if (cpu.isa() == CpuIsa::kAvx512) return f(static_cast<CpuAvx512&>(cpu));
-  if (cpu.isa() == CpuIsa::kAvx2) return f(static_cast<CpuAvx2&>(cpu));
-#endif
-  return f(cpu);
-}
-
 /// The back end that this translation unit is being compiled for: a source file that is compiled twice ends
 /// with explicit instantiations for it.
 #if defined(__CUDACC__)

@@ -11,6 +11,7 @@
 #include <new>
 
 #include "framework/base/text.h"
+#include "framework/graph/plugin_header.h"
 
 namespace weir {
 

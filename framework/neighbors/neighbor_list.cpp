@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 
 namespace weir {

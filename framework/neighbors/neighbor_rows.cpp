@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 #include "framework/compute/parallel.h"
 
 namespace weir {

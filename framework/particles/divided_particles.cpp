@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/particles/pack_layout.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 #include "framework/particles/pack_layout.h"
 #include "framework/particles/particle_set.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/particles/permutation.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/compute/dispatch.h"
 #include "framework/particles/pack_layout.h"
 
 namespace weir {

@@ -3,3 +3,4 @@
 
 #include "framework/compute/array.h"
 #include "framework/compute/device.h"
+#include "framework/compute/dispatch.h"

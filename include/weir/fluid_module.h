@@ -1,4 +1,5 @@
 // Modules of a fluid.
 #pragma once
 
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/fluid_module.h"

@@ -2,5 +2,6 @@
 #pragma once
 
 #include "framework/compute/atomics.h"
+#include "framework/compute/dispatch.h"
 #include "framework/compute/eight.h"
 #include "framework/compute/parallel.h"

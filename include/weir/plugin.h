@@ -2,4 +2,5 @@
 #pragma once
 
 #include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "framework/graph/registry.h"

@@ -1,5 +1,7 @@
 #include "nodes/body_contacts/body_batch.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 BodyBatch::BodyBatch(Device& device, const std::vector<Member>& members)

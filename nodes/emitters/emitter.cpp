@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 #include "framework/graph/state.h"

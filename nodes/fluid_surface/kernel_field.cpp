@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 
 namespace weir {

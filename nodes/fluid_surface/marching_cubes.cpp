@@ -1,5 +1,7 @@
 #include "nodes/fluid_surface/marching_cubes.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 MarchingCubes::MarchingCubes(Device& device)

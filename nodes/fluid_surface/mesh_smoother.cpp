@@ -1,5 +1,7 @@
 #include "nodes/fluid_surface/mesh_smoother.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 void MeshSmoother::smooth(Device& onDevice, DynamicMesh& mesh, int passes) {

@@ -1,5 +1,6 @@
 #include "nodes/fluid_surface/particle_kernels.h"
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 
 namespace weir {

@@ -1,5 +1,7 @@
 #include "nodes/fluid_surface/sparse_grid.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 void SparseGrid::resize(float cellSize, std::int64_t blocks) {

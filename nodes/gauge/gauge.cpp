@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "framework/base/vec_value.h"
+#include "framework/compute/dispatch.h"
 #include "framework/particles/owned_particles.h"
 #include "nodes/gauge/box_sums.h"
 #include "nodes/gauge/near_particles.h"

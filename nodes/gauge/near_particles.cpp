@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 namespace {

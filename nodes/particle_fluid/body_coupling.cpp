@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/body_coupling.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 template <class Backend>

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "framework/communication/ranks_report.h"
+#include "framework/compute/dispatch.h"
 #include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/particle_fluid.h"

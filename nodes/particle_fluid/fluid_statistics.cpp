@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/base/vec_value.h"
+#include "framework/compute/dispatch.h"
 
 namespace weir {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "framework/compute/dispatch.h"
 #include "framework/particles/divided_particles.h"
 #include "framework/particles/flight.h"
 #include "framework/particles/inflow_role.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "framework/compute/dispatch.h"
 #include "framework/compute/parallel.h"
 
 namespace weir {

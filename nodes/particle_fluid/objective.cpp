@@ -1,5 +1,7 @@
 #include "nodes/particle_fluid/objective.h"
 
+#include "framework/compute/dispatch.h"
+
 namespace weir {
 
 void ObjectiveRecord::begin(FluidStep& fluid, int times) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "framework/compute/dispatch.h"
 #include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/auto_bulk_modulus.h"
 #include "nodes/particle_fluid/fluid_warnings.h"

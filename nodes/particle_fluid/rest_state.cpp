@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "framework/base/interruption.h"
+#include "framework/compute/dispatch.h"
 #include "framework/particles/divided_particles.h"
 
 namespace weir {

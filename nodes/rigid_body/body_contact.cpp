@@ -1,5 +1,6 @@
 #include "nodes/rigid_body/body_contact.h"
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 
 namespace weir {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/base/error.h"
+#include "framework/compute/dispatch.h"
 
 namespace weir {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 
 namespace weir {

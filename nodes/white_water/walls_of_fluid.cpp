@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/white_water/fluid_walls.h"
 

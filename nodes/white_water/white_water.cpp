@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "framework/compute/dispatch.h"
 #include "framework/compute/profiler.h"
 #include "framework/graph/memory_estimate.h"
 #include "nodes/particle_fluid/particle_fluid.h"

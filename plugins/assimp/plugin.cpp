@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 
 #include "plugins/assimp/assimp_reader.h"
 

@@ -1,5 +1,5 @@
 // What the plugin adds to the registry.
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "plugins/mpi/mpi_ranks.h"
 
 WEIR_PLUGIN("mpi", "Runs scenes on the ranks that mpirun or srun has started.", registry) {

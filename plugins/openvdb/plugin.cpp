@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "plugins/openvdb/volume_export.h"
 
 WEIR_PLUGIN("openvdb", "Exports the volume of fluids to OpenVDB files, for renderers such as Blender's.",

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "framework/compute/dispatch.h"
 #include "plugins/rendering/compute/sphere_kernels.h"
 
 namespace weir::rendering {

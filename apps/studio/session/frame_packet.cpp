@@ -7,6 +7,7 @@
 
 #include "apps/studio/session/frame_kernels.h"
 #include "framework/compute/array.h"
+#include "framework/compute/dispatch.h"
 #include "framework/compute/host_copy.h"
 #include "framework/compute/readback.h"
 #include "framework/geometry/triangle_mesh.h"

@@ -21,6 +21,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/dispatch.h"
 #include "framework/compute/readback.h"
 #include "framework/graph/moved_parameters.h"
 #include "nodes/particle_fluid/modules/accelerated_control.h"

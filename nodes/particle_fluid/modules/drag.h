@@ -10,6 +10,7 @@
 #pragma once
 
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {

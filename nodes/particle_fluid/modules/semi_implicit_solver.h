@@ -13,6 +13,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/pressure_solver.h"
 
 namespace WEIR_API weir {

@@ -11,6 +11,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/wall_field.h"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/wall_field.h"
 
 namespace weir {

@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/xsph.h"
 
+#include "framework/compute/dispatch.h"
 #include "framework/neighbors/motion_code.h"
 
 namespace weir {

@@ -1,5 +1,5 @@
 // What the plugin adds to the registry.
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "plugins/mesh_export/particle_sequence.h"
 #include "plugins/mesh_export/surface_sequence.h"
 

@@ -1,4 +1,4 @@
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "framework/run/info_source.h"
 #include "plugins/cycles/blender_output.h"
 #include "plugins/pictures/live_view.h"

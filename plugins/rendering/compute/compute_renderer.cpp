@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "framework/base/check.h"
+#include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/line_pass.h"
 #include "plugins/rendering/gl/splat_views.h"
 

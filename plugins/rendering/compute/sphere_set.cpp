@@ -1,6 +1,7 @@
 #include "plugins/rendering/compute/sphere_set.h"
 
 #include "framework/base/check.h"
+#include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/particle_colors.h"
 #include "plugins/rendering/shading/formulas.h"
 

@@ -1,5 +1,6 @@
 #include "plugins/rendering/gl/splat_pass.h"
 
+#include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/splat_views.h"
 
 namespace weir::rendering::gl {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/base/check.h"
+#include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/splat_views.h"
 
 namespace weir::rendering::gl {

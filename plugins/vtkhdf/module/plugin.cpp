@@ -1,5 +1,5 @@
 // What the plugin adds to the registry.
-#include "framework/graph/plugin.h"
+#include "framework/graph/plugin_header.h"
 #include "framework/run/info_source.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
 #include "plugins/vtkhdf/export_settings.h"

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "framework/compute/dispatch.h"
 #include "tests/support/devices.h"
 
 namespace weir::studio {

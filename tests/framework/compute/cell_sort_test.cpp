@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "framework/compute/dispatch.h"
 #include "tests/framework/compute/kernels.h"
 #include "tests/support/devices.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "framework/base/error.h"
-#include "framework/compute/device.h"
+#include "framework/compute/dispatch.h"
 
 namespace weir::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "framework/compute/device.h"
+#include "framework/compute/dispatch.h"
 
 #include <algorithm>
 #include <cstring>

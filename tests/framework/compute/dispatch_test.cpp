@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/compute/device.h"
+#include "framework/compute/dispatch.h"
 #include "tests/support/expect_error.h"
 
 namespace weir::test {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "framework/compute/dispatch.h"
 #include "tests/framework/compute/eight_kernel.h"
 #include "tests/support/devices.h"
 

@@ -1,5 +1,6 @@
 // Lists by key against a map, and their sums.
 #include "framework/compute/key_lists.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

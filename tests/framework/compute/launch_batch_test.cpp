@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/compute/dispatch.h"
 #include "tests/framework/compute/kernels.h"
 #include "tests/support/devices.h"
 

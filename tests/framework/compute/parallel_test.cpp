@@ -1,4 +1,5 @@
 #include "framework/compute/parallel.h"
+#include "framework/compute/dispatch.h"
 
 #include <cstring>
 #include <random>

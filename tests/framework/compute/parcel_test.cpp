@@ -1,5 +1,6 @@
 // Bytes that go from one device to another of the same kind, on another thread.
 #include "framework/compute/parcel.h"
+#include "framework/compute/dispatch.h"
 
 #include <numeric>
 #include <thread>

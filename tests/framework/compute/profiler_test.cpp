@@ -1,4 +1,5 @@
 #include "framework/compute/profiler.h"
+#include "framework/compute/dispatch.h"
 
 #include "framework/base/check.h"
 #include "tests/framework/compute/kernels.h"

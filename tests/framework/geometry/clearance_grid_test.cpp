@@ -1,5 +1,6 @@
 // What the look-up of clearances promises, against the distance to every triangle.
 #include "framework/geometry/clearance_grid.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // Grids of signed distances against closed forms, and against asking every triangle.
 #include "framework/geometry/mesh_sdf.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

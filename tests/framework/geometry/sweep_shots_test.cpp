@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "framework/compute/dispatch.h"
 #include "framework/geometry/mesh_query.h"
 #include "framework/geometry/surface_of_revolution.h"
 #include "tests/framework/geometry/sweep_kernel.h"

@@ -1,5 +1,6 @@
 // Where a sweep ends: in closed form for planes and corners.
 #include "framework/geometry/sweep.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

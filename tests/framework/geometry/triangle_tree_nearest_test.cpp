@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "framework/compute/dispatch.h"
 #include "tests/framework/geometry/triangle_tree_kernel.h"
 #include "tests/support/devices.h"
 #include "tests/support/meshes.h"

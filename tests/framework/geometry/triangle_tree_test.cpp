@@ -1,5 +1,6 @@
 // The tree on devices against asking every triangle.
 #include "framework/geometry/triangle_tree.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "framework/compute/dispatch.h"
 #include "framework/particles/pack_layout.h"
 #include "tests/framework/neighbors/halo_sum_kernel.h"
 #include "tests/support/devices.h"

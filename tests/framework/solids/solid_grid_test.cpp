@@ -1,6 +1,7 @@
 // Whoever asks the solids that a grid lists misses none: against each solid's own answer, and against the
 // distance to every triangle.
 #include "framework/solids/solid_grid.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

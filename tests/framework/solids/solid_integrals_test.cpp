@@ -1,6 +1,7 @@
 // Integrals over solids against closed forms, and against quadrature of the volume with a test of what is
 // inside.
 #include "framework/solids/solid_integrals.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

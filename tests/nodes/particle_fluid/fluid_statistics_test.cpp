@@ -1,5 +1,6 @@
 // The sums over a fluid against the slow, obvious ones: one particle after the other, on the host.
 #include "nodes/particle_fluid/fluid_statistics.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // Which spheres are nearest, against looking at all of them; and the squares of a shadow map.
 #include "plugins/rendering/gl/splat_kernels.h"
+#include "framework/compute/dispatch.h"
 
 #include <gtest/gtest.h>
 
