@@ -3,7 +3,8 @@
 
 Each source is read with the options that BUILD_FOLDER has for it, and nothing is made of it: a third of the time of a
 build. What the build generates must be there. Variants of kernels for processors are left out, as their sources are read
-for the baseline; so is what Clang compiled for the TARGETs of another folder: --compiled FOLDER TARGET [TARGET...].
+for the baseline; so is what Clang compiled for the TARGETs of another folder: --compiled FOLDER TARGET [TARGET...];
+and what has another part in its path: --but PART_OF_A_PATH.
 """
 import argparse
 import json
@@ -17,7 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 # Warnings that GCC alone knows, and constants that nvcc alone reads.
 EXTRA = ["-fsyntax-only", "-Werror", "-Wno-unknown-warning-option", "-Wno-unused-const-variable"]
 GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_CPU_ISAS", "-femit-class-debug-always")
-LEFT_OUT = ("/isa/", "nanobind/src")
+LEFT_OUT = ("/isa/", "nanobind/src", "_interface.dir/")  # the last: once more, for check_abi.py
 
 
 def command_of(entry, clang):
@@ -51,6 +52,7 @@ def arguments():
     parser.add_argument("clang")
     parser.add_argument("parts", nargs="*")
     parser.add_argument("--compiled", nargs="+", default=[])
+    parser.add_argument("--but")
     return parser.parse_args()
 
 
@@ -60,7 +62,8 @@ def main():
     compiled = inputs_of(given.compiled[0], given.compiled[1:]) if given.compiled else set()
     entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
                if entry["file"].endswith(".cpp") and not any(part in entry["command"] for part in LEFT_OUT)
-               and (not parts or any(part in entry["file"] for part in parts)) and entry["file"] not in compiled]
+               and (not parts or any(part in entry["file"] for part in parts)) and entry["file"] not in compiled
+               and not (given.but and given.but in entry["file"])]
     failed = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for file, code, text in pool.map(lambda entry: check(entry, clang), entries):

@@ -31,6 +31,7 @@ for name in ["A.Good", "A.Skipped", "A.Reads", "A.Fails/0", "A.Hangs", "A.Crashe
         os.abort()
     print(f"[ {result} ] {name}{more} (1 ms)", flush=True)
 '''
+WITHOUT_WAIT = TESTS.replace('"A.Hangs", ', "")
 SANITIZER = r'''#!/usr/bin/env python3
 import os, subprocess, sys
 print("========= COMPUTE-SANITIZER", flush=True)
@@ -54,7 +55,7 @@ class Sanitize(unittest.TestCase):
             file.chmod(0o755)
 
     def run_script(self, *options):
-        return subprocess.run([sys.executable, SCRIPT, self.folder / "bin", self.folder / "results.json", "--tools", "memcheck", "--limit", "15",
+        return subprocess.run([sys.executable, SCRIPT, self.folder / "bin", self.folder / "results.json", "--tools", "memcheck", "--limit", "5",
                                "--jobs", "2", "--sanitizer", self.folder / "sanitizer", *options], capture_output=True, text=True)
 
     def verdicts(self):
@@ -70,11 +71,12 @@ class Sanitize(unittest.TestCase):
         self.assertIn("| memcheck, `weir_nodes_tests` | 2 | 1 | 1 | 2 | 1 | 0 |", run.stdout)
 
     def test_goes_on_where_it_was_and_not_with_another_build(self):
+        (self.folder / "bin/weir_nodes_tests").write_text(WITHOUT_WAIT)
         self.assertEqual(self.run_script("--seconds", "0").returncode, 0)
         self.assertEqual(set(self.verdicts().values()), {"not reached"})
         self.run_script()
         self.assertEqual(self.verdicts()["A.Good"], "clean")
-        (self.folder / "bin/weir_nodes_tests").write_text(TESTS + "\n")
+        (self.folder / "bin/weir_nodes_tests").write_text(WITHOUT_WAIT + "\n")
         run = self.run_script()
         self.assertEqual(run.returncode, 1)
         self.assertIn("results of another build", run.stderr)

@@ -70,6 +70,10 @@ class ClangTest(Folder):
         with self.assertRaisesRegex(SystemExit, "no_tests"):
             self.run_main(check_clang, COMPILER, "--compiled", str(self.folder), "no_tests")
 
+    def test_so_are_parts_of_paths_that_are_named(self):
+        self.add("tests/bad.cpp", "int bad() { int never = 1; return 2; }\n")
+        self.assertEqual(self.run_main(check_clang, COMPILER, "--but", "/tests/"), (0, "1 sources read, 0 with warnings\n"))
+
     def test_nothing_to_read_is_a_failure(self):
         self.assertEqual(self.run_main(check_clang, COMPILER, "no_such_part")[0], 1)
 
