@@ -55,7 +55,7 @@ WEIR_HD inline Vec3d perpendicularTo(const Vec3d& unit) {
 }
 
 /// The eigenvector of `value` in the plane perpendicular to the eigenvector `first`.
-WEIR_HD inline Vec3d eigenvectorBeside(const SymmetricMatrix& a, const Vec3d& first, double value) {
+WEIR_HD inline Vec3d orthogonalEigenvector(const SymmetricMatrix& a, const Vec3d& first, double value) {
   const Vec3d u = perpendicularTo(first), v = cross(first, u);
   const Vec3d au = a * u, av = a * v;
   const double uu = dot(u, au) - value, uv = dot(u, av), vv = dot(v, av) - value;
@@ -85,7 +85,7 @@ WEIR_HD inline SymmetricEigen eigenOf(const SymmetricMatrix& a) {
   result.values = {largest, middle, smallest};
   const bool fromLargest = r >= 0;
   const Vec3d first = detail::eigenvectorOf(a, fromLargest ? largest : smallest);
-  const Vec3d second = detail::eigenvectorBeside(a, first, middle);
+  const Vec3d second = detail::orthogonalEigenvector(a, first, middle);
   result.vectors[0] = fromLargest ? first : cross(first, second);
   result.vectors[1] = second;
   result.vectors[2] = fromLargest ? cross(first, second) : first;

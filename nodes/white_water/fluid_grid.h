@@ -5,7 +5,7 @@
 // of a radius of its own: what is found depends neither on the fluid's support nor on its solver. Sums go by
 // cells around the point and, within one, by ids, so neither the shape of the grid nor the order of the
 // particles changes their bits. On several ranks each has the particles that it owns, and behind these, in
-// the order of places, those of others that are near (fluid_beside.h).
+// the order of places, those of others that are near (remote_fluid.h).
 #pragma once
 
 #include <numbers>

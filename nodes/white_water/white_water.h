@@ -27,7 +27,7 @@
 // that does. Lifetimes run while a particle is spray or foam.
 //
 // Where ranks share the fluid, they share its white water by the same slabs: a particle goes to the rank in
-// whose slab it will be, where the fluid around it is (fluid_beside.h), and is made by the rank whose
+// whose slab it will be, where the fluid around it is (remote_fluid.h), and is made by the rank whose
 // particle of the fluid makes it. Each that is made gets the id that it would get on one rank.
 #pragma once
 
@@ -42,8 +42,8 @@
 #include "framework/particles/owned_particles.h"
 #include "framework/particles/particle_batch.h"
 #include "framework/particles/particles.h"
-#include "nodes/white_water/fluid_beside.h"
 #include "nodes/white_water/fluid_grid.h"
+#include "nodes/white_water/remote_fluid.h"
 #include "nodes/white_water/walls_of_fluid.h"
 
 namespace WEIR_API weir {
@@ -190,7 +190,7 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
     Shared(Communicator& ranks, ParticleSet& set, float cellSize)
         : particles(ranks, set, cellSize), fluid(particles.ranks(), set.device()), ahead(set.device()) {}
     DividedParticles particles;
-    FluidBeside fluid;
+    RemoteFluid fluid;
     Array<Vec3f> ahead;                   // where a step takes them, m
     std::optional<ParticleSet> gathered;  // on rank 0, if somebody looks or saves
     Tally tally;                          // of all ranks, at the last frame

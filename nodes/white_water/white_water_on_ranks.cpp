@@ -51,12 +51,12 @@ void WhiteWater::share(Device& device) {
 /// Of a fluid in a cube at most so many planes of particles more than a fair share: where slabs are cut
 /// between layers of up to three spacings, and what is near on both sides.
 double WhiteWater::memoryOnRanks(Device& device) const {
-  constexpr double kBeside = 2 * 4, kPlanes = 4 + kBeside;
+  constexpr double kRemote = 2 * 4, kPlanes = 4 + kRemote;
   const double all = fluid->maxCount, plane = std::pow(all, 2.0 / 3), n = static_cast<double>(maxParticles);
   const double share = std::min(all, std::ceil(all / ranks_->size() + kPlanes * plane));
   // What is near is sent and received.
   const double sources = memoryOfSources(share) + bytesOfArray(share, sizeof(int)) +
-                         2 * bytesOfArray(std::min(all, kBeside * plane), sizeof(FluidPoint));
+                         2 * bytesOfArray(std::min(all, kRemote * plane), sizeof(FluidPoint));
   // All white water may be on one rank, but not on several at a time.
   const double own = memoryOfOwn(n) + DividedParticles::memoryFor(n) + bytesOfArray(n, sizeof(Vec3f));
   if (device.kind() == DeviceKind::kCpu) return ranks_->sizeHere() * sources + own + memoryOfGathered();

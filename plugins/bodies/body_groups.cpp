@@ -30,42 +30,42 @@ class DisjointSets {
   std::vector<std::size_t> parents_;
 };
 
-/// Rooms with what contacts may be apart.
-std::vector<Room> reachesOf(const BulletScene& scene, const Rooms& rooms) {
-  std::vector<Room> reaches;
-  for (std::size_t k = 0; k < rooms.bodies.size(); ++k)
-    reaches.push_back(rooms.bodies[k].grownBy(scene.bodies[k].apart()));
+/// Bounds, with the distance at which contacts begin.
+std::vector<Bounds> reachesOf(const BulletScene& scene, const SceneBounds& bounds) {
+  std::vector<Bounds> reaches;
+  for (std::size_t k = 0; k < bounds.bodies.size(); ++k)
+    reaches.push_back(bounds.bodies[k].expandedBy(scene.bodies[k].apart()));
   return reaches;
 }
 
 /// The axis along which they are spread most.
-int longestAxis(const std::vector<Room>& rooms) {
-  if (rooms.empty()) return 0;
-  Room all = rooms.front();
-  for (const Room& room : rooms) all.extend(room);
+int longestAxis(const std::vector<Bounds>& bounds) {
+  if (bounds.empty()) return 0;
+  Bounds all = bounds.front();
+  for (const Bounds& box : bounds) all.extend(box);
   return (all.hi - all.lo).maxAxis();
 }
 
 /// f(a, b) for each two that meet: sweeps along an axis, as in Baraff 1992.
 template <class F>
-void forEachMeeting(const std::vector<Room>& rooms, const F& f) {
-  const int axis = longestAxis(rooms);
-  std::vector<std::size_t> order(rooms.size());
+void forEachOverlap(const std::vector<Bounds>& bounds, const F& f) {
+  const int axis = longestAxis(bounds);
+  std::vector<std::size_t> order(bounds.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return rooms[a].lo[axis] < rooms[b].lo[axis]; });
+                   [&](std::size_t a, std::size_t b) { return bounds[a].lo[axis] < bounds[b].lo[axis]; });
   for (std::size_t i = 0; i < order.size(); ++i)
     for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const Room &one = rooms[order[i]], &two = rooms[order[j]];
+      const Bounds &one = bounds[order[i]], &two = bounds[order[j]];
       if (two.lo[axis] > one.hi[axis]) break;
-      if (one.meets(two)) f(order[i], order[j]);
+      if (one.overlaps(two)) f(order[i], order[j]);
     }
 }
 
 /// Whether a wall by signed distance may be within the ball around the room.
-bool hasWall(const HeldBody& held, const Room& room) {
-  const btVector3 center = 0.5 * (room.lo + room.hi);
-  const double radius = 0.5 * (room.hi - room.lo).length();
+bool hasWall(const HeldBody& held, const Bounds& box) {
+  const btVector3 center = 0.5 * (box.lo + box.hi);
+  const double radius = 0.5 * (box.hi - box.lo).length();
   bool has = false;
   for (const BoundaryPiece& piece : held.walls)
     forEachWall(piece, floatOf(fromBullet(center)),
@@ -74,19 +74,19 @@ bool hasWall(const HeldBody& held, const Room& room) {
 }
 
 /// Solids that its bodies may touch.
-std::vector<std::size_t> solidsOf(const BodyGroup& group, const std::vector<Room>& reaches,
-                                  const std::vector<Room>& solids) {
+std::vector<std::size_t> solidsOf(const BodyGroup& group, const std::vector<Bounds>& reaches,
+                                  const std::vector<Bounds>& solids) {
   std::vector<std::size_t> near;
   for (std::size_t k = 0; k < solids.size(); ++k)
     if (std::any_of(group.bodies.begin(), group.bodies.end(),
-                    [&](std::size_t body) { return reaches[body].meets(solids[k]); }))
+                    [&](std::size_t body) { return reaches[body].overlaps(solids[k]); }))
       near.push_back(k);
   return near;
 }
 
-DisjointSets setsOf(const BulletScene& scene, const std::vector<Room>& reaches) {
+DisjointSets setsOf(const BulletScene& scene, const std::vector<Bounds>& reaches) {
   DisjointSets sets(reaches.size());
-  forEachMeeting(reaches, [&](std::size_t a, std::size_t b) { sets.unite(a, b); });
+  forEachOverlap(reaches, [&](std::size_t a, std::size_t b) { sets.unite(a, b); });
   for (const HeldJoint& joint : scene.joints)
     if (joint.b >= 0) sets.unite(std::size_t(joint.a), std::size_t(joint.b));
   return sets;
@@ -103,28 +103,28 @@ std::vector<BodyGroup> membersOf(DisjointSets sets, const BulletScene& scene) {
 
 }  // namespace
 
-bool Room::meets(const Room& b) const {
+bool Bounds::overlaps(const Bounds& b) const {
   for (int k = 0; k < 3; ++k)
     if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
   return true;
 }
 
-bool Room::holds(const Room& b) const {
+bool Bounds::contains(const Bounds& b) const {
   for (int k = 0; k < 3; ++k)
     if (b.lo[k] < lo[k] || b.hi[k] > hi[k]) return false;
   return true;
 }
 
-Room roomOf(const btCollisionShape& shape, const btTransform& at) {
-  Room room;
-  shape.getAabb(at, room.lo, room.hi);
-  return room;
+Bounds boundsOf(const btCollisionShape& shape, const btTransform& at) {
+  Bounds box;
+  shape.getAabb(at, box.lo, box.hi);
+  return box;
 }
 
-std::vector<BodyGroup> groupsOf(const BulletScene& scene, const Rooms& rooms) {
-  const std::vector<Room> reaches = reachesOf(scene, rooms);
+std::vector<BodyGroup> groupsOf(const BulletScene& scene, const SceneBounds& bounds) {
+  const std::vector<Bounds> reaches = reachesOf(scene, bounds);
   std::vector<BodyGroup> groups = membersOf(setsOf(scene, reaches), scene);
-  for (BodyGroup& group : groups) group.solids = solidsOf(group, reaches, rooms.solids);
+  for (BodyGroup& group : groups) group.solids = solidsOf(group, reaches, bounds.solids);
   std::erase_if(groups, [&](const BodyGroup& group) {
     if (group.bodies.size() != 1) return group.bodies.empty();
     const std::size_t alone = group.bodies.front();

@@ -8,28 +8,28 @@
 namespace weir {
 
 /// m.
-struct Room {
+struct Bounds {
   btVector3 lo, hi;
 
-  void extend(const Room& b) { lo.setMin(b.lo), hi.setMax(b.hi); }
-  Room grownBy(double skin) const {
+  void extend(const Bounds& b) { lo.setMin(b.lo), hi.setMax(b.hi); }
+  Bounds expandedBy(double skin) const {
     const btVector3 by(skin, skin, skin);
     return {lo - by, hi + by};
   }
-  bool meets(const Room& b) const;
-  bool holds(const Room& b) const;
+  bool overlaps(const Bounds& b) const;
+  bool contains(const Bounds& b) const;
 };
 
 /// Of what has that shape there.
-Room roomOf(const btCollisionShape& shape, const btTransform& at);
+Bounds boundsOf(const btCollisionShape& shape, const btTransform& at);
 
 /// Where bodies and solids are during a step.
-struct Rooms {
-  std::vector<Room> bodies, solids;
+struct SceneBounds {
+  std::vector<Bounds> bodies, solids;
 };
 
-/// Bodies whose rooms meet, with less than a skin between them, or that a joint holds together, are of one
-/// group. In the order of their first bodies. Without those that have nothing to touch and no joint.
-std::vector<BodyGroup> groupsOf(const BulletScene& scene, const Rooms& rooms);
+/// Bodies whose bounds overlap, with less than a skin between them, or that a joint holds together, are of
+/// one group. In the order of their first bodies. Without those that have nothing to touch and no joint.
+std::vector<BodyGroup> groupsOf(const BulletScene& scene, const SceneBounds& bounds);
 
 }  // namespace weir

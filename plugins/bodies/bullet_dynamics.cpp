@@ -20,29 +20,29 @@ std::vector<std::size_t> numbersTo(std::size_t count) {
 }
 
 /// Where all would be if nothing held them.
-Rooms roomsOf(const StepTask& task) {
-  Rooms rooms;
+SceneBounds sceneBoundsOf(const StepTask& task) {
+  SceneBounds bounds;
   for (std::size_t k = 0; k < task.motions.size(); ++k) {
     const BulletBody& body = task.scene.bodies[k];
-    rooms.bodies.push_back(roomOf(*body.shape(), body.transformOf(task.motions[k].before)));
-    rooms.bodies.back().extend(roomOf(*body.shape(), body.transformOf(task.motions[k].after)));
+    bounds.bodies.push_back(boundsOf(*body.shape(), body.transformOf(task.motions[k].before)));
+    bounds.bodies.back().extend(boundsOf(*body.shape(), body.transformOf(task.motions[k].after)));
   }
   for (std::size_t k = 0; k < task.ways.size(); ++k) {
     const btCollisionShape& shape = *task.scene.solids[k].shape;
-    rooms.solids.push_back(roomOf(shape, toBullet(task.ways[k].begin)));
-    rooms.solids.back().extend(roomOf(shape, toBullet(task.ways[k].end)));
+    bounds.solids.push_back(boundsOf(shape, toBullet(task.ways[k].begin)));
+    bounds.solids.back().extend(boundsOf(shape, toBullet(task.ways[k].end)));
   }
-  return rooms;
+  return bounds;
 }
 
 /// The groups of a step, and those of their ends that are known.
 struct Groups {
   std::vector<BodyGroup> groups;
-  std::vector<std::optional<GroupEnd>> ends;
+  std::vector<std::optional<GroupResult>> ends;
 
   /// Takes over the ends of groups that have not changed.
   void regroup(std::vector<BodyGroup> into) {
-    std::vector<std::optional<GroupEnd>> known(into.size());
+    std::vector<std::optional<GroupResult>> known(into.size());
     for (std::size_t n = 0, old = 0; n < into.size(); ++n) {
       while (old < groups.size() && groups[old].bodies.front() < into[n].bodies.front()) ++old;
       if (old < groups.size() && groups[old] == into[n]) known[n] = std::move(ends[old]);
@@ -66,7 +66,7 @@ struct Groups {
     const std::vector<std::size_t> wanted = unknown();
     const auto one = [&](std::int64_t k) {
       const std::size_t n = wanted[std::size_t(k)];
-      ends[n] = stepped(task, groups[n]);
+      ends[n] = stepGroup(task, groups[n]);
     };
     threads.run(
         std::int64_t(wanted.size()),
@@ -74,14 +74,14 @@ struct Groups {
         const_cast<void*>(static_cast<const void*>(&one)));
   }
 
-  /// Makes rooms as large as bodies needed. Returns whether one was too small.
-  bool grow(Rooms& rooms) const {
+  /// Makes bounds as large as bodies needed. Returns whether one was too small.
+  bool grow(SceneBounds& bounds) const {
     bool grown = false;
     for (std::size_t n = 0; n < groups.size(); ++n)
       for (std::size_t i = 0; i < groups[n].bodies.size(); ++i) {
-        Room& room = rooms.bodies[groups[n].bodies[i]];
-        grown = grown || !room.holds(ends[n]->rooms[i]);
-        room.extend(ends[n]->rooms[i]);
+        Bounds& box = bounds.bodies[groups[n].bodies[i]];
+        grown = grown || !box.contains(ends[n]->bounds[i]);
+        box.extend(ends[n]->bounds[i]);
       }
     return grown;
   }
@@ -112,12 +112,12 @@ class BulletDynamics final : public BodyDynamics {
             const std::vector<JointDrive>& drives, double dt, double slow,
             std::vector<KnownContact>& contacts, CpuThreads& threads) override {
     const StepTask task{scene_, motions, ways, drives, contacts, dt, slow};
-    Rooms rooms = roomsOf(task);
+    SceneBounds bounds = sceneBoundsOf(task);
     Groups groups;
     do {
-      groups.regroup(groupsOf(scene_, rooms));
+      groups.regroup(groupsOf(scene_, bounds));
       groups.step(task, threads);
-    } while (groups.grow(rooms));
+    } while (groups.grow(bounds));
     for (std::size_t n = 0; n < groups.groups.size(); ++n)
       for (std::size_t i = 0; i < groups.groups[n].bodies.size(); ++i)
         motions[groups.groups[n].bodies[i]] = groups.ends[n]->motions[i];

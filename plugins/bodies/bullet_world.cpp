@@ -28,8 +28,8 @@ constexpr std::size_t kPool = 16, kPoolOfBody = 8;
 btDefaultCollisionConstructionInfo poolsFor(std::size_t bodies) {
   btDefaultCollisionConstructionInfo info;
   const auto usual = static_cast<std::size_t>(info.m_defaultMaxPersistentManifoldPoolSize);
-  const auto room = static_cast<int>(std::min(kPool + kPoolOfBody * bodies, usual));
-  info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = room;
+  const auto size = static_cast<int>(std::min(kPool + kPoolOfBody * bodies, usual));
+  info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = size;
   return info;
 }
 
@@ -115,7 +115,7 @@ struct BulletWorld::Parts {
   std::vector<BodyState> begun;
   double dt = 0, slow = 0;
   const std::vector<KnownContact>* known = nullptr;  // when this part of the step begins
-  std::vector<Vec3d> handed;                         // of these, to Bullet's points
+  std::vector<Vec3d> assigned;                       // of these, to Bullet's points
 
   const HeldBody& held(std::size_t i) const { return scene.held[group.bodies[i]]; }
   const BulletBody& body(std::size_t i) const { return scene.bodies[group.bodies[i]]; }
@@ -193,7 +193,7 @@ struct BulletWorld::Parts {
     world.whenDetected = [this] {
       for (std::size_t i = 0; i < moving.size(); ++i) walls.add(*moving[i], body(i), held(i), dt);
       setMaterials(dispatcher, scene.held, fixed, dt, slow);
-      if (known != nullptr) handed = handOut(dispatcher, *known);
+      if (known != nullptr) assigned = assignImpulses(dispatcher, *known);
     };
   }
 
@@ -263,8 +263,8 @@ BodyState BulletWorld::stateOf(std::size_t i) const {
   return state;
 }
 
-Room BulletWorld::roomOf(std::size_t i) const {
-  return weir::roomOf(*parts_->body(i).shape(), parts_->moving[i]->getWorldTransform());
+Bounds BulletWorld::boundsOf(std::size_t i) const {
+  return weir::boundsOf(*parts_->body(i).shape(), parts_->moving[i]->getWorldTransform());
 }
 
 BodyDynamics::Overlap BulletWorld::deepestOverlap() {

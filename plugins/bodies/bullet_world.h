@@ -32,7 +32,7 @@ class BulletWorld {
   /// Whether it has touched something or has a joint.
   bool isHeld(std::size_t i) const;
   BodyState stateOf(std::size_t i) const;
-  Room roomOf(std::size_t i) const;
+  Bounds boundsOf(std::size_t i) const;
   BodyDynamics::Overlap deepestOverlap();
 
  private:

@@ -13,15 +13,15 @@ BodyPair ContactSolver::bodiesOf(const BulletRow& of) const {
   return {std::uint32_t(of.m_solverBodyIdA), std::uint32_t(of.m_solverBodyIdB)};
 }
 
-Pull ContactSolver::pullOf(const BulletRow& of) const {
+ScaledJacobian ContactSolver::jacobianOf(const BulletRow& of) const {
   const BodyPair bodies = bodiesOf(of);
-  return {.a = roots_[bodies.a].pull(of.m_contactNormal1, of.m_relpos1CrossNormal),
-          .b = roots_[bodies.b].pull(of.m_contactNormal2, of.m_relpos2CrossNormal)};
+  return {.a = roots_[bodies.a].jacobian(of.m_contactNormal1, of.m_relpos1CrossNormal),
+          .b = roots_[bodies.b].jacobian(of.m_contactNormal2, of.m_relpos2CrossNormal)};
 }
 
 ImpulseRow ContactSolver::readRow(const BulletRow& of) const {
-  ImpulseRow row = rowOf(pullOf(of), bodiesOf(of), of.m_cfm / of.m_jacDiagABInv);
-  row.wanted = of.m_rhs / of.m_jacDiagABInv;
+  ImpulseRow row = makeRow(jacobianOf(of), bodiesOf(of), of.m_cfm / of.m_jacDiagABInv);
+  row.target = of.m_rhs / of.m_jacDiagABInv;
   row.lower = of.m_lowerLimit;
   row.upper = of.m_upperLimit;
   return row;
@@ -34,23 +34,23 @@ const btSolverConstraint& ContactSolver::frictionOf(const BulletRow& contact, in
 FrictionRows ContactSolver::readFriction(std::size_t contact) const {
   const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[contact])];
   const BulletRow &one = frictionOf(of, 0), &two = frictionOf(of, 1);
-  FrictionRows rows = weir::frictionOf({pullOf(one), pullOf(two)}, bodiesOf(of));
+  FrictionRows rows = weir::makeFriction({jacobianOf(one), jacobianOf(two)}, bodiesOf(of));
   rows.contact = std::uint32_t(contact);
   rows.friction = one.m_friction;
-  rows.wanted = {one.m_rhs / one.m_jacDiagABInv, two.m_rhs / two.m_jacDiagABInv};
+  rows.target = {one.m_rhs / one.m_jacDiagABInv, two.m_rhs / two.m_jacDiagABInv};
   return rows;
 }
 
 std::vector<std::size_t> ContactSolver::orderOfContacts() const {
   const auto moving = [&](int k) {
-    return m_tmpSolverBodyPool[k].internalGetInvMass().isZero() ? RowBodies::kStill : std::size_t(k);
+    return m_tmpSolverBodyPool[k].internalGetInvMass().isZero() ? RowBodies::kFixed : std::size_t(k);
   };
   std::vector<RowBodies> rows;
   for (int k = 0; k < m_tmpSolverContactConstraintPool.size(); ++k) {
     const btSolverConstraint& of = m_tmpSolverContactConstraintPool[k];
     rows.push_back({moving(of.m_solverBodyIdA), moving(of.m_solverBodyIdB)});
   }
-  return orderApart(rows, std::size_t(m_tmpSolverBodyPool.size()));
+  return orderByColor(rows, std::size_t(m_tmpSolverBodyPool.size()));
 }
 
 void ContactSolver::readRows() {
@@ -67,18 +67,18 @@ void ContactSolver::readRows() {
   }
 }
 
-void ContactSolver::separate(const SweepsEnd& end) {
-  ImpulseRows pushes;
-  pushes.contacts.reserve(order_.size());
+void ContactSolver::resolvePenetration(const SweepLimits& end) {
+  ImpulseRows corrections;
+  corrections.contacts.reserve(order_.size());
   for (std::size_t n = 0; n < order_.size(); ++n) {
     const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[n])];
     if (of.m_rhsPenetration == 0) continue;
-    pushes.contacts.push_back(rows_.contacts[n]);
-    pushes.contacts.back().wanted = of.m_rhsPenetration / of.m_jacDiagABInv;
+    corrections.contacts.push_back(rows_.contacts[n]);
+    corrections.contacts.back().target = of.m_rhsPenetration / of.m_jacDiagABInv;
   }
-  if (pushes.contacts.empty()) return;
-  Changes changes(roots_.size(), Six{});
-  sweep(pushes, changes, end);
+  if (corrections.contacts.empty()) return;
+  VelocityChanges changes(roots_.size(), Vec6d{});
+  sweep(corrections, changes, end);
   for (std::size_t k = 0; k < roots_.size(); ++k) {
     btSolverBody& body = m_tmpSolverBodyPool[int(k)];
     body.internalGetPushVelocity() = roots_[k].linear(changes[k]);
@@ -86,10 +86,10 @@ void ContactSolver::separate(const SweepsEnd& end) {
   }
 }
 
-void ContactSolver::guess() {
+void ContactSolver::warmStart() {
   for (std::size_t n = 0; n < order_.size(); ++n) {
     const BulletRow& of = m_tmpSolverContactConstraintPool[int(order_[n])];
-    const Vec3d* known = handedTo(*static_cast<const btManifoldPoint*>(of.m_originalContactPoint));
+    const Vec3d* known = assignedImpulse(*static_cast<const btManifoldPoint*>(of.m_originalContactPoint));
     if (known == nullptr) continue;
     const auto along = [&](const BulletRow& row) { return dot(*known, fromBullet(row.m_contactNormal1)); };
     FrictionRows& friction = rows_.frictions[n];
@@ -102,8 +102,8 @@ void ContactSolver::guess() {
   }
 }
 
-void ContactSolver::solve(const SweepsEnd& end) {
-  Changes changes(roots_.size(), Six{});
+void ContactSolver::solve(const SweepLimits& end) {
+  VelocityChanges changes(roots_.size(), Vec6d{});
   applyImpulses(rows_, changes);
   sweep(rows_, changes, end);
   for (std::size_t k = 0; k < roots_.size(); ++k) {
@@ -128,10 +128,10 @@ void ContactSolver::writeImpulses() {
 btScalar ContactSolver::solveGroupCacheFriendlyIterations(btCollisionObject**, int, btPersistentManifold**,
                                                           int, btTypedConstraint**, int,
                                                           const btContactSolverInfo& info, btIDebugDraw*) {
-  const SweepsEnd end{info.m_numIterations, std::sqrt(info.m_leastSquaresResidualThreshold)};
+  const SweepLimits end{info.m_numIterations, std::sqrt(info.m_leastSquaresResidualThreshold)};
   readRows();
-  separate(end);
-  guess();
+  resolvePenetration(end);
+  warmStart();
   solve(end);
   writeImpulses();
   return 0;

@@ -21,7 +21,7 @@ class ContactSolver final : public btSequentialImpulseConstraintSolver {
   using BulletRow = btSolverConstraint;
 
   BodyPair bodiesOf(const BulletRow& of) const;
-  Pull pullOf(const BulletRow& of) const;
+  ScaledJacobian jacobianOf(const BulletRow& of) const;
   ImpulseRow readRow(const BulletRow& of) const;
   FrictionRows readFriction(std::size_t contact) const;
   /// Of two that Bullet has for a contact.
@@ -31,10 +31,10 @@ class ContactSolver final : public btSequentialImpulseConstraintSolver {
   /// Gives Bullet the impulses that were found.
   void writeImpulses();
   /// Impulses as known contacts had them.
-  void guess();
-  void solve(const SweepsEnd& end);
+  void warmStart();
+  void solve(const SweepLimits& end);
   /// Moves bodies out of each other, without changing their velocities.
-  void separate(const SweepsEnd& end);
+  void resolvePenetration(const SweepLimits& end);
 
   std::vector<MassRoot> roots_;     // of Bullet's bodies
   std::vector<std::size_t> order_;  // of Bullet's contacts

@@ -53,19 +53,19 @@ void begin(BulletWorld& world, const StepTask& task, const BodyGroup& group) {
 
 }  // namespace
 
-GroupEnd stepped(const StepTask& task, const BodyGroup& group) {
+GroupResult stepGroup(const StepTask& task, const BodyGroup& group) {
   BulletWorld world(task.scene, group);
   const std::vector<KnownContact> none;
   begin(world, task, group);
-  GroupEnd end;
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms.push_back(world.roomOf(i));
+  GroupResult end;
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) end.bounds.push_back(world.boundsOf(i));
   const int parts = partsOf(task, group);
   for (int part = 0; part < parts; ++part) {
     world.moveSolids(task.ways, double(part) / parts, task.dt);
     // What forces have done is all in the velocities of the first part, so later parts are unlike it.
     std::vector<KnownContact> found = world.step(task.drives, task.dt / parts, part == 0 ? task.known : none);
     if (part == 0) end.contacts = std::move(found);
-    for (std::size_t i = 0; i < group.bodies.size(); ++i) end.rooms[i].extend(world.roomOf(i));
+    for (std::size_t i = 0; i < group.bodies.size(); ++i) end.bounds[i].extend(world.boundsOf(i));
   }
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     end.motions.push_back(task.motions[group.bodies[i]]);

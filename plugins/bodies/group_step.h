@@ -20,12 +20,12 @@ struct StepTask {
 };
 
 /// In the order of the group's bodies.
-struct GroupEnd {
+struct GroupResult {
   std::vector<BodyDynamics::Motion> motions;
-  std::vector<Room> rooms;  ///< where they have been
+  std::vector<Bounds> bounds;  ///< where they have been
   std::vector<KnownContact> contacts;
 };
 
-GroupEnd stepped(const StepTask& task, const BodyGroup& group);
+GroupResult stepGroup(const StepTask& task, const BodyGroup& group);
 
 }  // namespace weir

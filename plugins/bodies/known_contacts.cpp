@@ -61,7 +61,7 @@ void sortByBodies(std::vector<KnownContact>& contacts) {
   std::stable_sort(contacts.begin(), contacts.end(), isBefore);
 }
 
-std::vector<Vec3d> handOut(btDispatcher& dispatcher, const std::vector<KnownContact>& known) {
+std::vector<Vec3d> assignImpulses(btDispatcher& dispatcher, const std::vector<KnownContact>& known) {
   std::vector<Vec3d> impulses;
   impulses.reserve(known.size());  // points keep where they are
   const std::vector<FoundPoint> points = pointsOf(dispatcher);
@@ -80,7 +80,7 @@ std::vector<Vec3d> handOut(btDispatcher& dispatcher, const std::vector<KnownCont
   return impulses;
 }
 
-const Vec3d* handedTo(const btManifoldPoint& point) {
+const Vec3d* assignedImpulse(const btManifoldPoint& point) {
   return static_cast<const Vec3d*>(point.m_userPersistentData);
 }
 

@@ -36,16 +36,16 @@ MassRoot::MassRoot(const btSolverBody& body) {
   angular_ = lowerRootOf(turning);
 }
 
-Six MassRoot::pull(const btVector3& linear, const btVector3& angular) const {
+Vec6d MassRoot::jacobian(const btVector3& linear, const btVector3& angular) const {
   const btVector3 along = linear * linear_, about = angular * angular_;
   return {along.x(), along.y(), along.z(), about.x(), about.y(), about.z()};
 }
 
-btVector3 MassRoot::linear(const Six& w) const {
+btVector3 MassRoot::linear(const Vec6d& w) const {
   return btVector3(w[0], w[1], w[2]) * linear_;
 }
 
-btVector3 MassRoot::angular(const Six& w) const {
+btVector3 MassRoot::angular(const Vec6d& w) const {
   return angular_ * btVector3(w[3], w[4], w[5]);
 }
 

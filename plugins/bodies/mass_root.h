@@ -15,10 +15,10 @@ class MassRoot {
   explicit MassRoot(const btSolverBody& body);
 
   /// (J·L) of a row that has these for J.
-  Six pull(const btVector3& linear, const btVector3& angular) const;
+  Vec6d jacobian(const btVector3& linear, const btVector3& angular) const;
   /// The velocities L·w.
-  btVector3 linear(const Six& w) const;
-  btVector3 angular(const Six& w) const;
+  btVector3 linear(const Vec6d& w) const;
+  btVector3 angular(const Vec6d& w) const;
 
  private:
   btVector3 linear_{0, 0, 0};

@@ -9,11 +9,11 @@ namespace weir {
 
 /// Of a row; `kStill` is what does not move, which any number of rows may share.
 struct RowBodies {
-  static constexpr std::size_t kStill = std::size_t(-1);
-  std::size_t a = kStill, b = kStill;
+  static constexpr std::size_t kFixed = std::size_t(-1);
+  std::size_t a = kFixed, b = kFixed;
 };
 
 /// Colours rows greedily, and returns their numbers by colour: 0 to n - 1, each once.
-std::vector<std::size_t> orderApart(const std::vector<RowBodies>& rows, std::size_t bodies);
+std::vector<std::size_t> orderByColor(const std::vector<RowBodies>& rows, std::size_t bodies);
 
 }  // namespace weir

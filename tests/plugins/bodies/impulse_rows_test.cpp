@@ -10,9 +10,9 @@
 namespace weir::test {
 namespace {
 
-constexpr SweepsEnd kEnd{.maxSweeps = 100000, .tolerance = 1e-14};
+constexpr SweepLimits kEnd{.maxSweeps = 100000, .tolerance = 1e-14};
 
-double dot(const Six& a, const Six& b) {
+double dot(const Vec6d& a, const Vec6d& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
   return sum;
@@ -21,30 +21,30 @@ double dot(const Six& a, const Six& b) {
 /// Bodies of a mass and of moments of inertia of their own; the first does not move.
 struct Bodies {
   std::mt19937 random{7};
-  std::vector<Six> roots;  // of the inverse masses
+  std::vector<Vec6d> roots;  // of the inverse masses
 
   explicit Bodies(std::size_t count) {
-    roots.push_back(Six{});
+    roots.push_back(Vec6d{});
     while (roots.size() < count) roots.push_back(numbers(0.7, 1.4));
   }
   double number(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
-  Six numbers(double lo, double hi) {
-    Six six;
+  Vec6d numbers(double lo, double hi) {
+    Vec6d six;
     for (double& x : six) x = number(lo, hi);
     return six;
   }
   /// Along a direction of its own.
-  Pull pull(std::size_t a, std::size_t b) {
-    Pull pull{numbers(-1, 1), numbers(-1, 1)};
+  ScaledJacobian jacobian(std::size_t a, std::size_t b) {
+    ScaledJacobian jacobian{numbers(-1, 1), numbers(-1, 1)};
     for (std::size_t k = 0; k < 6; ++k) {
-      pull.a[k] *= roots[a][k];
-      pull.b[k] *= roots[b][k];
+      jacobian.a[k] *= roots[a][k];
+      jacobian.b[k] *= roots[b][k];
     }
-    return pull;
+    return jacobian;
   }
   ImpulseRow row(std::size_t a, std::size_t b, double speed) {
-    ImpulseRow row = rowOf(pull(a, b), {std::uint32_t(a), std::uint32_t(b)});
-    row.wanted = speed;
+    ImpulseRow row = makeRow(jacobian(a, b), {std::uint32_t(a), std::uint32_t(b)});
+    row.target = speed;
     row.lower = -std::numeric_limits<double>::infinity();
     row.upper = std::numeric_limits<double>::infinity();
     return row;
@@ -55,19 +55,19 @@ struct Bodies {
     return row;
   }
   FrictionRows frictionOf(std::size_t a, std::size_t b, double friction, FrictionRows::Two speed) {
-    const std::array<Pull, 2> pulls{pull(a, b), pull(a, b)};
-    FrictionRows rows = weir::frictionOf(pulls, {std::uint32_t(a), std::uint32_t(b)});
+    const std::array<ScaledJacobian, 2> jacobians{jacobian(a, b), jacobian(a, b)};
+    FrictionRows rows = weir::makeFriction(jacobians, {std::uint32_t(a), std::uint32_t(b)});
     rows.friction = friction;
-    rows.wanted = speed;
+    rows.target = speed;
     return rows;
   }
 };
 
-double speedOf(const Pull& pull, BodyPair bodies, const Changes& changes) {
-  return dot(pull.a, changes[bodies.a]) + dot(pull.b, changes[bodies.b]);
+double speedOf(const ScaledJacobian& jacobian, BodyPair bodies, const VelocityChanges& changes) {
+  return dot(jacobian.a, changes[bodies.a]) + dot(jacobian.b, changes[bodies.b]);
 }
-double speedOf(const ImpulseRow& row, const Changes& changes) {
-  return speedOf(row.pull, row.bodies, changes);
+double speedOf(const ImpulseRow& row, const VelocityChanges& changes) {
+  return speedOf(row.jacobian, row.bodies, changes);
 }
 
 TEST(ImpulseRows, JointsGetTheSpeedsThatTheyWant) {
@@ -75,20 +75,20 @@ TEST(ImpulseRows, JointsGetTheSpeedsThatTheyWant) {
   ImpulseRows rows;
   for (std::size_t k = 0; k < 12; ++k)
     rows.joints.push_back(bodies.row(k % 5, (k + 1 + k / 5) % 5, bodies.number(-1, 1)));
-  Changes changes(5, Six{});
+  VelocityChanges changes(5, Vec6d{});
   sweep(rows, changes, kEnd);
-  for (const ImpulseRow& row : rows.joints) EXPECT_NEAR(speedOf(row, changes), row.wanted, 1e-9);
-  EXPECT_EQ(changes[0], Six{});
+  for (const ImpulseRow& row : rows.joints) EXPECT_NEAR(speedOf(row, changes), row.target, 1e-9);
+  EXPECT_EQ(changes[0], Vec6d{});
 }
 
 /// J·v = b − ε·λ.
 TEST(ImpulseRows, SoftJointsGiveWay) {
   Bodies bodies(2);
   ImpulseRows rows;
-  ImpulseRow soft = rowOf(bodies.pull(0, 1), {0, 1}, 0.3);
-  soft.wanted = 1, soft.lower = -10, soft.upper = 10;
+  ImpulseRow soft = makeRow(bodies.jacobian(0, 1), {0, 1}, 0.3);
+  soft.target = 1, soft.lower = -10, soft.upper = 10;
   rows.joints.push_back(soft);
-  Changes changes(2, Six{});
+  VelocityChanges changes(2, Vec6d{});
   sweep(rows, changes, kEnd);
   EXPECT_NEAR(speedOf(rows.joints[0], changes), 1 - 0.3 * rows.joints[0].impulse, 1e-12);
   EXPECT_GT(rows.joints[0].impulse, 0);
@@ -100,11 +100,11 @@ TEST(ImpulseRows, ContactsPushAndDoNotPull) {
   ImpulseRows rows;
   for (std::size_t k = 0; k < 15; ++k)
     rows.contacts.push_back(bodies.contact(k % 6, (k + 1 + k / 6) % 6, bodies.number(-1, 1)));
-  Changes changes(6, Six{});
+  VelocityChanges changes(6, Vec6d{});
   sweep(rows, changes, kEnd);
   int pushing = 0;
   for (const ImpulseRow& row : rows.contacts) {
-    const double lacks = row.wanted - speedOf(row, changes);
+    const double lacks = row.target - speedOf(row, changes);
     EXPECT_GE(row.impulse, 0);
     EXPECT_LT(lacks, 1e-9);
     EXPECT_NEAR(row.impulse * lacks, 0, 1e-9);
@@ -122,11 +122,13 @@ TEST(ImpulseRows, FrictionIsBoundedByItsContact) {
     ImpulseRows rows;
     rows.contacts.push_back(bodies.contact(0, 1, 1));
     rows.frictions.push_back(bodies.frictionOf(0, 1, friction, {2, -1}));
-    Changes changes(2, Six{});
+    VelocityChanges changes(2, Vec6d{});
     sweep(rows, changes, kEnd);
     const FrictionRows& of = rows.frictions.front();
     const double normal = rows.contacts.front().impulse;
-    const auto lack = [&](std::size_t k) { return of.wanted[k] - speedOf(of.pulls[k], of.bodies, changes); };
+    const auto lack = [&](std::size_t k) {
+      return of.target[k] - speedOf(of.jacobians[k], of.bodies, changes);
+    };
     EXPECT_GT(normal, 0);
     const double size = std::hypot(of.impulse[0], of.impulse[1]);
     if (friction < 1) {
@@ -148,9 +150,9 @@ TEST(ImpulseRows, AContactThatDoesNothingDoesNotRub) {
   rows.frictions.push_back(bodies.frictionOf(0, 1, 0.5, {2, -1}));
   rows.contacts.front().impulse = 1;
   rows.frictions.front().impulse = {0.1, 0.1};
-  Changes changes(2, Six{});
+  VelocityChanges changes(2, Vec6d{});
   sweep(rows, changes, {.maxSweeps = 1, .tolerance = 0});
-  rows.contacts.front().wanted = -100;
+  rows.contacts.front().target = -100;
   sweep(rows, changes, kEnd);
   EXPECT_EQ(rows.contacts.front().impulse, 0);
   EXPECT_EQ(rows.frictions.front().impulse, (FrictionRows::Two{0, 0}));
@@ -161,7 +163,7 @@ TEST(ImpulseRows, EndsOnceNothingChangesByMoreThanIsAllowed) {
   ImpulseRows rows;
   for (std::size_t k = 0; k < 6; ++k) rows.joints.push_back(bodies.row(k % 4, (k + 1) % 4, 1));
   const ImpulseRows begun = rows;
-  Changes exact(4, Six{}), rough(4, Six{}), none(4, Six{});
+  VelocityChanges exact(4, Vec6d{}), rough(4, Vec6d{}), none(4, Vec6d{});
   const int many = sweep(rows, exact, kEnd);
   rows = begun;
   const int fewer = sweep(rows, rough, {.maxSweeps = 100000, .tolerance = 1e-3});
@@ -173,7 +175,7 @@ TEST(ImpulseRows, EndsOnceNothingChangesByMoreThanIsAllowed) {
   EXPECT_GT(off, 0);
   EXPECT_LT(off, 0.1);
   EXPECT_LT(fewer, many);
-  EXPECT_EQ(none, Changes(4, Six{}));
+  EXPECT_EQ(none, VelocityChanges(4, Vec6d{}));
 }
 
 /// A column of bodies, each on the one below, which all are to stop: the load of all is on the lowest.
@@ -181,13 +183,13 @@ TEST(ImpulseRows, SweepsFollowTheHeightOfAColumn) {
   const auto sweepsFor = [](std::size_t count) {
     ImpulseRows rows;
     for (std::size_t k = 0; k < count; ++k) {
-      Pull pull;
-      pull.b[0] = 1;
-      pull.a[0] = k == 0 ? 0 : -1;
-      rows.contacts.push_back(rowOf(pull, {std::uint32_t(k), std::uint32_t(k + 1)}));
+      ScaledJacobian jacobian;
+      jacobian.b[0] = 1;
+      jacobian.a[0] = k == 0 ? 0 : -1;
+      rows.contacts.push_back(makeRow(jacobian, {std::uint32_t(k), std::uint32_t(k + 1)}));
       rows.contacts.back().upper = std::numeric_limits<double>::infinity();
     }
-    Changes changes(count + 1, Six{-1});
+    VelocityChanges changes(count + 1, Vec6d{-1});
     changes[0] = {};
     const int sweeps = sweep(rows, changes, {.maxSweeps = 100000, .tolerance = 1e-6});
     EXPECT_NEAR(rows.contacts.front().impulse, double(count), 1e-3 * double(count));

@@ -1,4 +1,4 @@
-#include "nodes/white_water/fluid_beside.h"
+#include "nodes/white_water/remote_fluid.h"
 
 #include "framework/compute/parallel.h"
 
@@ -37,7 +37,7 @@ struct PackPoint {
 }  // namespace
 
 template <class Backend>
-std::int64_t FluidBeside::findWantedOn(Backend& device, const Particles& own, const CellLayers& layers,
+std::int64_t RemoteFluid::findWantedOn(Backend& device, const Particles& own, const CellLayers& layers,
                                        const Layers& wanted) {
   const ParticleSet& set = own.set();
   found_.resizeDiscarding(set.bound());
@@ -48,7 +48,7 @@ std::int64_t FluidBeside::findWantedOn(Backend& device, const Particles& own, co
 }
 
 template <class Backend>
-void FluidBeside::packOn(Backend& device, const Particles& own, ArrayView<FluidPoint> to) {
+void RemoteFluid::packOn(Backend& device, const Particles& own, ArrayView<FluidPoint> to) {
   const ParticleSet& set = own.set();
   const Attribute<const float> volumes = own.ownValues(own.material.volume);
   parallelFor(device, "pack points", to.size,
@@ -57,8 +57,8 @@ void FluidBeside::packOn(Backend& device, const Particles& own, ArrayView<FluidP
                         set.ids().read(), to});
 }
 
-template std::int64_t FluidBeside::findWantedOn(ThisBackend&, const Particles&, const CellLayers&,
+template std::int64_t RemoteFluid::findWantedOn(ThisBackend&, const Particles&, const CellLayers&,
                                                 const Layers&);
-template void FluidBeside::packOn(ThisBackend&, const Particles&, ArrayView<FluidPoint>);
+template void RemoteFluid::packOn(ThisBackend&, const Particles&, ArrayView<FluidPoint>);
 
 }  // namespace weir

@@ -15,13 +15,13 @@
 
 namespace WEIR_API weir {
 
-class FluidBeside {
+class RemoteFluid {
  public:
-  FluidBeside(Communicator& ranks, Device& device)
+  RemoteFluid(Communicator& ranks, Device& device)
       : ranks_(ranks), found_(device), foundCount_(device, 1), points_(device) {}
-  ~FluidBeside();
-  FluidBeside(const FluidBeside&) = delete;
-  FluidBeside& operator=(const FluidBeside&) = delete;
+  ~RemoteFluid();
+  RemoteFluid(const RemoteFluid&) = delete;
+  RemoteFluid& operator=(const RemoteFluid&) = delete;
 
   /// Fetches them; all ranks do so at once. `own` are the fluid's particles that this rank has, in `box`, and
   /// whoever is within `reach` (m) of these or of the slab is seen.

@@ -1,4 +1,4 @@
-#include "nodes/white_water/fluid_beside.h"
+#include "nodes/white_water/remote_fluid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +8,19 @@
 
 namespace weir {
 
-FluidBeside::~FluidBeside() {
+RemoteFluid::~RemoteFluid() {
   try {
     release();
   } catch (const Error&) {  // of the device, which whoever uses it next is told of
   }
 }
 
-void FluidBeside::Layers::extend(const Layers& o) {
+void RemoteFluid::Layers::extend(const Layers& o) {
   if (o.empty()) return;
   *this = empty() ? o : Layers{std::min(first, o.first), std::max(last, o.last)};
 }
 
-FluidBeside::Ask FluidBeside::askOf(const Aabb& box, const Slabs& slabs, float reach) const {
+RemoteFluid::Ask RemoteFluid::askOf(const Aabb& box, const Slabs& slabs, float reach) const {
   Ask ask;
   const CellLayers slab = slabs.layersOf(ranks_.rank());
   if (!box.empty()) ask.has = {slabs.layers.layerOf(box.lo), slabs.layers.layerOf(box.hi)};
@@ -34,7 +34,7 @@ FluidBeside::Ask FluidBeside::askOf(const Aabb& box, const Slabs& slabs, float r
   return ask;
 }
 
-void FluidBeside::fetch(const Particles& own, const Aabb& box, const Slabs& slabs, float reach) {
+void RemoteFluid::fetch(const Particles& own, const Aabb& box, const Slabs& slabs, float reach) {
   release();
   const std::vector<Ask> asks = ranks_.allGather(askOf(box, slabs, reach));
   const int self = ranks_.rank();
@@ -48,7 +48,7 @@ void FluidBeside::fetch(const Particles& own, const Aabb& box, const Slabs& slab
   take();
 }
 
-Parcel FluidBeside::packed(const Particles& own, const CellLayers& layers, const Layers& wanted) {
+Parcel RemoteFluid::packed(const Particles& own, const CellLayers& layers, const Layers& wanted) {
   Device& device = own.set().device();
   const std::int64_t count =
       dispatch(device, [&](auto& backend) { return findWantedOn(backend, own, layers, wanted); });
@@ -60,7 +60,7 @@ Parcel FluidBeside::packed(const Particles& own, const CellLayers& layers, const
 }
 
 /// In the order of ranks, which does not matter.
-void FluidBeside::take() {
+void RemoteFluid::take() {
   std::int64_t bytes = 0;
   for (const Parcel& parcel : parcels_) bytes += parcel.size();
   points_.resizeDiscarding(bytes / std::int64_t{sizeof(FluidPoint)});
@@ -72,7 +72,7 @@ void FluidBeside::take() {
 }
 
 /// Gives the memory of all parcels back to their senders.
-void FluidBeside::release() {
+void RemoteFluid::release() {
   if (parcels_.empty()) return;
   points_.device().synchronize();
   parcels_.clear();
