@@ -115,16 +115,16 @@ void BodyContacts::reset(const SetupContext& context) {
 
 void BodyContacts::changeMotions(const StepContext& context, std::vector<BodyDynamics::Motion>& motions) {
   constexpr double kSteps = 2;  // of a fall: what is slower does not bounce
-  std::vector<SolidWay> ways;
+  std::vector<SolidMotion> solidMotions;
   std::vector<JointDrive> drives;
   for (std::size_t k = 0; k < solids.size(); ++k)
-    ways.push_back({poseOfSolid(k, context.time), poseOfSolid(k, context.time + context.dt)});
+    solidMotions.push_back({poseOfSolid(k, context.time), poseOfSolid(k, context.time + context.dt)});
   for (std::size_t k = 0; k < joints.size(); ++k) drives.push_back(joints[k].joint->drive());
   callGuarded(
       source_, [&] { return hookText("", "step", source_); },
       [&] {
-        dynamics_->step(motions, ways, drives, context.dt, kSteps * context.dt * length(context.gravity),
-                        *known_, *threads_);
+        dynamics_->step(motions, solidMotions, drives, context.dt,
+                        kSteps * context.dt * length(context.gravity), *known_, *threads_);
       });
 }
 

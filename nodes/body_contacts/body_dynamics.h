@@ -40,7 +40,7 @@ struct HeldSolid {
 };
 
 /// Of a solid in a step, whatever hits it.
-struct SolidWay {
+struct SolidMotion {
   Pose begin, end;
 };
 
@@ -87,11 +87,11 @@ class BodyDynamics {
   /// overlap at the start.
   virtual Overlap set(std::vector<HeldBody> bodies, std::vector<HeldSolid> solids,
                       std::vector<HeldJoint> joints) = 0;
-  /// Motions in the order of the bodies, ways in that of the solids, drives in that of the joints. Velocities
-  /// below `slow` m/s do not bounce. Contacts are those of the last step, of which there are none at first,
-  /// and then those of this one. What comes out depends on these arguments and on set() alone, not on how
-  /// many threads there are.
-  virtual void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
+  /// Motions in the order of the bodies, solidMotions in that of the solids, drives in that of the joints.
+  /// Velocities below `slow` m/s do not bounce. Contacts are those of the last step, of which there are none
+  /// at first, and then those of this one. What comes out depends on these arguments and on set() alone, not
+  /// on how many threads there are.
+  virtual void step(std::vector<Motion>& motions, const std::vector<SolidMotion>& solidMotions,
                     const std::vector<JointDrive>& drives, double dt, double slow,
                     std::vector<KnownContact>& contacts, CpuThreads& threads) = 0;
 };

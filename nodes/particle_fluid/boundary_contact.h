@@ -70,7 +70,7 @@ struct Bounce {
 };
 
 /// Coulomb's friction of particles that pressure holds off a wall: of the push that the wall has given.
-struct Rub {
+struct WallFriction {
   BoundaryIntegrals walls;
   float inverseDt;
   ArrayView<const Vec3f> positions;
@@ -79,10 +79,11 @@ struct Rub {
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    forEachNear(walls.boundary, walls.radius, i, read(positions, i), [&](std::int64_t k) { rub(k); });
+    forEachNear(walls.boundary, walls.radius, i, read(positions, i),
+                [&](std::int64_t k) { applyFriction(k); });
   }
 
-  WEIR_HD void rub(std::int64_t i) const {
+  WEIR_HD void applyFriction(std::int64_t i) const {
     const Vec3f p = positions[i], push = (inverseDt * share[i]) * walls.at(p).gradPhi;
     const float held = length(push);
     if (!(held > 0)) return;

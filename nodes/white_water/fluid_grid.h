@@ -78,12 +78,12 @@ struct FluidGridView {
 };
 
 /// The fluid at a point.
-struct FluidHere {
+struct FluidSample {
   float filled = 0;  ///< Σ V·W: 1 within fluid, 1/2 at a flat surface
   Vec3f velocity;    ///< Σ V·W·v / Σ V·W, m/s
 };
 
-WEIR_HD inline FluidHere fluidAt(const FluidGridView& fluid, const Vec3f& p) {
+WEIR_HD inline FluidSample fluidAt(const FluidGridView& fluid, const Vec3f& p) {
   float sum = 0;
   Vec3f momentum;
   fluid.forEachNear(p, [&](int k, const Vec3f&, float squared) {

@@ -51,7 +51,7 @@ struct Advance {
       all.lifetimes[i] = 0;
       return;
     }
-    const FluidHere here = fluidAt(fluid, ahead);
+    const FluidSample here = fluidAt(fluid, ahead);
     const float open = 1 - walls.hidden(ahead, fluid.radius);
     const WhiteKind kind = kindOf(here.filled > 0 ? here.filled / open : 0.0f);
     Motion moved = kind == WhiteKind::kSpray  ? course.flown(start)
@@ -89,7 +89,7 @@ struct CellOfAlive {
 
 /// Particle b of the batch, the one after `first` of all ranks. Where there is no room for all that are
 /// wanted, they are evenly thinned.
-struct Bear {
+struct Spawn {
   std::int64_t first, born, wanted;
   std::int64_t wantedBefore;  // on other ranks
   std::uint64_t seed;
@@ -271,27 +271,27 @@ void WhiteWater::bearOn(Backend& device, const Particles& of, const StepContext&
     makeRoomForBorn(born);
     const ParticleSet& parents = of.set();
     parallelFor(device, "bear", born,
-                Bear{.first = first,
-                     .born = births.made,
-                     .wanted = births.wanted,
-                     .wantedBefore = births.before,
-                     .seed = seed_,
-                     .step = context.index,
-                     .dt = static_cast<float>(context.dt),
-                     .spread = 0.5f * fluid->material.spacing,
-                     .lifetimes = lifetime,
-                     .radii = radius,
-                     .walls = walls_->view(),
-                     .before = std::as_const(sources_->before).view(),
-                     .filled = std::as_const(sources_->filled).view(),
-                     .positions = parents.positions().read(),
-                     .velocities = parents.velocities().read(),
-                     .ids = parents.ids().read(),
-                     .bornPositions = born_.positions.view(),
-                     .bornVelocities = born_.velocities.view(),
-                     .kinds = std::get<Array<int>>(born_.attributes[0].values).view(),
-                     .bornLifetimes = std::get<Array<float>>(born_.attributes[1].values).view(),
-                     .bornRadii = std::get<Array<float>>(born_.attributes[2].values).view()});
+                Spawn{.first = first,
+                      .born = births.made,
+                      .wanted = births.wanted,
+                      .wantedBefore = births.before,
+                      .seed = seed_,
+                      .step = context.index,
+                      .dt = static_cast<float>(context.dt),
+                      .spread = 0.5f * fluid->material.spacing,
+                      .lifetimes = lifetime,
+                      .radii = radius,
+                      .walls = walls_->view(),
+                      .before = std::as_const(sources_->before).view(),
+                      .filled = std::as_const(sources_->filled).view(),
+                      .positions = parents.positions().read(),
+                      .velocities = parents.velocities().read(),
+                      .ids = parents.ids().read(),
+                      .bornPositions = born_.positions.view(),
+                      .bornVelocities = born_.velocities.view(),
+                      .kinds = std::get<Array<int>>(born_.attributes[0].values).view(),
+                      .bornLifetimes = std::get<Array<float>>(born_.attributes[1].values).view(),
+                      .bornRadii = std::get<Array<float>>(born_.attributes[2].values).view()});
     set_->continueIdsFrom(id + first);
     set_->append(born_);
   }

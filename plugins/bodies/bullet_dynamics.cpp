@@ -27,10 +27,10 @@ SceneBounds sceneBoundsOf(const StepTask& task) {
     bounds.bodies.push_back(boundsOf(*body.shape(), body.transformOf(task.motions[k].before)));
     bounds.bodies.back().extend(boundsOf(*body.shape(), body.transformOf(task.motions[k].after)));
   }
-  for (std::size_t k = 0; k < task.ways.size(); ++k) {
+  for (std::size_t k = 0; k < task.solidMotions.size(); ++k) {
     const btCollisionShape& shape = *task.scene.solids[k].shape;
-    bounds.solids.push_back(boundsOf(shape, toBullet(task.ways[k].begin)));
-    bounds.solids.back().extend(boundsOf(shape, toBullet(task.ways[k].end)));
+    bounds.solids.push_back(boundsOf(shape, toBullet(task.solidMotions[k].begin)));
+    bounds.solids.back().extend(boundsOf(shape, toBullet(task.solidMotions[k].end)));
   }
   return bounds;
 }
@@ -100,18 +100,18 @@ class BulletDynamics final : public BodyDynamics {
               std::vector<HeldJoint> joints) override {
     scene_ = {.held = std::move(bodies), .bodies = {}, .solids = {}, .joints = std::move(joints)};
     for (const HeldBody& body : scene_.held) scene_.bodies.emplace_back(body);
-    std::vector<SolidWay> ways;
+    std::vector<SolidMotion> solidMotions;
     for (const HeldSolid& solid : solids) {
       scene_.solids.push_back(shapeOfSolid(*solid.mesh));
-      ways.push_back({solid.start, solid.start});
+      solidMotions.push_back({solid.start, solid.start});
     }
-    return overlap(ways);
+    return overlap(solidMotions);
   }
 
-  void step(std::vector<Motion>& motions, const std::vector<SolidWay>& ways,
+  void step(std::vector<Motion>& motions, const std::vector<SolidMotion>& solidMotions,
             const std::vector<JointDrive>& drives, double dt, double slow,
             std::vector<KnownContact>& contacts, CpuThreads& threads) override {
-    const StepTask task{scene_, motions, ways, drives, contacts, dt, slow};
+    const StepTask task{scene_, motions, solidMotions, drives, contacts, dt, slow};
     SceneBounds bounds = sceneBoundsOf(task);
     Groups groups;
     do {
@@ -126,12 +126,12 @@ class BulletDynamics final : public BodyDynamics {
 
  private:
   /// The deepest at the start.
-  Overlap overlap(const std::vector<SolidWay>& ways) const {
+  Overlap overlap(const std::vector<SolidMotion>& solidMotions) const {
     const BodyGroup all{numbersTo(scene_.bodies.size()), numbersTo(scene_.solids.size()),
                         numbersTo(scene_.joints.size())};
     BulletWorld world(scene_, all);
     for (std::size_t k = 0; k < scene_.held.size(); ++k) world.place(k, scene_.held[k].start);
-    world.moveSolids(ways, 0, 1);
+    world.moveSolids(solidMotions, 0, 1);
     return world.deepestOverlap();
   }
 

@@ -48,7 +48,7 @@ btVector3 turnBetween(const btTransform& begin, const btTransform& end) {
   return sine > 0 ? part * (2 * std::atan2(sine, q.w()) / sine) : btVector3(0, 0, 0);
 }
 
-void moveSolid(btRigidBody& solid, const SolidWay& by, double share, double dt) {
+void moveSolid(btRigidBody& solid, const SolidMotion& by, double share, double dt) {
   const btTransform begin = toBullet(by.begin), end = toBullet(by.end);
   const btVector3 way = end.getOrigin() - begin.getOrigin();
   const btVector3 turn = turnBetween(begin, end);
@@ -224,9 +224,9 @@ void BulletWorld::place(std::size_t i, const BodyState& at) {
   parts_->spins[i] = at.spin;
 }
 
-void BulletWorld::moveSolids(const std::vector<SolidWay>& ways, double share, double dt) {
+void BulletWorld::moveSolids(const std::vector<SolidMotion>& solidMotions, double share, double dt) {
   for (std::size_t i = 0; i < parts_->still.size(); ++i)
-    moveSolid(*parts_->still[i], ways[parts_->group.solids[i]], share, dt);
+    moveSolid(*parts_->still[i], solidMotions[parts_->group.solids[i]], share, dt);
 }
 
 void BulletWorld::doNotBounceBelow(double slow) {

@@ -17,12 +17,12 @@ class BulletWorld {
   BulletWorld(const BulletScene& scene, const BodyGroup& group);
   ~BulletWorld();
 
-  // Bodies are numbered as in the group; ways and drives as solids and joints of the scene.
+  // Bodies are numbered as in the group; solidMotions and drives as solids and joints of the scene.
 
   /// There, with its velocities.
   void place(std::size_t i, const BodyState& at);
   /// To where they are after that share of a step of `dt` s, with their velocities.
-  void moveSolids(const std::vector<SolidWay>& ways, double share, double dt);
+  void moveSolids(const std::vector<SolidMotion>& solidMotions, double share, double dt);
   /// Speeds below this, in m/s.
   void doNotBounceBelow(double slow);
   /// Bodies move without forces but for those of contacts and joints. Begins with what known contacts did;

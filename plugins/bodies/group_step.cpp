@@ -11,14 +11,14 @@ namespace weir {
 namespace {
 
 /// How far the corner of its box that goes most goes, m.
-double largestWay(const SolidWay& way, const BulletShape& of) {
+double largestDistance(const SolidMotion& motion, const BulletShape& of) {
   btVector3 lo, hi;
   of.shape->getAabb(btTransform::getIdentity(), lo, hi);
   double largest = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3f p{float(corner & 1 ? hi.x() : lo.x()), float(corner & 2 ? hi.y() : lo.y()),
                   float(corner & 4 ? hi.z() : lo.z())};
-    largest = std::max(largest, double(length(way.end.toWorld(p) - way.begin.toWorld(p))));
+    largest = std::max(largest, double(length(motion.end.toWorld(p) - motion.begin.toWorld(p))));
   }
   return largest;
 }
@@ -34,7 +34,7 @@ int partsOf(const StepTask& task, const BodyGroup& group) {
     thinnest = std::min(thinnest, thickness);
   }
   for (const std::size_t k : group.solids)
-    fastest = std::max(fastest, largestWay(task.ways[k], task.scene.solids[k]));
+    fastest = std::max(fastest, largestDistance(task.solidMotions[k], task.scene.solids[k]));
   largest = std::max(largest, fastest / thinnest);
   return std::clamp(int(std::ceil(std::min(largest / kMaxShare, double(kMax)))), kMin, kMax);
 }
@@ -61,7 +61,7 @@ GroupResult stepGroup(const StepTask& task, const BodyGroup& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i) end.bounds.push_back(world.boundsOf(i));
   const int parts = partsOf(task, group);
   for (int part = 0; part < parts; ++part) {
-    world.moveSolids(task.ways, double(part) / parts, task.dt);
+    world.moveSolids(task.solidMotions, double(part) / parts, task.dt);
     // What forces have done is all in the velocities of the first part, so later parts are unlike it.
     std::vector<KnownContact> found = world.step(task.drives, task.dt / parts, part == 0 ? task.known : none);
     if (part == 0) end.contacts = std::move(found);

@@ -13,7 +13,7 @@ namespace weir {
 struct StepTask {
   const BulletScene& scene;
   const std::vector<BodyDynamics::Motion>& motions;
-  const std::vector<SolidWay>& ways;
+  const std::vector<SolidMotion>& solidMotions;
   const std::vector<JointDrive>& drives;
   const std::vector<KnownContact>& known;  ///< sorted, of the last step
   double dt, slow;                         ///< s, m/s

@@ -119,7 +119,7 @@ class Tetrahedra final : public MeshReader {
 class Brake final : public BodyDynamics {
  public:
   Overlap set(std::vector<HeldBody>, std::vector<HeldSolid>, std::vector<HeldJoint>) override { return {}; }
-  void step(std::vector<Motion>& motions, const std::vector<SolidWay>&, const std::vector<JointDrive>&,
+  void step(std::vector<Motion>& motions, const std::vector<SolidMotion>&, const std::vector<JointDrive>&,
             double dt, double, std::vector<KnownContact>&, CpuThreads&) override {
     for (Motion& motion : motions) {
       const Vec3d lost = 0.5 * (motion.after.velocity - motion.before.velocity);

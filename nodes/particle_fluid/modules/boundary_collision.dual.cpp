@@ -18,12 +18,12 @@ void BoundaryCollision::contactOn(Backend& device, FluidStep& fluid) {
   const ArrayView<Vec3f> positions = fluid.particles.positions().write(),
                          velocities = fluid.particles.velocities().write();
   if (fluid.walls.rubs)
-    parallelForEights(device, "rub", count,
-                      Rub{.walls = fluid.walls.boundary,
-                          .inverseDt = 1 / static_cast<float>(fluid.time.dt),
-                          .positions = positions,
-                          .share = fluid.walls.share.read(),
-                          .velocities = velocities});
+    parallelForEights(device, "wall_friction", count,
+                      WallFriction{.walls = fluid.walls.boundary,
+                                   .inverseDt = 1 / static_cast<float>(fluid.time.dt),
+                                   .positions = positions,
+                                   .share = fluid.walls.share.read(),
+                                   .velocities = velocities});
   parallelForEights(device, "collide", count,
                     Collide{fluid.walls.boundary.boundary, fluid.constants.contact, positions, velocities});
 }
