@@ -12,6 +12,7 @@
 #include "nodes/particle_file/particle_file.h"
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
+#include "nodes/particle_fluid/modules/capillary_force.h"
 #include "nodes/particle_fluid/modules/drag.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
 #include "nodes/particle_fluid/modules/pbf.h"
@@ -72,6 +73,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<ViscositySolver>();
   registry.addModule<Xsph>();
   registry.addModule<SurfaceTension>();
+  registry.addModule<CapillaryForce>();
   registry.addModule<VorticityConfinement>();
   registry.addModule<Drag>();
   registry.addModule<BoundaryCollision>();
