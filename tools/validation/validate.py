@@ -17,6 +17,7 @@ import floating
 import in_motion
 import program
 import report
+import surfaces
 import without_ends
 
 
@@ -47,6 +48,9 @@ CHECKS = [
     Check("dam_front", "The front of a dam break", in_motion.dam_front),
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("drop", "A drop", in_motion.drop),
+    Check("laplace", "Pressure in drops", surfaces.laplace),
+    Check("swinging_drop", "A drop that swings", surfaces.swinging_drop),
+    Check("sessile_drop", "Drops on a table", surfaces.sessile_drop),
     Check("momentum", "Momentum", in_motion.momentum),
     Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
     Check("couette", "Couette flow", without_ends.couette),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "framework/graph/setting_warning.h"
 
@@ -27,14 +28,15 @@ void CapillaryForce::reset(FluidStep& fluid) {
 }
 
 void CapillaryForce::warn(const FluidOutlook& outlook) const {
-  constexpr double kMax = 0.1;
+  // That of waves which are two spacings long; drops of 6 d fly apart at 0.8 (engineering/method.md).
+  constexpr double kMax = 0.5 * std::numbers::inv_pi;
   const FluidConstants& c = outlook.constants;
   const double scale = outlook.dt * outlook.dt / (c.restDensity * std::pow(double(c.spacing), 3));
   const double number = tension * scale;
   if (number <= kMax * (1 + kSettingRounding)) return;
   outlook.warn(
       *this,
-      fmt::format("tension·dt²/(rest_density·spacing³) = {:.3g}, and above {} the surface shakes", number, kMax),
+      fmt::format("tension·dt²/(rest_density·spacing³) = {:.3g}, and above {:.2g} the surface shakes", number, kMax),
       fmt::format("a tension of at most {:.2g} N/m, or a world.dt of at most {:.2g} s", kMax / scale,
                   outlook.dt * std::sqrt(kMax / number)));
 }

@@ -94,7 +94,7 @@ struct Contact {
 
   /// The normal n, turned to the angle of contact the more the nearer the wall is, whose normal is w.
   WEIR_HD Vec3f turned(const Vec3f& n, const Vec3f& w, float distance) const {
-    constexpr float kAll = 0.5f, kNone = 3;  // spacings
+    constexpr float kAll = 0.5f, kNone = 2.7f;  // spacings
     const Vec3f along = normalized(n - dot(n, w) * w);
     const float share = 1 - smoothStep(kAll * spacing, kNone * spacing, distance);
     return normalized(n + share * (sine * along - cosine * w - n));

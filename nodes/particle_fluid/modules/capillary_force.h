@@ -52,7 +52,7 @@ class CapillaryForce final : public FluidModule, public OnRanks {
   static constexpr ModuleInfo kInfo{
       "CapillaryForce", kFamily,
       "Surface tension in N/m, with an angle of contact; insert it after the module \"viscosity\".",
-      "surface tension, drops, cohesion, wetting, capillary, contact angle, meniscus"};
+      "drops, cohesion, wetting, capillary, contact angle, meniscus"};
   const ModuleInfo& info() const override { return kInfo; }
 
   Param<float> tension{*this,

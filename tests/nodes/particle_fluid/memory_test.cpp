@@ -64,6 +64,7 @@ const std::vector<Variant> kVariants{
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
     {R"("viscous": {"type": "ViscositySolver", "after": "walls"})", "", kSolids, kSolidLinks},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
+        "drops": {"type": "CapillaryForce", "after": "viscosity", "params": {"tension": 0.01}},
         "eddies": {"type": "VorticityConfinement", "after": "viscosity"})",
      R"(, "support_ratio": 2)", "", ""},
     {"", "", kSolids, kSolidLinks},

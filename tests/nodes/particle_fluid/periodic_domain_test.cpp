@@ -73,6 +73,8 @@ std::vector<std::pair<const char*, Value>> pipelines(int iterations) {
        with("full", "viscous", inserted("ViscositySolver", "walls", object({{"viscosity", 5.0}})))},
       {"SurfaceTension",
        with("full", "tension", inserted("SurfaceTension", "viscosity", object({{"air_pressure", 5.0}})))},
+      {"CapillaryForce",
+       with("full", "tension", inserted("CapillaryForce", "viscosity", object({{"air_pressure", 5.0}})))},
       {"VorticityConfinement",
        with("full", "eddies", inserted("VorticityConfinement", "viscosity", object({{"strength", 0.0}})))},
       {"implicit XSPH", with("full", "viscosity", object({{"params", object({{"form", "implicit"}})}}))},

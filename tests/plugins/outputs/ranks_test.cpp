@@ -251,6 +251,26 @@ TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
   }
 }
 
+TEST_F(RanksTest, SoIsADropUnderItsTension) {
+  const std::string scene = folder_.write("free.json", R"({
+    "weir": 1,
+    "world": { "gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 30, "duration": 0.3 },
+    "nodes": {
+      "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.5, 0.25, 0.25] } },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+                 "modules": { "tension": { "type": "CapillaryForce", "after": "viscosity",
+                                           "params": { "tension": 10, "air_pressure": 1 } } } }
+    },
+    "links": ["drop.particles -> water.initial"]
+  })");
+  for (const std::string ranks : {"1", "2", "3"}) {
+    const ChildResult result =
+        runWeir({"run", scene, "--quiet", "--ranks", ranks, "--export", folder_ / (ranks + ".vtkhdf")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
+  }
+}
+
 TEST_F(RanksTest, SoIsOneWhoseParticlesLeaveTheDomain) {
   expectSameForAnyNumber({kCoarse, "water.domain_max=[0.7, 5, 5]", "water.rest_steps=0"});
 }

@@ -13,6 +13,7 @@ Value everyModule() {
                  {"viscosity", object({{"params", object({{"form", "implicit"}})}})},
                  {"viscous", inserted("ViscositySolver", "walls", object({{"viscosity", 5.0}}))},
                  {"tension", inserted("SurfaceTension", "viscosity", object({{"air_pressure", 5.0}}))},
+                 {"drops", inserted("CapillaryForce", "tension", object({{"tension", 0.1}}))},
                  {"eddies", inserted("VorticityConfinement", "tension", object({{"strength", 2.0}}))},
                  {"air", inserted("Drag", "eddies", object({{"damping", 0.1}}))}});
 }
