@@ -30,6 +30,7 @@
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
+#include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace WEIR_API weir {
