@@ -36,7 +36,8 @@ void CapillaryForce::warn(const FluidOutlook& outlook) const {
   if (number <= kMax * (1 + kSettingRounding)) return;
   outlook.warn(
       *this,
-      fmt::format("tension·dt²/(rest_density·spacing³) = {:.3g}, and above {:.2g} the surface shakes", number, kMax),
+      fmt::format("tension·dt²/(rest_density·spacing³) = {:.3g}, and above {:.2g} the surface shakes", number,
+                  kMax),
       fmt::format("a tension of at most {:.2g} N/m, or a world.dt of at most {:.2g} s", kMax / scale,
                   outlook.dt * std::sqrt(kMax / number)));
 }

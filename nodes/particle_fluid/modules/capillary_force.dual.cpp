@@ -100,8 +100,8 @@ struct Contact {
     return normalized(n + share * (sine * along - cosine * w - n));
   }
   /// How steep the colour g is along n, as if the surface went on behind the wall. Along the wall there is
-  /// nothing of the gradient but that of the surface: of this, a part lies behind the wall. Where it is nearly
-  /// parallel to the wall, as that of a film is, it is taken as it is.
+  /// nothing of the gradient but that of the surface: of this, a part lies behind the wall. Where it is
+  /// nearly parallel to the wall, as that of a film is, it is taken as it is.
   WEIR_HD float steepness(const Vec3f& g, const Vec3f& n, const Vec3f& w, float distance) const {
     constexpr float kParallel = 0.1f, kAcross = 0.5f;  // squared sines
     const float across = dot(n, w), sine2 = within(1 - across * across, kParallel, 1);
@@ -179,7 +179,8 @@ struct Curvature {
     if (!(own.w > 0)) return;
     const Vec3f p = positions[i], n = xyz(own);
     const bool alongX = n.x * n.x < 0.4f;
-    const Vec3f a = normalized(cross(n, Vec3f{alongX ? 1.0f : 0.0f, alongX ? 0.0f : 1.0f, 0})), b = cross(n, a);
+    const Vec3f a = normalized(cross(n, Vec3f{alongX ? 1.0f : 0.0f, alongX ? 0.0f : 1.0f, 0})),
+                b = cross(n, a);
     TangentFit fit;
     forEachNeighbor(i, neighbors, [&](int j) {
       const Vec4f other = normal[j];

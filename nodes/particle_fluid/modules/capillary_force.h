@@ -1,7 +1,8 @@
-// Surface tension in N/m, with an angle of contact, as a force on the surface (after Brackbill, Kothe and Zemach
-// 1992, Morris 2000, and for walls Breinlinger et al. 2013):
+// Surface tension in N/m, with an angle of contact, as a force on the surface (after Brackbill, Kothe and
+// Zemach 1992, Morris 2000, and for walls Breinlinger et al. 2013):
 //
-//   a = (σ·κ + p)·δ·n/ρ0     n the unit normal into the fluid, κ the sum of the principal curvatures, positive
+//   a = (σ·κ + p)·δ·n/ρ0     n the unit normal into the fluid, κ the sum of the principal curvatures,
+//   positive
 //                            for a drop, δ the density of area in 1/m, p the pressure of the air
 //
 // and v ← v + dt·a. It is normal to the surface and in proportion to its curvature alone, so the balance of
@@ -10,19 +11,21 @@
 //
 //   g_i = Σ_j V0·∇_i W(r_ij) + Σ_w ∇C_w      gradient of the colour; solids, as half-spaces, count as fluid
 //   n_i along W_ii·g_i + Σ_j W_ij·g_j        where that is steep; near solids turned to the angle of contact
-//   δ_i = 2F·max(g_i·n_i, 0)                 near solids, of the part that is seen of the surface, and extended
+//   δ_i = 2F·max(g_i·n_i, 0)                 near solids, of the part that is seen of the surface, and
+//   extended
 //
 // Curvature is that of the least-squares fit of n_j − n_i = −S·(x_j − x_i) within the tangent plane, with the
-// weights W_ij·δ_j: κ = tr S, and Gauss' curvature is det S. With M their mean over the neighbours, by the same
-// weights, M + 3(M − M·M) takes their noise out and leaves waves that are long beside H as they are (the
+// weights W_ij·δ_j: κ = tr S, and Gauss' curvature is det S. With M their mean over the neighbours, by the
+// same weights, M + 3(M − M·M) takes their noise out and leaves waves that are long beside H as they are (the
 // normals, the fit and the mean each take as much of them as M does). Particles lie below the surface, and
 // of the stress that bears a surface that is bent, a part of the layers below takes a share that goes with
 // H·κ; both are made up for by taking these curvatures for those of a surface at a depth of D, so that
 //
 //   κ ← (κ + 2D·det S)/(1 + D·κ + D²·det S)
 //
-// is that of the fluid's own, and at most 1/d. D and F (surfaceFit) are such that settled drops have Laplace's
-// pressure. Single particles feel nothing, and threads and sheets no more than drops of two spacings do.
+// is that of the fluid's own, and at most 1/d. D and F (surfaceFit) are such that settled drops have
+// Laplace's pressure. Single particles feel nothing, and threads and sheets no more than drops of two
+// spacings do.
 //
 // Forces of a closed surface have no sum. What is left by disorder, some thousandths of the sum of their
 // sizes, is taken away, by area, where the fluid meets no solids.
@@ -56,16 +59,17 @@ class CapillaryForce final : public FluidModule, public OnRanks {
       "drops, cohesion, wetting, capillary, contact angle, meniscus"};
   const ModuleInfo& info() const override { return kInfo; }
 
-  Param<float> tension{*this,
-                       "tension",
-                       0.072f,
-                       {.unit = "N/m",
-                        .min = 0,
-                        .max = 1e9,  // beyond it forces leave the range of floats
-                        .softMax = 10,
-                        .live = true,
-                        .doc = "Of the surface: water 0.072, oil 0.03, mercury 0.49. Works from a support_ratio "
-                               "of 2; too much for dt makes the surface shake."}};
+  Param<float> tension{
+      *this,
+      "tension",
+      0.072f,
+      {.unit = "N/m",
+       .min = 0,
+       .max = 1e9,  // beyond it forces leave the range of floats
+       .softMax = 10,
+       .live = true,
+       .doc = "Of the surface: water 0.072, oil 0.03, mercury 0.49. Works from a support_ratio "
+              "of 2; too much for dt makes the surface shake."}};
   Param<float> contactAngle{
       *this,
       "contact_angle",
@@ -91,8 +95,7 @@ class CapillaryForce final : public FluidModule, public OnRanks {
   /// Of a tension that is too much for the step. The force is explicit, so σ·dt²/(ρ0·d³) has a bound.
   void warn(const FluidOutlook& outlook) const override;
   void step(FluidStep& fluid) override {
-    if (tension > 0 || airPressure > 0)
-      dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
+    if (tension > 0 || airPressure > 0) dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
   double memory(const FluidRoom& room) const override {
     return bytesOfArrays(room.particles, gradient_, wall_, normal_, curvature_, smoothed_);

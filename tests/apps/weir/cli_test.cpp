@@ -322,8 +322,8 @@ TEST_F(Cli, NodesSchemaInfoAndCompletion) {
   const ChildResult one = runWeir({"nodes", "ParticleFluid"});
   EXPECT_CONTAINS(one.out, "support_ratio");
   EXPECT_CONTAINS(one.out, "boundaries");
-  for (const char* module : {"Xsph", "Pbf", "ViscositySolver", "SurfaceTension", "CapillaryForce",
-                             "VorticityConfinement", "Drag"})
+  for (const char* module :
+       {"Xsph", "Pbf", "ViscositySolver", "SurfaceTension", "CapillaryForce", "VorticityConfinement", "Drag"})
     EXPECT_CONTAINS(one.out, module);
   const Value json = parseJson(runWeir({"nodes", "--json"}).out, "nodes");
   EXPECT_EQ(member(json, {"nodes", "ParticleFluid", "family"}).asString(), "FluidModule");
