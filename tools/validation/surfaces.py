@@ -41,6 +41,18 @@ def elongation(positions):
     return float((second[0] - (second[1] + second[2]) / 2) / second.sum())
 
 
+def with_start(lab, particles):
+    """The path of the scene, without its ending, that begins with these positions and velocities."""
+    import numpy
+    stem = lab.out.resolve() / "swinging_drop"
+    numpy.savetxt(f"{stem}.csv", particles, delimiter=",", comments="", header="x,y,z,vx,vy,vz")
+    scene = json.loads((SCENES / "validation" / "ball.json").read_text(encoding="utf-8"))
+    del scene["let"]["radius"]
+    scene["nodes"]["ball"] = {"type": "ParticleFile", "params": {"file": f"{stem}.csv"}}
+    Path(f"{stem}.json").write_text(json.dumps(scene), encoding="utf-8")
+    return str(stem)
+
+
 def swinging_drop(lab):
     """A ball that has come to rest under its tension is drawn along one axis by a velocity field without divergence,
     of 12 % of the radius. Closed form (Rayleigh) of small oscillations between long and flat: ω² = 8σ/(ρ0·R³)."""
@@ -52,13 +64,9 @@ def swinging_drop(lab):
     start = start - start.mean(axis=0)
     radius = ball_radius(len(start))
     rate = math.sqrt(8 * tension / (DENSITY * radius ** 3))
-    stem = lab.out.resolve() / "swinging_drop"
-    numpy.savetxt(f"{stem}.csv", numpy.hstack([start, 0.12 * rate * start * [1, -0.5, -0.5]]), delimiter=",",
-                  comments="", header="x,y,z,vx,vy,vz")
-    scene = json.loads((SCENES / "validation" / "swinging_drop.json").read_text(encoding="utf-8"))
-    scene["nodes"]["start"]["params"]["file"] = f"{stem}.csv"
-    Path(f"{stem}.json").write_text(json.dumps(scene), encoding="utf-8")
-    result = lab.run("swinging_drop/run", str(stem), export=True)
+    result = lab.run("swinging_drop/run", with_start(lab, numpy.hstack([start, 0.12 * rate * start * [1, -0.5, -0.5]])),
+                     {"fluid.tension.tension": str(tension), "fluid.viscosity.enabled": "false", "world.dt": "0.002",
+                      "world.frame_rate": "100", "world.duration": "1.15"}, export=True)
     times = [frame["time"] for frame in result.series]
     longer = [elongation(exported(result.folder, k).positions) for k in range(len(times))]
     through = crossings(times[1:], longer[1:])  # it starts at none
