@@ -1,25 +1,24 @@
 // Surface tension in N/m, with an angle of contact, as a force on the surface (after Brackbill, Kothe and
 // Zemach 1992, Morris 2000, and for walls Breinlinger et al. 2013):
 //
-//   a = (σ·κ + p)·δ·n/ρ0     n the unit normal into the fluid, κ the sum of the principal curvatures,
-//   positive
-//                            for a drop, δ the density of area in 1/m, p the pressure of the air
+//   a = (σ·κ + p)·δ·n/ρ0
 //
+// with the unit normal n into the fluid, the sum κ of the principal curvatures, positive for a drop, the
+// density δ of area in 1/m, and the pressure p of the air;
 // and v ← v + dt·a. It is normal to the surface and in proportion to its curvature alone, so the balance of
 // fluid at rest gives Laplace's pressure whatever the layer of particles at the surface is like. With W the
 // poly6 kernel of the fluid's support radius H,
 //
 //   g_i = Σ_j V0·∇_i W(r_ij) + Σ_w ∇C_w      gradient of the colour; solids, as half-spaces, count as fluid
 //   n_i along W_ii·g_i + Σ_j W_ij·g_j        where that is steep; near solids turned to the angle of contact
-//   δ_i = 2F·max(g_i·n_i, 0)                 near solids, of the part that is seen of the surface, and
-//   extended
+//   δ_i = 2F·max(g_i·n_i, 0)                 near solids as if the surface went on within them
 //
 // Curvature is that of the least-squares fit of n_j − n_i = −S·(x_j − x_i) within the tangent plane, with the
 // weights W_ij·δ_j: κ = tr S, and Gauss' curvature is det S. With M their mean over the neighbours, by the
 // same weights, M + 3(M − M·M) takes their noise out and leaves waves that are long beside H as they are (the
 // normals, the fit and the mean each take as much of them as M does). Particles lie below the surface, and
-// of the stress that bears a surface that is bent, a part of the layers below takes a share that goes with
-// H·κ; both are made up for by taking these curvatures for those of a surface at a depth of D, so that
+// the layers near it, stressed less along it than across, bear a share of the pressure that goes with H·κ;
+// both are made up for by taking these curvatures for those of a surface at a depth of D, so that
 //
 //   κ ← (κ + 2D·det S)/(1 + D·κ + D²·det S)
 //
