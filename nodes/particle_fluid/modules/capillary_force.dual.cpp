@@ -1,6 +1,6 @@
 #include "nodes/particle_fluid/modules/capillary_force.h"
 
-#include "framework/compute/parallel_uneven.h"
+#include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/modules/viscous_walls.h"
 #include "nodes/particle_fluid/poly6_kernel.h"
@@ -49,11 +49,13 @@ struct WallColor {
   }
 };
 
+/// Solids given by meshes count as a plane behind which there is as much of the solver's kernel.
 struct ColorGradient {
   NeighborView neighbors;
   Poly6Kernel kernel;
-  float particleVolume;
+  float particleVolume, wallRadius, wallFactor;
   BoundaryView boundary;
+  ArrayView<const Vec4f> ofMeshes;  // ∇Φ and Φ; empty before walls were found
   ArrayView<const Vec3f> positions;
   WallColor walls;
 
@@ -63,28 +65,17 @@ struct ColorGradient {
     forEachNeighbor(i, neighbors, [&](int j) { sum += kernel.gradient(p - positions[j]); });
     walls.gradient[i] = particleVolume * sum;
     walls.wall[i] = {0, 0, 0, walls.radius};
+    if (i < ofMeshes.size) addMeshes(i, ofMeshes[i]);
     if (!mayTouch(boundary, walls.radius, p)) return;
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
       forEachWall(piece, p, [&](float distance, const Vec3f& normal) { walls.add(i, distance, normal); });
     });
   }
-};
 
-/// Of solids given by meshes: as of a plane behind which there is as much of the solver's kernel.
-struct ColorOfSolids {
-  ArrayView<const int> near;
-  SolidPairsView pairs;
-  ArrayView<const Vec4f> each;
-  float wallRadius, wallFactor;
-  WallColor walls;
-
-  WEIR_HD void operator()(std::int64_t n) const {
-    const int i = near[n];
-    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
-      const Vec3f inwards = xyz(each[pair]);
-      const float steep = length(inwards);
-      if (steep > 0) walls.add(i, planeOf(each[pair].w / wallFactor) * wallRadius, inwards / -steep);
-    }
+ private:
+  WEIR_HD void addMeshes(std::int64_t i, const Vec4f& found) const {
+    const float steep = length(xyz(found));
+    if (steep > 0) walls.add(i, planeOf(found.w / wallFactor) * wallRadius, xyz(found) / -steep);
   }
 };
 
@@ -280,14 +271,12 @@ void CapillaryForce::findNormals(Backend& device, FluidStep& fluid) {
   const NeighborView neighbors = fluid.neighbors.view();
   const Poly6Kernel kernel(c.supportRadius);
   const auto positions = fluid.particles.positions().read();
-  WallField& walls = fluid.walls;
+  const WallField& walls = fluid.walls;
   const WallColor color{c.supportRadius, gradient_.view(), wall_.view()};
-  parallelFor(device, "color gradient", fluid.particles.count(),
-              ColorGradient{neighbors, kernel, c.particleVolume, walls.boundary.boundary, positions, color});
-  if (!walls.empty())
-    parallelForUneven(device, "color of solids", walls.pairs.nearCount(),
-                      ColorOfSolids{walls.pairs.near(), walls.pairs.view(), std::as_const(walls.each).view(),
-                                    c.wallRadius, c.wallFactor, color});
+  parallelFor(
+      device, "color gradient", fluid.particles.count(),
+      ColorGradient{neighbors, kernel, c.particleVolume, c.wallRadius, c.wallFactor, walls.boundary.boundary,
+                    walls.empty() ? ArrayView<const Vec4f>{} : walls.total.view(), positions, color});
   fluid.exchange(gradient_.view());
   const float angle = contactAngle * kDegree;
   parallelFor(device, "surface normal", fluid.particles.count(),
