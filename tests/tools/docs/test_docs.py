@@ -89,7 +89,7 @@ class CheckedPage(unittest.TestCase):
         self.assertEqual(self.check("The defaced facade of 1234567 particles in 2026.\n").mistakes, [])
 
     def test_code_must_stand_in_its_file(self):
-        mark = "<!-- check: from framework/graph/plugin.h -->\n"
+        mark = "<!-- check: from framework/graph/plugin_header.h -->\n"
         right = "```cpp\nstruct PluginHeader {\n  int interfaceVersion;\n  …\n  char doc[256];\n```\n"
         self.assertEqual(self.check(mark + right).counts["compared"], 1)
         self.expect_mistake(mark + right.replace("256", "255"), 2, "char doc[255];")
