@@ -1,4 +1,5 @@
 #include "nodes/fluid_surface/particle_kernels.h"
+#include "framework/base/clamped.h"
 #include "framework/compute/lanes.h"
 #include "framework/compute/reductions.h"
 #include "nodes/fluid_surface/symmetric_eigen.h"
@@ -113,8 +114,6 @@ struct MakeKernel {
   }
 
  private:
-  WEIR_HD static float clamped(float x, float lo, float hi) { return x < lo ? lo : (x > hi ? hi : x); }
-
   /// Σ w with one particle in each d³: ∫ w = 2π/3·R³.
   WEIR_HD float fullWeight() const {
     const float ratio = settings.radius / settings.spacing;

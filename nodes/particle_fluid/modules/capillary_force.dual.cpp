@@ -1,5 +1,6 @@
 #include "nodes/particle_fluid/modules/capillary_force.h"
 
+#include "framework/base/clamped.h"
 #include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/modules/viscous_walls.h"
@@ -11,16 +12,6 @@
 namespace weir {
 
 namespace {
-
-WEIR_HD float within(float x, float least, float most) {
-  return x < least ? least : (x > most ? most : x);
-}
-
-/// From 0 at `from` and below to 1 at `to` and above.
-WEIR_HD float smoothStep(float from, float to, float x) {
-  const float t = within((x - from) / (to - from), 0, 1);
-  return t * t * (3 - 2 * t);
-}
 
 /// The share of the poly6 kernel behind a plane at q·H, q at least 0.
 WEIR_HD float colorBehind(float q) {
@@ -95,7 +86,7 @@ struct Contact {
   /// nearly parallel to the wall, as that of a film is, it is taken as it is.
   WEIR_HD float steepness(const Vec3f& g, const Vec3f& n, const Vec3f& w, float distance) const {
     constexpr float kParallel = 0.1f, kAcross = 0.5f;  // squared sines
-    const float across = dot(n, w), sine2 = within(1 - across * across, kParallel, 1);
+    const float across = dot(n, w), sine2 = clamped(1 - across * across, kParallel, 1);
     const float seen = 1 - colorBehind(distance / (radius * std::sqrt(sine2)));
     const float plain = dot(g, n), extended = dot(g - dot(g, w) * w, n) / (sine2 * seen);
     return plain + smoothStep(kParallel, kAcross, sine2) * (extended - plain);
@@ -144,22 +135,22 @@ struct TangentFit {
     aa += w * a * a, ab += w * a * b, bb += w * b * b;
     ua += w * u * a, ub += w * u * b, va += w * v * a, vb += w * v * b;
   }
-  /// tr S and det S, at most `most` and its square; 0 where there is nothing to fit.
-  WEIR_HD Vec2f curvature(float most) const {
+  /// tr S and det S, at most `max` and its square; 0 where there is nothing to fit.
+  WEIR_HD Vec2f curvature(float max) const {
     constexpr float kLift = 0.01f;  // for neighbours along one line
     const float lift = kLift * (aa + bb), p = aa + lift, q = bb + lift, det = p * q - ab * ab;
     if (!(det > 0)) return {};
     const float saa = (ub * ab - ua * q) / det, sab = (ua * ab - ub * p) / det;
     const float sba = (vb * ab - va * q) / det, sbb = (va * ab - vb * p) / det;
-    const float square = most * most;
-    return {within(saa + sbb, -2 * most, 2 * most), within(saa * sbb - sab * sba, -square, square)};
+    const float square = max * max;
+    return {clamped(saa + sbb, -2 * max, 2 * max), clamped(saa * sbb - sab * sba, -square, square)};
   }
 };
 
 struct Curvature {
   NeighborView neighbors;
   Poly6Kernel kernel;
-  float most;  // of a principal curvature, 1/m
+  float max;  // of a principal curvature, 1/m
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> normal;
   ArrayView<Vec3f> curvature;
@@ -178,7 +169,7 @@ struct Curvature {
       const Vec3f way = positions[j] - p, turn = xyz(other) - n;
       fit.add(other.w * kernel.value(way), dot(way, a), dot(way, b), dot(turn, a), dot(turn, b));
     });
-    const Vec2f found = fit.curvature(most);
+    const Vec2f found = fit.curvature(max);
     curvature[i] = {found.x, found.y, own.w};
   }
 };
@@ -208,7 +199,7 @@ struct SmoothCurvature {
 
 /// By volume, N/m³; with δ.
 struct SurfaceForce {
-  float tension, airPressure, depth, most;
+  float tension, airPressure, depth, max;
   ArrayView<const Vec4f> normal;
   ArrayView<const Vec3f> once, twice;
 
@@ -224,7 +215,7 @@ struct SurfaceForce {
   WEIR_HD float ofSurface(float mean, float gauss) const {
     constexpr float kLeast = 0.3f;  // where it is bent into the fluid by more than particles show
     const float shrunk = 1 + depth * (mean + depth * gauss);
-    return within((mean + 2 * depth * gauss) / (shrunk > kLeast ? shrunk : kLeast), -most, most);
+    return clamped((mean + 2 * depth * gauss) / (shrunk > kLeast ? shrunk : kLeast), -max, max);
   }
 };
 
