@@ -12,6 +12,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   set(WEIR_FORTIFY_LEVEL 2)
 endif()
 
+# Of no use with a compiler cache, which finds less in it: each target has its own.
+option(WEIR_PRECOMPILED_HEADERS "Compile headers of the standard library once for each target" OFF)
+
 # Flags, include root and sanitizers of one target.
 function(weir_configure_target target)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
@@ -31,6 +34,9 @@ function(weir_configure_target target)
   # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND warnings -Wno-restrict)
+    if(WEIR_PRECOMPILED_HEADERS)
+      list(APPEND warnings -Wno-stringop-overflow -Wno-stringop-overread)
+    endif()
   endif()
   # Vectors wider than the processor's registers (framework/compute/lanes.h) only pass between inline functions,
   # so how they are passed does not matter.
@@ -43,9 +49,10 @@ function(weir_configure_target target)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${warnings};-ffp-contract=off;-fno-math-errno>)
   # Which kernels the target holds decides what `dispatch` may choose from, so it is no property of the libraries
   # that it links.
-  if(WEIR_CPU_ISAS)
-    target_compile_definitions(${target} PRIVATE WEIR_HAS_CPU_ISAS)
-  endif()
+  foreach(isa ${WEIR_CPU_ISAS})
+    string(TOUPPER ${isa} isa)
+    target_compile_definitions(${target} PRIVATE WEIR_HAS_${isa})
+  endforeach()
   if(WEIR_HAS_CUDA)
     target_compile_definitions(${target} PRIVATE WEIR_HAS_CUDA)
     # nvcc's host pass leaves copies of inline functions that the linker may choose, so it compiles alike.
@@ -120,12 +127,18 @@ function(weir_add_source_files target)
   set(cuda_sources ${ARGN})
   list(FILTER cuda_sources INCLUDE REGEX "\\.cu$")
   target_sources(${target} PRIVATE ${host_sources})
+  list(LENGTH host_sources count)
+  if(WEIR_PRECOMPILED_HEADERS AND count GREATER 10)  # each takes as long as it saves in five sources
+    target_precompile_headers(
+      ${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/standard_headers.h>")
+  endif()
   foreach(isa ${WEIR_CPU_ISAS})
     foreach(source ${dual_sources})
       file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${source})
       set(wrapper ${PROJECT_BINARY_DIR}/isa/${isa}/${relative})
       file(CONFIGURE OUTPUT ${wrapper} CONTENT "#include \"${source}\"\n" @ONLY)
-      set_source_files_properties(${wrapper} PROPERTIES COMPILE_OPTIONS "${WEIR_CPU_ISA_OPTIONS_${isa}}")
+      set_source_files_properties(${wrapper} PROPERTIES COMPILE_OPTIONS "${WEIR_CPU_ISA_OPTIONS_${isa}}"
+                                                        SKIP_PRECOMPILE_HEADERS ON)
       target_sources(${target} PRIVATE ${wrapper})
     endforeach()
   endforeach()

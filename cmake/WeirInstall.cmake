@@ -46,7 +46,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/WeirConfig.cmake.in ${
                               INSTALL_DESTINATION ${weir_package} NO_CHECK_REQUIRED_COMPONENTS_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/WeirConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/WeirConfig.cmake ${PROJECT_BINARY_DIR}/WeirConfigVersion.cmake
-              cmake/WeirCompile.cmake cmake/WeirCpuIsas.cmake cmake/WeirCuda.cmake
+              cmake/WeirCompile.cmake cmake/WeirCpuIsas.cmake cmake/WeirCuda.cmake cmake/standard_headers.h
         DESTINATION ${weir_package})
 install(EXPORT Weir NAMESPACE Weir:: FILE WeirTargets.cmake DESTINATION ${weir_package})
 

@@ -19,10 +19,12 @@ bool processorHas(CpuIsa isa) {
   switch (isa) {
     case CpuIsa::kBaseline:
       return true;
-#ifdef WEIR_HAS_CPU_ISAS
     // These ask the operating system, too, whether it keeps the wide registers.
+#ifdef WEIR_HAS_AVX2
     case CpuIsa::kAvx2:
       return __builtin_cpu_supports("x86-64-v3");
+#endif
+#ifdef WEIR_HAS_AVX512
     case CpuIsa::kAvx512:
       return __builtin_cpu_supports("x86-64-v4");
 #endif

@@ -1,6 +1,6 @@
 // From a Device to the kernels of its back end.
 //
-// What a target is compiled with (WEIR_HAS_CUDA, WEIR_HAS_CPU_ISAS) matters here and in few other places, so
+// What a target is compiled with (WEIR_HAS_CUDA, WEIR_HAS_AVX2, WEIR_HAS_AVX512) matters here and in few other places, so
 // that all other sources are compiled alike with and without CUDA, and ccache compiles them once.
 #pragma once
 
@@ -24,8 +24,10 @@ decltype(auto) dispatch(Device& device, F&& f) {
   if (device.kind() == DeviceKind::kCuda) detail::throwNoCudaKernels();
 #endif
   CpuDevice& cpu = static_cast<CpuDevice&>(device);
-#ifdef WEIR_HAS_CPU_ISAS
+#ifdef WEIR_HAS_AVX512
   if (cpu.isa() == CpuIsa::kAvx512) return f(static_cast<CpuAvx512&>(cpu));
+#endif
+#ifdef WEIR_HAS_AVX2
   if (cpu.isa() == CpuIsa::kAvx2) return f(static_cast<CpuAvx2&>(cpu));
 #endif
   return f(cpu);

@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 # Warnings that GCC alone knows, and constants that nvcc alone reads.
 EXTRA = ["-fsyntax-only", "-Werror", "-Wno-unknown-warning-option", "-Wno-unused-const-variable"]
-GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_CPU_ISAS", "-femit-class-debug-always")
+GCC_ALONE = ("-Winvalid-pch", "-DWEIR_HAS_AVX2", "-DWEIR_HAS_AVX512", "-femit-class-debug-always")
 LEFT_OUT = ("/isa/", "nanobind/src", "_interface.dir/")  # the last: once more, for check_abi.py
 
 
