@@ -21,6 +21,7 @@
 #include "nodes/particle_fluid/modules/solid_approach.h"
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/surface_tension.h"
+#include "nodes/particle_fluid/modules/two_projections.h"
 #include "nodes/particle_fluid/modules/viscosity_solver.h"
 #include "nodes/particle_fluid/modules/vorticity_confinement.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
@@ -70,6 +71,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<AcceleratedSolver>();
   registry.addService<MovedParameters>("SemiImplicitSolver", movedFromSemiImplicitSolver);
   registry.addModule<Pbf>();
+  registry.addModule<TwoProjections>();
   registry.addModule<ViscositySolver>();
   registry.addModule<Xsph>();
   registry.addModule<SurfaceTension>();

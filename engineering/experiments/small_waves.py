@@ -4,8 +4,9 @@
   python3 engineering/experiments/small_waves.py [NAME=VALUE…]
 
 The first mode of a tank of 1 m, 0.4 m deep, periodic across, starts with the velocities of potential flow; its
-closed form has ω² = g·k·tanh(k·h). With ends=0 the tank is periodic along, too, and the wave is 1 m long: deep enough
-for the floor to matter little. With mesh=1 the walls are a mesh of SemiAnalyticalSFI. With relief = 1 each step begins with
+closed form has ω² = g·k·tanh(k·h). With projections=1 (and modulus=0) its solver is TwoProjections with this
+`smoothing`. With ends=0 the tank is periodic along, too, and the wave is 1 m long: deep enough for the floor to matter
+little. With mesh=1 the walls are a mesh of SemiAnalyticalSFI. With relief = 1 each step begins with
 
   v_i ← v_i + (dt/ρ0)·Σ_j V0·(D_i + D_j)·|W'|/r·r_ij,   D_i = K·(λ_i − 1)·dev(M_i)/m_i,   M_i = Σ_j V0·|W'|/r·r⊗r,
 
@@ -23,7 +24,8 @@ LENGTH, DEPTH, G = 1.0, 0.4, 9.8
 # Lengths in m, but width in spacings; m/s, Pa, s. modulus=0 leaves it and the tolerance to the program; the relief
 # needs pressures that are better known than by the default tolerance.
 SETTINGS = dict(spacing=0.04, ratio=2.0, width=8, speed=0.2, dt=2e-3, modulus=1e6, tolerance=1e-4, viscosity=0,
-                relief=0.0, memory=0.01, spread=1, duration=1.5, still=0, ends=1, mesh=0)
+                relief=0.0, memory=0.01, spread=1, duration=1.5, still=0, ends=1, mesh=0, projections=0,
+                smoothing=1.0)
 
 
 def tank(s):
@@ -39,6 +41,8 @@ def tank(s):
     if s["modulus"] > 0:
         water.set(bulk_modulus=s["modulus"])
         water.modules["solver"].set(tolerance=s["tolerance"])
+    if s["projections"]:
+        water.modules.replace("solver", "TwoProjections", smoothing=s["smoothing"])
     water.modules["viscosity"].enabled = bool(s["viscosity"])
     block.particles >> water.initial
     if s["mesh"]:

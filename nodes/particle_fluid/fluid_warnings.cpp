@@ -71,12 +71,14 @@ void warnOfStiffness(const FluidOutlook& outlook, const std::string& where) {
 
 }  // namespace
 
-void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const SetupContext& context) {
+void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const SetupContext& context,
+                 bool hasModulus) {
   const std::string where = fmt::format("node '{}'", outlook.node);
   if (!context.stepsVary) {
     warnOfFall(outlook, where, length(context.gravity));
     warnOfSpeed(outlook, where, fluid.speed);
   }
+  if (!hasModulus) return;
   warnOfWeight(outlook, where);
   warnOfStiffness(outlook, where);
 }

@@ -16,7 +16,9 @@ struct InitialFluid {
 double hydrostaticPressure(const InitialFluid& fluid, const Vec3f& gravity, double restDensity);
 
 /// Warns of: gravity or a first speed that carries particles too far in a step, where steps are equal; a
-/// fluid that its own weight compresses noticeably, or by so little that rounding hides it.
-void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const SetupContext& context);
+/// fluid that its own weight compresses noticeably, or by so little that rounding hides it, if its solver has
+/// a bulk modulus.
+void warnOfFluid(const FluidOutlook& outlook, const InitialFluid& fluid, const SetupContext& context,
+                 bool hasModulus);
 
 }  // namespace weir

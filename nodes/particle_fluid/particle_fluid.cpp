@@ -410,7 +410,7 @@ void ParticleFluid::warnOfSettings(const SetupContext& context) {
                              .pressure = hydrostaticPressure(there, context.gravity, restDensity),
                              .log = context.log,
                              .node = name()};
-  warnOfFluid(outlook, there, context);
+  warnOfFluid(outlook, there, context, pressureLaw() != nullptr);
   pipeline_.forEachEnabled("warn", [&](FluidModule& module) { module.warn(outlook); });
 }
 

@@ -99,6 +99,7 @@ const std::map<std::string, const char*> kMoreNodes{{"BodyContacts", kBody}, {"J
 
 /// Modules that take the place of another one; all others stand before "predict".
 const std::map<std::string, std::string> kInPlaceOf{{"Pbf", "solver"},
+                                                    {"TwoProjections", "solver"},
                                                     {"Dfsph", "solver"},
                                                     {"AcceleratedSolver", "solver"},
                                                     {"SemiImplicitSolver", "solver"}};

@@ -18,6 +18,7 @@ import in_motion
 import program
 import report
 import surfaces
+import waves
 import without_ends
 
 
@@ -47,6 +48,7 @@ CHECKS = [
     Check("efflux", "Efflux from a hole", in_motion.efflux, long=True),
     Check("dam_front", "The front of a dam break", in_motion.dam_front),
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
+    Check("small_wave", "A small wave", waves.small_wave),
     Check("drop", "A drop", in_motion.drop),
     Check("laplace", "Pressure in drops", surfaces.laplace),
     Check("swinging_drop", "A drop that swings", surfaces.swinging_drop),

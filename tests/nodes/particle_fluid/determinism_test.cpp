@@ -58,15 +58,18 @@ std::vector<Scene> scenes() {
   const std::string conjugate =
       R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 5, "acceleration": "conjugate"}})";
   const std::string plain = R"("solver": {"type": "SemiImplicitSolver"})";
-  return {{"what a scene gets that says nothing", splash("", kTank, kTankLink)},
-          {"walls of signed distance", splash(plain, kTank, kTankLink)},
-          {"a tolerance", splash(tolerant, kTank, kTankLink)},
-          {"a tolerance and mixtures", splash(momentum, kTank, kTankLink)},
-          {"conjugate gradients", splash(conjugate, kTank, kTankLink)},
-          {"conjugate gradients and meshes", splash(conjugate, kMeshes, kMeshLinks)},
-          {"position based fluids", splash(R"("solver": {"type": "Pbf"})", kTank, kTankLink)},
-          {"meshes", splash(plain, kMeshes, kMeshLinks)},
-          {"meshes and a tolerance", splash(tolerant, kMeshes, kMeshLinks)}};
+  return {
+      {"what a scene gets that says nothing", splash("", kTank, kTankLink)},
+      {"walls of signed distance", splash(plain, kTank, kTankLink)},
+      {"a tolerance", splash(tolerant, kTank, kTankLink)},
+      {"a tolerance and mixtures", splash(momentum, kTank, kTankLink)},
+      {"conjugate gradients", splash(conjugate, kTank, kTankLink)},
+      {"conjugate gradients and meshes", splash(conjugate, kMeshes, kMeshLinks)},
+      {"position based fluids", splash(R"("solver": {"type": "Pbf"})", kTank, kTankLink)},
+      {"two projections", splash(R"("solver": {"type": "TwoProjections"})", kTank, kTankLink)},
+      {"two projections and meshes", splash(R"("solver": {"type": "TwoProjections"})", kMeshes, kMeshLinks)},
+      {"meshes", splash(plain, kMeshes, kMeshLinks)},
+      {"meshes and a tolerance", splash(tolerant, kMeshes, kMeshLinks)}};
 }
 
 using Bits = std::map<std::string, std::vector<unsigned char>>;

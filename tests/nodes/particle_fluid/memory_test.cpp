@@ -62,6 +62,7 @@ const std::vector<Variant> kVariants{
     {R"("solver": {"type": "AcceleratedSolver", "params": {"tolerance": 0.01, "max_iterations": 3, "acceleration": "conjugate"}})",
      "", "", ""},
     {R"("solver": {"type": "Pbf"}, "viscosity": {"params": {"form": "implicit"}})", "", "", ""},
+    {R"("solver": {"type": "TwoProjections"})", "", "", ""},
     {R"("viscous": {"type": "ViscositySolver", "after": "walls"})", "", kSolids, kSolidLinks},
     {R"("tension": {"type": "SurfaceTension", "after": "viscosity", "params": {"coefficient": 0.001}},
         "drops": {"type": "CapillaryForce", "after": "viscosity", "params": {"tension": 0.01}},
@@ -93,7 +94,7 @@ TEST(FluidMemory, ComesToWhatIsEstimated) {
 }
 
 TEST(FluidMemory, GrowsWithoutASpike) {
-  for (const std::string& modules : {kVariants[0].modules, kVariants[7].modules}) {
+  for (const std::string& modules : {kVariants[0].modules, kVariants[8].modules}) {
     CpuDevice device(2);
     // Nobody expects an end, so room is made by and by.
     SimulatedScene scene(device, sceneOf({modules, R"(, "domain_max": [9, 9, 9])", "", ""}),

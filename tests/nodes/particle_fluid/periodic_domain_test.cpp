@@ -81,6 +81,7 @@ std::vector<std::pair<const char*, Value>> pipelines(int iterations) {
       {"global step", with("global", nullptr, {})},
       {"Pbf",
        object({{"solver", object({{"type", "Pbf"}, {"params", object({{"iterations", iterations}})}})}})},
+      {"TwoProjections", object({{"solver", object({{"type", "TwoProjections"}})}})},
       {"Nesterov", accelerated("nesterov")},
       {"conjugate gradients", accelerated("conjugate")}};
 }

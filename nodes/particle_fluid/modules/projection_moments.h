@@ -1,0 +1,81 @@
+// What TwoProjections (two_projections.h) finds at the beginning of a step: N, and how fast fluid may close
+// up.
+#pragma once
+
+#include "nodes/particle_fluid/modules/projection_packing.h"
+#include "nodes/particle_fluid/modules/projection_walls.h"
+
+namespace weir::projection {
+
+/// x* − dt·v*.
+struct Begin {
+  float dt, toQ;
+  ArrayView<const Vec3f> positions, velocities;
+  ArrayView<const float> pressure;
+  ArrayView<Vec4f> state;
+  ArrayView<Vec3f> u;
+  ArrayView<float> q;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f v = velocities[i], p = positions[i] - dt * v;
+    state[i] = {p.x, p.y, p.z, 0};
+    u[i] = v;
+    q[i] = toQ * pressure[i];
+  }
+};
+
+/// s: how fast fluid of that relative density may close up. What is compressed by more than corrections of
+/// positions leave has to expand, as these reach a neighbour at a time.
+WEIR_HD inline float roomFor(float lambda, float dt) {
+  constexpr float kClosing = 0.02f;  // s, in which fluid just below rest density closes up
+  constexpr float kCompressed = 0.003f;
+  constexpr float kFree = 0.1f;  // what is further below does so as it likes
+  const float below = 1 - lambda;
+  if (below < -kCompressed) return (below + kCompressed) / kClosing;
+  if (below < 0) return 0;
+  return below / kClosing + (below > kFree ? (below - kFree) / dt : 0.0f);
+}
+
+/// N; Σ k·(n·N·n)·n over the planes of walls; s less what their motion adds to D·v.
+struct FindMoments {
+  ProjectionPacking packing;
+  FeltWalls walls;
+  WallPlanes planes;
+  float dt;
+  ArrayView<const Vec3f> velocities;
+  ArrayView<Vec3f> diagonal, off, wall;
+  ArrayView<float> room;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f p = xyz(packing.state[i]);
+    SymmetricTensor moments{};
+    const SpikyKernel& kernel = packing.gradient.kernel;
+    float sum = kernel.value0;
+    packing.forEach(i, [&](int, const Vec3f& g, const Vec3f& r) {
+      const float far = sqrtf(dot(r, r));
+      sum += kernel.value(far);
+      if (far > 0) moments.addSquare(sqrtf(dot(g, g)) / far, r);
+    });
+    float lambda = packing.gradient.particleVolume * sum;
+    if (!walls.empty()) lambda += walls.lambda(i, -dt * velocities[i], p);
+    planes.forEach(i, p, [&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
+    write(i, p, inverseOf(moments), lambda);
+  }
+
+ private:
+  WEIR_HD void write(std::int64_t i, const Vec3f& p, const SymmetricTensor& n, float lambda) const {
+    Vec3f push{};
+    float moving = 0;
+    planes.forEach(i, p, [&](const WallPlane& of) {
+      const float k = of.push * dot(of.normal, n * of.normal);
+      push += k * of.normal;
+      moving += k * dot(of.normal, of.velocity);
+    });
+    diagonal[i] = n.diagonal;
+    off[i] = n.off;
+    wall[i] = push;
+    room[i] = roomFor(lambda, dt) - moving;
+  }
+};
+
+}  // namespace weir::projection

@@ -1,0 +1,77 @@
+// What the passes of TwoProjections (two_projections.h) know of each particle, and sums over its pairs.
+#pragma once
+
+#include "nodes/particle_fluid/density.h"
+#include "nodes/particle_fluid/displacement.h"
+
+namespace weir {
+
+/// A symmetric matrix, by its two parts.
+struct SymmetricTensor {
+  Vec3f diagonal, off;  // xx, yy, zz; xy, xz, yz
+
+  WEIR_HD Vec3f operator*(const Vec3f& r) const {
+    return {diagonal.x * r.x + off.x * r.y + off.y * r.z, off.x * r.x + diagonal.y * r.y + off.z * r.z,
+            off.y * r.x + off.z * r.y + diagonal.z * r.z};
+  }
+  WEIR_HD void addSquare(float weight, const Vec3f& r) {
+    diagonal += weight * Vec3f{r.x * r.x, r.y * r.y, r.z * r.z};
+    off += weight * Vec3f{r.x * r.y, r.x * r.z, r.y * r.z};
+  }
+  WEIR_HD float determinant() const {
+    const Vec3f d = diagonal, o = off;
+    return d.x * (d.y * d.z - o.z * o.z) - o.x * (o.x * d.z - o.z * o.y) + o.y * (o.x * o.z - d.y * o.y);
+  }
+};
+
+/// Of moments, made regular where neighbours are few or lie in a plane.
+WEIR_HD inline SymmetricTensor inverseOf(SymmetricTensor m) {
+  constexpr float kLeastDeterminant = 0.1f, kLeastMean = 0.25f;  // both are about 1 inside the fluid
+  const float mean = (m.diagonal.x + m.diagonal.y + m.diagonal.z) / 3;
+  const float flat = 1 - m.determinant() / (mean * mean * mean + 1e-12f) / kLeastDeterminant;
+  float more = mean < kLeastMean ? kLeastMean - mean : 0.0f;
+  if (flat > 0) more += 0.5f * (flat < 2 ? flat : 2.0f) * (mean > 0.3f ? mean : 0.3f);
+  m.diagonal += Vec3f{more, more, more};
+  const Vec3f d = m.diagonal, o = m.off;
+  const float scale = 1 / m.determinant();
+  return {scale * Vec3f{d.y * d.z - o.z * o.z, d.x * d.z - o.y * o.y, d.x * d.y - o.x * o.x},
+          scale * Vec3f{o.y * o.z - o.x * d.z, o.x * o.z - o.y * d.y, o.x * o.y - o.z * d.x}};
+}
+
+/// a·r for r = x_j − x_i.
+struct ConsistentPair {
+  SpikyKernel kernel;
+  float particleVolume, shortest;  ///< closer pairs are treated as this far apart, m
+
+  /// Particles in one place would stay there for ever, so `sign`, opposite for the two, then gives the
+  /// direction.
+  WEIR_HD Vec3f operator()(Vec3f r, float sign) const {
+    float far = sqrtf(dot(r, r));
+    if (far < shortest) {
+      if (far == 0) r.x = sign * shortest;
+      far = shortest;
+    }
+    return (particleVolume * kernel.slope(far) / far) * r;
+  }
+};
+
+/// All that the passes know of the particles at the beginning of a step.
+struct ProjectionPacking {
+  NeighborView neighbors;
+  ConsistentPair gradient;
+  ArrayView<const Vec4f> state;
+  ArrayView<const Vec3f> diagonal, off, wall;
+
+  WEIR_HD SymmetricTensor tensor(std::int64_t i) const { return {diagonal[i], off[i]}; }
+  /// f(j, a·r, r) of all neighbours.
+  template <class F>
+  WEIR_HD void forEach(std::int64_t i, const F& f) const {
+    const Vec3f p = xyz(state[i]);
+    forEachNeighbor(i, neighbors, [&](int j) {
+      const Vec3f r = xyz(state[j]) - p;
+      f(j, gradient(r, j > i ? 1.0f : -1.0f), r);
+    });
+  }
+};
+
+}  // namespace weir

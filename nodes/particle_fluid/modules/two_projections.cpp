@@ -1,0 +1,63 @@
+#include "nodes/particle_fluid/modules/two_projections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/graph/setting_warning.h"
+#include "nodes/particle_fluid/modules/projection_packing.h"
+#include "nodes/particle_fluid/scratch.h"
+
+namespace weir {
+
+void TwoProjections::reset(FluidStep& fluid) {
+  record_ = {};
+  pressure_ = fluid.particles.add<float>({"projection_pressure", AttributeType::kFloat, "Pa",
+                                          "Pressure that has kept velocities free of divergence."});
+}
+
+void TwoProjections::warn(const FluidOutlook& outlook) const {
+  constexpr double kLeastRatio = 1.8;
+  const double ratio = outlook.constants.supportRadius / outlook.constants.spacing;
+  if (ratio >= kLeastRatio * (1 - kSettingRounding)) return;
+  outlook.warn(
+      *this,
+      fmt::format("with a support_ratio of {:.3g} the layers at walls move against each other, unseen by "
+                  "its operator",
+                  ratio),
+      "a support_ratio of 2, or another solver");
+}
+
+void TwoProjections::fit(FluidStep& fluid) {
+  fitScratch(fluid, state_, diagonal_, off_, wall_, u_, push_, rowX_, rowY_, rowZ_, q_, room_, source_,
+             residual_, direction_, product_, preconditioner_);
+  if (sums_.data() != nullptr) return;
+  sums_ = Array<Vec4f>(fluid.device, 2 * kTogether);
+  active_ = Array<int>(fluid.device, 1);
+}
+
+ProjectionPacking TwoProjections::packingOf(FluidStep& fluid) {
+  constexpr float kShortest = 1e-4f;  // spacings
+  const FluidConstants& c = fluid.constants;
+  return {fluid.neighbors.view(),
+          {c.kernel, c.particleVolume, kShortest * c.spacing},
+          state_.view(),
+          diagonal_.view(),
+          off_.view(),
+          wall_.view()};
+}
+
+double TwoProjections::memory(const FluidRoom& room) const {
+  return bytesOfArrays(room.particles, state_, diagonal_, off_, wall_, u_, push_, rowX_, rowY_, rowZ_, q_,
+                       room_, source_, residual_, direction_, product_, preconditioner_) +
+         room.particles * sizeof(float);
+}
+
+void TwoProjections::report(NodeReport& report) {
+  const Record& done = record_;
+  report.statistics["projection_iterations"] =
+      double(done.iterations) / double(std::max<std::int64_t>(done.steps, 1));
+  report.events.push_back({"steps in which the projection did not come to its tolerance", done.unfinished});
+}
+
+}  // namespace weir
