@@ -20,11 +20,10 @@
 // 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take.
 #pragma once
 
-#include "framework/base/api.h"
 #include "framework/compute/dispatch.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
-namespace WEIR_API weir {
+namespace weir {
 
 struct ProjectionPacking;
 
