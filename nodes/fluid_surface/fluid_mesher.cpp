@@ -10,10 +10,12 @@ FluidMesher::FluidMesher(Device& device, const FluidMeshSettings& settings, floa
       field_(device),
       cubes_(device),
       smoother_(device),
+      spray_(device),
       settings_{.spacing = spacing,
                 .radius = settings.kernelRadius * spacing,
                 .smoothing = settings.smoothing,
-                .anisotropy = settings.anisotropy},
+                .anisotropy = settings.anisotropy,
+                .leavesSpray = settings.leavesSpray},
       meshSmoothing_(settings.meshSmoothing),
       cell_(settings.cellSize * spacing),
       level_(settings.level ? *settings.level : flatLevel(device, settings_)) {
@@ -28,6 +30,7 @@ void FluidMesher::make(ParticleSet& particles, DynamicMesh& mesh) {
   field_.make(device_, kernels_, cell_);
   cubes_.extract(device_, field_.grid(), level_, mesh);
   smoother_.smooth(device_, mesh, meshSmoothing_);
+  if (settings_.leavesSpray) spray_.make(device_, kernels_, particles, settings_.spacing);
 }
 
 }  // namespace weir

@@ -10,6 +10,7 @@
 #include "nodes/fluid_surface/kernel_field.h"
 #include "nodes/fluid_surface/marching_cubes.h"
 #include "nodes/fluid_surface/mesh_smoother.h"
+#include "nodes/fluid_surface/spray.h"
 
 namespace WEIR_API weir {
 
@@ -21,6 +22,7 @@ struct FluidMeshSettings {
   float anisotropy = 4;
   int meshSmoothing = 0;
   std::optional<float> level;  ///< none: a flat surface is half a spacing outside of the particles
+  bool leavesSpray = false;    ///< what is not full fluid is no part of the mesh, but becomes drops
 };
 
 class FluidMesher {
@@ -34,6 +36,8 @@ class FluidMesher {
 
   /// The field's value at the surface.
   float level() const { return level_; }
+  /// Of the last particles, if that is left out; else none.
+  const Spray& spray() const { return spray_; }
   /// Of the last mesh: particles that were too far away, and blocks of the grid.
   std::int64_t leftOut() const { return leftOut_; }
   std::int64_t blocks() const { return field_.grid().blocks(); }
@@ -44,6 +48,7 @@ class FluidMesher {
   KernelField field_;
   MarchingCubes cubes_;
   MeshSmoother smoother_;
+  Spray spray_;
   KernelSettings settings_;
   int meshSmoothing_;
   float cell_;   // m

@@ -21,6 +21,7 @@ void ParticleKernels::make(Device& onDevice, ArrayView<const Vec3f> positions, s
   dispatch(onDevice, [&](auto& device) { sortOn(device, positions, count, grid, farthest); });
   size_ = kept_.toHost().front();
   kernels_.resizeDiscarding(size_);
+  spray_.resizeDiscarding(settings.leavesSpray ? size_ : 0);
   dispatch(onDevice, [&](auto& device) { makeOn(device, grid, count, settings); });
 }
 

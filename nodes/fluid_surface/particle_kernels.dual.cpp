@@ -104,6 +104,7 @@ struct MakeKernel {
   CellGrid grid;
   KernelSettings settings;
   ArrayView<ParticleKernel> kernels;
+  ArrayView<float> spray;  // none if that is not left out
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p{sorted.x[i], sorted.y[i], sorted.z[i]};
@@ -111,6 +112,10 @@ struct MakeKernel {
     const float share = moments.weight / fullWeight();
     const float blend = clamped((share - kLoneShare) / (kFullShare - kLoneShare), 0, 1);
     kernels[i] = kernelOf(p + settings.smoothing * meanOf(moments), covarianceOf(moments), blend);
+    if (spray.size == 0) return;
+    spray[i] = 1 - blend;
+    kernels[i].weight *= blend;
+    if (blend == 0) kernels[i].reach = -settings.radius * Vec3f{1, 1, 1};
   }
 
  private:
@@ -206,8 +211,9 @@ void ParticleKernels::sortOn(Backend& device, ArrayView<const Vec3f> positions, 
 template <class Backend>
 void ParticleKernels::makeOn(Backend& device, const CellGrid& grid, std::int64_t count,
                              const KernelSettings& settings) {
-  parallelFor(device, "surface kernels", size_,
-              MakeKernel{Columns(columns_, count), sort_.start(), grid, settings, kernels_.view()});
+  parallelFor(
+      device, "surface kernels", size_,
+      MakeKernel{Columns(columns_, count), sort_.start(), grid, settings, kernels_.view(), spray_.view()});
 }
 
 template void ParticleKernels::boundOn(ThisBackend&, ArrayView<const Vec3f>, std::int64_t, float);

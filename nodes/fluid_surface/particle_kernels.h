@@ -14,7 +14,9 @@
 // the square of a length: kernels at a surface are then less flat, and reach over the way that the mean has
 // moved their centres inwards. A particle with few others near it is a ball with a_k = a_0. The paper changes
 // from one to the other at a number of neighbours; here the axes are blended while Σ w grows from 0.1 to 0.3
-// of what it is in full fluid, so nothing jumps as particles come and go.
+// of what it is in full fluid, so nothing jumps as particles come and go. In the same way what is not full
+// fluid may be left out, as spray: φ then is the sum of (1 − s_i) times the kernels, where the share s_i
+// falls from 1 to 0.
 #pragma once
 
 #include "framework/base/api.h"
@@ -29,6 +31,7 @@ struct KernelSettings {
   float smoothing = 0;    ///< λ, from 0 to 1
   float anisotropy = 1;   ///< a, at least 1
   float loneAxis = 0.5f;  ///< a_0
+  bool leavesSpray = false;
 };
 
 /// V0·W(|G·(x − c)|)·det G of one particle, as q² = (x − c)ᵀ·M·(x − c).
@@ -36,13 +39,18 @@ struct ParticleKernel {
   Vec3f center;                  ///< c, m
   float weight = 0;              ///< V0·315/(64π)·det G
   float xx, yy, zz, xy, xz, yz;  ///< M = GᵀG, 1/m²
-  Vec3f reach;                   ///< half the box of the ellipsoid, m
+  Vec3f reach;                   ///< half the box of the ellipsoid, m; below 0: there is none
 };
 
 class ParticleKernels {
  public:
   explicit ParticleKernels(Device& device)
-      : sort_(device), columns_(device), kept_(device, 1), box_(device, 1), kernels_(device) {}
+      : sort_(device),
+        columns_(device),
+        kept_(device, 1),
+        box_(device, 1),
+        kernels_(device),
+        spray_(device) {}
 
   /// Makes them for the first `count` of these positions. Those that are not finite, or farther than
   /// `farthest` from the origin along any axis, have none. Waits for the device.
@@ -55,6 +63,9 @@ class ParticleKernels {
   /// How many there are.
   std::int64_t size() const { return size_; }
   const Array<ParticleKernel>& array() const { return kernels_; }
+  /// Of each kernel: the number of its particle, and the share s of it that is spray (if that is left out).
+  ArrayView<const int> particles() const { return sort_.order(); }
+  ArrayView<const float> spray() const { return spray_.view(); }
 
  private:
   template <class Backend>
@@ -71,6 +82,7 @@ class ParticleKernels {
   Array<int> kept_;
   Array<Aabb> box_;
   Array<ParticleKernel> kernels_;
+  Array<float> spray_;
   std::int64_t size_ = 0;
 };
 

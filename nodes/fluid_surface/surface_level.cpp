@@ -33,7 +33,9 @@ float flatLevel(Device& device, const KernelSettings& settings) {
         block.push_back(d * Vec3f{float(i) + 0.5f, -float(k) - 0.5f, float(j) + 0.5f});
   ParticleKernels kernels(device);
   const Array<Vec3f> positions(device, std::span<const Vec3f>(block));
-  kernels.make(device, positions.view(), positions.size(), settings, std::numeric_limits<float>::max());
+  KernelSettings whole = settings;
+  whole.leavesSpray = false;  // the block's own rim
+  kernels.make(device, positions.view(), positions.size(), whole, std::numeric_limits<float>::max());
   std::vector<ParticleKernel> near;
   for (const ParticleKernel& k : kernels.array().toHost(kernels.size()))
     if (std::abs(k.center.x) < 2 * settings.radius + d && std::abs(k.center.z) < 2 * settings.radius + d)

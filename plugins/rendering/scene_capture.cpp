@@ -10,6 +10,7 @@
 #include "nodes/fluid_surface/fluid_surface.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "nodes/white_water/white_water.h"
+#include "plugins/rendering/compute/frame_kernels.h"
 #include "plugins/rendering/plot_history.h"
 #include "plugins/rendering/shape_geometry.h"
 
@@ -78,8 +79,8 @@ std::unique_ptr<SceneSnapshot> SceneCapture::at(Simulation& simulation, std::uni
   snapshot->still = collected_ ? nullptr : collectStill(simulation);
   snapshot->frame = simulation.frame();
   snapshot->time = simulation.time();
-  captureFluids(simulation, *snapshot);
   captureFluidSurfaces(simulation, *snapshot);
+  captureFluids(simulation, *snapshot);
   snapshot->plotted = plottedNumbers(settings_.plots, simulation);
   const double before = std::max(0.0, simulation.time() - 1 / simulation.scene().world.frameRate.get());
   const auto poseAt = [](const RigidMotion* motion, double time) {
@@ -203,9 +204,13 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     ParticleSet& particles = (*output)->set();
     const std::int64_t count = particles.refreshCount();
     snapshot.particles += count;
-    if (!showsParticles(*output) || isClosedWater(node)) continue;
+    if (!showsParticles(*output)) continue;
     if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
     FluidSnapshot& to = snapshot.fluids[i++];
+    if (isClosedWater(node)) {
+      captureSpray(node, **output, to);
+      continue;
+    }
     to.node = node;
     to.spacing = (*output)->material.spacing;
     to.positions.start(particles.positions().read(), count);
@@ -227,6 +232,22 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
       snapshot.colorUnit = startColors(particles, by, "/render/color/by", count, to);
     }
   }
+}
+
+/// Of the surface that was made of the fluid.
+void SceneCapture::captureSpray(const std::string& node, const Particles& fluid, FluidSnapshot& to) const {
+  const Spray& spray = ownSurfaces_.at(node).mesher.spray();
+  to.node = node + " spray";
+  // So that drops are drawn half as large as they are, as foam is (shownShareOf).
+  constexpr float kHalf = shownShareOf(WhiteKind::kSpray) / shownShareOf(WhiteKind::kFoam);
+  to.spacing = 2 * kHalf * Spray::meanRadius() * fluid.material.spacing;
+  to.look = nullptr;
+  to.white = true;
+  to.kinds = false;
+  to.colorType = AttributeType::kFloat;
+  to.positions.start(spray.positions(), spray.size());
+  to.numbers<float>().start(spray.radii(), spray.size());
+  if (needs_.velocities) to.velocities.start(spray.velocities(), spray.size());
 }
 
 void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot) {
@@ -257,7 +278,8 @@ void SceneCapture::captureClosedWater(const Simulation& simulation, SceneSnapsho
     if (!isClosedWater(node) || !(*output)->exist() || !showsParticles(*output)) continue;
     if (first == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
     FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[first++];
-    captureMesh(meshOf(node, **output, {}), &**output, to);
+    const bool leavesSpray = breaksUp((*output)->material.spacing);
+    captureMesh(meshOf(node, **output, {.leavesSpray = leavesSpray}), &**output, to);
     to.node = node;
     to.look = SurfaceLook::kWater;
     to.color = settings_.color->fixed;

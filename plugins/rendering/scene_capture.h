@@ -98,8 +98,10 @@ class SceneSnapshot final : public Snapshot {
 
 /// What those who draw need beside what there is to see.
 struct CaptureNeeds {
-  bool velocities = false;   ///< of particles and of surfaces of fluids
-  bool closedWater = false;  ///< fluids of the look "water" as surfaces, in place of their particles
+  bool velocities = false;  ///< of particles and of surfaces of fluids
+  /// Fluids of the look "water" as surfaces, in place of their particles, and what of them is spray as white
+  /// water.
+  bool closedWater = false;
 };
 
 class SceneCapture {
@@ -117,6 +119,7 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const MovedMesh& moved,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  void captureSpray(const std::string& node, const Particles& fluid, FluidSnapshot& to) const;
   void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot);
   void captureClosedWater(const Simulation& simulation, SceneSnapshot& snapshot, std::size_t first);
   void captureMesh(const DynamicMesh& mesh, const Particles* fluid, FluidSurfaceSnapshot& to) const;

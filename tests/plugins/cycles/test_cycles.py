@@ -304,6 +304,26 @@ class Runs(WithFolder):
         difference = numpy.abs(pixels_of(again / names[3]) - seen).mean()
         self.assertLess(difference, 0.02)
 
+    def test_a_lone_particle_is_spray_and_no_ball(self):
+        scene = json.loads(json.dumps(SCENE))
+        place = numpy.array([0.7, 0.5, 0.1])
+        scene["nodes"]["drop"] = {"type": "BoxSampler", "params": {"min": list(place - 0.02), "max": list(place + 0.02)}}
+        scene["links"].append("drop.particles -> water.initial")
+        self.scene.write_text(json.dumps(scene))
+        run = self.folder / "run"
+        self.weir("run", self.scene, "--device", "cpu", "--blender", run, "--frames", "0")
+        frame = handover.Frame(run / "frame_00000.npz")
+        number, item = next((i, p) for i, p in enumerate(frame.scene["particles"]) if p["name"] == "water spray particles")
+        self.assertTrue(item["white"])
+        away = numpy.linalg.norm(frame.positions(number) - place, axis=1)
+        self.assertEqual((away < 0.06).sum(), 16)
+        radii = frame.array(f"particles{number}_radii")[away < 0.06]
+        self.assertTrue(0 < radii.min() and radii.max() < 0.01, radii)
+        self.assertEqual(len(frame.array(f"particles{number}_velocities")), len(away))
+        water = next(i for i, s in enumerate(frame.scene["surfaces"]) if s["name"] == "water")
+        vertices, _ = frame.mesh(water)
+        self.assertGreater(numpy.linalg.norm(vertices - place, axis=1).min(), 0.1)
+
     def test_what_cycles_lacks_is_said(self):
         message = self.weir("run", self.scene, "--device", "cpu", "--engine", "cycles", "--images", self.folder / "p",
                             "--set", "render.cycles.device=gpu", "--frames", "0", code=5)
