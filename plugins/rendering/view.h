@@ -1,9 +1,12 @@
 // What one picture shows: plain data that a renderer draws, on the host but for particles.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +35,12 @@ struct CameraPose {
 /// with a small margin. An empty box counts as one of 1 m around the origin.
 CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, float fovDegrees,
                       float aspectRatio);
+
+/// A box with more room on all sides, m; an empty one stays empty.
+inline Aabb widened(const Aabb& box, float margin) {
+  const Vec3f around{margin, margin, margin};
+  return {box.lo - around, box.hi + around};
+}
 
 /// A clear liquid: what its inside does to light, and how particles become its surface. Where it is, the
 /// particles and the surfaces say that name it.
@@ -65,6 +74,14 @@ struct ParticleView {
   std::optional<std::size_t> water;  ///< index into View::waters
   std::span<const float> foam;       ///< one per particle, from 0 (clear) to 1 (white); empty: all are clear
   float volume = 0;                  ///< of one particle, m^3
+  /// By how much a sphere stands out from the space that its particle fills, m. Without this, liquids would
+  /// stand out from the walls that hold them.
+  float inset() const { return std::max(0.0f, radius - 0.5f * std::cbrt(volume)); }
+  /// The way through the middle of a sphere that holds the volume of its particle, m.
+  float chord() const {
+    const float sphere = 4 * std::numbers::pi_v<float> / 3 * radius * radius * radius;
+    return 2 * radius * (volume > 0 ? volume / sphere : 1.0f);
+  }
 
   std::string node = {};                   ///< whose they are
   std::span<const Vec3f> velocities = {};  ///< m/s, one per particle, on the host; empty: none are known

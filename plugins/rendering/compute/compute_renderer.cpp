@@ -105,7 +105,7 @@ ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
   const bool occluded = frame.view.lighting.occlusion && !frame.view.lighting.unlit;
   return {
       .seen = {.camera = gl::splatCameraOf(frame),
-               .spheres = spheres_.view(),
+               .spheres = spheres_.opaque(),
                .nearest = constView(nearest_),
                .ground = groundOf(frame)},
       .samples = frame.samples,
@@ -140,9 +140,11 @@ Picture ComputeRenderer::draw(const View& view) {
   const ShadedPicture shaded = shadedPicture(frame);
   dispatch(device_, [&](auto& device) {
     showGround(device, shaded.seen, nearest_.view());
-    gl::splatDepths(device, spheres_.view(), shaded.seen.camera, nearest_.view());
+    gl::splatDepths(device, spheres_.opaque(), shaded.seen.camera, nearest_.view());
     if (frame.hasShadows) {
-      gl::splatShadow(device, spheres_.view(), gl::splatSunOf(frame.sun, kShadowResolution), shadow_.view());
+      gl::clearDepths(device, shadow_.view());
+      gl::splatSunDepths(device, spheres_.opaque(), gl::splatSunOf(frame.sun, kShadowResolution),
+                         shadow_.view());
       findShadowTiles(device, shaded.shadow, kShadowResolution, tiles_[0].view(), tiles_[1].view(),
                       tiles_[2].view(), tiles_[3].view());
     }

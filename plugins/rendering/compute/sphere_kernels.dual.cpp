@@ -1,5 +1,6 @@
 #include "plugins/rendering/compute/sphere_kernels.h"
 
+#include <bit>
 #include <cmath>
 
 #include "framework/compute/parallel.h"
@@ -29,10 +30,14 @@ struct PackSphere {
     return color;
   }
 
+  WEIR_HD std::uint32_t colorOf(std::int64_t i) const {
+    if (colors.texels.size == 0) return std::bit_cast<std::uint32_t>(values.size > 0 ? values[i] : 0.0f);
+    return colorAt(values.size > 0 ? colors.entries.of(values[i]) : ColorEntries::kFixed);
+  }
+
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f p = positions[i];
-    const float entry = values.size > 0 ? colors.entries.of(values[i]) : ColorEntries::kFixed;
-    spheres[i] = {p, isFinite(p) ? colors.radius : 0.0f, colorAt(entry)};
+    spheres[i] = {p, isFinite(p) ? colors.radius : 0.0f, colorOf(i)};
   }
 };
 

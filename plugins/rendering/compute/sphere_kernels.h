@@ -9,9 +9,10 @@
 namespace weir::rendering {
 
 struct SplatSphere {
-  Vec3f center;             ///< m
-  float radius = 0;         ///< m; 0 where the centre is not finite, and then it is not seen
-  std::uint32_t color = 0;  ///< red in the lowest byte, then green, blue and the material
+  Vec3f center;      ///< m
+  float radius = 0;  ///< m; 0 where the centre is not finite, and then it is not seen
+  /// Red in the lowest byte, then green, blue and the material; of a liquid, the bits of the part of foam.
+  std::uint32_t color = 0;
 };
 
 /// How numbers become colours: places among texels, of which the first 256 are a colour map. Between two of
@@ -31,12 +32,12 @@ struct ColorEntries {
 };
 
 struct SphereColors {
-  ArrayView<const std::uint32_t> texels;  ///< packed colours
+  ArrayView<const std::uint32_t> texels;  ///< packed colours; none: the values are parts of foam
   ColorEntries entries;
   float radius = 0;  ///< m, of all spheres
 };
 
-/// Makes spheres of particles. `values` may be empty: then all have the fixed colour.
+/// Makes spheres of particles. `values` may be empty: then all have the fixed colour, or no foam.
 template <class Backend>
 void packSpheres(Backend& device, ArrayView<const Vec3f> positions, ArrayView<const float> values,
                  const SphereColors& colors, ArrayView<SplatSphere> spheres);

@@ -1,5 +1,8 @@
 #include "plugins/rendering/compute/sphere_set.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "framework/base/check.h"
 #include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/particle_colors.h"
@@ -29,33 +32,46 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
   boxes_.resizeDiscarding(static_cast<std::int64_t>(views.size()));
   while (inputs_.size() < views.size()) inputs_.push_back(std::make_unique<Input>(device_));
 
-  std::int64_t first = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const ParticleView& view = views[i];
-    if (!view.values.empty()) WEIR_CHECK(view.values.size() == view.positions.size());
-    Input& input = *inputs_[i];
-    input.texels.assign(packedTexels(view));
-    const ArrayView<const Vec3f> positions = input.positions.of(view.positions, view.onDevice);
-    const ArrayView<const float> values = input.values.of(view.values, view.onDevice);
-    const ArrayView<SplatSphere> spheres{spheres_.data() + first, positions.size};
-    const SphereColors colors{.texels = static_cast<const Array<std::uint32_t>&>(input.texels).view(),
-                              .entries = {view.lowest, view.highest},
-                              .radius = view.radius};
-    dispatch(device_, [&](auto& device) {
-      packSpheres(device, positions, values, colors, spheres);
-      boxOf(device, positions, boxes_.data() + i);
-    });
-    first += positions.size;
+  parts_.assign(1, {});
+  std::int64_t end = 0;
+  for (const bool liquids : {false, true}) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const ParticleView& view = views[i];
+      if (view.water.has_value() != liquids) continue;
+      const ArrayView<const SplatSphere> spheres = pack(view, end, *inputs_[i], boxes_.data() + i);
+      end += spheres.size;
+      if (liquids) parts_.push_back({view.water, view.radius, view.inset(), view.chord(), spheres});
+    }
+    if (!liquids) parts_.front().spheres = {spheres_.data(), end};
   }
 
   Aabb all;
   const std::vector<Aabb> boxes = boxes_.toHost();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (boxes[i].empty()) continue;
-    const Vec3f around{views[i].radius, views[i].radius, views[i].radius};
-    all.extend(Aabb{boxes[i].lo - around, boxes[i].hi + around});
-  }
+  for (std::size_t i = 0; i < views.size(); ++i) all.extend(widened(boxes[i], views[i].radius));
   return all;
+}
+
+ArrayView<const SplatSphere> SphereSet::pack(const ParticleView& view, std::int64_t first, Input& input,
+                                             Aabb* box) {
+  const std::span<const float> numbers = view.water ? view.foam : view.values;
+  if (!numbers.empty()) WEIR_CHECK(numbers.size() == view.positions.size());
+  input.texels.assign(view.water ? std::vector<std::uint32_t>() : packedTexels(view));
+  const ArrayView<const Vec3f> positions = input.positions.of(view.positions, view.onDevice);
+  const ArrayView<const float> values = input.values.of(numbers, view.onDevice);
+  const ArrayView<SplatSphere> spheres{spheres_.data() + first, positions.size};
+  const SphereColors colors{.texels = std::as_const(input.texels).view(),
+                            .entries = {view.lowest, view.highest},
+                            .radius = view.radius};
+  dispatch(device_, [&](auto& device) {
+    packSpheres(device, positions, values, colors, spheres);
+    boxOf(device, positions, box);
+  });
+  return spheres;
+}
+
+bool SphereSet::has(std::optional<std::size_t> liquid) const {
+  return std::any_of(parts_.begin(), parts_.end(),
+                     [&](const Part& part) { return part.liquid == liquid && part.spheres.size > 0; });
 }
 
 }  // namespace weir::rendering

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,10 +17,21 @@ class SphereSet {
  public:
   explicit SphereSet(Device& device) : device_(device), spheres_(device), boxes_(device) {}
 
-  /// Takes the particles of a picture, one view behind the other, and returns the box around their spheres.
-  /// Waits for the device.
+  /// The particles of one view, or of all that are no liquid.
+  struct Part {
+    std::optional<std::size_t> liquid;       ///< ParticleView::water
+    float radius = 0, inset = 0, chord = 0;  ///< of those of a liquid, see ParticleView; m
+    ArrayView<const SplatSphere> spheres;
+  };
+
+  /// Takes the particles of a picture and returns the box around their spheres. Waits for the device.
   Aabb load(std::span<const ParticleView> views);
-  ArrayView<const SplatSphere> view() const { return spheres_.view(); }
+  /// What is no liquid, one view behind the other.
+  ArrayView<const SplatSphere> opaque() const { return parts_.front().spheres; }
+  /// The opaque ones first.
+  std::span<const Part> parts() const { return parts_; }
+  /// Whether there are particles of that liquid, or that are none.
+  bool has(std::optional<std::size_t> liquid) const;
 
  private:
   /// What one view needs while its kernels run.
@@ -30,10 +42,14 @@ class SphereSet {
     Array<std::uint32_t> texels;
   };
 
+  /// Packs the particles of a view from a place on.
+  ArrayView<const SplatSphere> pack(const ParticleView& view, std::int64_t first, Input& input, Aabb* box);
+
   Device& device_;
   std::vector<std::unique_ptr<Input>> inputs_;
   Array<SplatSphere> spheres_;
   Array<Aabb> boxes_;  // of the centres of each view
+  std::vector<Part> parts_{1};
 };
 
 }  // namespace weir::rendering

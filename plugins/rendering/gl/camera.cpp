@@ -8,14 +8,15 @@
 #include "framework/base/error.h"
 
 namespace weir::rendering {
-namespace {
 
-std::array<Vec3f, 8> cornersOf(const Aabb& box) {
+std::array<Vec3f, 8> gl::cornersOf(const Aabb& box) {
   std::array<Vec3f, 8> corners;
   for (int i = 0; i < 8; ++i)
     corners[i] = {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
   return corners;
 }
+
+namespace {
 
 struct Axes {
   Vec3f right, up, back;
@@ -49,7 +50,7 @@ CameraPose poseSeeing(const Aabb& box, const Vec3f& direction, const Vec3f& up, 
   // on.
   constexpr float kMargin = 1.06f;
   float distance = 1e-3f * (1 + length(shown.size()));
-  for (const Vec3f& corner : cornersOf(shown)) {
+  for (const Vec3f& corner : gl::cornersOf(shown)) {
     const Vec3f q = corner - shown.center();
     const float behind = dot(q, axes.back);
     distance = std::max(distance, behind + kMargin * std::abs(dot(q, axes.right)) / horizontal);

@@ -18,8 +18,7 @@ Eigen::Matrix3f upright(const View& view) {
       .toRotationMatrix();
 }
 
-Environment::Environment(const Functions& gl)
-    : gl_(gl), surroundings_(makeTexture(gl, 1, 1, kColor8, GL_NEAREST)) {}
+Environment::Environment(const Functions& gl) : gl_(gl), surroundings_(gl, 1, 1, kColor8, GL_NEAREST) {}
 
 void Environment::load(const View& view) {
   if (view.waters.empty() && !hasSurroundings(view)) return;
@@ -32,11 +31,10 @@ void Environment::load(const View& view) {
   if (view.environment == EnvironmentLook::kImage) {
     upload(*view.environmentImage);
   } else {
-    surroundings_ = makeTexture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
+    surroundings_ = Texture(gl_, kWidth, kHeight, kColor16F, GL_LINEAR);
     paint(view);
   }
-  gl_.bindTexture(GL_TEXTURE_2D, surroundings_.name());
-  gl_.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  surroundings_.set(GL_TEXTURE_WRAP_S, GL_REPEAT);
 }
 
 void Environment::upload(const EnvironmentImage& image) {
@@ -51,31 +49,27 @@ void Environment::upload(const EnvironmentImage& image) {
   std::vector<Vec3f> light = image.light;
   for (Vec3f& texel : light)
     for (int c = 0; c < 3; ++c) texel[c] = std::min(texel[c], kBrightest);
-  surroundings_ = makeTexture(gl_, image.width, image.height, kLight, GL_LINEAR, light.data());
+  surroundings_ = Texture(gl_, image.width, image.height, kLight, GL_LINEAR, light.data());
 }
 
 void Environment::paint(const View& view) {
-  const Framebuffer target = makeFramebuffer(gl_, {&surroundings_}, nullptr);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, target.name());
-  gl_.viewport(0, 0, kWidth, kHeight);
-  gl_.disable(GL_DEPTH_TEST);
   if (!paint_) paint_.emplace(gl_, "surroundings.frag");
   paint_->use();
   const Eigen::Vector3f sun = upright(view) * toEigen(normalized(view.lighting.towardsSun));
   paint_->set("uTowardsSun", fromEigen(sun));
   paint_->set("uSky", int(view.environment == EnvironmentLook::kSky));
-  paint_->draw();
+  paint_->draw(Framebuffer(gl_, {&surroundings_}, nullptr));
 }
 
 Eigen::Matrix3f Environment::fromCamera(const Frame& frame) {
   return upright(frame.view) * frame.camera.rotation().transpose();
 }
 
-void Environment::setUniforms(const Program& program, const Frame& frame, int unit) const {
+void Environment::setUniforms(const Program& program, const Frame& frame) const {
   program.setMatrix3("uToSurroundings", fromCamera(frame).eval().data());
   program.set("uAllAround",
               int(frame.view.environment == EnvironmentLook::kImage && !frame.view.ground.visible));
-  program.setTexture("uSurroundings", unit, surroundings_);
+  program.setTexture("uSurroundings", surroundings_);
 }
 
 }  // namespace weir::rendering::gl

@@ -21,7 +21,7 @@ class Environment {
   /// From camera space to that of the surroundings, in which y is up.
   static Eigen::Matrix3f fromCamera(const Frame& frame);
   /// The uniforms of environment.glsl.
-  void setUniforms(const Program& program, const Frame& frame, int unit) const;
+  void setUniforms(const Program& program, const Frame& frame) const;
 
  private:
   void paint(const View& view);

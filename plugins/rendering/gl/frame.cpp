@@ -33,8 +33,7 @@ static Aabb seenBox(const View& view, const Aabb& casters) {
       if (isFinite(point)) seen.extend(point);
   if (view.ground.visible) {
     const Vec3f middle = groundMiddle(view);
-    const Vec3f around{view.ground.radius, view.ground.radius, view.ground.radius};
-    seen.extend(Aabb{middle - around, middle + around});
+    seen.extend(widened({middle, middle}, view.ground.radius));
   }
   return seen;
 }
@@ -109,8 +108,8 @@ void setGridUniform(const Program& program, int width, int height) {
   program.set("uGrid", Vec2f{kSteps * float(width), kSteps * float(height)});
 }
 
-void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit) {
-  program.setTexture("uBefore", unit, before);
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before) {
+  program.setTexture("uBefore", before);
   program.set("uSampleSize", Vec2f{1 / float(frame.width), 1 / float(frame.height)});
 }
 
@@ -151,21 +150,17 @@ void setLightUniforms(const Program& program, const Frame& frame) {
 }
 
 Targets::Targets(const Functions& gl, int width, int height, int samplesPerAxis)
-    : pictureWidth(width), pictureHeight(height), samples(samplesPerAxis) {
-  const int fineWidth = width * samples, fineHeight = height * samples;
-  albedo = makeTexture(gl, fineWidth, fineHeight, kSrgb8, GL_NEAREST);
-  normal = makeTexture(gl, fineWidth, fineHeight, kNormal, GL_NEAREST);
-  depth = makeTexture(gl, fineWidth, fineHeight, kDepth32F, GL_NEAREST);
-  geometry = makeFramebuffer(gl, {&albedo, &normal}, &depth);
-  for (int i = 0; i < 2; ++i) {
-    occlusion[i] = makeTexture(gl, width, height, kGrey16, GL_LINEAR);
-    occlusionTargets[i] = makeFramebuffer(gl, {&occlusion[i]}, nullptr);
-  }
-  light = makeTexture(gl, fineWidth, fineHeight, kColor16F, GL_NEAREST);
-  lighting = makeFramebuffer(gl, {&light}, nullptr);
-  lightWithDepth = makeFramebuffer(gl, {&light}, &depth);
-  picture = makeTexture(gl, width, height, kColor8, GL_NEAREST);
-  pictureTarget = makeFramebuffer(gl, {&picture}, nullptr);
+    : pictureWidth(width),
+      pictureHeight(height),
+      samples(samplesPerAxis),
+      albedo(gl, width * samples, height * samples, kSrgb8, GL_NEAREST),
+      normal(gl, width * samples, height * samples, kNormal, GL_NEAREST),
+      depth(gl, width * samples, height * samples, kDepth32F, GL_NEAREST),
+      geometry(gl, {&albedo, &normal}, &depth),
+      light(gl, width * samples, height * samples, kColor16F, GL_NEAREST),
+      lightWithDepth(gl, {&light.texture}, &depth),
+      picture(gl, width, height, kColor8, GL_NEAREST) {
+  for (Canvas& canvas : occlusion) canvas = Canvas(gl, width, height, kGrey16, GL_LINEAR);
 }
 
 }  // namespace weir::rendering::gl

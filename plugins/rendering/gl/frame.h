@@ -43,7 +43,7 @@ void setCameraUniforms(const Program& program, const Camera& camera, int width, 
 /// The uniform of grid.glsl, for a window of this many samples.
 void setGridUniform(const Program& program, int width, int height);
 /// The uniforms of behind.glsl.
-void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before, int unit);
+void setBehindUniforms(const Program& program, const Frame& frame, const Texture& before);
 /// The uniforms of light.glsl.
 void setLightUniforms(const Program& program, const Frame& frame);
 
@@ -54,12 +54,10 @@ struct Targets {
   int pictureWidth, pictureHeight, samples;
   Texture albedo, normal, depth;  ///< of the nearest surface; albedo is sRGB, its alpha the material
   Framebuffer geometry;
-  Texture occlusion[2];  ///< one value per pixel; 1 is open
-  Framebuffer occlusionTargets[2];
-  Texture light;  ///< linear light
-  Framebuffer lighting, lightWithDepth;
-  Texture picture;  ///< the end result, upper row first
-  Framebuffer pictureTarget;
+  Canvas occlusion[2];  ///< one value per pixel; 1 is open
+  Canvas light;         ///< linear light
+  Framebuffer lightWithDepth;
+  Canvas picture;  ///< the end result, upper row first
 };
 
 }  // namespace weir::rendering::gl

@@ -48,7 +48,6 @@ struct Functions {
   PFNGLBLENDFUNCPROC blendFunc = find("glBlendFunc");
   PFNGLPOLYGONOFFSETPROC polygonOffset = find("glPolygonOffset");
   PFNGLPIXELSTOREIPROC pixelStorei = find("glPixelStorei");
-  PFNGLFINISHPROC finish = find("glFinish");
 
   // Framebuffers
   PFNGLGENFRAMEBUFFERSPROC genFramebuffers = find("glGenFramebuffers");
@@ -76,7 +75,6 @@ struct Functions {
   PFNGLDELETEBUFFERSPROC deleteBuffers = find("glDeleteBuffers");
   PFNGLBINDBUFFERPROC bindBuffer = find("glBindBuffer");
   PFNGLBUFFERDATAPROC bufferData = find("glBufferData");
-  PFNGLBUFFERSUBDATAPROC bufferSubData = find("glBufferSubData");
   PFNGLGENVERTEXARRAYSPROC genVertexArrays = find("glGenVertexArrays");
   PFNGLDELETEVERTEXARRAYSPROC deleteVertexArrays = find("glDeleteVertexArrays");
   PFNGLBINDVERTEXARRAYPROC bindVertexArray = find("glBindVertexArray");

@@ -25,18 +25,15 @@ void LightingPass::draw(const Frame& frame, const Targets& targets, const Shadow
                         const WaterShadow* water, const Environment& environment) {
   const FullScreenProgram& lighting = programFor(frame);
   const View& view = frame.view;
-  gl_.disable(GL_DEPTH_TEST);
-  gl_.viewport(0, 0, frame.width, frame.height);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lighting.name());
   lighting.use();
   setCameraUniforms(lighting, frame.camera, frame.width, frame.height);
   setLightUniforms(lighting, frame);
-  lighting.setTexture("uAlbedo", 0, targets.albedo);
-  lighting.setTexture("uNormal", 1, targets.normal);
-  lighting.setTexture("uDepth", 2, targets.depth);
-  lighting.setTexture("uOcclusion", 3, targets.occlusion[0]);
-  setSunlightUniforms(lighting, frame, shadows, water, 4);
-  environment.setUniforms(lighting, frame, 8);
+  lighting.setTexture("uAlbedo", targets.albedo);
+  lighting.setTexture("uNormal", targets.normal);
+  lighting.setTexture("uDepth", targets.depth);
+  lighting.setTexture("uOcclusion", targets.occlusion[0].texture);
+  setSunlightUniforms(lighting, frame, shadows, water);
+  environment.setUniforms(lighting, frame);
   lighting.set("uBackgroundTop", linear(view.backgroundTop));
   lighting.set("uBackgroundBottom", linear(view.backgroundBottom));
   lighting.set("uGroundMiddle", frame.camera.point(groundMiddle(view)));
@@ -45,21 +42,18 @@ void LightingPass::draw(const Frame& frame, const Targets& targets, const Shadow
   lighting.setMatrix3("uToWorld", environment.fromCamera(frame).eval().data());
   lighting.set("uUnlit", int(view.lighting.unlit));
   lighting.set("uTransparent", int(view.transparent));
-  lighting.draw();
+  lighting.draw(targets.light.target);
 }
 
 void LightingPass::resolve(const Frame& frame, const Targets& targets) const {
-  gl_.disable(GL_DEPTH_TEST);
-  gl_.viewport(0, 0, targets.pictureWidth, targets.pictureHeight);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
   resolve_.use();
-  resolve_.setTexture("uLight", 0, targets.light);
+  resolve_.setTexture("uLight", targets.light.texture);
   resolve_.set("uSamples", frame.samples);
   resolve_.set("uHeight", targets.pictureHeight);
   resolve_.set("uFilmic", int(frame.view.lighting.tone == ToneCurve::kFilmic));
   resolve_.set("uExposure", frame.view.lighting.exposure);
   resolve_.set("uUnlit", int(frame.view.lighting.unlit));
-  resolve_.draw();
+  resolve_.draw(targets.picture.target);
 }
 
 }  // namespace weir::rendering::gl

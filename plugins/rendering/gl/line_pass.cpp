@@ -62,14 +62,13 @@ LinePass::LinePass(const Functions& gl)
 }
 
 void LinePass::draw(const Frame& frame, const Targets& targets, const Texture& before) const {
-  gl_.viewport(0, 0, frame.width, frame.height);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lightWithDepth.name());
-  gl_.enable(GL_DEPTH_TEST);
-  gl_.depthMask(GL_FALSE);
-  gl_.enable(GL_BLEND);
-  gl_.blendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  targets.lightWithDepth.bind();
+  setState(gl_, {.depthTest = GL_LEQUAL,
+                 .writesDepth = false,
+                 .source = GL_ONE,
+                 .destination = GL_ONE_MINUS_SRC_ALPHA});
   program_.use();
-  setBehindUniforms(program_, frame, before, 0);
+  setBehindUniforms(program_, frame, before);
   gl_.bindVertexArray(array_.name());
   for (const LineView& lines : frame.view.lines) {
     // Of 720 pixels' height, in clip space, which is 2 high.
@@ -83,8 +82,6 @@ void LinePass::draw(const Frame& frame, const Targets& targets, const Texture& b
     program_.set("uColor", Vec4f{color.x, color.y, color.z, lines.color.a});
     gl_.drawArrays(GL_TRIANGLES, 0, GLsizei(corners.size()));
   }
-  gl_.disable(GL_BLEND);
-  gl_.depthMask(GL_TRUE);
 }
 
 }  // namespace weir::rendering::gl

@@ -17,7 +17,6 @@ class OcclusionPass {
   void clear(const Targets& targets) const;
 
  private:
-  const Functions& gl_;
   FullScreenProgram estimate_, blur_;
 };
 

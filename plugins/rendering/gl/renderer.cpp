@@ -1,47 +1,37 @@
 #include "plugins/rendering/gl/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "framework/base/check.h"
 #include "framework/base/error.h"
 #include "plugins/rendering/compute/compute_renderer.h"
 #include "plugins/rendering/gl/context.h"
+#include "plugins/rendering/gl/drawn_spheres.h"
 #include "plugins/rendering/gl/glass_pass.h"
 #include "plugins/rendering/gl/lighting_pass.h"
 #include "plugins/rendering/gl/line_pass.h"
 #include "plugins/rendering/gl/mesh_store.h"
 #include "plugins/rendering/gl/occlusion_pass.h"
-#include "plugins/rendering/gl/particle_pass.h"
 #include "plugins/rendering/gl/shadow_pass.h"
-#include "plugins/rendering/gl/splat_pass.h"
+#include "plugins/rendering/gl/splatted_spheres.h"
 #include "plugins/rendering/gl/surface_pass.h"
-#include "plugins/rendering/gl/water_particle_pass.h"
 #include "plugins/rendering/gl/water_pass.h"
 #include "plugins/rendering/gl/water_shadow.h"
-#include "plugins/rendering/gl/water_splat_pass.h"
 
 namespace weir::rendering::gl {
 namespace {
 
 constexpr float kNearest = 0;
 
-std::unique_ptr<ParticleDrawer> makeParticleDrawer(const Functions& gl, Device* splatDevice) {
-  if (splatDevice == nullptr) return std::make_unique<ParticlePass>(gl);
-  return std::make_unique<SplatPass>(gl, *splatDevice);
-}
-
-std::unique_ptr<WaterDrawer> makeWaterDrawer(const Functions& gl, Device* splatDevice) {
-  if (splatDevice == nullptr) return std::make_unique<WaterParticlePass>(gl);
-  return std::make_unique<WaterSplatPass>(gl, *splatDevice);
+std::unique_ptr<SphereDrawer> makeSphereDrawer(const Functions& gl, Device* splatDevice) {
+  if (splatDevice == nullptr) return std::make_unique<DrawnSpheres>(gl);
+  return std::make_unique<SplattedSpheres>(*splatDevice);
 }
 
 struct Liquids {
-  Liquids(const Functions& gl, Device* splatDevice)
-      : particles(makeWaterDrawer(gl, splatDevice)), surfaces(gl), shadows(gl), pass(gl) {}
+  explicit Liquids(const Functions& gl) : surfaces(gl), shadows(gl), pass(gl) {}
 
-  std::unique_ptr<WaterDrawer> particles;
   WaterSurfacePass surfaces;
   WaterShadow shadows;
   WaterPass pass;
@@ -54,7 +44,7 @@ class Renderer::Passes {
   Passes(const Functions& functions, Device* splatDevice)
       : gl(functions),
         meshes(gl),
-        particles_(makeParticleDrawer(gl, splatDevice)),
+        particles_(makeSphereDrawer(gl, splatDevice)),
         surfaces_(gl),
         shadows_(gl),
         occlusion_(gl),
@@ -62,8 +52,7 @@ class Renderer::Passes {
         lighting_(gl),
         lines_(gl),
         glass_(gl),
-        splatDevice_(splatDevice),
-        nothingBefore_(makeTexture(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest)) {
+        nothingBefore_(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
 
@@ -79,7 +68,7 @@ class Renderer::Passes {
   void drawClear(const Frame& frame);
   Picture read(bool transparent) const;
 
-  std::unique_ptr<ParticleDrawer> particles_;
+  std::unique_ptr<SphereDrawer> particles_;
   SurfacePass surfaces_;
   ShadowPass shadows_;
   OcclusionPass occlusion_;
@@ -87,7 +76,6 @@ class Renderer::Passes {
   LightingPass lighting_;
   LinePass lines_;
   GlassPass glass_;
-  Device* splatDevice_;
   std::optional<Liquids> liquids_;  // once there are any: their programs take time to build
   Texture nothingBefore_;           // one texel with the depth of the eye
   std::optional<Targets> targets_;
@@ -106,30 +94,23 @@ int Renderer::Passes::samplesFor(const View& view) const {
 /// Sends what has changed to the GPU; returns the box around all that casts shadows.
 Aabb Renderer::Passes::load(const View& view) {
   Aabb casters = particles_->load(view.particles);
-  if (!view.waters.empty() && !liquids_) liquids_.emplace(gl, splatDevice_);
-  if (liquids_) casters.extend(liquids_->particles->load(view.particles));
+  if (!view.waters.empty() && !liquids_) liquids_.emplace(gl);
   for (const SurfaceView& surface : view.surfaces)
     casters.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   return casters;
 }
 
 void Renderer::Passes::drawGeometry(const Frame& frame) {
-  constexpr std::array<float, 4> kNothing{0, 0, 0, 0}, kTowardsEye{0.5f, 0.5f, 0, 0};
-  constexpr float kFarthest = 1;
-  gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->geometry.name());
-  gl.viewport(0, 0, frame.width, frame.height);
-  gl.enable(GL_DEPTH_TEST);
-  gl.depthFunc(GL_LEQUAL);
-  gl.depthMask(GL_TRUE);
   const bool particlesFirst = particles_->replacesAll();
-  if (particlesFirst) {
-    particles_->drawGeometry(frame, *targets_);
-  } else {
-    gl.clearBufferfv(GL_COLOR, 0, kNothing.data());
-    gl.clearBufferfv(GL_COLOR, 1, kTowardsEye.data());
-    gl.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  if (!particlesFirst) {
+    targets_->geometry.clearColor(0, {0, 0, 0, 0});
+    targets_->geometry.clearColor(1, {0.5f, 0.5f, 0, 0});  // towards the eye
+    targets_->geometry.clearDepth();
   }
+  targets_->geometry.bind();
+  if (particlesFirst) particles_->drawGeometry(frame, *targets_);
   surfaces_.draw(frame, meshes, particlesFirst);
+  setState(gl, {.depthTest = GL_LEQUAL});
   if (!particlesFirst) particles_->drawGeometry(frame, *targets_);
 }
 
@@ -140,10 +121,9 @@ void Renderer::Passes::drawClear(const Frame& frame) {
     glass_.draw(frame, *targets_, meshes, before, environment_);
   };
   if (!frame.view.waters.empty())
-    liquids_->pass.draw(
-        frame, *targets_,
-        {meshes, *liquids_->particles, shadows_, liquids_->shadows, liquids_->surfaces, environment_},
-        drawBehind);
+    liquids_->pass.draw(frame, *targets_,
+                        {meshes, *particles_, shadows_, liquids_->shadows, liquids_->surfaces, environment_},
+                        drawBehind);
   drawBehind(nothingBefore_);
 }
 
@@ -151,7 +131,7 @@ Picture Renderer::Passes::read(bool transparent) const {
   Picture picture{targets_->pictureWidth, targets_->pictureHeight, {}};
   picture.rgb.resize(3 * std::size_t(picture.width) * std::size_t(picture.height));
   gl.pixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.bindFramebuffer(GL_FRAMEBUFFER, targets_->pictureTarget.name());
+  targets_->picture.target.bind();
   gl.readPixels(0, 0, picture.width, picture.height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
   if (!transparent) return picture;
   picture.alpha.resize(picture.rgb.size() / 3);
@@ -173,7 +153,7 @@ Picture Renderer::Passes::draw(const View& view) {
   }
   if (frame.hasShadows) {
     shadows_.draw(frame, meshes, *particles_);
-    if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *liquids_->particles, liquids_->surfaces);
+    if (!view.waters.empty()) liquids_->shadows.draw(frame, meshes, *particles_, liquids_->surfaces);
   }
   drawGeometry(frame);
   if (view.lighting.occlusion && !view.lighting.unlit) {

@@ -7,6 +7,15 @@
 namespace weir::rendering::gl {
 namespace {
 
+template <class GetLog>
+std::string messagesOf(GLuint object, GetLog getLog) {
+  std::string messages(4096, '\0');
+  GLsizei size = 0;
+  getLog(object, GLsizei(messages.size()), &size, messages.data());
+  messages.resize(std::size_t(size));
+  return messages;
+}
+
 GLuint compile(const Functions& gl, GLenum stage, const std::string& name, const std::string& source) {
   const GLuint shader = gl.createShader(stage);
   const char* text = source.c_str();
@@ -15,26 +24,27 @@ GLuint compile(const Functions& gl, GLenum stage, const std::string& name, const
   GLint ok = GL_FALSE;
   gl.getShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (ok) return shader;
-  std::string messages(4096, '\0');
-  GLsizei size = 0;
-  gl.getShaderInfoLog(shader, GLsizei(messages.size()), &size, messages.data());
-  messages.resize(std::size_t(size));
+  const std::string messages = messagesOf(shader, gl.getShaderInfoLog);
   gl.deleteShader(shader);
   throw InternalError("the shader " + name + " does not compile: " + messages);
+}
+
+/// By one of the functions glGen….
+template <class Generate>
+GLuint newName(Generate generate) {
+  GLuint name = 0;
+  generate(1, &name);
+  return name;
 }
 
 }  // namespace
 
 Buffer makeBuffer(const Functions& gl) {
-  GLuint name = 0;
-  gl.genBuffers(1, &name);
-  return {gl, name};
+  return {gl, newName(gl.genBuffers)};
 }
 
 VertexArray makeVertexArray(const Functions& gl) {
-  GLuint name = 0;
-  gl.genVertexArrays(1, &name);
-  return {gl, name};
+  return {gl, newName(gl.genVertexArrays)};
 }
 
 void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage) {
@@ -42,33 +52,46 @@ void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> byte
   buffer.gl().bufferData(target, GLsizeiptr(bytes.size()), bytes.data(), usage);
 }
 
-Texture makeTexture(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter,
-                    const void* pixels) {
-  GLuint name = 0;
-  gl.genTextures(1, &name);
-  Texture texture(gl, name);
-  gl.bindTexture(GL_TEXTURE_2D, name);
+Texture::Texture(const Functions& gl, int itsWidth, int itsHeight, const TextureFormat& itsFormat,
+                 GLint filter, const void* texels)
+    : Object(gl, newName(gl.genTextures)), width(itsWidth), height(itsHeight), format(itsFormat) {
+  gl.bindTexture(GL_TEXTURE_2D, name());
   gl.texImage2D(GL_TEXTURE_2D, 0, GLint(format.internalFormat), width, height, 0, format.format, format.type,
-                pixels);
-  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  return texture;
+                texels);
+  for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) set(side, GL_CLAMP_TO_EDGE);
+  for (const GLenum scaling : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) set(scaling, filter);
 }
 
-Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture*>& colors,
-                            const Texture* depth) {
-  GLuint name = 0;
-  gl.genFramebuffers(1, &name);
-  Framebuffer framebuffer(gl, name);
-  gl.bindFramebuffer(GL_FRAMEBUFFER, name);
+void Texture::replace(const void* texels) const {
+  gl().bindTexture(GL_TEXTURE_2D, name());
+  gl().texSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, format.format, format.type, texels);
+}
+
+void Texture::set(GLenum parameter, GLint value) const {
+  gl().bindTexture(GL_TEXTURE_2D, name());
+  gl().texParameteri(GL_TEXTURE_2D, parameter, value);
+}
+
+Texture makeShadowMap(const Functions& gl, int resolution) {
+  Texture map(gl, resolution, resolution, kDepth32F, GL_LINEAR);
+  map.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  map.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  return map;
+}
+
+Framebuffer::Framebuffer(const Functions& gl, const std::vector<const Texture*>& colors, const Texture* depth)
+    : Object(gl, newName(gl.genFramebuffers)) {
+  gl.bindFramebuffer(GL_FRAMEBUFFER, name());
+  const auto attach = [&](GLenum place, const Texture& texture) {
+    gl.framebufferTexture2D(GL_FRAMEBUFFER, place, GL_TEXTURE_2D, texture.name(), 0);
+    width = texture.width, height = texture.height;
+  };
   std::vector<GLenum> attachments;
   for (const Texture* color : colors) {
     attachments.push_back(GLenum(GL_COLOR_ATTACHMENT0 + attachments.size()));
-    gl.framebufferTexture2D(GL_FRAMEBUFFER, attachments.back(), GL_TEXTURE_2D, color->name(), 0);
+    attach(attachments.back(), *color);
   }
-  if (depth) gl.framebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth->name(), 0);
+  if (depth) attach(GL_DEPTH_ATTACHMENT, *depth);
   if (attachments.empty()) attachments.push_back(GL_NONE);
   gl.drawBuffers(GLsizei(attachments.size()), attachments.data());
   gl.readBuffer(attachments.front());
@@ -76,7 +99,35 @@ Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture
   if (status != GL_FRAMEBUFFER_COMPLETE)
     throw ioError("the OpenGL driver cannot draw into a picture of this size and format (status " +
                   std::to_string(status) + ")");
-  return framebuffer;
+}
+
+void Framebuffer::bind() const {
+  gl().bindFramebuffer(GL_FRAMEBUFFER, name());
+  gl().viewport(0, 0, width, height);
+}
+
+void Framebuffer::clearColor(int target, const std::array<float, 4>& color) const {
+  bind();
+  gl().clearBufferfv(GL_COLOR, target, color.data());
+}
+
+void Framebuffer::clearDepth() const {
+  constexpr float kFarthest = 1;
+  bind();
+  gl().depthMask(GL_TRUE);
+  gl().clearBufferfv(GL_DEPTH, 0, &kFarthest);
+}
+
+void setState(const Functions& gl, const DrawState& state) {
+  const auto turn = [&](GLenum what, bool on) { (on ? gl.enable : gl.disable)(what); };
+  turn(GL_DEPTH_TEST, state.depthTest != GL_NONE);
+  if (state.depthTest != GL_NONE) gl.depthFunc(state.depthTest);
+  gl.depthMask(GLboolean(state.writesDepth));
+  turn(GL_BLEND, state.destination != GL_ZERO || state.source != GL_ONE);
+  // Always: Mesa 22 refuses to draw into two targets while two sources are set, even if they are not in use.
+  gl.blendFunc(state.source, state.destination);
+  turn(GL_CULL_FACE, state.culled != GL_NONE);
+  if (state.culled != GL_NONE) gl.cullFace(state.culled);
 }
 
 Program::Program(const Functions& gl, const std::string& vertex, const std::string& fragment,
@@ -93,18 +144,17 @@ Program::Program(const Functions& gl, const std::string& vertex, const std::stri
   GLint ok = GL_FALSE;
   gl.getProgramiv(id, GL_LINK_STATUS, &ok);
   if (ok) return;
-  std::string messages(4096, '\0');
-  GLsizei size = 0;
-  gl.getProgramInfoLog(id, GLsizei(messages.size()), &size, messages.data());
-  messages.resize(std::size_t(size));
-  throw InternalError("the shaders " + vertex + " and " + fragment + " do not link: " + messages);
+  throw InternalError("the shaders " + vertex + " and " + fragment +
+                      " do not link: " + messagesOf(id, gl.getProgramInfoLog));
 }
 
 FullScreenProgram::FullScreenProgram(const Functions& gl, const std::string& fragment,
                                      const std::string& defines)
     : Program(gl, "full_screen.vert", fragment, defines), array_(makeVertexArray(gl)) {}
 
-void FullScreenProgram::draw() const {
+void FullScreenProgram::draw(const Framebuffer& target, const DrawState& state) const {
+  target.bind();
+  setState(array_.gl(), state);
   array_.gl().bindVertexArray(array_.name());
   array_.gl().drawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -139,8 +189,9 @@ void Program::setMatrix3(const char* uniform, const float* columns) const {
 void Program::setMatrix4(const char* uniform, const float* columns) const {
   program_.gl().uniformMatrix4fv(location(uniform), 1, GL_FALSE, columns);
 }
-void Program::setTexture(const char* uniform, int unit, const Texture& texture, GLenum target) const {
+void Program::setTexture(const char* uniform, const Object<DeleteTexture>& texture, GLenum target) const {
   const Functions& gl = program_.gl();
+  const GLint unit = units_.try_emplace(uniform, GLint(units_.size())).first->second;
   gl.activeTexture(GLenum(GL_TEXTURE0 + unit));
   gl.bindTexture(target, texture.name());
   set(uniform, unit);

@@ -2,6 +2,7 @@
 // destroyed.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <span>
@@ -55,15 +56,7 @@ struct DeleteProgram {
 };
 
 using Buffer = Object<DeleteBuffer>;
-using Texture = Object<DeleteTexture>;
-using Framebuffer = Object<DeleteFramebuffer>;
 using VertexArray = Object<DeleteVertexArray>;
-
-Buffer makeBuffer(const Functions& gl);
-VertexArray makeVertexArray(const Functions& gl);
-
-/// Replaces a buffer's content.
-void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage);
 
 struct TextureFormat {
   GLenum internalFormat, format, type;
@@ -79,13 +72,63 @@ inline constexpr TextureFormat kFloat1{GL_R32F, GL_RED, GL_FLOAT};
 inline constexpr TextureFormat kFloat2{GL_RG32F, GL_RG, GL_FLOAT};
 inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
 
-/// A 2D texture, clamped to its edge. `filter` is GL_NEAREST or GL_LINEAR.
-Texture makeTexture(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter,
-                    const void* pixels = nullptr);
+/// A 2D texture, clamped to its edge.
+struct Texture : Object<DeleteTexture> {
+  Texture() = default;
+  /// `filter` is GL_NEAREST or GL_LINEAR.
+  Texture(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter,
+          const void* texels = nullptr);
 
-/// Draws into these textures; `depth` may be null. Throws an io Error if the driver cannot.
-Framebuffer makeFramebuffer(const Functions& gl, const std::vector<const Texture*>& colors,
-                            const Texture* depth);
+  /// All of its texels, in its format.
+  void replace(const void* texels) const;
+  void set(GLenum parameter, GLint value) const;
+
+  int width = 0, height = 0;
+  TextureFormat format{};
+};
+
+/// A depth texture that is read as the part of the light that comes by: compared, and mixed of four texels.
+Texture makeShadowMap(const Functions& gl, int resolution);
+
+/// Draws into textures of one size.
+struct Framebuffer : Object<DeleteFramebuffer> {
+  Framebuffer() = default;
+  /// `depth` may be null. Throws an io Error if the driver cannot.
+  Framebuffer(const Functions& gl, const std::vector<const Texture*>& colors, const Texture* depth);
+
+  /// What is drawn from now on goes to all of it.
+  void bind() const;
+  void clearColor(int target, const std::array<float, 4>& color) const;
+  void clearDepth() const;  ///< to the farthest, 1
+
+  int width = 0, height = 0;
+};
+
+/// A texture that is drawn into.
+struct Canvas {
+  Canvas() = default;
+  Canvas(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter)
+      : texture(gl, width, height, format, filter), target(gl, {&texture}, nullptr) {}
+
+  Texture texture;
+  Framebuffer target;
+};
+
+/// How what is drawn meets what is there.
+struct DrawState {
+  GLenum depthTest =
+      GL_NONE;  ///< nearer ones by GL_LESS or GL_LEQUAL; none: depths are neither read nor written
+  bool writesDepth = true;
+  GLenum source = GL_ONE, destination = GL_ZERO;  ///< factors of blending
+  GLenum culled = GL_NONE;                        ///< sides of triangles
+};
+void setState(const Functions& gl, const DrawState& state);
+
+Buffer makeBuffer(const Functions& gl);
+VertexArray makeVertexArray(const Functions& gl);
+
+/// Replaces a buffer's content.
+void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage);
 
 /// A vertex and a fragment shader, by the names that shaderSource() knows. Mistakes in their source throw an
 /// InternalError with the driver's text.
@@ -105,23 +148,24 @@ class Program {
   void set(const char* uniform, const Vec4f& value) const;
   void setMatrix3(const char* uniform, const float* columns) const;
   void setMatrix4(const char* uniform, const float* columns) const;
-  /// Binds a texture to a unit and the uniform to that unit.
-  void setTexture(const char* uniform, int unit, const Texture& texture, GLenum target = GL_TEXTURE_2D) const;
+  /// Binds a texture to a unit that each such uniform has of its own, and makes it the active one.
+  void setTexture(const char* uniform, const Object<DeleteTexture>& texture,
+                  GLenum target = GL_TEXTURE_2D) const;
 
  private:
   GLint location(const char* uniform) const;
 
   Object<DeleteProgram> program_;
-  mutable std::map<std::string, GLint, std::less<>> locations_;
+  mutable std::map<std::string, GLint, std::less<>> locations_, units_;
 };
 
-/// A fragment shader that is run for all that is within the viewport.
+/// A fragment shader that is run for all texels of what it draws into.
 class FullScreenProgram : public Program {
  public:
   FullScreenProgram(const Functions& gl, const std::string& fragment, const std::string& defines = {});
 
   /// With the program in use.
-  void draw() const;
+  void draw(const Framebuffer& target, const DrawState& state = {}) const;
 
  private:
   VertexArray array_;  // without attributes

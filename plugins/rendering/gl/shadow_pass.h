@@ -3,7 +3,7 @@
 
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/rendering/gl/mesh_store.h"
-#include "plugins/rendering/gl/particle_drawer.h"
+#include "plugins/rendering/gl/sphere_drawer.h"
 
 namespace weir::rendering::gl {
 
@@ -11,7 +11,7 @@ class ShadowPass {
  public:
   explicit ShadowPass(const Functions& gl);
 
-  void draw(const Frame& frame, const MeshStore& meshes, ParticleDrawer& particles);
+  void draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles);
 
   const Texture& depth() const { return depth_; }                ///< compares: GL_COMPARE_REF_TO_TEXTURE
   const Texture& throughGlass() const { return throughGlass_; }  ///< colour of the light that comes through

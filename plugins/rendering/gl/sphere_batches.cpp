@@ -29,19 +29,20 @@ SphereBatches::SphereBatches(const Functions& gl)
   upload(indices_, GL_ELEMENT_ARRAY_BUFFER, std::as_bytes(std::span(indices)), GL_STATIC_DRAW);
   GLuint name = 0;
   gl.genTextures(1, &name);
-  centers_ = Texture(gl, name);
+  centers_ = {gl, name};
 }
 
-void SphereBatches::send(const ParticleView& particles, std::size_t owner) {
+void SphereBatches::send(std::size_t owner) {
   for (std::size_t first = 0; first < packed_.size(); first += largest_) {
     const auto part = std::span(packed_).subspan(first).first(std::min(packed_.size() - first, largest_));
-    batches_.push_back({makeBuffer(gl_), GLsizei(part.size()), particles.radius, owner});
+    batches_.push_back({makeBuffer(gl_), GLsizei(part.size()), owner});
     upload(batches_.back().centers, GL_TEXTURE_BUFFER, std::as_bytes(part), GL_STREAM_DRAW);
   }
 }
 
-void SphereBatches::draw(const Batch& batch) const {
-  gl_.activeTexture(GL_TEXTURE0);
+void SphereBatches::draw(const Program& program, const Batch& batch) const {
+  gl_.bindVertexArray(array_.name());
+  program.setTexture("uCenters", centers_, GL_TEXTURE_BUFFER);
   gl_.texBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, batch.centers.name());
   gl_.drawElements(GL_TRIANGLES, 6 * batch.particles, GL_UNSIGNED_INT, nullptr);
 }

@@ -11,13 +11,6 @@ namespace weir::rendering::gl {
 
 class SphereBatches {
  public:
-  struct Batch {
-    Buffer centers;
-    GLsizei particles;
-    float radius;       ///< m
-    std::size_t owner;  ///< as add() was told
-  };
-
   explicit SphereBatches(const Functions& gl);
 
   void clear() { batches_.clear(); }
@@ -26,18 +19,23 @@ class SphereBatches {
   template <class NumberOf>
   Aabb add(const ParticleView& particles, std::size_t owner, const NumberOf& numberOf);
 
-  /// Draws the batches for which prepare(batch) is true. It may set uniforms of the program, which is in use.
+  /// Draws the batches for which prepare(owner) is true. It may set uniforms of the program, which is in use.
   template <class Prepare>
   void draw(const Program& program, const Prepare& prepare) const;
 
  private:
-  void send(const ParticleView& particles, std::size_t owner);
-  void draw(const Batch& batch) const;
+  struct Batch {
+    Buffer centers;
+    GLsizei particles;
+    std::size_t owner;  // as add() was told
+  };
+  void send(std::size_t owner);
+  void draw(const Program& program, const Batch& batch) const;
 
   const Functions& gl_;
   VertexArray array_;
   Buffer indices_;
-  Texture centers_;
+  Object<DeleteTexture> centers_;
   std::size_t largest_;
   std::vector<Batch> batches_;
   std::vector<Vec4f> packed_;
@@ -54,20 +52,14 @@ Aabb SphereBatches::add(const ParticleView& particles, std::size_t owner, const 
     box.extend(p);
     packed_.push_back({p.x, p.y, p.z, numberOf(i)});
   }
-  if (packed_.empty()) return box;
-  send(particles, owner);
-  const Vec3f around{particles.radius, particles.radius, particles.radius};
-  return {box.lo - around, box.hi + around};
+  send(owner);
+  return box.empty() ? box : widened(box, particles.radius);
 }
 
 template <class Prepare>
 void SphereBatches::draw(const Program& program, const Prepare& prepare) const {
-  if (batches_.empty()) return;
-  program.use();
-  gl_.bindVertexArray(array_.name());
-  program.setTexture("uCenters", 0, centers_, GL_TEXTURE_BUFFER);
   for (const Batch& batch : batches_)
-    if (prepare(batch)) draw(batch);
+    if (prepare(batch.owner)) draw(program, batch);
 }
 
 }  // namespace weir::rendering::gl

@@ -1,7 +1,5 @@
 #include "plugins/rendering/gl/splat_kernels.h"
 
-#include <bit>
-
 #include "framework/compute/parallel.h"
 #include "plugins/rendering/gl/splat_offers.h"
 
@@ -11,9 +9,11 @@ namespace {
 
 constexpr std::uint64_t kNobody = std::uint64_t{kOneBits} << 32 | kNoSphere;
 
-struct ClearNearest {
-  ArrayView<std::uint64_t> nearest;
-  WEIR_HD void operator()(std::int64_t k) const { nearest[k] = kNobody; }
+template <class Least>
+struct Clear {
+  ArrayView<Least> nearest;
+  Least farthest;
+  WEIR_HD void operator()(std::int64_t k) const { nearest[k] = farthest; }
 };
 
 /// 0 … 1 as a number of 16 bits.
@@ -34,10 +34,10 @@ struct WriteTexels {
 
   WEIR_HD void operator()(std::int64_t k) const {
     const std::uint64_t seen = nearest[k];
+    out.depthBits[k] = static_cast<std::uint32_t>(seen >> 32);
     if (seen == kNobody) {
       out.albedo[k] = 0;
       out.normal[k] = storedNormal({0, 0, 1});
-      out.depth[k] = 1;
       return;
     }
     const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
@@ -47,13 +47,7 @@ struct WriteTexels {
     const float distance = shading::distanceOfSphere(ray, center, sphere.radius, rest);
     out.albedo[k] = sphere.color;
     out.normal[k] = storedNormal((ray * distance - center) / sphere.radius);
-    out.depth[k] = std::bit_cast<float>(static_cast<std::uint32_t>(seen >> 32));
   }
-};
-
-struct ClearShadow {
-  ArrayView<std::uint32_t> depthBits;
-  WEIR_HD void operator()(std::int64_t k) const { depthBits[k] = kOneBits; }
 };
 
 }  // namespace
@@ -61,29 +55,44 @@ struct ClearShadow {
 template <class Backend>
 void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                  ArrayView<std::uint64_t> nearest) {
-  offerToCamera(device, "offerDepths", spheres, camera, nearest);
+  offerAll(device, "offerDepths", nearest, camera.width,
+           OfferToCamera<std::uint64_t>{spheres, camera, 0, nearest});
 }
 
 template <class Backend>
 void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                    ArrayView<std::uint64_t> nearest, const SplatTexels& out) {
-  parallelFor(device, "clearNearest", nearest.size, ClearNearest{nearest});
+  parallelFor(device, "clearNearest", nearest.size, Clear<std::uint64_t>{nearest, kNobody});
   splatDepths(device, spheres, camera, nearest);
   parallelFor(device, "writeTexels", nearest.size, WriteTexels{spheres, camera, nearest, out});
 }
 
 template <class Backend>
-void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
-                 ArrayView<std::uint32_t> depthBits) {
-  parallelFor(device, "clearShadow", depthBits.size, ClearShadow{depthBits});
-  offerToSun(device, "offerShadow", spheres, sun, depthBits);
+void clearDepths(Backend& device, ArrayView<std::uint32_t> depthBits) {
+  parallelFor(device, "clear depths", depthBits.size, Clear<std::uint32_t>{depthBits, kOneBits});
+}
+
+template <class Backend>
+void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                 float inset, ArrayView<std::uint32_t> depthBits) {
+  offerAll(device, "water depth", depthBits, camera.width,
+           OfferToCamera<std::uint32_t>{spheres, camera, inset, depthBits});
+}
+
+template <class Backend>
+void splatSunDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
+                    ArrayView<std::uint32_t> depthBits) {
+  offerAll(device, "offerShadow", depthBits, sun.resolution, OfferToSun{spheres, sun, depthBits});
 }
 
 template void splatDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
                           ArrayView<std::uint64_t>);
 template void splatGeometry(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&,
                             ArrayView<std::uint64_t>, const SplatTexels&);
-template void splatShadow(ThisBackend&, ArrayView<const SplatSphere>, const SplatSun&,
+template void clearDepths(ThisBackend&, ArrayView<std::uint32_t>);
+template void splatDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatCamera&, float,
                           ArrayView<std::uint32_t>);
+template void splatSunDepths(ThisBackend&, ArrayView<const SplatSphere>, const SplatSun&,
+                             ArrayView<std::uint32_t>);
 
 }  // namespace weir::rendering::gl

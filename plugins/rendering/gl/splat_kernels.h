@@ -52,7 +52,7 @@ struct SplatSun {
 struct SplatTexels {
   ArrayView<std::uint32_t> albedo;  ///< GL_RGBA, GL_UNSIGNED_BYTE
   ArrayView<std::uint32_t> normal;  ///< GL_RG, GL_UNSIGNED_SHORT; see shading::storedNormal
-  ArrayView<float> depth;
+  ArrayView<std::uint32_t> depthBits;
 };
 
 /// The number of samples at which no sphere is seen, in the lower half of splatDepths' `nearest`. Spheres
@@ -70,9 +70,18 @@ template <class Backend>
 void splatGeometry(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
                    ArrayView<std::uint64_t> nearest, const SplatTexels& out);
 
-/// The least depth in clip space, from 0 to 1, of the spheres at each texel; 1 where there is none.
+/// The bits of the farthest depth, 1.
 template <class Backend>
-void splatShadow(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
-                 ArrayView<std::uint32_t> depthBits);
+void clearDepths(Backend& device, ArrayView<std::uint32_t> depthBits);
+
+/// Puts spheres before the depths that are there. They are drawn back by `inset` (ParticleView::inset()).
+template <class Backend>
+void splatDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatCamera& camera,
+                 float inset, ArrayView<std::uint32_t> depthBits);
+
+/// The same as the sun sees them, in clip space from 0 to 1.
+template <class Backend>
+void splatSunDepths(Backend& device, ArrayView<const SplatSphere> spheres, const SplatSun& sun,
+                    ArrayView<std::uint32_t> depthBits);
 
 }  // namespace weir::rendering::gl

@@ -12,15 +12,6 @@ struct Reach {
   float depth;
 };
 
-/// How far behind its front a sphere is seen; see WaterParticle.
-template <class Sphere>
-WEIR_HD float insetOfSphere(const Sphere& sphere) {
-  if constexpr (requires { sphere.inset; })
-    return sphere.inset;
-  else
-    return 0;
-}
-
 /// The bits of depths, alone or with the number of the sphere.
 WEIR_HD inline void offerDepth(std::uint32_t* min, std::uint32_t depthBits, std::int64_t) {
   atomicMin(min, depthBits);
@@ -37,10 +28,12 @@ WEIR_HD void offerDepths(Least* first, const Mask& where, const Number& depths, 
     if ((left & 1u) != 0) offerDepth(first + l, laneOf(bitsOfNumbers(depths), l), sphere);
 }
 
-template <class Sphere, class Least>
+/// Called with a sphere's number, a part of its rows, and how many parts there are.
+template <class Least>
 struct OfferToCamera {
-  ArrayView<const Sphere> spheres;
+  ArrayView<const SplatSphere> spheres;
   SplatCamera camera;
+  float inset;  ///< m
   ArrayView<Least> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
@@ -48,7 +41,7 @@ struct OfferToCamera {
   }
 
   /// In camera space.
-  WEIR_HD Reach reach(const Vec3f& center, float radius, float inset) const {
+  WEIR_HD Reach reach(const Vec3f& center, float radius) const {
     constexpr float kNearer = 0.9999f;  // for rounding
     const float along = -center.z, front = kNearer * (along - radius + inset);
     Reach found{{0, camera.width - 1},
@@ -64,7 +57,7 @@ struct OfferToCamera {
   WEIR_HD bool hidden(const SphereGroup& group, const FarthestTiles& tiles) const {
     const Vec3f center = camera.point(group.center);
     if (!(group.radius > 0) || group.radius - center.z < camera.near) return true;
-    const Reach found = reach(center, group.radius, 0);
+    const Reach found = reach(center, group.radius);
     return tiles.hide(found.x, found.y, found.depth);
   }
 
@@ -72,15 +65,14 @@ struct OfferToCamera {
     const float radius = spheres[i].radius;
     const Vec3f center = camera.point(spheres[i].center);
     if (!(radius > 0) || radius - center.z < camera.near) return;  // nowhere, or behind the camera
-    const float inset = insetOfSphere(spheres[i]);
-    const Reach found = reach(center, radius, inset);
+    const Reach found = reach(center, radius);
     if (tiles.hide(found.x, found.y, found.depth)) return;
     for (int row = found.y.first + part; row <= found.y.last; row += parts)
-      offerRow(row, found, i, center, radius, inset);
+      offerRow(row, found, i, center, radius);
   }
 
-  WEIR_HD void offerRow(int row, const Reach& found, std::int64_t i, const Vec3f& center, float radius,
-                        float inset) const {
+  WEIR_HD void offerRow(int row, const Reach& found, std::int64_t i, const Vec3f& center,
+                        float radius) const {
     Least* line = min.data + std::int64_t{row} * camera.width;
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, camera.width);
@@ -97,9 +89,8 @@ struct OfferToCamera {
   }
 };
 
-template <class Sphere>
 struct OfferToSun {
-  ArrayView<const Sphere> spheres;
+  ArrayView<const SplatSphere> spheres;
   SplatSun sun;
   ArrayView<std::uint32_t> min;
 
@@ -138,27 +129,15 @@ struct OfferToSun {
     for (int column = found.x.first; column <= found.x.last; column += kPixels) {
       const Number now = depthsOfRow(line, column, sun.resolution);
       const Ints columns = intsFrom(column);
-      const Mask open = !(now < Number(found.depth)) & below(columns, found.x.last + 1);
+      const Mask open = (!(now < Number(found.depth))) & below(columns, found.x.last + 1);
       if (!any(open)) continue;
       const Number u = ((toNumbers(columns) + 0.5f) * texel - 1 - center.x) / radius;
       const Number rest = 1 - (u * u + v * v);
       const Number depth =
           positivePart(shading::depthFromSun(positivePart(rest), Number(center.z), Number(thick)));
-      offerDepths(line + column, open & (depth < now) & !(rest < Number(0.0f)), depth, 0);
+      offerDepths(line + column, open & (depth < now) & (!(rest < Number(0.0f))), depth, 0);
     }
   }
 };
-
-template <class Backend, class Sphere, class Least>
-void offerToCamera(Backend& device, std::string_view name, ArrayView<const Sphere> spheres,
-                   const SplatCamera& camera, ArrayView<Least> min) {
-  offerAll(device, name, spheres, min, camera.width, OfferToCamera<Sphere, Least>{spheres, camera, min});
-}
-
-template <class Backend, class Sphere>
-void offerToSun(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, const SplatSun& sun,
-                ArrayView<std::uint32_t> min) {
-  offerAll(device, name, spheres, min, sun.resolution, OfferToSun<Sphere>{spheres, sun, min});
-}
 
 }  // namespace weir::rendering::gl

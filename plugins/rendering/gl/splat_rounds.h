@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/compute/parallel.h"
+#include "plugins/rendering/compute/sphere_kernels.h"
 #include "plugins/rendering/gl/splat_rows.h"
 
 namespace weir::rendering::gl {
@@ -18,9 +19,8 @@ struct SphereGroup {
   float radius = 0;  ///< 0: there are none
 };
 
-template <class Sphere>
 struct FindGroup {
-  ArrayView<const Sphere> spheres;
+  ArrayView<const SplatSphere> spheres;
   ArrayView<SphereGroup> groups;
 
   WEIR_HD void operator()(std::int64_t k) const {
@@ -71,15 +71,15 @@ struct OfferSlice {
   FarthestTiles tiles;
   ArrayView<const SphereGroup> groups;
   const int* order;
-  std::int64_t first, spheres;  ///< the first slice
-  int slices, parts;            ///< of each group; of each sphere
+  std::int64_t first;  ///< slice
+  int slices, parts;   ///< of each group; of each sphere
 
   WEIR_HD void operator()(std::int64_t later) const {
     const std::int64_t k = (first + later) / parts, slice = k % slices;
     const int group = order[k / slices];
     if (offer.hidden(groups[group], tiles)) return;
     const std::int64_t each = Shares::kGroup / slices, start = group * Shares::kGroup + slice * each;
-    for (std::int64_t i = start; i < start + each && i < spheres; ++i)
+    for (std::int64_t i = start; i < start + each && i < offer.spheres.size; ++i)
       offer(i, static_cast<int>((first + later) % parts), parts, tiles);
   }
 };
@@ -95,13 +95,14 @@ struct OfferShare {
   }
 };
 
-template <class Sphere, class Least, class Offer>
-void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<const Sphere> spheres,
-                       ArrayView<Least> min, int width, const Offer& offer) {
+template <class Least, class Offer>
+void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<Least> min, int width,
+                       const Offer& offer) {
   constexpr std::int64_t kMin = 4096;  // elements of a round: enough for all threads
+  const ArrayView<const SplatSphere> spheres = offer.spheres;
   Array<SphereGroup> found(device, (spheres.size + Shares::kGroup - 1) / Shares::kGroup);
   const ArrayView<const SphereGroup> groups = static_cast<const Array<SphereGroup>&>(found).view();
-  parallelFor(device, "group spheres", groups.size, FindGroup<Sphere>{spheres, found.view()});
+  parallelFor(device, "group spheres", groups.size, FindGroup{spheres, found.view()});
   Array<float> distances(device, groups.size);
   parallelFor(device, "group spheres", groups.size, FindDistance<Offer>{offer, groups, distances.view()});
   const std::vector<int> order = nearestFirst(static_cast<const Array<float>&>(distances).view());
@@ -113,7 +114,6 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
                            .tiles = {.perRow = tilesAlong(width)},
                            .groups = groups,
                            .order = order.data(),
-                           .spheres = spheres.size,
                            .slices = groups.size < 4096 ? 8 : 1,
                            .parts = spheres.size < 8192 ? 8 : 1};
   const std::int64_t count = groups.size * slices.slices * slices.parts;
@@ -128,16 +128,14 @@ void offerNearestFirst(CpuBackend& device, std::string_view name, ArrayView<cons
   }
 }
 
-/// Offers every sphere to `min`, rows of `width` samples. Offer is a functor for a sphere's number, a part
-/// of its rows and how many parts there are.
-template <class Backend, class Sphere, class Least, class Offer>
-void offerAll(Backend& device, std::string_view name, ArrayView<const Sphere> spheres, ArrayView<Least> min,
-              int width, const Offer& offer) {
-  if (spheres.size == 0) return;
+/// Offers every sphere of `offer` to `min`, rows of `width` samples.
+template <class Backend, class Least, class Offer>
+void offerAll(Backend& device, std::string_view name, ArrayView<Least> min, int width, const Offer& offer) {
+  if (offer.spheres.size == 0) return;
   if constexpr (std::is_base_of_v<CpuBackend, Backend>) {
-    offerNearestFirst(device, name, spheres, min, width, offer);
+    offerNearestFirst(device, name, min, width, offer);
   } else {
-    const Shares shares(spheres.size);
+    const Shares shares(offer.spheres.size);
     parallelFor(device, name, shares.count(), OfferShare<Offer>{offer, shares});
   }
 }

@@ -16,12 +16,12 @@ std::string sunlightDefines(const Frame& frame) {
 }
 
 void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,
-                         const WaterShadow* water, int unit) {
-  program.setTexture("uShadow", unit, shadows.depth());
-  program.setTexture("uThroughGlass", unit + 1, shadows.throughGlass());
+                         const WaterShadow* water) {
+  program.setTexture("uShadow", shadows.depth());
+  program.setTexture("uThroughGlass", shadows.throughGlass());
   if (water != nullptr) {
-    program.setTexture("uWaterDepth", unit + 2, water->depth());
-    program.setTexture("uThroughWater", unit + 3, water->through());
+    program.setTexture("uWaterDepth", water->depth());
+    program.setTexture("uThroughWater", water->through());
   }
   if (!frame.hasShadows) return;
   const ShadedLight light = lightOf(frame);

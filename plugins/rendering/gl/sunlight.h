@@ -13,8 +13,8 @@ namespace weir::rendering::gl {
 /// left out.
 std::string sunlightDefines(const Frame& frame);
 
-/// Its uniforms; takes four texture units from `unit` on. `water` may be null if there is no liquid.
+/// Its uniforms. `water` may be null if there is no liquid.
 void setSunlightUniforms(const Program& program, const Frame& frame, const ShadowPass& shadows,
-                         const WaterShadow* water, int unit);
+                         const WaterShadow* water);
 
 }  // namespace weir::rendering::gl

@@ -40,11 +40,8 @@ Eigen::Matrix4f placementOf(const SurfaceView& surface) {
 Aabb placedBounds(const Aabb& bounds, const SurfaceView& surface) {
   Aabb placed;
   if (bounds.empty()) return placed;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3f corner{i & 1 ? bounds.hi.x : bounds.lo.x, i & 2 ? bounds.hi.y : bounds.lo.y,
-                       i & 4 ? bounds.hi.z : bounds.lo.z};
+  for (const Vec3f& corner : cornersOf(bounds))
     placed.extend(rotate(surface.rotation, corner) + surface.position);
-  }
   return placed;
 }
 
@@ -67,16 +64,16 @@ void SurfacePass::draw(const Frame& frame, const MeshStore& meshes, bool particl
   setGridUniform(program_, frame.width, frame.height);
   const std::vector<SurfaceView>& surfaces = frame.view.surfaces;
   if (!particlesAreThere) {
+    setState(gl_, {.depthTest = GL_LEQUAL});
     for (const SurfaceView& surface : surfaces) drawSurface(frame, meshes, surface);
-    drawGround(frame);
+    drawGround(frame, GL_LEQUAL);
     return;
   }
   // What is there stays where both are equally near, so the order is the other way round.
-  gl_.depthFunc(GL_LESS);
-  drawGround(frame);
+  drawGround(frame, GL_LESS);
+  setState(gl_, {.depthTest = GL_LESS});
   for (auto surface = surfaces.rbegin(); surface != surfaces.rend(); ++surface)
     drawSurface(frame, meshes, *surface);
-  gl_.depthFunc(GL_LEQUAL);
 }
 
 void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface) {
@@ -87,7 +84,7 @@ void SurfacePass::drawSurface(const Frame& frame, const MeshStore& meshes, const
   meshes.draw(surface.mesh);
 }
 
-void SurfacePass::drawGround(const Frame& frame) {
+void SurfacePass::drawGround(const Frame& frame, GLenum depthTest) {
   const GroundView& ground = frame.view.ground;
   if (!ground.visible) return;
   const Vec3f up = normalized(frame.view.worldUp);
@@ -101,10 +98,8 @@ void SurfacePass::drawGround(const Frame& frame) {
   program_.setMatrix3("uNormalToView", normalToView.data());
   program_.set("uColor", bytesOf(ground.color));
   program_.set("uMaterial", shading::kGround);
-  gl_.enable(GL_CULL_FACE);
-  gl_.cullFace(GL_BACK);
+  setState(gl_, {.depthTest = depthTest, .culled = GL_BACK});
   groundMesh_.draw(disc_);
-  gl_.disable(GL_CULL_FACE);
 }
 
 }  // namespace weir::rendering::gl

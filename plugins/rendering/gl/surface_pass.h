@@ -24,7 +24,7 @@ class SurfacePass {
 
  private:
   void drawSurface(const Frame& frame, const MeshStore& meshes, const SurfaceView& surface);
-  void drawGround(const Frame& frame);
+  void drawGround(const Frame& frame, GLenum depthTest);
 
   const Functions& gl_;
   Program program_;

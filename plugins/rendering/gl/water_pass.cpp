@@ -1,7 +1,6 @@
 #include "plugins/rendering/gl/water_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "plugins/rendering/gl/sunlight.h"
@@ -14,7 +13,7 @@ namespace {
 float distanceOf(const View& view, const MeshStore& meshes, std::size_t water) {
   Aabb box;
   for (const ParticleView& particles : view.particles)
-    if (isWater(particles, water))
+    if (particles.water == water)
       for (const Vec3f& p : particles.positions)
         if (isFinite(p)) box.extend(p);
   for (const SurfaceView& surface : view.surfaces)
@@ -32,6 +31,12 @@ std::vector<std::size_t> farthestFirst(const View& view, const MeshStore& meshes
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return distances[a] > distances[b]; });
   return order;
+}
+
+bool haveSize(const WaterTargets& water, const Targets& targets) {
+  const Texture &pixels = water.scene.texture, &samples = water.depth;
+  return pixels.width == targets.pictureWidth && pixels.height == targets.pictureHeight &&
+         samples.width == targets.depth.width && samples.height == targets.depth.height;
 }
 
 }  // namespace
@@ -53,11 +58,9 @@ const FullScreenProgram& WaterPass::shadingFor(const Frame& frame) {
 void WaterPass::draw(const Frame& frame, const Targets& targets, const Parts& parts,
                      const std::function<void(const Texture& depth)>& drawBehind) {
   if (frame.view.waters.empty()) return;
-  if (!water_ || width_ != targets.pictureWidth || height_ != targets.pictureHeight ||
-      samples_ != targets.samples) {
+  if (!water_ || !haveSize(*water_, targets)) {
     water_.reset();
     water_.emplace(gl_, targets);
-    width_ = targets.pictureWidth, height_ = targets.pictureHeight, samples_ = targets.samples;
   }
   for (const std::size_t water : farthestFirst(frame.view, parts.meshes))
     drawOne(frame, targets, parts, water, drawBehind);
@@ -78,61 +81,50 @@ void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts&
 /// Depth, normals and thickness of the liquid.
 void WaterPass::drawMaps(const Frame& frame, const Targets& targets, const Parts& parts,
                          std::size_t water) const {
-  constexpr std::array<float, 4> kNothing{0, 0, 0, 0};
-  constexpr float kFarthest = 1;
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->surface.name());
-  gl_.viewport(0, 0, frame.width, frame.height);
-  gl_.enable(GL_DEPTH_TEST);
-  gl_.depthFunc(GL_LEQUAL);
-  gl_.depthMask(GL_TRUE);
-  gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  gl_.clearBufferfv(GL_DEPTH, 0, &kFarthest);
+  SeenWater seen{frame, water, parts.meshes, {frame.width, frame.height}};
+  water_->surface.clearColor(0, {0, 0, 0, 0});
+  water_->surface.clearDepth();
+  setState(gl_, {.depthTest = GL_LEQUAL});
   parts.particles.drawDepth(frame, water, water_->depth);
-  parts.surfaces.drawDepth(frame, water, parts.meshes, {frame.width, frame.height});
+  parts.surfaces.drawDepth(seen);
 
-  gl_.disable(GL_DEPTH_TEST);
-  gl_.viewport(0, 0, water_->thicknessWidth, water_->thicknessHeight);
   drawBackground(frame, targets);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  gl_.clearBufferfv(GL_COLOR, 0, kNothing.data());
-  parts.particles.drawThickness(frame, water, water_->depth, {water_->background, water_->backgroundTarget},
-                                {water_->thickness[0], water_->thicknessWidth, water_->thicknessHeight});
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->thicknessTargets[0].name());
-  parts.surfaces.drawThickness(frame, water, parts.meshes, {water_->thicknessWidth, water_->thicknessHeight});
+  const Canvas& thickness = water_->thickness[0];
+  seen.size = {thickness.texture.width, thickness.texture.height};
+  thickness.target.clearColor(0, {0, 0, 0, 0});
+  parts.particles.drawThickness(frame, water, water_->depth, water_->background, thickness.texture);
+  thickness.target.bind();
+  parts.surfaces.drawThickness(seen);
 }
 
 void WaterPass::drawBackground(const Frame& frame, const Targets& targets) const {
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->backgroundTarget.name());
+  const Texture& map = water_->background.texture;
   background_.use();
   setCameraUniforms(background_, frame.camera, frame.width, frame.height);
-  background_.setTexture("uDepth", 0, targets.depth);
-  background_.set("uSize", Vec2i{water_->thicknessWidth, water_->thicknessHeight});
-  background_.draw();
+  background_.setTexture("uDepth", targets.depth);
+  background_.set("uSize", Vec2i{map.width, map.height});
+  background_.draw(water_->background.target);
 }
 
 void WaterPass::resolveScene(const Frame& frame, const Targets& targets) const {
-  gl_.disable(GL_DEPTH_TEST);
-  gl_.viewport(0, 0, targets.pictureWidth, targets.pictureHeight);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->sceneTarget.name());
   resolve_.use();
-  resolve_.setTexture("uLight", 0, targets.light);
+  resolve_.setTexture("uLight", targets.light.texture);
   resolve_.set("uSamples", frame.samples);
-  resolve_.draw();
+  resolve_.draw(water_->scene.target);
 }
 
 void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view) {
   const FullScreenProgram& program = shadingFor(frame);
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, water_->shadedTarget.name());
   program.use();
   setCameraUniforms(program, frame.camera, targets.pictureWidth, targets.pictureHeight);
   setLightUniforms(program, frame);
-  program.setTexture("uNearness", 0, water_->nearness[1]);
-  program.setTexture("uNormal", 1, water_->normal);
-  program.setTexture("uThickness", 2, water_->thickness[0]);
-  program.setTexture("uScene", 3, water_->scene);
-  program.setTexture("uDepth", 4, targets.depth);
-  setSunlightUniforms(program, frame, parts.shadows, &parts.waterShadows, 5);
-  parts.environment.setUniforms(program, frame, 9);
+  program.setTexture("uNearness", water_->nearness[1].texture);
+  program.setTexture("uNormal", water_->normal);
+  program.setTexture("uThickness", water_->thickness[0].texture);
+  program.setTexture("uScene", water_->scene.texture);
+  program.setTexture("uDepth", targets.depth);
+  setSunlightUniforms(program, frame, parts.shadows, &parts.waterShadows);
+  parts.environment.setUniforms(program, frame);
   program.set("uSamples", frame.samples);
   program.set("uUnlit", int(frame.view.lighting.unlit));
   program.set("uAbsorption", view.absorption);
@@ -140,20 +132,15 @@ void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& p
   program.set("uScattering", view.scattering);
   program.set("uFoamOpacity", view.foamOpacity);
   program.set("uRefractiveIndex", view.refractiveIndex);
-  program.draw();
+  program.draw(water_->shaded.target);
 }
 
 void WaterPass::compose(const Frame& frame, const Targets& targets) const {
-  gl_.bindFramebuffer(GL_FRAMEBUFFER, targets.lightWithDepth.name());
-  gl_.viewport(0, 0, frame.width, frame.height);
-  gl_.enable(GL_DEPTH_TEST);
-  gl_.depthFunc(GL_LESS);
   compose_.use();
-  compose_.setTexture("uShaded", 0, water_->shaded);
-  compose_.setTexture("uDepth", 1, water_->depth);
+  compose_.setTexture("uShaded", water_->shaded.texture);
+  compose_.setTexture("uDepth", water_->depth);
   compose_.set("uSamples", frame.samples);
-  compose_.draw();
-  gl_.depthFunc(GL_LEQUAL);
+  compose_.draw(targets.lightWithDepth, {.depthTest = GL_LESS});
 }
 
 }  // namespace weir::rendering::gl

@@ -20,7 +20,7 @@ class WaterPass {
 
   struct Parts {
     const MeshStore& meshes;
-    WaterDrawer& particles;
+    SphereDrawer& particles;
     const ShadowPass& shadows;
     const WaterShadow& waterShadows;
     const WaterSurfacePass& surfaces;
@@ -48,7 +48,6 @@ class WaterPass {
   FullScreenProgram background_, resolve_, compose_;
   std::map<std::string, FullScreenProgram> shading_;  // by what the sun's light needs
   std::optional<WaterTargets> water_;
-  int width_ = 0, height_ = 0, samples_ = 0;  // of water_
 };
 
 }  // namespace weir::rendering::gl

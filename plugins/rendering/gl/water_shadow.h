@@ -2,7 +2,7 @@
 #pragma once
 
 #include "plugins/rendering/gl/mesh_store.h"
-#include "plugins/rendering/gl/water_drawer.h"
+#include "plugins/rendering/gl/sphere_drawer.h"
 #include "plugins/rendering/gl/water_surface_pass.h"
 
 namespace weir::rendering::gl {
@@ -13,20 +13,21 @@ class WaterShadow {
 
   explicit WaterShadow(const Functions& gl);
 
-  void draw(const Frame& frame, const MeshStore& meshes, WaterDrawer& particles,
+  void draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles,
             const WaterSurfacePass& surfaces) const;
 
-  const Texture& depth() const { return depth_; }      ///< of the nearest liquid; GL_COMPARE_REF_TO_TEXTURE
-  const Texture& through() const { return through_; }  ///< colour of the light that comes through all
+  const Texture& depth() const { return depth_; }  ///< of the nearest liquid; GL_COMPARE_REF_TO_TEXTURE
+  const Texture& through() const { return through_.texture; }  ///< colour of the light that comes through all
 
  private:
-  void drawOne(const Frame& frame, std::size_t water, const MeshStore& meshes, WaterDrawer& particles,
+  void drawOne(const Frame& frame, std::size_t water, const MeshStore& meshes, SphereDrawer& particles,
                const WaterSurfacePass& surfaces) const;
 
   const Functions& gl_;
   FullScreenProgram absorb_;
-  Texture depth_, ownDepth_, thickness_, through_;
-  Framebuffer ownDepthTarget_, thicknessTarget_, target_, depthTarget_;
+  Texture depth_, ownDepth_;
+  Canvas thickness_, through_;
+  Framebuffer ownDepthTarget_, depthTarget_;
 };
 
 }  // namespace weir::rendering::gl

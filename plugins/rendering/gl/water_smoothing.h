@@ -11,17 +11,12 @@ struct WaterTargets {
 
   Texture depth, normal;  ///< per sample; normals with an alpha of 1 where a mesh is seen
   Framebuffer surface;
-  int thicknessWidth, thicknessHeight;
-  Texture background;  ///< distance of what is opaque, at half the size
-  Framebuffer backgroundTarget;
-  Texture thickness[2];  ///< at half the size
-  Framebuffer thicknessTargets[2];
+  Canvas background;    ///< distance of what is opaque, at half the size
+  Canvas thickness[2];  ///< at half the size
   /// One over the distance along the camera's axis, which is linear on planes; 0 where there is none, below 0
   /// where a mesh is seen.
-  Texture nearness[2];
-  Framebuffer nearnessTargets[2];
-  Texture scene, shaded;  ///< linear light
-  Framebuffer sceneTarget, shadedTarget;
+  Canvas nearness[2];
+  Canvas scene, shaded;  ///< linear light
 };
 
 class WaterSmoothing {
@@ -36,7 +31,6 @@ class WaterSmoothing {
   void smoothThickness(const Frame& frame, const WaterTargets& water, float width) const;
 
  private:
-  const Functions& gl_;
   FullScreenProgram gather_, narrowRange_, polish_, blur_;
 };
 

@@ -8,52 +8,31 @@ WaterSurfacePass::WaterSurfacePass(const Functions& gl)
       surface_(gl, "surface.vert", "water_surface.frag"),
       thickness_(gl, "surface.vert", "water_inside.frag") {}
 
-void WaterSurfacePass::draw(const Frame& frame, const Program& program, std::size_t water,
-                            const MeshStore& meshes, const Vec2i& size, bool fromSun) const {
-  const Eigen::Matrix4f toClip = fromSun ? frame.sun.toClip() : frame.camera.projection();
+static void draw(const SeenWater& seen, const Program& program) {
+  const Frame& frame = seen.frame;
+  const Eigen::Matrix4f toClip = seen.fromSun ? frame.sun.toClip() : frame.camera.projection();
   program.use();
   program.setMatrix4("uToClip", toClip.data());
-  setGridUniform(program, size.x, size.y);
-  program.set("uDepthRange", fromSun ? frame.sun.zNearest - frame.sun.zFarthest : 0.0f);
+  setGridUniform(program, seen.size.x, seen.size.y);
+  program.set("uDepthRange", seen.fromSun ? frame.sun.zNearest - frame.sun.zFarthest : 0.0f);
   for (const SurfaceView& surface : frame.view.surfaces) {
-    if (surface.look != SurfaceLook::kWater || surface.water != water) continue;
-    if (fromSun) {
-      const Eigen::Matrix4f placement = placementOf(surface);
-      program.setMatrix4("uToView", placement.data());
-    } else {
+    if (surface.look != SurfaceLook::kWater || surface.water != seen.water) continue;
+    if (seen.fromSun)
+      program.setMatrix4("uToView", placementOf(surface).data());
+    else
       setPlacement(program, frame.camera, surface);
-    }
-    meshes.draw(surface.mesh);
+    seen.meshes.draw(surface.mesh);
   }
 }
 
-void WaterSurfacePass::addThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                    const Vec2i& size, bool fromSun) const {
-  gl_.enable(GL_BLEND);
-  gl_.blendFunc(GL_ONE, GL_ONE);
-  draw(frame, thickness_, water, meshes, size, fromSun);
-  gl_.disable(GL_BLEND);
-  gl_.blendFunc(GL_ONE, GL_ZERO);
+void WaterSurfacePass::drawDepth(const SeenWater& seen) const {
+  setState(gl_, {.depthTest = GL_LEQUAL});
+  draw(seen, surface_);
 }
 
-void WaterSurfacePass::drawDepth(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                 const Vec2i& size) const {
-  draw(frame, surface_, water, meshes, size, false);
-}
-
-void WaterSurfacePass::drawThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                     const Vec2i& size) const {
-  addThickness(frame, water, meshes, size, false);
-}
-
-void WaterSurfacePass::drawSunDepth(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                    const Vec2i& size) const {
-  draw(frame, surface_, water, meshes, size, true);
-}
-
-void WaterSurfacePass::drawSunThickness(const Frame& frame, std::size_t water, const MeshStore& meshes,
-                                        const Vec2i& size) const {
-  addThickness(frame, water, meshes, size, true);
+void WaterSurfacePass::drawThickness(const SeenWater& seen) const {
+  setState(gl_, {.source = GL_ONE, .destination = GL_ONE});
+  draw(seen, thickness_);
 }
 
 }  // namespace weir::rendering::gl

@@ -102,7 +102,10 @@ TEST_P(SplatKernels, FindTheDepthsThatTheSunSees) {
                          .resolution = 37};
   Array<std::uint32_t> bits(*device, std::int64_t{sun.resolution} * sun.resolution);
   const Array<SplatSphere> all(*device, std::span<const SplatSphere>(spheres));
-  dispatch(*device, [&](auto& at) { gl::splatShadow(at, all.view(), sun, bits.view()); });
+  dispatch(*device, [&](auto& at) {
+    gl::clearDepths(at, bits.view());
+    gl::splatSunDepths(at, all.view(), sun, bits.view());
+  });
   const std::vector<std::uint32_t> found = bits.toHost();
   int wrong = 0, seen = 0;
   for (int y = 0; y < sun.resolution; ++y)

@@ -1,5 +1,5 @@
 // Particles by a compute device: the pictures are those that OpenGL makes.
-#include "plugins/rendering/gl/splat_pass.h"
+#include "plugins/rendering/gl/splatted_spheres.h"
 
 #include <gtest/gtest.h>
 

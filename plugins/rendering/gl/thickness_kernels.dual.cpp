@@ -1,25 +1,16 @@
-#include "plugins/rendering/gl/water_kernels.h"
+#include "plugins/rendering/gl/thickness_kernels.h"
 
 #include "framework/compute/atomics.h"
 #include "framework/compute/parallel.h"
-#include "plugins/rendering/gl/splat_offers.h"
+#include "plugins/rendering/gl/splat_shapes.h"
 
 namespace weir::rendering::gl {
 
 namespace {
 
-struct ClearDepth {
-  ArrayView<std::uint32_t> depthBits;
-  WEIR_HD void operator()(std::int64_t k) const { depthBits[k] = kOneBits; }
-};
-
-struct ClearSums {
-  ArrayView<std::uint32_t> sums;
-  WEIR_HD void operator()(std::int64_t k) const { sums[k] = 0; }
-};
-
 struct AddThickness {
-  ArrayView<const WaterParticle> particles;
+  ArrayView<const SplatSphere> spheres;
+  float chord;
   Shares shares;
   ThicknessView view;
   LiquidBetween between;
@@ -40,7 +31,9 @@ struct AddThickness {
   WEIR_HD void operator()(std::int64_t k) const {
     const std::int64_t i = shares.sphere(k);
     if (i >= shares.spheres) return;
-    const WaterParticle p = particles[i];
+    const SplatSphere p = spheres[i];
+    if (!(p.radius > 0)) return;
+    const float foam = std::bit_cast<float>(p.color);
     const float along = clip(3, p.center);
     if (along < view.near) return;
     const float radius = p.radius * view.texels / along;
@@ -51,7 +44,7 @@ struct AddThickness {
     const int right = clampToInt(std::floor(middleX + drawn - 0.5f), -1, view.width - 1);
     const int low = clampToInt(std::ceil(middleY - drawn - 0.5f), 0, view.height);
     const int high = clampToInt(std::floor(middleY + drawn - 0.5f), -1, view.height - 1);
-    const float spread = radius / drawn, chordOfAll = p.chord / view.unit;
+    const float spread = radius / drawn, chordOfAll = chord / view.unit;
     for (int row = low + shares.part(k); row <= high; row += shares.parts) {
       const float v = (float(row) + 0.5f - middleY) / drawn;
       for (int column = left; column <= right; ++column) {
@@ -60,12 +53,12 @@ struct AddThickness {
         if (rest < 0) continue;
         const std::int64_t texel = std::int64_t{row} * view.width + column;
         if (between.background.size > 0 && along > between.background[texel]) continue;
-        const float chord = shading::wayThrough(rest, chordOfAll, spread);
+        const float way = shading::wayThrough(rest, chordOfAll, spread);
         std::uint32_t* sum = sums.data + 2 * texel;
-        atomicAdd(sum, static_cast<std::uint32_t>(chord + 0.5f));
-        if (p.foam > 0)
+        atomicAdd(sum, static_cast<std::uint32_t>(way + 0.5f));
+        if (foam > 0)
           atomicAdd(sum + 1,
-                    static_cast<std::uint32_t>(chord * p.foam * seen(column, row, along, p.radius) + 0.5f));
+                    static_cast<std::uint32_t>(way * foam * seen(column, row, along, p.radius) + 0.5f));
       }
     }
   }
@@ -83,33 +76,20 @@ struct ToMetres {
 }  // namespace
 
 template <class Backend>
-void splatWaterDepth(Backend& device, ArrayView<const WaterParticle> particles, const SplatCamera& camera,
-                     ArrayView<std::uint32_t> depthBits) {
-  parallelFor(device, "clear water", depthBits.size, ClearDepth{depthBits});
-  offerToCamera(device, "water depth", particles, camera, depthBits);
+void addLiquid(Backend& device, ArrayView<const SplatSphere> spheres, float chord, const ThicknessView& view,
+               const LiquidBetween& between, ArrayView<std::uint32_t> sums) {
+  const Shares shares(spheres.size);
+  parallelFor(device, "thickness", shares.count(), AddThickness{spheres, chord, shares, view, between, sums});
 }
 
 template <class Backend>
-void splatWaterSunDepth(Backend& device, ArrayView<const WaterParticle> particles, const SplatSun& sun,
-                        ArrayView<std::uint32_t> depthBits) {
-  parallelFor(device, "clear water", depthBits.size, ClearDepth{depthBits});
-  offerToSun(device, "water from the sun", particles, sun, depthBits);
+void thicknessOf(Backend& device, ArrayView<const std::uint32_t> sums, float unit,
+                 ArrayView<Vec2f> thickness) {
+  parallelFor(device, "thickness in metres", thickness.size, ToMetres{sums, unit, thickness});
 }
 
-template <class Backend>
-void splatThickness(Backend& device, ArrayView<const WaterParticle> particles, const ThicknessView& view,
-                    const LiquidBetween& between, ArrayView<std::uint32_t> sums, ArrayView<Vec2f> thickness) {
-  parallelFor(device, "clear thickness", sums.size, ClearSums{sums});
-  const Shares shares(particles.size);
-  parallelFor(device, "thickness", shares.count(), AddThickness{particles, shares, view, between, sums});
-  parallelFor(device, "thickness in metres", thickness.size, ToMetres{sums, view.unit, thickness});
-}
-
-template void splatWaterDepth(ThisBackend&, ArrayView<const WaterParticle>, const SplatCamera&,
-                              ArrayView<std::uint32_t>);
-template void splatWaterSunDepth(ThisBackend&, ArrayView<const WaterParticle>, const SplatSun&,
-                                 ArrayView<std::uint32_t>);
-template void splatThickness(ThisBackend&, ArrayView<const WaterParticle>, const ThicknessView&,
-                             const LiquidBetween&, ArrayView<std::uint32_t>, ArrayView<Vec2f>);
+template void addLiquid(ThisBackend&, ArrayView<const SplatSphere>, float, const ThicknessView&,
+                        const LiquidBetween&, ArrayView<std::uint32_t>);
+template void thicknessOf(ThisBackend&, ArrayView<const std::uint32_t>, float, ArrayView<Vec2f>);
 
 }  // namespace weir::rendering::gl

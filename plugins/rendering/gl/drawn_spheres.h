@@ -1,0 +1,54 @@
+// Particles by OpenGL: spheres with exact outlines, of a rectangle around each one's picture and a ray per
+// sample, and rectangles that add up for the thickness of liquids.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "plugins/rendering/gl/sphere_batches.h"
+#include "plugins/rendering/gl/sphere_drawer.h"
+
+namespace weir::rendering::gl {
+
+class DrawnSpheres final : public SphereDrawer {
+ public:
+  explicit DrawnSpheres(const Functions& gl);
+
+  /// Sends the particles to the GPU.
+  Aabb load(std::span<const ParticleView> views) override;
+  bool replacesAll() const override { return false; }
+  void drawGeometry(const Frame& frame, const Targets& targets) override;
+  void drawSunDepth(const SunView& sun, Liquid liquid, const Texture& depth) override;
+  void drawDepth(const Frame& frame, std::size_t liquid, const Texture& depth) override;
+  void drawThickness(const Frame& frame, std::size_t liquid, const Texture& front, const Canvas& background,
+                     const Texture& map) override;
+  void drawSunThickness(const SunView& sun, std::size_t liquid, const Texture& map) override;
+
+ private:
+  /// The particles of one view.
+  struct Group {
+    Liquid liquid;
+    float radius, inset, chord;
+    Texture colors;  // of the colour map; none of a liquid
+  };
+  /// Once there is a liquid: programs take time to build.
+  struct LiquidPrograms {
+    explicit LiquidPrograms(const Functions& gl);
+    Program depth, thickness;
+  };
+
+  /// Calls setUniforms(group) before each batch, with the program in use.
+  template <class SetUniforms>
+  void draw(const Program& program, Liquid liquid, const SetUniforms& setUniforms) const;
+  /// In a program that is in use and has all uniforms but those of groups.
+  void addThickness(std::size_t liquid, const Texture& map, float foamDepth) const;
+
+  const Functions& gl_;
+  Program geometry_, sunDepth_;
+  std::optional<LiquidPrograms> liquids_;
+  SphereBatches batches_;
+  Texture nothing_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace weir::rendering::gl

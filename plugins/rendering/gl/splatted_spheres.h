@@ -1,0 +1,43 @@
+// Particles as spheres that a compute device finds the nearest of at each sample (splat_kernels.h), and the
+// thickness of liquids likewise (thickness_kernels.h). OpenGL gets finished texels, which is much faster than
+// triangles where OpenGL is software.
+#pragma once
+
+#include <vector>
+
+#include "plugins/rendering/compute/device_output.h"
+#include "plugins/rendering/compute/sphere_set.h"
+#include "plugins/rendering/gl/sphere_drawer.h"
+#include "plugins/rendering/gl/thickness_kernels.h"
+
+namespace weir::rendering::gl {
+
+class SplattedSpheres final : public SphereDrawer {
+ public:
+  /// No other thread may use the device.
+  explicit SplattedSpheres(Device& device);
+
+  Aabb load(std::span<const ParticleView> views) override { return spheres_.load(views); }
+  bool replacesAll() const override { return spheres_.opaque().size > 0; }
+  void drawGeometry(const Frame& frame, const Targets& targets) override;
+  void drawSunDepth(const SunView& sun, Liquid liquid, const Texture& depth) override;
+  void drawDepth(const Frame& frame, std::size_t liquid, const Texture& depth) override;
+  void drawThickness(const Frame& frame, std::size_t liquid, const Texture& front, const Canvas& background,
+                     const Texture& map) override;
+  void drawSunThickness(const SunView& sun, std::size_t liquid, const Texture& map) override;
+
+ private:
+  void addThickness(std::size_t liquid, ThicknessView view, const LiquidBetween& between, const Texture& map);
+
+  Device& device_;
+  SphereSet spheres_;
+  Array<std::uint64_t> nearest_;
+  Array<std::uint32_t> albedo_, normal_, depth_, sunDepth_, sums_;
+  Array<float> background_;
+  Array<Vec2f> thickness_;
+  std::vector<float> backgroundOnHost_;
+  DeviceOutput<std::uint32_t> texels_, normals_, depths_;
+  DeviceOutput<Vec2f> thicknesses_;
+};
+
+}  // namespace weir::rendering::gl
