@@ -1,8 +1,10 @@
 #include "plugins/rendering/color_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "framework/base/check.h"
@@ -65,13 +67,8 @@ Vec3f unpack(std::uint32_t rgb) {
 
 }  // namespace
 
-Vec3f colorAt(ColorMapName map, float t) {
-  if (std::isnan(t)) return kNeutral;
-  const Table& table = tableOf(map);
-  const float place = std::clamp(t, 0.0f, 1.0f) * float(table.size() - 1);
-  const std::size_t left = std::min(std::size_t(place), table.size() - 2);
-  const float fraction = place - float(left);
-  return unpack(table[left]) * (1 - fraction) + unpack(table[left + 1]) * fraction;
+ColorMap::ColorMap(ColorMapName name) {
+  for (const std::uint32_t color : tableOf(name)) colors_.push_back(unpack(color));
 }
 
 ColorMap::ColorMap(std::vector<Vec3f> colors) : colors_(std::move(colors)) {
@@ -79,21 +76,11 @@ ColorMap::ColorMap(std::vector<Vec3f> colors) : colors_(std::move(colors)) {
 }
 
 Vec3f ColorMap::at(float t) const {
-  if (colors_.empty()) return colorAt(name_, t);
   if (std::isnan(t)) return kNeutral;
   const float place = std::clamp(t, 0.0f, 1.0f) * float(colors_.size() - 1);
   const std::size_t left = std::min(std::size_t(place), colors_.size() - 2);
   const float part = place - float(left);
   return colors_[left] * (1 - part) + colors_[left + 1] * part;
-}
-
-std::array<std::uint8_t, 3 * 256> colorTable(ColorMapName map) {
-  std::array<std::uint8_t, 3 * 256> bytes{};
-  for (int i = 0; i < 256; ++i) {
-    const Vec3f color = colorAt(map, float(i) / 255.0f);
-    for (int c = 0; c < 3; ++c) bytes[3 * i + c] = std::uint8_t(std::lround(color[c] * 255.0f));
-  }
-  return bytes;
 }
 
 }  // namespace weir::rendering

@@ -38,11 +38,7 @@ SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camer
       maker_(maker),
       device_(deviceOf(maker)),
       map_(settings.color->colorMap()),
-      cuts_(cutsOf(settings.clips)),
-      placeRoom_(device_),
-      velocityRoom_(device_),
-      placesOnHost_(device_),
-      velocitiesOnHost_(device_) {
+      cuts_(cutsOf(settings.clips)) {
   const EnvironmentSettings& environment = *settings.environment;
   if (environment.look == EnvironmentLook::kImage)
     image_ = readEnvironment(environment.image->resolved, environment.turn, environment.brightness);

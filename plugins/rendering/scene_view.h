@@ -72,8 +72,8 @@ class SceneView {
   std::vector<Cut> cuts_;
   std::vector<std::unique_ptr<ShownParticles>> shown_;  // of each fluid
   // For arrows: what the device had no room for, and what it has as the host sees it.
-  Array<Vec3f> placeRoom_, velocityRoom_;
-  DeviceOutput<Vec3f> placesOnHost_, velocitiesOnHost_;
+  Array<Vec3f> placeRoom_{device_}, velocityRoom_{device_};
+  DeviceOutput<Vec3f> placesOnHost_{device_}, velocitiesOnHost_{device_};
   std::vector<std::unique_ptr<ShownParticles>> surfaceFluids_;  // behind each surface of a fluid
   std::vector<SurfaceFields> fieldsOfSurfaces_;
   std::vector<Vec3f> arrows_;          // two points a line

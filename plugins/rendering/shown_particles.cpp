@@ -31,25 +31,6 @@ bool isShown(std::span<const Cut> cuts, const Vec3f& place) {
   return true;
 }
 
-ShownParticles::ShownParticles(Device& device)
-    : device_(device),
-      positionRoom_(device),
-      velocityRoom_(device),
-      numberRooms_(AttributeTypes::makeTuple<Array>(device)),
-      made_(device),
-      cuts_(device),
-      chosen_(device),
-      kept_(device, 1),
-      keptPositions_(device),
-      keptVelocities_(device),
-      keptValues_(device),
-      box_(device, 1),
-      range_(device, 1),
-      sum_(device, 1),
-      positionsOnHost_(device),
-      velocitiesOnHost_(device),
-      valuesOnHost_(device) {}
-
 ArrayView<float> ShownParticles::roomForValues(std::int64_t count) {
   made_.resizeDiscarding(count);
   return made_.view();

@@ -22,7 +22,7 @@ bool isShown(std::span<const Cut> cuts, const Vec3f& place);
 class ShownParticles {
  public:
   /// No other thread may use the device. It must be of the hardware that the frame comes from.
-  explicit ShownParticles(Device& device);
+  explicit ShownParticles(Device& device) : device_(device) {}
 
   /// Takes the particles of a frame. With `foamEnds`, the numbers that colour them become parts of foam: 0 at
   /// the first end, 1 at the second.
@@ -54,18 +54,18 @@ class ShownParticles {
   bool isWhite_ = false;
   ArrayView<const Vec3f> velocities_;  // none where they are not captured
   // For a frame that the device had no room for.
-  Array<Vec3f> positionRoom_, velocityRoom_;
-  AttributeTypes::TupleOf<Array> numberRooms_;
-  Array<float> made_;  // numbers that no attribute holds as they are
-  Array<Cut> cuts_;
-  Array<int> chosen_, kept_;
-  Array<Vec3f> keptPositions_, keptVelocities_;
-  Array<float> keptValues_;
-  Array<Aabb> box_;
-  Array<Vec2f> range_;
-  Array<PlacesSum> sum_;
-  DeviceOutput<Vec3f> positionsOnHost_, velocitiesOnHost_;
-  DeviceOutput<float> valuesOnHost_;
+  Array<Vec3f> positionRoom_{device_}, velocityRoom_{device_};
+  AttributeTypes::TupleOf<Array> numberRooms_{AttributeTypes::makeTuple<Array>(device_)};
+  Array<float> made_{device_};  // numbers that no attribute holds as they are
+  Array<Cut> cuts_{device_};
+  Array<int> chosen_{device_}, kept_{device_, 1};
+  Array<Vec3f> keptPositions_{device_}, keptVelocities_{device_};
+  Array<float> keptValues_{device_};
+  Array<Aabb> box_{device_, 1};
+  Array<Vec2f> range_{device_, 1};
+  Array<PlacesSum> sum_{device_, 1};
+  DeviceOutput<Vec3f> positionsOnHost_{device_}, velocitiesOnHost_{device_};
+  DeviceOutput<float> valuesOnHost_{device_};
 };
 
 }  // namespace weir::rendering

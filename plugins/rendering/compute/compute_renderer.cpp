@@ -32,11 +32,8 @@ ShadedGround groundOf(const gl::Frame& frame) {
 }
 
 ShadowMap shadowMapOf(const gl::Frame& frame) {
-  ShadowMap map;
-  if (!frame.hasShadows) return map;
-  gl::setRows(gl::toShadowMap(frame), map.rows, map.moved);
-  map.resolution = kShadowResolution;
-  return map;
+  if (!frame.hasShadows) return {};
+  return {gl::affineMap(gl::toShadowMap(frame)), kShadowResolution};
 }
 
 /// The rectangle of six corners in clip space that lineCorners() gives.
@@ -61,18 +58,7 @@ ShadedLine shadedLine(const Vec4f* corners, int width, int height) {
 }  // namespace
 
 ComputeRenderer::ComputeRenderer(Device& device)
-    : device_(device),
-      spheres_(device),
-      nearest_(device),
-      shadow_(device),
-      linear_(device, std::span<const float>(linearOfBytes())),
-      open_(device),
-      scratch_(device),
-      distances_(device),
-      tiles_{Array<float>(device), Array<float>(device), Array<float>(device), Array<float>(device)},
-      rgb_(device),
-      lines_(device),
-      picture_(device) {}
+    : device_(device), linear_(device, std::span<const float>(linearOfBytes())) {}
 
 bool ComputeRenderer::canDraw(const View& view) {
   std::size_t points = 0;
@@ -103,21 +89,20 @@ void ComputeRenderer::setLines(const gl::Frame& frame) {
 ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
   const auto constView = [](const auto& array) { return array.view(); };
   const bool occluded = frame.view.lighting.occlusion && !frame.view.lighting.unlit;
-  return {
-      .seen = {.camera = gl::splatCameraOf(frame),
-               .spheres = spheres_.opaque(),
-               .nearest = constView(nearest_),
-               .ground = groundOf(frame)},
-      .samples = frame.samples,
-      .width = frame.view.width,
-      .height = frame.view.height,
-      .light = gl::lightOf(frame),
-      .shadowMap = shadowMapOf(frame),
-      .linear = constView(linear_),
-      .lines = constView(lines_),
-      .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
-      .tiles = {.nearest = constView(tiles_[0]), .farthest = constView(tiles_[1]), .perRow = kTilesPerRow},
-      .open = occluded ? constView(open_) : ArrayView<const float>{}};
+  return {.seen = {.camera = gl::splatCameraOf(frame),
+                   .spheres = spheres_.opaque(),
+                   .nearest = constView(nearest_),
+                   .ground = groundOf(frame)},
+          .samples = frame.samples,
+          .width = frame.view.width,
+          .height = frame.view.height,
+          .light = gl::lightOf(frame),
+          .shadowMap = shadowMapOf(frame),
+          .linear = constView(linear_),
+          .lines = constView(lines_),
+          .shadow = {reinterpret_cast<const float*>(shadow_.data()), shadow_.size()},
+          .tiles = {.depths = constView(tiles_), .perRow = kTilesPerRow},
+          .open = occluded ? constView(open_) : ArrayView<const float>{}};
 }
 
 Picture ComputeRenderer::draw(const View& view) {
@@ -135,7 +120,8 @@ Picture ComputeRenderer::draw(const View& view) {
   shadow_.resizeDiscarding(kTexels);
   for (Array<float>* const each : {&open_, &scratch_, &distances_}) each->resizeDiscarding(pixels);
   rgb_.resizeDiscarding(3 * pixels);
-  for (Array<float>& each : tiles_) each.resizeDiscarding(std::int64_t{kTilesPerRow} * kTilesPerRow);
+  for (Array<Vec2f>* const each : {&tiles_, &tileScratch_})
+    each->resizeDiscarding(std::int64_t{kTilesPerRow} * kTilesPerRow);
   setLines(frame);
   const ShadedPicture shaded = shadedPicture(frame);
   dispatch(device_, [&](auto& device) {
@@ -145,8 +131,7 @@ Picture ComputeRenderer::draw(const View& view) {
       gl::clearDepths(device, shadow_.view());
       gl::splatSunDepths(device, spheres_.opaque(), gl::splatSunOf(frame.sun, kShadowResolution),
                          shadow_.view());
-      findShadowTiles(device, shaded.shadow, kShadowResolution, tiles_[0].view(), tiles_[1].view(),
-                      tiles_[2].view(), tiles_[3].view());
+      findShadowTiles(device, shaded.shadow, kShadowResolution, tiles_.view(), tileScratch_.view());
     }
     if (shaded.open.size > 0)
       findOcclusion(device, shaded.seen, samples, gl::occlusionOf(frame, casters), open_.view(),

@@ -26,14 +26,15 @@ class ComputeRenderer {
   ShadedPicture shadedPicture(const gl::Frame& frame);
 
   Device& device_;
-  SphereSet spheres_;
-  Array<std::uint64_t> nearest_;
-  Array<std::uint32_t> shadow_;
-  Array<float> linear_, open_, scratch_, distances_;
-  Array<float> tiles_[4];  // nearest and farthest depths of ShadowTiles, and scratch for them
-  Array<std::uint8_t> rgb_;
-  Array<ShadedLine> lines_;
-  DeviceOutput<std::uint8_t> picture_;
+  SphereSet spheres_{device_};
+  Array<std::uint64_t> nearest_{device_};
+  Array<std::uint32_t> shadow_{device_};
+  const Array<float> linear_;  // of bytes
+  Array<float> open_{device_}, scratch_{device_}, distances_{device_};
+  Array<Vec2f> tiles_{device_}, tileScratch_{device_};  // of the shadow map
+  Array<std::uint8_t> rgb_{device_};
+  Array<ShadedLine> lines_{device_};
+  DeviceOutput<std::uint8_t> picture_{device_};
 };
 
 }  // namespace weir::rendering

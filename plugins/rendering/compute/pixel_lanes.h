@@ -94,65 +94,8 @@ inline Number atMost(const Number& x, const Number& high) {
 #endif
 }
 
-inline Number gather(const float* from, const Ints& at) {
-#ifdef __AVX2__
-  return Lanes::Vector(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
-#else
-  Number values;
-  for (int l = 0; l < kPixels; ++l) values.v[l] = from[at[l]];
-  return values;
-#endif
-}
-/// Elements that stand side by side.
-inline void gatherPairs(const float* from, const Ints& at, Number& first, Number& second) {
-#ifdef __AVX2__
-  const __m256i places = reinterpret_cast<__m256i>(at);
-  const auto* pairs = reinterpret_cast<const long long*>(from);
-  const __m256 low =
-      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(places), sizeof(float)));
-  const __m256 high =
-      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(places, 1), sizeof(float)));
-  const Lanes::Vector a = low, b = high;
-  first = Lanes::Vector(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14));
-  second = Lanes::Vector(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15));
-#else
-  for (int l = 0; l < kPixels; ++l) {
-    first.v[l] = from[at[l]];
-    second.v[l] = from[at[l] + 1];
-  }
-#endif
-}
-/// Upper halves.
-inline Ints gatherUpper(const std::uint64_t* from, const Ints& at) {
-#ifdef __AVX2__
-  return reinterpret_cast<Ints>(
-      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from) + 1, reinterpret_cast<__m256i>(at), 8));
-#else
-  Ints values;
-  for (int l = 0; l < kPixels; ++l) values[l] = static_cast<int>(from[at[l]] >> 32);
-  return values;
-#endif
-}
-inline void gatherHalves(const std::uint64_t* from, const Ints& at, Ints& lower, Ints& upper) {
-#ifdef __AVX2__
-  const __m256i places = reinterpret_cast<__m256i>(at);
-  const auto* whole = reinterpret_cast<const long long*>(from);
-  const Ints a = reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_castsi256_si128(places), 8));
-  const Ints b =
-      reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_extracti128_si256(places, 1), 8));
-  lower = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
-  upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
-#else
-  for (int l = 0; l < kPixels; ++l) {
-    lower[l] = static_cast<int>(static_cast<std::uint32_t>(from[at[l]]));
-    upper[l] = static_cast<int>(from[at[l]] >> 32);
-  }
-#endif
-}
-/// Numbers first, first + 1, … of a row of `size`; the nearest that there is for those that lie outside.
-inline Number rowFrom(const float* row, int first, int size) {
-  if (first >= 0 && first + kPixels <= size) return Lanes::load(row + first);
-  return gather(row, clamped(intsFrom(first), 0, size - 1));
+inline void setLane(Ints& ints, int lane, std::uint32_t value) {
+  ints[lane] = static_cast<int>(value);
 }
 
 namespace detail {
@@ -236,28 +179,82 @@ WEIR_HD inline std::uint32_t laneOf(Ints ints, int) {
 WEIR_HD inline Ints clamped(Ints x, int low, int high) {
   return x > low ? (x < high ? x : high) : low;
 }
-WEIR_HD inline Number gather(const float* from, Ints at) {
-  return from[at];
-}
-WEIR_HD inline void gatherPairs(const float* from, Ints at, Number& first, Number& second) {
-  first = from[at];
-  second = from[at + 1];
-}
-WEIR_HD inline Ints gatherUpper(const std::uint64_t* from, Ints at) {
-  return static_cast<int>(static_cast<std::uint32_t>(from[at] >> 32));
-}
-WEIR_HD inline void gatherHalves(const std::uint64_t* from, Ints at, Ints& lower, Ints& upper) {
-  const std::uint64_t whole = from[at];
-  lower = static_cast<int>(static_cast<std::uint32_t>(whole));
-  upper = static_cast<int>(static_cast<std::uint32_t>(whole >> 32));
-}
-WEIR_HD inline Number rowFrom(const float* row, int first, int size) {
-  return row[clamped(first, 0, size - 1)];
+using weir::setLane;
+WEIR_HD inline void setLane(Ints& ints, int, std::uint32_t value) {
+  ints = static_cast<int>(value);
 }
 
 #endif
 
 using Numbers3 = Vec3<Number>;
+
+// What stands at several places of the memory.
+
+WEIR_HD inline int indexOf(const Ints& at, int lane) {
+  return static_cast<int>(laneOf(at, lane));
+}
+WEIR_HD inline Number gather(const float* from, const Ints& at) {
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+  return Lanes::Vector(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
+#else
+  Number values = 0.0f;
+  for (int l = 0; l < kPixels; ++l) setLane(values, l, from[indexOf(at, l)]);
+  return values;
+#endif
+}
+/// Elements that stand side by side.
+WEIR_HD inline void gatherPairs(const float* from, const Ints& at, Number& first, Number& second) {
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* pairs = reinterpret_cast<const long long*>(from);
+  const __m256 low =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(places), sizeof(float)));
+  const __m256 high =
+      _mm256_castsi256_ps(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(places, 1), sizeof(float)));
+  const Lanes::Vector a = low, b = high;
+  first = Lanes::Vector(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14));
+  second = Lanes::Vector(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15));
+#else
+  first = gather(from, at);
+  second = gather(from + 1, at);
+#endif
+}
+/// Upper halves.
+WEIR_HD inline Ints gatherUpper(const std::uint64_t* from, const Ints& at) {
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+  return reinterpret_cast<Ints>(
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from) + 1, reinterpret_cast<__m256i>(at), 8));
+#else
+  Ints values = at;
+  for (int l = 0; l < kPixels; ++l)
+    setLane(values, l, static_cast<std::uint32_t>(from[indexOf(at, l)] >> 32));
+  return values;
+#endif
+}
+WEIR_HD inline void gatherHalves(const std::uint64_t* from, const Ints& at, Ints& lower, Ints& upper) {
+#if defined(WEIR_HAS_LANES) && defined(__AVX2__)
+  const __m256i places = reinterpret_cast<__m256i>(at);
+  const auto* whole = reinterpret_cast<const long long*>(from);
+  const Ints a = reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_castsi256_si128(places), 8));
+  const Ints b =
+      reinterpret_cast<Ints>(_mm256_i32gather_epi64(whole, _mm256_extracti128_si256(places, 1), 8));
+  lower = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+  upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#else
+  for (int l = 0; l < kPixels; ++l) {
+    const std::uint64_t whole = from[indexOf(at, l)];
+    setLane(lower, l, static_cast<std::uint32_t>(whole));
+    setLane(upper, l, static_cast<std::uint32_t>(whole >> 32));
+  }
+#endif
+}
+/// Numbers first, first + 1, … of a row of `size`; the nearest that there is for those that lie outside.
+WEIR_HD inline Number rowFrom(const float* row, int first, int size) {
+#ifdef WEIR_HAS_LANES
+  if (first >= 0 && first + kPixels <= size) return Lanes::load(row + first);
+#endif
+  return gather(row, clamped(intsFrom(first), 0, size - 1));
+}
 
 /// The same for all pixels.
 WEIR_HD inline Numbers3 allOf(const Vec3f& v) {

@@ -71,12 +71,7 @@ struct SeenSamples {
     if (!any(!level)) return up;
     Number radius;
     const Numbers3 place = balls(seen, radius);
-    const auto turned = [&](int i) {
-      return dot(allOf(camera.rows[i]), place) + (i == 0   ? camera.moved.x
-                                                  : i == 1 ? camera.moved.y
-                                                           : camera.moved.z);
-    };
-    const Numbers3 center{turned(0), turned(1), turned(2)};
+    const Numbers3 center = camera.view.point(place);
     Number rest;
     return select(level, up, unit(ray * shading::distanceOfSphere(ray, center, radius, rest) - center));
   }

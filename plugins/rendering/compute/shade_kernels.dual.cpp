@@ -74,21 +74,20 @@ struct Shade {
     const auto last = static_cast<float>(in.tiles.perRow - 1);
     const Ints at =
         toInts(clamped(v * tiles, 0.0f, last)) * in.tiles.perRow + toInts(clamped(u * tiles, 0.0f, last));
-    const Mask dark = gather(in.tiles.farthest.data, at) < depth;
-    const Mask unsure = gather(in.tiles.nearest.data, at) < depth;
+    Number nearest, farthest;
+    gatherPairs(&in.tiles.depths.data->x, at * 2, nearest, farthest);
+    const Mask dark = farthest < depth;
     lit = select(dark, Number(0.0f), Number(1.0f));
-    return !any(wanted & unsure & !dark);
+    return !any(wanted & (nearest < depth) & (!dark));
   }
 
   WEIR_HD Number sunlight(const Numbers3& position, const Numbers3& normal, const Ints& x, int y,
                           const Mask& wanted) const {
     const ShadedLight& light = in.light;
     if (in.shadowMap.resolution == 0) return Number(1.0f);
-    const ShadowMap& map = in.shadowMap;
     const Numbers3 p = position + normal * Number(light.shadowTexel * shading::kShadowOffset);
-    const Number u = dot(allOf(map.rows[0]), p) + map.moved.x;
-    const Number v = dot(allOf(map.rows[1]), p) + map.moved.y;
-    const Number depth = atMost(dot(allOf(map.rows[2]), p) + map.moved.z, 1.0f);
+    const Numbers3 place = in.shadowMap.toMap.point(p);
+    const Number u = place.x, v = place.y, depth = atMost(place.z, 1.0f);
     Number open = 0.0f;
     if (knowTiles(u, v, depth, wanted, open)) return open;
     open = 0.0f;

@@ -28,8 +28,8 @@ struct ShadedLine {
 
 /// Where points are in the shadow map.
 struct ShadowMap {
-  Vec3f rows[3], moved;  ///< from camera space to its coordinates
-  int resolution = 0;    ///< texels along a side; 0: there are no shadows
+  gl::AffineMap toMap;  ///< from camera space to its coordinates
+  int resolution = 0;   ///< texels along a side; 0: there are no shadows
 };
 
 struct ShadedPicture {

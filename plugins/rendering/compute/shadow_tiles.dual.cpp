@@ -9,7 +9,7 @@ namespace {
 struct FindTile {
   ArrayView<const float> shadow;
   int resolution, perRow;
-  ArrayView<float> nearest, farthest;
+  ArrayView<Vec2f> depths;
 
   WEIR_HD void operator()(std::int64_t tile) const {
     const int left = static_cast<int>(tile % perRow) * ShadowTiles::kSide;
@@ -21,43 +21,37 @@ struct FindTile {
         near = depth < near ? depth : near;
         far = depth > far ? depth : far;
       }
-    nearest[tile] = near;
-    farthest[tile] = far;
+    depths[tile] = {near, far};
   }
 };
 
 struct AddNeighbors {
-  ArrayView<const float> nearest, farthest;
+  ArrayView<const Vec2f> depths;
   int perRow;
-  ArrayView<float> nearestAround, farthestAround;
+  ArrayView<Vec2f> around;
 
   WEIR_HD void operator()(std::int64_t tile) const {
     const int column = static_cast<int>(tile % perRow), row = static_cast<int>(tile / perRow);
-    float near = 1, far = 0;
+    Vec2f found{1, 0};
     for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < perRow; ++y)
       for (int x = column > 0 ? column - 1 : 0; x <= column + 1 && x < perRow; ++x) {
-        const std::int64_t at = std::int64_t{y} * perRow + x;
-        near = nearest[at] < near ? nearest[at] : near;
-        far = farthest[at] > far ? farthest[at] : far;
+        const Vec2f there = depths[std::int64_t{y} * perRow + x];
+        found = {there.x < found.x ? there.x : found.x, there.y > found.y ? there.y : found.y};
       }
-    nearestAround[tile] = near;
-    farthestAround[tile] = far;
+    around[tile] = found;
   }
 };
 
 }  // namespace
 
 template <class Backend>
-void findShadowTiles(Backend& device, ArrayView<const float> shadow, int resolution, ArrayView<float> nearest,
-                     ArrayView<float> farthest, ArrayView<float> nearScratch, ArrayView<float> farScratch) {
+void findShadowTiles(Backend& device, ArrayView<const float> shadow, int resolution, ArrayView<Vec2f> depths,
+                     ArrayView<Vec2f> scratch) {
   const int perRow = ShadowTiles::perRowOf(resolution);
-  parallelFor(device, "shadow tiles", nearest.size,
-              FindTile{shadow, resolution, perRow, nearScratch, farScratch});
-  parallelFor(device, "shadow tiles", nearest.size,
-              AddNeighbors{nearScratch, farScratch, perRow, nearest, farthest});
+  parallelFor(device, "shadow tiles", depths.size, FindTile{shadow, resolution, perRow, scratch});
+  parallelFor(device, "shadow tiles", depths.size, AddNeighbors{scratch, perRow, depths});
 }
 
-template void findShadowTiles(ThisBackend&, ArrayView<const float>, int, ArrayView<float>, ArrayView<float>,
-                              ArrayView<float>, ArrayView<float>);
+template void findShadowTiles(ThisBackend&, ArrayView<const float>, int, ArrayView<Vec2f>, ArrayView<Vec2f>);
 
 }  // namespace weir::rendering

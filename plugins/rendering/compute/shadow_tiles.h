@@ -1,6 +1,7 @@
 // Where a shadow map says at once that all is lit, or that nothing is.
 #pragma once
 
+#include "framework/base/vec.h"
 #include "framework/compute/array.h"
 
 namespace weir::rendering {
@@ -10,15 +11,15 @@ namespace weir::rendering {
 struct ShadowTiles {
   static constexpr int kSide = 8;  ///< texels
 
-  ArrayView<const float> nearest, farthest;
+  ArrayView<const Vec2f> depths;
   int perRow = 0;
 
   static int perRowOf(int resolution) { return (resolution - 1) / kSide + 1; }
 };
 
-/// Fills `nearest` and `farthest`; the scratches have their size, that of perRowOf(resolution)².
+/// Fills `depths`; they and the scratch have the size perRowOf(resolution)².
 template <class Backend>
-void findShadowTiles(Backend& device, ArrayView<const float> shadow, int resolution, ArrayView<float> nearest,
-                     ArrayView<float> farthest, ArrayView<float> nearScratch, ArrayView<float> farScratch);
+void findShadowTiles(Backend& device, ArrayView<const float> shadow, int resolution, ArrayView<Vec2f> depths,
+                     ArrayView<Vec2f> scratch);
 
 }  // namespace weir::rendering

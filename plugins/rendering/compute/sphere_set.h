@@ -20,7 +20,7 @@ class SphereSet {
   /// The particles of one view, or of all that are no liquid.
   struct Part {
     std::optional<std::size_t> liquid;       ///< ParticleView::water
-    float radius = 0, inset = 0, chord = 0;  ///< of those of a liquid, see ParticleView; m
+    float radius = 0, inset = 0, chord = 0;  ///< m, of a liquid (ParticleView)
     ArrayView<const SplatSphere> spheres;
   };
 

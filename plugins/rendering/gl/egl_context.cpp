@@ -2,9 +2,9 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
+#include <fmt/format.h>
+
 #include <array>
-#include <cstdio>
-#include <utility>
 
 #include "framework/base/error.h"
 #include "plugins/rendering/gl/providers.h"
@@ -13,26 +13,17 @@ namespace weir::rendering::gl {
 namespace {
 
 struct EglFunctions {
-  explicit EglFunctions(const DriverLibrary& library)
-      : getProcAddress(library.function("eglGetProcAddress")),
-        queryString(library.function("eglQueryString")),
-        getError(library.function("eglGetError")),
-        initialize(library.function("eglInitialize")),
-        bindApi(library.function("eglBindAPI")),
-        chooseConfig(library.function("eglChooseConfig")),
-        createContext(library.function("eglCreateContext")),
-        destroyContext(library.function("eglDestroyContext")),
-        makeCurrent(library.function("eglMakeCurrent")) {}
+  DriverLibrary library{{"libEGL.so.1", "libEGL.so"}};  // first: the members below are initialised with it
 
-  PFNEGLGETPROCADDRESSPROC getProcAddress;
-  PFNEGLQUERYSTRINGPROC queryString;
-  PFNEGLGETERRORPROC getError;
-  PFNEGLINITIALIZEPROC initialize;
-  PFNEGLBINDAPIPROC bindApi;
-  PFNEGLCHOOSECONFIGPROC chooseConfig;
-  PFNEGLCREATECONTEXTPROC createContext;
-  PFNEGLDESTROYCONTEXTPROC destroyContext;
-  PFNEGLMAKECURRENTPROC makeCurrent;
+  PFNEGLGETPROCADDRESSPROC getProcAddress = library.function("eglGetProcAddress");
+  PFNEGLQUERYSTRINGPROC queryString = library.function("eglQueryString");
+  PFNEGLGETERRORPROC getError = library.function("eglGetError");
+  PFNEGLINITIALIZEPROC initialize = library.function("eglInitialize");
+  PFNEGLBINDAPIPROC bindApi = library.function("eglBindAPI");
+  PFNEGLCHOOSECONFIGPROC chooseConfig = library.function("eglChooseConfig");
+  PFNEGLCREATECONTEXTPROC createContext = library.function("eglCreateContext");
+  PFNEGLDESTROYCONTEXTPROC destroyContext = library.function("eglDestroyContext");
+  PFNEGLMAKECURRENTPROC makeCurrent = library.function("eglMakeCurrent");
 
   template <class F>
   F extension(const char* name) const {
@@ -41,18 +32,12 @@ struct EglFunctions {
     return address;
   }
   [[noreturn]] void fail(const std::string& what) const {
-    std::array<char, 16> code{};
-    std::snprintf(code.data(), code.size(), "0x%x", static_cast<unsigned>(getError()));
-    throw ioError(what + " (EGL error " + code.data() + ")");
+    throw ioError(fmt::format("{} (EGL error {:#x})", what, static_cast<unsigned>(getError())));
   }
 };
 
 bool hasWord(const char* words, const std::string& word) {
   return words && (" " + std::string(words) + " ").find(" " + word + " ") != std::string::npos;
-}
-
-EglFunctions openEgl() {
-  return EglFunctions(DriverLibrary({"libEGL.so.1", "libEGL.so"}));
 }
 
 class EglContext final : public Context {
@@ -83,7 +68,6 @@ class EglContext final : public Context {
     EGLint count = 0;
     if (!egl_.chooseConfig(display_, kConfig.data(), &config, 1, &count) || count == 0)
       egl_.fail("there is no configuration for OpenGL");
-    constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 3}}};
     for (const auto& [major, minor] : kVersions) {
       const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
                                              major,
@@ -115,7 +99,7 @@ class EglContext final : public Context {
 }  // namespace
 
 std::unique_ptr<Context> makeEglDeviceContext() {
-  const EglFunctions egl = openEgl();
+  const EglFunctions egl;
   const auto queryDevices = egl.extension<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
   const auto queryDevice = egl.extension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
   const auto displayOf = egl.extension<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
@@ -139,7 +123,7 @@ std::unique_ptr<Context> makeEglDeviceContext() {
 }
 
 std::unique_ptr<Context> makeEglSurfacelessContext() {
-  const EglFunctions egl = openEgl();
+  const EglFunctions egl;
   const auto displayOf = egl.extension<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   const EGLDisplay display =
       displayOf(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);

@@ -5,7 +5,8 @@
 #include "plugins/rendering/gl/sunlight.h"
 
 namespace weir::rendering::gl {
-LightingPass::LightingPass(const Functions& gl) : gl_(gl), resolve_(gl, "picture.frag") {}
+LightingPass::LightingPass(const Functions& gl)
+    : resolve_(gl, "picture.frag"), lighting_(gl, "lighting.frag") {}
 
 const FullScreenProgram& LightingPass::programFor(const Frame& frame) {
   const auto& surfaces = frame.view.surfaces;
@@ -16,9 +17,7 @@ const FullScreenProgram& LightingPass::programFor(const Frame& frame) {
   if (isOutside(frame.view)) defines += "#define OUTSIDE\n";
   if (hasSurroundings(frame.view)) defines += "#define MIRRORS\n";
   if (frame.view.ground.visible && frame.view.ground.tiles > 0) defines += "#define TILES\n";
-  const auto known = lighting_.find(defines);
-  if (known != lighting_.end()) return known->second;
-  return lighting_.emplace(defines, FullScreenProgram(gl_, "lighting.frag", defines)).first->second;
+  return lighting_.with(defines);
 }
 
 void LightingPass::draw(const Frame& frame, const Targets& targets, const ShadowPass& shadows,

@@ -1,9 +1,6 @@
 // Lights the nearest surfaces, and turns the finished light into a picture.
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "plugins/rendering/gl/environment.h"
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/rendering/gl/shadow_pass.h"
@@ -27,11 +24,8 @@ class LightingPass {
  private:
   const FullScreenProgram& programFor(const Frame& frame);
 
-  const Functions& gl_;
   FullScreenProgram resolve_;
-  /// By what is in the picture: software drivers run both sides of a branch, so what is not there is left
-  /// out.
-  std::map<std::string, FullScreenProgram> lighting_;
+  ProgramVariants lighting_;
 };
 
 }  // namespace weir::rendering::gl

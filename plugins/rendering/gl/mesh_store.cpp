@@ -71,7 +71,8 @@ std::vector<MeshVertex> withNormals(const TriangleMesh& mesh) {
   return vertices;
 }
 
-void describeMeshVertices(const Functions& gl) {
+/// Of the vertex buffer that is bound: position at attribute 0, normal at 1, colour at 2.
+static void describeMeshVertices(const Functions& gl) {
   const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
   const std::array places{offsetof(MeshVertex, position), offsetof(MeshVertex, normal),
                           offsetof(MeshVertex, color)};
@@ -87,12 +88,8 @@ MeshId MeshStore::add(const TriangleMesh& mesh) {
   added.array = makeVertexArray(gl_);
   added.buffer = makeBuffer(gl_);
   entries_.emplace(id, std::move(added));
-  replace(id, mesh);
-  return id;
-}
-
-void MeshStore::replace(MeshId id, const TriangleMesh& mesh) {
   replaceVertices(id, withNormals(mesh));
+  return id;
 }
 
 void MeshStore::replace(MeshId id, const ShownMesh& mesh) {
@@ -116,10 +113,6 @@ void MeshStore::replaceVertices(MeshId id, std::span<const MeshVertex> vertices)
   target.vertices = GLsizei(vertices.size());
   target.bounds = {};
   for (const MeshVertex& vertex : vertices) target.bounds.extend(vertex.position);
-}
-
-void MeshStore::remove(MeshId id) {
-  WEIR_CHECK(entries_.erase(id) == 1u);
 }
 
 void MeshStore::draw(MeshId id) const {

@@ -28,12 +28,10 @@ class MeshStore {
   explicit MeshStore(const Functions& gl) : gl_(gl) {}
 
   MeshId add(const TriangleMesh& mesh);
-  void replace(MeshId id, const TriangleMesh& mesh);
   /// With the normals that the mesh brings, which are smooth everywhere.
   void replace(MeshId id, const ShownMesh& mesh);
-  void remove(MeshId id);
 
-  /// All of these are an InternalError for a mesh that was never added, or was removed.
+  /// All of these are an InternalError for a mesh that was never added.
   const Aabb& bounds(MeshId id) const { return entry(id).bounds; }
   void draw(MeshId id) const;
 
@@ -51,8 +49,5 @@ class MeshStore {
   std::map<MeshId, Entry> entries_;
   MeshId next_ = 1;
 };
-
-/// Describes a bound vertex buffer of MeshVertex: position at attribute 0, normal at 1, colour at 2.
-void describeMeshVertices(const Functions& gl);
 
 }  // namespace weir::rendering::gl

@@ -1,5 +1,4 @@
 #include <array>
-#include <utility>
 
 #include "framework/base/error.h"
 #include "plugins/rendering/gl/providers.h"
@@ -20,22 +19,19 @@ enum OsMesaAttribute : int {
 };
 
 struct OsMesaFunctions {
-  explicit OsMesaFunctions(const DriverLibrary& library)
-      : createContextAttribs(library.function("OSMesaCreateContextAttribs")),
-        makeCurrent(library.function("OSMesaMakeCurrent")),
-        destroyContext(library.function("OSMesaDestroyContext")),
-        getProcAddress(library.function("OSMesaGetProcAddress")) {}
+  DriverLibrary library{{"libOSMesa.so.8", "libOSMesa.so.6"}};  // first, for those below
 
-  OsMesaHandle (*createContextAttribs)(const int* attributes, OsMesaHandle shared);
-  GLboolean (*makeCurrent)(OsMesaHandle, void* buffer, GLenum type, GLsizei width, GLsizei height);
-  void (*destroyContext)(OsMesaHandle);
-  GenericFunction (*getProcAddress)(const char* name);
+  OsMesaHandle (*createContextAttribs)(const int* attributes,
+                                       OsMesaHandle shared) = library.function("OSMesaCreateContextAttribs");
+  GLboolean (*makeCurrent)(OsMesaHandle, void* buffer, GLenum type, GLsizei width,
+                           GLsizei height) = library.function("OSMesaMakeCurrent");
+  void (*destroyContext)(OsMesaHandle) = library.function("OSMesaDestroyContext");
+  GenericFunction (*getProcAddress)(const char* name) = library.function("OSMesaGetProcAddress");
 };
 
 class OsMesaContext final : public Context {
  public:
-  OsMesaContext() : mesa_(DriverLibrary({"libOSMesa.so.8", "libOSMesa.so.6"})) {
-    constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 3}}};
+  OsMesaContext() {
     for (const auto& [major, minor] : kVersions) {
       const std::array<int, 11> attributes{kFormat,       kRgba, kDepthBits,    24,    kProfile, kCoreProfile,
                                            kMajorVersion, major, kMinorVersion, minor, 0};

@@ -1,9 +1,11 @@
 // The ways to get a context. Each function throws an io Error that says why it cannot.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plugins/rendering/gl/context.h"
@@ -13,6 +15,9 @@ namespace weir::rendering::gl {
 std::unique_ptr<Context> makeEglDeviceContext();       ///< on a GPU
 std::unique_ptr<Context> makeEglSurfacelessContext();  ///< Mesa without a window system, CPU or GPU
 std::unique_ptr<Context> makeOsMesaContext();
+
+/// The versions of OpenGL that are asked for, the best first.
+inline constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 3}}};
 
 /// One way to get a context, and what it is called in messages.
 struct Way {

@@ -194,19 +194,9 @@ MeshId Renderer::addMesh(const TriangleMesh& mesh) {
   return passes_->meshes.add(mesh);
 }
 
-void Renderer::replaceMesh(MeshId id, const TriangleMesh& mesh) {
-  const CurrentContext current(*context_);
-  passes_->meshes.replace(id, mesh);
-}
-
 void Renderer::replaceMesh(MeshId id, const ShownMesh& mesh) {
   const CurrentContext current(*context_);
   passes_->meshes.replace(id, mesh);
-}
-
-void Renderer::removeMesh(MeshId id) {
-  const CurrentContext current(*context_);
-  passes_->meshes.remove(id);
 }
 
 bool Renderer::readsDevice(const View& view) const {

@@ -40,9 +40,7 @@ class Renderer final : public PictureMaker {
 
   /// Surfaces stay with the renderer, so that one that keeps its shape is sent to the GPU once.
   MeshId addMesh(const TriangleMesh& mesh) override;
-  void replaceMesh(MeshId id, const TriangleMesh& mesh);
   void replaceMesh(MeshId id, const ShownMesh& mesh) override;
-  void removeMesh(MeshId id);
 
   /// Throws an io Error if the picture is larger than the driver allows, and a scene Error for a camera that
   /// looks nowhere. Where `samplesPerAxis` would need textures larger than the driver allows, it is lowered.

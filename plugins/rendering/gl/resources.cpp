@@ -54,7 +54,7 @@ void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> byte
 
 Texture::Texture(const Functions& gl, int itsWidth, int itsHeight, const TextureFormat& itsFormat,
                  GLint filter, const void* texels)
-    : Object(gl, newName(gl.genTextures)), width(itsWidth), height(itsHeight), format(itsFormat) {
+    : TextureName(gl, newName(gl.genTextures)), width(itsWidth), height(itsHeight), format(itsFormat) {
   gl.bindTexture(GL_TEXTURE_2D, name());
   gl.texImage2D(GL_TEXTURE_2D, 0, GLint(format.internalFormat), width, height, 0, format.format, format.type,
                 texels);
@@ -80,7 +80,7 @@ Texture makeShadowMap(const Functions& gl, int resolution) {
 }
 
 Framebuffer::Framebuffer(const Functions& gl, const std::vector<const Texture*>& colors, const Texture* depth)
-    : Object(gl, newName(gl.genFramebuffers)) {
+    : FramebufferName(gl, newName(gl.genFramebuffers)) {
   gl.bindFramebuffer(GL_FRAMEBUFFER, name());
   const auto attach = [&](GLenum place, const Texture& texture) {
     gl.framebufferTexture2D(GL_FRAMEBUFFER, place, GL_TEXTURE_2D, texture.name(), 0);
@@ -97,8 +97,10 @@ Framebuffer::Framebuffer(const Functions& gl, const std::vector<const Texture*>&
   gl.readBuffer(attachments.front());
   const GLenum status = gl.checkFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE)
-    throw ioError("the OpenGL driver cannot draw into a picture of this size and format (status " +
-                  std::to_string(status) + ")");
+    throw ioError(
+        "the OpenGL driver cannot draw into a picture of this size "
+        "and format (status " +
+        std::to_string(status) + ")");
 }
 
 void Framebuffer::bind() const {
@@ -189,7 +191,7 @@ void Program::setMatrix3(const char* uniform, const float* columns) const {
 void Program::setMatrix4(const char* uniform, const float* columns) const {
   program_.gl().uniformMatrix4fv(location(uniform), 1, GL_FALSE, columns);
 }
-void Program::setTexture(const char* uniform, const Object<DeleteTexture>& texture, GLenum target) const {
+void Program::setTexture(const char* uniform, const TextureName& texture, GLenum target) const {
   const Functions& gl = program_.gl();
   const GLint unit = units_.try_emplace(uniform, GLint(units_.size())).first->second;
   gl.activeTexture(GLenum(GL_TEXTURE0 + unit));

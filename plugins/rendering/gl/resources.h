@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,8 @@
 
 namespace weir::rendering::gl {
 
-/// The name of one GL object, deleted with it.
-template <class Deleter>
+/// The name of one GL object, deleted with it by that one of the functions.
+template <auto Delete>
 class Object {
  public:
   Object() = default;
@@ -29,7 +30,11 @@ class Object {
     return *this;
   }
   ~Object() {
-    if (name_) Deleter{}(*gl_, name_);
+    if (!name_) return;
+    if constexpr (std::is_same_v<decltype(Delete), PFNGLDELETEPROGRAMPROC Functions::*>)
+      (gl_->*Delete)(name_);
+    else
+      (gl_->*Delete)(1, &name_);
   }
   GLuint name() const { return name_; }
   const Functions& gl() const { return *gl_; }
@@ -39,24 +44,17 @@ class Object {
   GLuint name_ = 0;
 };
 
-struct DeleteBuffer {
-  void operator()(const Functions& gl, GLuint name) const { gl.deleteBuffers(1, &name); }
-};
-struct DeleteTexture {
-  void operator()(const Functions& gl, GLuint name) const { gl.deleteTextures(1, &name); }
-};
-struct DeleteFramebuffer {
-  void operator()(const Functions& gl, GLuint name) const { gl.deleteFramebuffers(1, &name); }
-};
-struct DeleteVertexArray {
-  void operator()(const Functions& gl, GLuint name) const { gl.deleteVertexArrays(1, &name); }
-};
-struct DeleteProgram {
-  void operator()(const Functions& gl, GLuint name) const { gl.deleteProgram(name); }
-};
+using Buffer = Object<&Functions::deleteBuffers>;
+using VertexArray = Object<&Functions::deleteVertexArrays>;
+using TextureName = Object<&Functions::deleteTextures>;
+using FramebufferName = Object<&Functions::deleteFramebuffers>;
+using ProgramName = Object<&Functions::deleteProgram>;
 
-using Buffer = Object<DeleteBuffer>;
-using VertexArray = Object<DeleteVertexArray>;
+Buffer makeBuffer(const Functions& gl);
+VertexArray makeVertexArray(const Functions& gl);
+
+/// Replaces a buffer's content.
+void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage);
 
 struct TextureFormat {
   GLenum internalFormat, format, type;
@@ -73,7 +71,7 @@ inline constexpr TextureFormat kFloat2{GL_RG32F, GL_RG, GL_FLOAT};
 inline constexpr TextureFormat kDepth32F{GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
 
 /// A 2D texture, clamped to its edge.
-struct Texture : Object<DeleteTexture> {
+struct Texture : TextureName {
   Texture() = default;
   /// `filter` is GL_NEAREST or GL_LINEAR.
   Texture(const Functions& gl, int width, int height, const TextureFormat& format, GLint filter,
@@ -91,7 +89,7 @@ struct Texture : Object<DeleteTexture> {
 Texture makeShadowMap(const Functions& gl, int resolution);
 
 /// Draws into textures of one size.
-struct Framebuffer : Object<DeleteFramebuffer> {
+struct Framebuffer : FramebufferName {
   Framebuffer() = default;
   /// `depth` may be null. Throws an io Error if the driver cannot.
   Framebuffer(const Functions& gl, const std::vector<const Texture*>& colors, const Texture* depth);
@@ -116,19 +114,12 @@ struct Canvas {
 
 /// How what is drawn meets what is there.
 struct DrawState {
-  GLenum depthTest =
-      GL_NONE;  ///< nearer ones by GL_LESS or GL_LEQUAL; none: depths are neither read nor written
+  GLenum depthTest = GL_NONE;  ///< GL_LESS, GL_LEQUAL, or none: depths are neither read nor written
   bool writesDepth = true;
   GLenum source = GL_ONE, destination = GL_ZERO;  ///< factors of blending
   GLenum culled = GL_NONE;                        ///< sides of triangles
 };
 void setState(const Functions& gl, const DrawState& state);
-
-Buffer makeBuffer(const Functions& gl);
-VertexArray makeVertexArray(const Functions& gl);
-
-/// Replaces a buffer's content.
-void upload(const Buffer& buffer, GLenum target, std::span<const std::byte> bytes, GLenum usage);
 
 /// A vertex and a fragment shader, by the names that shaderSource() knows. Mistakes in their source throw an
 /// InternalError with the driver's text.
@@ -149,13 +140,12 @@ class Program {
   void setMatrix3(const char* uniform, const float* columns) const;
   void setMatrix4(const char* uniform, const float* columns) const;
   /// Binds a texture to a unit that each such uniform has of its own, and makes it the active one.
-  void setTexture(const char* uniform, const Object<DeleteTexture>& texture,
-                  GLenum target = GL_TEXTURE_2D) const;
+  void setTexture(const char* uniform, const TextureName& texture, GLenum target = GL_TEXTURE_2D) const;
 
  private:
   GLint location(const char* uniform) const;
 
-  Object<DeleteProgram> program_;
+  ProgramName program_;
   mutable std::map<std::string, GLint, std::less<>> locations_, units_;
 };
 
@@ -169,6 +159,22 @@ class FullScreenProgram : public Program {
 
  private:
   VertexArray array_;  // without attributes
+};
+
+/// One such shader for each set of lines of #define: software drivers run both sides of a branch, so what is
+/// not in a picture is left out.
+class ProgramVariants {
+ public:
+  ProgramVariants(const Functions& gl, std::string fragment) : gl_(gl), fragment_(std::move(fragment)) {}
+
+  const FullScreenProgram& with(const std::string& defines) {
+    return known_.try_emplace(defines, gl_, fragment_, defines).first->second;
+  }
+
+ private:
+  const Functions& gl_;
+  std::string fragment_;
+  std::map<std::string, FullScreenProgram> known_;
 };
 
 }  // namespace weir::rendering::gl

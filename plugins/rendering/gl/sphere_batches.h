@@ -35,7 +35,7 @@ class SphereBatches {
   const Functions& gl_;
   VertexArray array_;
   Buffer indices_;
-  Object<DeleteTexture> centers_;
+  TextureName centers_;
   std::size_t largest_;
   std::vector<Batch> batches_;
   std::vector<Vec4f> packed_;

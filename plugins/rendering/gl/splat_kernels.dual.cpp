@@ -41,7 +41,7 @@ struct WriteTexels {
       return;
     }
     const SplatSphere& sphere = spheres[kNoSphere - 1 - static_cast<std::uint32_t>(seen)];
-    const Vec3f center = camera.point(sphere.center);
+    const Vec3f center = camera.view.point(sphere.center);
     const Vec3f ray = camera.ray(static_cast<int>(k % camera.width), static_cast<int>(k / camera.width));
     float rest;
     const float distance = shading::distanceOfSphere(ray, center, sphere.radius, rest);

@@ -11,18 +11,28 @@
 
 namespace weir::rendering::gl {
 
+struct AffineMap {
+  Vec3f rows[3];  ///< of its matrix
+  Vec3f moved;    ///< its last column
+
+  template <class N>
+  WEIR_HD Vec3<N> point(const Vec3<N>& p) const {
+    return {along(rows[0], p) + moved.x, along(rows[1], p) + moved.y, along(rows[2], p) + moved.z};
+  }
+  template <class N>
+  WEIR_HD static N along(const Vec3f& row, const Vec3<N>& p) {
+    return dot(Vec3<N>{N(row.x), N(row.y), N(row.z)}, p);
+  }
+};
+
 /// A camera as the shaders know it.
 struct SplatCamera {
-  Vec3f rows[3];              ///< of the matrix from world to camera space
-  Vec3f moved;                ///< its last column
+  AffineMap view;             ///< from world to camera space
   Vec2f tangent;              ///< of half the field of view
   Vec4f projection;           ///< P00, P11, P22, P23
   float near = 0;             ///< m
   int width = 0, height = 0;  ///< samples
 
-  WEIR_HD Vec3f point(const Vec3f& p) const {
-    return {dot(rows[0], p) + moved.x, dot(rows[1], p) + moved.y, dot(rows[2], p) + moved.z};
-  }
   template <class N>
   WEIR_HD N depthAt(const N& distance) const {
     return shading::depthOf(distance, projection);
@@ -36,15 +46,10 @@ struct SplatCamera {
 
 /// The sun's parallel projection onto a square of texels.
 struct SplatSun {
-  Vec3f rows[3];  ///< of the matrix from world to clip space
-  Vec3f moved;
+  AffineMap toClip;    ///< from world to clip space
   float halfSize = 1;  ///< m
   float zToDepth = 1;  ///< clip depth of 1 m
   int resolution = 0;  ///< texels along a side
-
-  WEIR_HD Vec3f point(const Vec3f& p) const {
-    return {dot(rows[0], p) + moved.x, dot(rows[1], p) + moved.y, dot(rows[2], p) + moved.z};
-  }
 };
 
 /// What is seen at each sample, row by row from the bottom, in the formats of Targets. Samples that no sphere

@@ -37,7 +37,7 @@ struct OfferToCamera {
   ArrayView<Least> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
-    return -camera.point(group.center).z - group.radius;
+    return -camera.view.point(group.center).z - group.radius;
   }
 
   /// In camera space.
@@ -55,7 +55,7 @@ struct OfferToCamera {
   }
 
   WEIR_HD bool hidden(const SphereGroup& group, const FarthestTiles& tiles) const {
-    const Vec3f center = camera.point(group.center);
+    const Vec3f center = camera.view.point(group.center);
     if (!(group.radius > 0) || group.radius - center.z < camera.near) return true;
     const Reach found = reach(center, group.radius);
     return tiles.hide(found.x, found.y, found.depth);
@@ -63,7 +63,7 @@ struct OfferToCamera {
 
   WEIR_HD void operator()(std::int64_t i, int part, int parts, const FarthestTiles& tiles) const {
     const float radius = spheres[i].radius;
-    const Vec3f center = camera.point(spheres[i].center);
+    const Vec3f center = camera.view.point(spheres[i].center);
     if (!(radius > 0) || radius - center.z < camera.near) return;  // nowhere, or behind the camera
     const Reach found = reach(center, radius);
     if (tiles.hide(found.x, found.y, found.depth)) return;
@@ -95,7 +95,7 @@ struct OfferToSun {
   ArrayView<std::uint32_t> min;
 
   WEIR_HD float distanceTo(const SphereGroup& group) const {
-    return sun.point(group.center).z - group.radius * sun.zToDepth;
+    return sun.toClip.point(group.center).z - group.radius * sun.zToDepth;
   }
 
   /// In clip space but for the radius, m.
@@ -108,13 +108,13 @@ struct OfferToSun {
 
   WEIR_HD bool hidden(const SphereGroup& group, const FarthestTiles& tiles) const {
     if (!(group.radius > 0)) return true;
-    const Reach found = reach(sun.point(group.center), group.radius);
+    const Reach found = reach(sun.toClip.point(group.center), group.radius);
     return tiles.hide(found.x, found.y, found.depth);
   }
 
   WEIR_HD void operator()(std::int64_t i, int part, int parts, const FarthestTiles& tiles) const {
     if (!(spheres[i].radius > 0)) return;
-    const Vec3f center = sun.point(spheres[i].center);
+    const Vec3f center = sun.toClip.point(spheres[i].center);
     const Reach found = reach(center, spheres[i].radius);
     if (tiles.hide(found.x, found.y, found.depth)) return;
     for (int row = found.y.first + part; row <= found.y.last; row += parts)

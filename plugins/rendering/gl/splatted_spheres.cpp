@@ -19,22 +19,6 @@ ThicknessView thicknessView(const Eigen::Matrix4f& toClip, const Texture& map, f
 
 }  // namespace
 
-SplattedSpheres::SplattedSpheres(Device& device)
-    : device_(device),
-      spheres_(device),
-      nearest_(device),
-      albedo_(device),
-      normal_(device),
-      depth_(device),
-      sunDepth_(device),
-      sums_(device),
-      background_(device),
-      thickness_(device),
-      texels_(device),
-      normals_(device),
-      depths_(device),
-      thicknesses_(device) {}
-
 void SplattedSpheres::drawGeometry(const Frame& frame, const Targets& targets) {
   if (!replacesAll()) return;
   const std::int64_t samples = std::int64_t{frame.width} * frame.height;

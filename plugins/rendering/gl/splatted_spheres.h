@@ -15,7 +15,7 @@ namespace weir::rendering::gl {
 class SplattedSpheres final : public SphereDrawer {
  public:
   /// No other thread may use the device.
-  explicit SplattedSpheres(Device& device);
+  explicit SplattedSpheres(Device& device) : device_(device) {}
 
   Aabb load(std::span<const ParticleView> views) override { return spheres_.load(views); }
   bool replacesAll() const override { return spheres_.opaque().size > 0; }
@@ -30,14 +30,15 @@ class SplattedSpheres final : public SphereDrawer {
   void addThickness(std::size_t liquid, ThicknessView view, const LiquidBetween& between, const Texture& map);
 
   Device& device_;
-  SphereSet spheres_;
-  Array<std::uint64_t> nearest_;
-  Array<std::uint32_t> albedo_, normal_, depth_, sunDepth_, sums_;
-  Array<float> background_;
-  Array<Vec2f> thickness_;
+  SphereSet spheres_{device_};
+  Array<std::uint64_t> nearest_{device_};
+  Array<std::uint32_t> albedo_{device_}, normal_{device_}, depth_{device_}, sunDepth_{device_},
+      sums_{device_};
+  Array<float> background_{device_};
+  Array<Vec2f> thickness_{device_};
   std::vector<float> backgroundOnHost_;
-  DeviceOutput<std::uint32_t> texels_, normals_, depths_;
-  DeviceOutput<Vec2f> thicknesses_;
+  DeviceOutput<std::uint32_t> texels_{device_}, normals_{device_}, depths_{device_};
+  DeviceOutput<Vec2f> thicknesses_{device_};
 };
 
 }  // namespace weir::rendering::gl

@@ -9,8 +9,7 @@
 
 namespace weir::rendering::gl {
 
-/// The #defines of sunlight.glsl: software drivers run both sides of a branch, so what is not in a picture is
-/// left out.
+/// The lines of #define of sunlight.glsl.
 std::string sunlightDefines(const Frame& frame);
 
 /// Its uniforms. `water` may be null if there is no liquid.

@@ -46,14 +46,8 @@ WaterPass::WaterPass(const Functions& gl)
       smoothing_(gl),
       background_(gl, "water_background.frag"),
       resolve_(gl, "water_scene.frag"),
-      compose_(gl, "water_compose.frag") {}
-
-const FullScreenProgram& WaterPass::shadingFor(const Frame& frame) {
-  const std::string defines = sunlightDefines(frame);
-  const auto known = shading_.find(defines);
-  if (known != shading_.end()) return known->second;
-  return shading_.emplace(defines, FullScreenProgram(gl_, "water.frag", defines)).first->second;
-}
+      compose_(gl, "water_compose.frag"),
+      shading_(gl, "water.frag") {}
 
 void WaterPass::draw(const Frame& frame, const Targets& targets, const Parts& parts,
                      const std::function<void(const Texture& depth)>& drawBehind) {
@@ -114,7 +108,7 @@ void WaterPass::resolveScene(const Frame& frame, const Targets& targets) const {
 }
 
 void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view) {
-  const FullScreenProgram& program = shadingFor(frame);
+  const FullScreenProgram& program = shading_.with(sunlightDefines(frame));
   program.use();
   setCameraUniforms(program, frame.camera, targets.pictureWidth, targets.pictureHeight);
   setLightUniforms(program, frame);

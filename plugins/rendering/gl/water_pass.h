@@ -41,12 +41,11 @@ class WaterPass {
   void resolveScene(const Frame& frame, const Targets& targets) const;
   void shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view);
   void compose(const Frame& frame, const Targets& targets) const;
-  const FullScreenProgram& shadingFor(const Frame& frame);
 
   const Functions& gl_;
   WaterSmoothing smoothing_;
   FullScreenProgram background_, resolve_, compose_;
-  std::map<std::string, FullScreenProgram> shading_;  // by what the sun's light needs
+  ProgramVariants shading_;
   std::optional<WaterTargets> water_;
 };
 

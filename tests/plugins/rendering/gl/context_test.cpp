@@ -35,9 +35,7 @@ Picture drawExample(Renderer& renderer, int width = 320, int height = 240) {
                    {.mesh = mesh, .look = SurfaceLook::kMetal, .position = {1, 0, 0}},
                    {.mesh = mesh, .look = SurfaceLook::kMatt, .position = {-1, 0, 0}}};
   view.lines = {{.points = points}};
-  Picture picture = renderer.draw(view);
-  renderer.removeMesh(mesh);
-  return picture;
+  return renderer.draw(view);
 }
 
 std::unique_ptr<Context> contextOrNull(Provider provider) {

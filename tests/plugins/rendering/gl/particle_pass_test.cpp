@@ -87,7 +87,7 @@ TEST_P(Particles, HaveTheColorsOfTheirValues) {
     const Picture picture = renderer.draw(view);
     for (int i = 0; i < 6; ++i) {
       const auto [x, y] = pixelOf(view, {positions[i].x, positions[i].y, 0}).value();
-      const Pixel expected = toPixel(colorAt(map, (values[i] - 2) / 4));
+      const Pixel expected = toPixel(ColorMap(map).at((values[i] - 2) / 4));
       EXPECT_LE(largestDifference(pixelAt(picture, x, y), expected), 2) << i;
     }
   }
@@ -101,7 +101,7 @@ TEST_P(Particles, NearerOnesHideFartherOnesInAnyOrder) {
     View view = plainView();
     view.particles = {{.positions = positions, .values = values, .radius = 0.5f}};
     const Pixel seen = pixelAt(renderer.draw(view), view.width / 2, view.height / 2);
-    EXPECT_LE(largestDifference(seen, toPixel(colorAt(ColorMapName::kViridis, swapped ? 1 : 0))), 2);
+    EXPECT_LE(largestDifference(seen, toPixel(ColorMap(ColorMapName::kViridis).at(swapped ? 1 : 0))), 2);
   }
 }
 
@@ -115,7 +115,8 @@ TEST_P(Particles, MeetWhereTheirSurfacesMeet) {
   const Picture picture = renderer.draw(view);
   for (const int step : {-8, -3, 3, 8}) {
     const Pixel seen = pixelAt(picture, view.width / 2 + step, view.height / 2);
-    EXPECT_LE(largestDifference(seen, toPixel(colorAt(ColorMapName::kViridis, step > 0 ? 1 : 0))), 2) << step;
+    EXPECT_LE(largestDifference(seen, toPixel(ColorMap(ColorMapName::kViridis).at(step > 0 ? 1 : 0))), 2)
+        << step;
   }
 }
 
@@ -142,7 +143,7 @@ TEST_P(Particles, EachFluidHasItsRadiusAndColours) {
     return pixelAt(picture, px, py);
   };
   EXPECT_LE(largestDifference(at(-1), toPixel({1, 0, 0})), 2);
-  EXPECT_LE(largestDifference(at(1), toPixel(colorAt(ColorMapName::kViridis, 0))), 2);
+  EXPECT_LE(largestDifference(at(1), toPixel(ColorMap(ColorMapName::kViridis).at(0))), 2);
   EXPECT_LE(largestDifference(at(1.5), at(1)), 2) << "within the larger sphere";
   EXPECT_GT(largestDifference(at(-1.5), at(-1)), 100) << "outside of the smaller one";
 }

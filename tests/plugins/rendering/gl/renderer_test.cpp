@@ -151,16 +151,19 @@ TEST_F(RendererTest, SurfacesAreTurnedAndMoved) {
   EXPECT_GT(middle(renderer.draw(view)).g, 250);
 }
 
-TEST_F(RendererTest, ReplacedMeshesChangeAndRemovedOnesAreRefused) {
+TEST_F(RendererTest, ReplacedMeshesChangeAndUnknownOnesAreRefused) {
   View view = plainView();
   const MeshId plate = addPlate(0);
   view.surfaces = {{.mesh = plate, .color = kRed}};
   EXPECT_LT(middle(renderer.draw(view)).g, 5);
-  renderer.replaceMesh(plate, quad({2, 2, 0}, {3, 2, 0}, {3, 3, 0}, {2, 3, 0}));
+  const TriangleMesh aside = quad({2, 2, 0}, {3, 2, 0}, {3, 3, 0}, {2, 3, 0});
+  const std::vector<Vec3f> normals(4, Vec3f{0, 0, 1});
+  const ShownMesh shown(MeshSpan{aside.vertices, normals, aside.triangles});
+  renderer.replaceMesh(plate, shown);
   EXPECT_GT(middle(renderer.draw(view)).g, 250);
-  renderer.removeMesh(plate);
+  view.surfaces[0].mesh = plate + 1;
   EXPECT_THROW(renderer.draw(view), InternalError);
-  EXPECT_THROW(renderer.removeMesh(plate), InternalError);
+  EXPECT_THROW(renderer.replaceMesh(plate + 1, shown), InternalError);
 }
 
 TEST_F(RendererTest, LinesAreSeenAndHidden) {

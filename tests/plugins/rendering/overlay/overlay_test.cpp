@@ -82,10 +82,10 @@ TEST(Overlay, BarShowsTheColorsOfTheMap) {
     EXPECT_LT(length(column[best] - color), 0.03f);
     return best;
   };
-  const int top = rowOf(colorAt(ColorMapName::kTurbo, 0.998f)),
-            bottom = rowOf(colorAt(ColorMapName::kTurbo, 0.002f));
+  const int top = rowOf(ColorMap(ColorMapName::kTurbo).at(0.998f)),
+            bottom = rowOf(ColorMap(ColorMapName::kTurbo).at(0.002f));
   EXPECT_EQ(bottom - top, 259);
-  EXPECT_NEAR(rowOf(colorAt(ColorMapName::kTurbo, 0.25f)), top + 0.75 * 259, 2);
+  EXPECT_NEAR(rowOf(ColorMap(ColorMapName::kTurbo).at(0.25f)), top + 0.75 * 259, 2);
 }
 
 TEST(Overlay, LightTextOnDark) {
