@@ -6,9 +6,9 @@
 #include "framework/base/text.h"
 #include "plugins/cycles/blender_program.h"
 #include "plugins/cycles/handover.h"
-#include "plugins/rendering/make_renderer.h"
-#include "plugins/rendering/scene_capture.h"
-#include "plugins/rendering/scene_view.h"
+#include "plugins/views/picture_maker.h"
+#include "plugins/views/scene_capture.h"
+#include "plugins/views/scene_view.h"
 
 namespace weir::rendering {
 

@@ -6,7 +6,7 @@
 
 #include "plugins/cycles/blender_program.h"
 #include "plugins/cycles/handover.h"
-#include "plugins/rendering/picture_maker.h"
+#include "plugins/views/picture_maker.h"
 
 namespace weir::rendering {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "plugins/cycles/npz_file.h"
-#include "plugins/rendering/picture_maker.h"
-#include "plugins/rendering/render_settings.h"
+#include "plugins/views/picture_maker.h"
+#include "plugins/views/render_settings.h"
 
 namespace weir::rendering {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "plugins/rendering/overlay/overlay.h"
-#include "plugins/rendering/scene_capture.h"
-#include "plugins/rendering/scene_view.h"
+#include "plugins/views/scene_capture.h"
+#include "plugins/views/scene_view.h"
 
 namespace weir::rendering {
 

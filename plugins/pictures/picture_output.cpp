@@ -10,14 +10,14 @@
 #include "plugins/cycles/cycles_renderer.h"
 #include "plugins/pictures/overlay_text.h"
 #include "plugins/rendering/make_renderer.h"
-#include "plugins/rendering/plot_history.h"
-#include "plugins/rendering/scene_capture.h"
-#include "plugins/rendering/scene_view.h"
 #include "plugins/video/frame_ledger.h"
 #include "plugins/video/growing_video.h"
 #include "plugins/video/image_file.h"
 #include "plugins/video/image_sequence.h"
 #include "plugins/video/video_writer.h"
+#include "plugins/views/plot_history.h"
+#include "plugins/views/scene_capture.h"
+#include "plugins/views/scene_view.h"
 
 namespace weir::rendering {
 

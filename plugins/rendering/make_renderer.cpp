@@ -6,11 +6,6 @@
 
 namespace weir::rendering {
 
-std::unique_ptr<Device> siblingOf(const Device& device) {
-  const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
-  return openDevice(device.name(), cpu != nullptr ? cpu->threads() : 0);
-}
-
 std::filesystem::path fontFolder() {
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&fontFolder), &self) == 0) return {};

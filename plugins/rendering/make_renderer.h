@@ -13,9 +13,6 @@ namespace weir::rendering {
 /// runs on a GPU and the device is a CPU. Throws an io Error without OpenGL.
 std::unique_ptr<gl::Renderer> makeRenderer(const Device& device);
 
-/// Another device on the same machine, for another thread.
-std::unique_ptr<Device> siblingOf(const Device& device);
-
 /// share/weir/fonts of the build or installation that this library is in: <prefix>/lib/weir/plugins.
 std::filesystem::path fontFolder();
 

@@ -11,11 +11,11 @@
 #include "framework/base/file_output.h"
 #include "framework/compute/host_copy.h"
 #include "framework/graph/outputs_of.h"
-#include "plugins/rendering/make_renderer.h"
-#include "plugins/rendering/scene_capture.h"
-#include "plugins/rendering/scene_view.h"
 #include "plugins/usd/crate_file.h"
 #include "plugins/usd/usd_stage.h"
+#include "plugins/views/picture_maker.h"
+#include "plugins/views/scene_capture.h"
+#include "plugins/views/scene_view.h"
 
 namespace weir::rendering {
 

@@ -11,7 +11,7 @@
 
 #include "framework/base/vec.h"
 #include "framework/geometry/triangle_mesh.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 

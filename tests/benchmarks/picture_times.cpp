@@ -25,8 +25,8 @@
 #include "framework/base/error.h"
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
-#include "plugins/rendering/scene_view.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/scene_view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 namespace {

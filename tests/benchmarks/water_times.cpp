@@ -14,7 +14,7 @@
 
 #include "plugins/rendering/gl/context.h"
 #include "plugins/rendering/gl/renderer.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 namespace {

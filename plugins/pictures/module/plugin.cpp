@@ -4,8 +4,8 @@
 #include "plugins/pictures/live_view.h"
 #include "plugins/pictures/picture_output.h"
 #include "plugins/rendering/gl/context.h"
-#include "plugins/rendering/render_settings.h"
 #include "plugins/usd/usd_output.h"
+#include "plugins/views/render_settings.h"
 
 namespace weir::rendering {
 

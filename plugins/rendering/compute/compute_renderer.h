@@ -2,12 +2,12 @@
 // may have few. It draws particles, ground and lines; surfaces are OpenGL's.
 #pragma once
 
-#include "plugins/rendering/compute/device_output.h"
 #include "plugins/rendering/compute/occlusion_kernels.h"
 #include "plugins/rendering/compute/shade_kernels.h"
 #include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/frame.h"
 #include "plugins/video/picture.h"
+#include "plugins/views/device_output.h"
 
 namespace weir::rendering {
 

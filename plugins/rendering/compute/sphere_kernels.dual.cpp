@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "framework/compute/parallel.h"
-#include "framework/compute/reductions.h"
 
 namespace weir::rendering {
 
@@ -41,14 +40,6 @@ struct PackSphere {
   }
 };
 
-struct PointBox {
-  ArrayView<const Vec3f> positions;
-  WEIR_HD Aabb operator()(std::int64_t i) const {
-    const Vec3f p = positions[i];
-    return isFinite(p) ? Aabb{p, p} : Aabb{};
-  }
-};
-
 }  // namespace
 
 template <class Backend>
@@ -57,13 +48,7 @@ void packSpheres(Backend& device, ArrayView<const Vec3f> positions, ArrayView<co
   parallelFor(device, "pack spheres", positions.size, PackSphere{positions, values, colors, spheres});
 }
 
-template <class Backend>
-void boxOf(Backend& device, ArrayView<const Vec3f> positions, Aabb* box) {
-  reduce(device, "box of spheres", positions.size, Aabb{}, PointBox{positions}, UniteBoxes{}, box);
-}
-
 template void packSpheres(ThisBackend&, ArrayView<const Vec3f>, ArrayView<const float>, const SphereColors&,
                           ArrayView<SplatSphere>);
-template void boxOf(ThisBackend&, ArrayView<const Vec3f>, Aabb*);
 
 }  // namespace weir::rendering

@@ -42,8 +42,4 @@ template <class Backend>
 void packSpheres(Backend& device, ArrayView<const Vec3f> positions, ArrayView<const float> values,
                  const SphereColors& colors, ArrayView<SplatSphere> spheres);
 
-/// The box around all finite positions, in device memory.
-template <class Backend>
-void boxOf(Backend& device, ArrayView<const Vec3f> positions, Aabb* box);
-
 }  // namespace weir::rendering

@@ -7,6 +7,7 @@
 #include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/particle_colors.h"
 #include "plugins/rendering/shading/formulas.h"
+#include "plugins/views/frame_kernels.h"
 
 namespace weir::rendering {
 

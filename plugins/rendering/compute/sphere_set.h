@@ -9,7 +9,7 @@
 #include "framework/compute/array.h"
 #include "plugins/rendering/compute/device_input.h"
 #include "plugins/rendering/compute/sphere_kernels.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 

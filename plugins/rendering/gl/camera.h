@@ -3,9 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <array>
 
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering::gl {
 
@@ -15,8 +14,6 @@ inline Eigen::Vector3f toEigen(const Vec3f& v) {
 inline Vec3f fromEigen(const Eigen::Vector3f& v) {
   return {v.x(), v.y(), v.z()};
 }
-
-std::array<Vec3f, 8> cornersOf(const Aabb& box);
 
 /// The camera looks along -z of its own space, with x to the right and y up.
 struct Camera {

@@ -4,7 +4,7 @@
 #include "plugins/rendering/gl/camera.h"
 #include "plugins/rendering/gl/resources.h"
 #include "plugins/rendering/shading/light.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering::gl {
 

@@ -7,8 +7,8 @@
 
 #include "framework/geometry/triangle_mesh.h"
 #include "plugins/rendering/gl/resources.h"
-#include "plugins/rendering/shown_mesh.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/shown_mesh.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering::gl {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "plugins/rendering/compute/sphere_kernels.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering::gl {
 

@@ -7,8 +7,8 @@
 #include "framework/compute/device.h"
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/triangle_mesh.h"
-#include "plugins/rendering/picture_maker.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/picture_maker.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "plugins/rendering/gl/resources.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering::gl {
 

@@ -5,10 +5,10 @@
 
 #include <vector>
 
-#include "plugins/rendering/compute/device_output.h"
 #include "plugins/rendering/compute/sphere_set.h"
 #include "plugins/rendering/gl/sphere_drawer.h"
 #include "plugins/rendering/gl/thickness_kernels.h"
+#include "plugins/views/device_output.h"
 
 namespace weir::rendering::gl {
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "plugins/rendering/shading/formulas.h"
+#include "plugins/views/camera_axes.h"
 
 namespace weir::rendering::gl {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "plugins/rendering/overlay/font.h"
 #include "plugins/rendering/overlay/plot.h"
-#include "plugins/rendering/view.h"
+#include "plugins/views/view.h"
 
 namespace weir::rendering {
 
