@@ -1,9 +1,11 @@
 #include "plugins/views/shape_geometry.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "framework/geometry/surface_of_revolution.h"
+#include "plugins/views/camera_axes.h"
 
 namespace weir::rendering {
 
@@ -13,10 +15,8 @@ constexpr int kSegments = 64;
 constexpr float kPi = std::numbers::pi_v<float>;
 
 TriangleMesh boxMesh(const Vec3f& h) {
-  TriangleMesh mesh;
-  for (int k = 0; k < 8; ++k)
-    mesh.vertices.push_back(
-        {(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z});
+  const std::array<Vec3f, 8> corners = cornersOf({-h, h});
+  TriangleMesh mesh{{corners.begin(), corners.end()}, {}};
   // Each side by its corners, counter-clockwise seen from outside.
   constexpr int kSides[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                 {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
@@ -77,16 +77,10 @@ void addProfile(std::vector<Line>& lines, const std::vector<Vec2f>& profile) {
 }
 
 void addBox(std::vector<Line>& lines, const Vec3f& h) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (int k = 0; k < 4; ++k) {
-      Vec3f from;
-      from[axis] = -h[axis];
-      from[(axis + 1) % 3] = ((k & 1) != 0 ? 1 : -1) * h[(axis + 1) % 3];
-      from[(axis + 2) % 3] = ((k & 2) != 0 ? 1 : -1) * h[(axis + 2) % 3];
-      Vec3f to = from;
-      to[axis] = h[axis];
-      lines.push_back({from, to});
-    }
+  const std::array<Vec3f, 8> corners = cornersOf({-h, h});
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    for (const std::size_t axis : {1u, 2u, 4u})
+      if ((k & axis) == 0) lines.push_back({corners[k], corners[k | axis]});
 }
 
 }  // namespace

@@ -73,10 +73,7 @@ bool ComputeRenderer::canDraw(const View& view) {
 void ComputeRenderer::setLines(const gl::Frame& frame) {
   std::vector<ShadedLine> all;
   for (const LineView& lines : frame.view.lines) {
-    const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
-    const float halfWidth = lines.width / 720.0f;  // of 720 pixels' height, in clip space, which is 2 high
-    const std::vector<Vec4f> corners =
-        gl::lineCorners(frame.camera, lines.points, {halfWidth / aspect, halfWidth});
+    const std::vector<Vec4f> corners = gl::lineCorners(frame, lines);
     for (std::size_t i = 0; i < corners.size(); i += 6) {
       ShadedLine& line = all.emplace_back(shadedLine(&corners[i], frame.width, frame.height));
       line.color = gl::linear(lines.color);

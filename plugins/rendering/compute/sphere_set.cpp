@@ -6,25 +6,9 @@
 #include "framework/base/check.h"
 #include "framework/compute/dispatch.h"
 #include "plugins/rendering/gl/particle_colors.h"
-#include "plugins/rendering/shading/formulas.h"
 #include "plugins/views/frame_kernels.h"
 
 namespace weir::rendering {
-
-namespace {
-
-constexpr auto kParticleMaterial = static_cast<std::uint32_t>(255 * shading::kParticle + 0.5f);
-
-std::vector<std::uint32_t> packedTexels(const ParticleView& particles) {
-  const std::vector<std::uint8_t> bytes = gl::particleColors(particles);
-  std::vector<std::uint32_t> texels;
-  for (std::size_t i = 0; i < bytes.size(); i += 4)
-    texels.push_back(bytes[i] | std::uint32_t{bytes[i + 1]} << 8 | std::uint32_t{bytes[i + 2]} << 16 |
-                     kParticleMaterial << 24);
-  return texels;
-}
-
-}  // namespace
 
 Aabb SphereSet::load(std::span<const ParticleView> views) {
   std::int64_t total = 0;
@@ -56,7 +40,7 @@ ArrayView<const SplatSphere> SphereSet::pack(const ParticleView& view, std::int6
                                              Aabb* box) {
   const std::span<const float> numbers = view.water ? view.foam : view.values;
   if (!numbers.empty()) WEIR_CHECK(numbers.size() == view.positions.size());
-  input.texels.assign(view.water ? std::vector<std::uint32_t>() : packedTexels(view));
+  input.texels.assign(view.water ? std::vector<std::uint32_t>() : gl::particleColors(view));
   const ArrayView<const Vec3f> positions = input.positions.of(view.positions, view.onDevice);
   const ArrayView<const float> values = input.values.of(numbers, view.onDevice);
   const ArrayView<SplatSphere> spheres{spheres_.data() + first, positions.size};

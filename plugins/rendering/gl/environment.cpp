@@ -13,9 +13,14 @@ constexpr int kWidth = 1024, kHeight = 512;
 
 }  // namespace
 
-Eigen::Matrix3f upright(const View& view) {
+/// From the world to a space in which y is up.
+static Eigen::Matrix3f upright(const View& view) {
   return Eigen::Quaternionf::FromTwoVectors(toEigen(normalized(view.worldUp)), Eigen::Vector3f::UnitY())
       .toRotationMatrix();
+}
+
+Eigen::Matrix3f toSurroundings(const Frame& frame) {
+  return upright(frame.view) * frame.camera.rotation().transpose();
 }
 
 Environment::Environment(const Functions& gl) : gl_(gl), surroundings_(gl, 1, 1, kColor8, GL_NEAREST) {}
@@ -61,12 +66,8 @@ void Environment::paint(const View& view) {
   paint_->draw(Framebuffer(gl_, {&surroundings_}, nullptr));
 }
 
-Eigen::Matrix3f Environment::fromCamera(const Frame& frame) {
-  return upright(frame.view) * frame.camera.rotation().transpose();
-}
-
 void Environment::setUniforms(const Program& program, const Frame& frame) const {
-  program.setMatrix3("uToSurroundings", fromCamera(frame).eval().data());
+  program.setMatrix3("uToSurroundings", toSurroundings(frame).data());
   program.set("uAllAround",
               int(frame.view.environment == EnvironmentLook::kImage && !frame.view.ground.visible));
   program.setTexture("uSurroundings", surroundings_);

@@ -9,8 +9,8 @@
 
 namespace weir::rendering::gl {
 
-/// From the world to a space in which y is up.
-Eigen::Matrix3f upright(const View& view);
+/// From camera space to that of the surroundings, in which y is up.
+Eigen::Matrix3f toSurroundings(const Frame& frame);
 
 class Environment {
  public:
@@ -18,8 +18,6 @@ class Environment {
 
   /// Makes the surroundings of a view, if they are seen there and have changed.
   void load(const View& view);
-  /// From camera space to that of the surroundings, in which y is up.
-  static Eigen::Matrix3f fromCamera(const Frame& frame);
   /// The uniforms of environment.glsl.
   void setUniforms(const Program& program, const Frame& frame) const;
 

@@ -126,7 +126,7 @@ bool isOutside(const View& view) {
 static void setImageLight(const Program& program, const Frame& frame) {
   using Form = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
   Eigen::Matrix4f turn = Eigen::Matrix4f::Identity();
-  turn.topLeftCorner<3, 3>() = upright(frame.view) * frame.camera.rotation().transpose();
+  turn.topLeftCorner<3, 3>() = toSurroundings(frame);
   const char* const names[] = {"uSkyRed", "uSkyGreen", "uSkyBlue"};
   for (int c = 0; c < 3; ++c) {
     const Eigen::Map<const Form> form(

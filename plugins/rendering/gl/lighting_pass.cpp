@@ -38,7 +38,7 @@ void LightingPass::draw(const Frame& frame, const Targets& targets, const Shadow
   lighting.set("uGroundMiddle", frame.camera.point(groundMiddle(view)));
   lighting.set("uGroundRadius", view.ground.radius);
   lighting.set("uTiles", view.ground.tiles);
-  lighting.setMatrix3("uToWorld", environment.fromCamera(frame).eval().data());
+  lighting.setMatrix3("uToWorld", toSurroundings(frame).data());
   lighting.set("uUnlit", int(view.lighting.unlit));
   lighting.set("uTransparent", int(view.transparent));
   lighting.draw(targets.light.target);

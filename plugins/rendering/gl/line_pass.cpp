@@ -22,7 +22,12 @@ std::optional<Segment> inFront(Vec3f a, Vec3f b, float near) {
 
 }  // namespace
 
-std::vector<Vec4f> lineCorners(const Camera& camera, std::span<const Vec3f> points, const Vec2f& halfWidth) {
+std::vector<Vec4f> lineCorners(const Frame& frame, const LineView& lines) {
+  const Camera& camera = frame.camera;
+  const std::span<const Vec3f> points = lines.points;
+  // Of 720 pixels' height, in clip space after division by w, which is 2 high.
+  const float high = lines.width / 720.0f, aspect = float(frame.width) / float(frame.height);
+  const Vec2f halfWidth{high / aspect, high};
   WEIR_CHECK(points.size() % 2 == 0u);
   const Vec4f terms = camera.projectionTerms();
   // A little nearer than they are, so that lines on a surface are seen.
@@ -71,11 +76,7 @@ void LinePass::draw(const Frame& frame, const Targets& targets, const Texture& b
   setBehindUniforms(program_, frame, before);
   gl_.bindVertexArray(array_.name());
   for (const LineView& lines : frame.view.lines) {
-    // Of 720 pixels' height, in clip space, which is 2 high.
-    const float halfWidth = lines.width / 720.0f;
-    const float aspect = float(frame.width) / float(frame.height);
-    const std::vector<Vec4f> corners =
-        lineCorners(frame.camera, lines.points, {halfWidth / aspect, halfWidth});
+    const std::vector<Vec4f> corners = lineCorners(frame, lines);
     if (corners.empty()) continue;
     upload(buffer_, GL_ARRAY_BUFFER, std::as_bytes(std::span(corners)), GL_STREAM_DRAW);
     const Vec3f color = linear(lines.color);

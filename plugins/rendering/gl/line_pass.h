@@ -20,8 +20,7 @@ class LinePass {
   Buffer buffer_;
 };
 
-/// The two triangles (six corners in clip space) of each line that is not behind the camera. `halfWidth` is
-/// in the units of clip space after division by w, along x and y.
-std::vector<Vec4f> lineCorners(const Camera& camera, std::span<const Vec3f> points, const Vec2f& halfWidth);
+/// The two triangles (six corners in clip space) of each line that is not behind the camera.
+std::vector<Vec4f> lineCorners(const Frame& frame, const LineView& lines);
 
 }  // namespace weir::rendering::gl

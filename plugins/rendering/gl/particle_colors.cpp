@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/rendering/shading/formulas.h"
+
 namespace weir::rendering::gl {
 
-std::vector<std::uint8_t> particleColors(const ParticleView& particles) {
-  std::vector<std::uint8_t> texels;
-  const auto add = [&](const Vec3f& color) {
-    for (const float c : {color.x, color.y, color.z, 1.0f})
-      texels.push_back(std::uint8_t(std::lround(255.0f * std::clamp(c, 0.0f, 1.0f))));
+std::vector<std::uint32_t> particleColors(const ParticleView& particles) {
+  std::vector<std::uint32_t> texels;
+  const auto byteOf = [](float x) { return std::uint32_t(std::lround(255 * std::clamp(x, 0.0f, 1.0f))); };
+  const auto add = [&](const Vec3f& c) {
+    texels.push_back(byteOf(c.x) | byteOf(c.y) << 8 | byteOf(c.z) << 16 | byteOf(shading::kParticle) << 24);
   };
   for (int i = 0; i < ColorEntries::kFixed; ++i) add(particles.map.at(float(i) / 255.0f));
   add({particles.fixed.r, particles.fixed.g, particles.fixed.b});

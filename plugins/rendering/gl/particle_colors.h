@@ -9,7 +9,7 @@
 
 namespace weir::rendering::gl {
 
-/// Red, green, blue and 255 of each texel: the colour map, the fixed colour and that of NaN.
-std::vector<std::uint8_t> particleColors(const ParticleView& particles);
+/// The texels as SplatSphere::color packs them: the colour map, the fixed colour and that of NaN.
+std::vector<std::uint32_t> particleColors(const ParticleView& particles);
 
 }  // namespace weir::rendering::gl
