@@ -19,6 +19,7 @@
 #include "nodes/particle_fluid/modules/solid_contact.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
+#include "nodes/particle_fluid/own_wall_factor.h"
 #include "nodes/particle_fluid/rest_state.h"
 
 namespace weir {
@@ -196,6 +197,18 @@ void ParticleFluid::restoreEvents(const StateReader& from) {
   sumEvents();
 }
 
+namespace {
+
+/// The first enabled module that has this role.
+template <class Role, class Pipeline>
+Role* firstEnabled(const Pipeline& pipeline) {
+  for (const auto& module : pipeline.modules())
+    if (auto* found = module->enabled() ? dynamic_cast<Role*>(module.get()) : nullptr) return found;
+  return nullptr;
+}
+
+}  // namespace
+
 void ParticleFluid::reset(const SetupContext& context) {
   const float volume = spacing * spacing * spacing;
   const float stiffened = mu.get() ? 1 : static_cast<float>(stiffening(supportRatio, calibration.get()));
@@ -203,6 +216,8 @@ void ParticleFluid::reset(const SetupContext& context) {
   const float stiffness = mu.get() ? *mu.get() / volume : stiffened * bulkModulus.get().value_or(kUsual);
   constants_ = makeFluidConstants(spacing, supportRatio, restDensity, stiffness, calibration);
   constants_.stiffened = stiffened;
+  if (const auto* solver = firstEnabled<const OwnWallFactor>(pipeline_))
+    constants_.wallFactor = solver->wallFactor(supportRatio) * constants_.calibration;
   State& state = makeState(context.device);
   gathered_.reset();
   divided_.reset();
@@ -357,15 +372,11 @@ std::int64_t ParticleFluid::carve(std::span<const std::unique_ptr<Solid>> solids
 }
 
 WallFinder* ParticleFluid::wallFinder() const {
-  for (const auto& module : pipeline_.modules())
-    if (auto* finder = module->enabled() ? dynamic_cast<WallFinder*>(module.get()) : nullptr) return finder;
-  return nullptr;
+  return firstEnabled<WallFinder>(pipeline_);
 }
 
 const PressureLaw* ParticleFluid::pressureLaw() const {
-  for (const auto& module : pipeline_.modules())
-    if (const auto* law = module->enabled() ? dynamic_cast<PressureLaw*>(module.get()) : nullptr) return law;
-  return nullptr;
+  return firstEnabled<const PressureLaw>(pipeline_);
 }
 
 const BulkEnergy& ParticleFluid::bulkEnergy() const {

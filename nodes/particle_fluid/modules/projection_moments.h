@@ -39,7 +39,7 @@ WEIR_HD inline float roomFor(float lambda, float dt) {
 /// N; Σ k·(n·N·n)·n over the planes of walls; s less what their motion adds to D·v.
 struct FindMoments {
   ProjectionPacking packing;
-  FeltWalls walls;
+  WallFieldView walls;
   WallPlanes planes;
   float dt;
   ArrayView<const Vec3f> velocities;
@@ -57,7 +57,7 @@ struct FindMoments {
       if (far > 0) moments.addSquare(sqrtf(dot(g, g)) / far, r);
     });
     float lambda = packing.gradient.particleVolume * sum;
-    if (!walls.empty()) lambda += walls.lambda(i, -dt * velocities[i], p);
+    if (!walls.empty()) lambda += walls.phi(i, -dt * velocities[i], p);
     planes.forEach(i, p, [&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
     write(i, p, inverseOf(moments), lambda);
   }

@@ -12,18 +12,6 @@
 
 namespace weir::projection {
 
-/// What walls add to λ: a share of Φ, which is calibrated for how other solvers press fluid to walls.
-struct FeltWalls {
-  WallFieldView field;
-  float share = 1;
-
-  WEIR_HD bool empty() const { return field.empty(); }
-  WEIR_HD float lambda(std::int64_t i, const Vec3f& u, const Vec3f& x) const {
-    return share * field.phi(i, u, x);
-  }
-  WEIR_HD Vec3f gradient(std::int64_t i, const Vec3f& x) const { return share * field.push(i, x).gradPhi; }
-};
-
 struct WallPlane {
   Vec3f normal;    ///< away from the wall
   float distance;  ///< y, m

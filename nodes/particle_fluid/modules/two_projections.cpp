@@ -22,8 +22,8 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
   if (ratio >= kLeastRatio * (1 - kSettingRounding)) return;
   outlook.warn(
       *this,
-      fmt::format("with a support_ratio of {:.3g} the layers at walls move against each other, unseen by "
-                  "its operator",
+      fmt::format("with a support_ratio of {:.3g} water boils at the edges of tanks: there are too few "
+                  "neighbours for its operator",
                   ratio),
       "a support_ratio of 2, or another solver");
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/base/clamped.h"
 #include "nodes/particle_fluid/modules/projection_moments.h"
 #include "nodes/particle_fluid/modules/projection_passes.h"
 
@@ -51,7 +50,7 @@ struct Gather {
 /// Pbf's multiplier, of λ ≤ 1.
 struct Multiplier {
   ProjectionPacking packing;
-  FeltWalls walls;
+  WallFieldView walls;
   float softening;
   ArrayView<const Vec3f> predicted;
   ArrayView<float> multiplier;
@@ -68,8 +67,8 @@ struct Multiplier {
     });
     float over = packing.gradient.particleVolume * sum - 1;
     if (!walls.empty()) {
-      over += walls.lambda(i, p - predicted[i], p);
-      all += walls.gradient(i, p);
+      over += walls.phi(i, p - predicted[i], p);
+      all += walls.push(i, p).gradPhi;
     }
     multiplier[i] = over > 0 ? kRelaxation * over / (squares + dot(all, all) + softening) : 0.0f;
   }
@@ -77,7 +76,7 @@ struct Multiplier {
 
 struct Correct {
   ProjectionPacking packing;
-  FeltWalls walls;
+  WallFieldView walls;
   ArrayView<const float> multiplier;
   ArrayView<Vec3f> positions;
 
@@ -85,7 +84,7 @@ struct Correct {
     Vec3f move{};
     const float own = multiplier[i];
     packing.forEach(i, [&](int j, const Vec3f& g, const Vec3f&) { move -= (own + multiplier[j]) * g; });
-    if (!walls.empty()) move -= own * walls.gradient(i, xyz(packing.state[i]));
+    if (!walls.empty()) move -= own * walls.push(i, xyz(packing.state[i])).gradPhi;
     positions[i] += move;
   }
 };
@@ -95,17 +94,6 @@ struct Keep {
   ArrayView<Vec3f> to;
   WEIR_HD void operator()(std::int64_t i) const { to[i] = from[i]; }
 };
-
-/// What the fluid feels of walls in λ: Φ with a factor of its own in place of wallFactor, as fluid lies at
-/// walls in another way than other solvers lay it. With this one, measured at supports from 1.8 to 2.4
-/// spacings, water in tanks of 8 to 16 spacings stands within 0.5 % as high as it should
-/// (engineering/jelly.md).
-FeltWalls feltWalls(FluidStep& fluid) {
-  const FluidConstants& c = fluid.constants;
-  const float ratio = clamped(c.supportRadius / c.spacing, 1.8f, 2.4f),
-              factor = 1.037f - 0.065f * (ratio - 2);
-  return {fluid.walls.view(), factor * c.calibration / c.wallFactor};
-}
 
 /// k over −dΦ/dy, such that Σ d·k = 1 over the layers of fluid at a plane.
 float shareOf(const FluidConstants& c) {
@@ -132,7 +120,7 @@ template <class Backend>
 void TwoProjections::findMoments(Backend& device, FluidStep& fluid) {
   parallelFor(device, "moments", fluid.particles.count(),
               FindMoments{.packing = packingOf(fluid),
-                          .walls = feltWalls(fluid),
+                          .walls = fluid.walls.view(),
                           .planes = planesOf(fluid.walls, fluid.constants),
                           .dt = static_cast<float>(fluid.time.dt),
                           .velocities = u_.view(),
@@ -231,7 +219,7 @@ void TwoProjections::correct(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const Count count = fluid.particles.count();
   const auto positions = fluid.particles.positions().write().view();
-  const FeltWalls walls = feltWalls(fluid);
+  const WallFieldView walls = fluid.walls.view();
   const ProjectionPacking packing = packingOf(fluid);
   parallelFor(device, "gather", count, Gather{positions, state_.view()});
   fluid.exchange(state_.view());

@@ -19,6 +19,7 @@ import in_motion  # noqa: E402
 import program  # noqa: E402
 import report  # noqa: E402
 import scene as scenes  # noqa: E402
+import waves  # noqa: E402
 from lab import SCENES, Lab, Outcome, Row, mean_force  # noqa: E402
 
 try:
@@ -80,6 +81,11 @@ class ClosedForms(unittest.TestCase):
         self.assertLess(r.max(), 0.2)
         self.assertAlmostEqual(found, slope, delta=0.05 * slope)
         self.assertAlmostEqual(level, 0.2, delta=spacing)
+
+    def test_the_period_of_a_wave_is_found_between_frames(self):
+        times = [0.03 * k for k in range(100)]
+        found = waves.period_of(times, [0.2 * math.exp(-t / 9) * math.cos(2 * math.pi * t / 1.23) for t in times])
+        self.assertAlmostEqual(found, 1.23, delta=1e-3)
 
 
 class Checks(unittest.TestCase):
