@@ -5,17 +5,6 @@
 
 namespace weir::rendering::gl {
 
-DrawnSpheres::LiquidPrograms::LiquidPrograms(const Functions& gl)
-    : depth(gl, "sphere.vert", "water_depth.frag"),
-      thickness(gl, "water_thickness.vert", "water_thickness.frag") {}
-
-DrawnSpheres::DrawnSpheres(const Functions& gl)
-    : gl_(gl),
-      geometry_(gl, "sphere.vert", "particle.frag"),
-      sunDepth_(gl, "sun_sphere.vert", "sun_sphere.frag"),
-      batches_(gl),
-      nothing_(gl, 1, 1, kFloat1, GL_NEAREST) {}
-
 Aabb DrawnSpheres::load(std::span<const ParticleView> views) {
   batches_.clear();
   groups_.clear();

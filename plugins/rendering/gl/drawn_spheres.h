@@ -12,7 +12,7 @@ namespace weir::rendering::gl {
 
 class DrawnSpheres final : public SphereDrawer {
  public:
-  explicit DrawnSpheres(const Functions& gl);
+  explicit DrawnSpheres(const Functions& gl) : gl_(gl) {}
 
   /// Sends the particles to the GPU.
   Aabb load(std::span<const ParticleView> views) override;
@@ -33,7 +33,9 @@ class DrawnSpheres final : public SphereDrawer {
   };
   /// Once there is a liquid: programs take time to build.
   struct LiquidPrograms {
-    explicit LiquidPrograms(const Functions& gl);
+    explicit LiquidPrograms(const Functions& gl)
+        : depth(gl, "sphere.vert", "water_depth.frag"),
+          thickness(gl, "water_thickness.vert", "water_thickness.frag") {}
     Program depth, thickness;
   };
 
@@ -44,10 +46,11 @@ class DrawnSpheres final : public SphereDrawer {
   void addThickness(std::size_t liquid, const Texture& map, float foamDepth) const;
 
   const Functions& gl_;
-  Program geometry_, sunDepth_;
+  Program geometry_{gl_, "sphere.vert", "particle.frag"};
+  Program sunDepth_{gl_, "sun_sphere.vert", "sun_sphere.frag"};
   std::optional<LiquidPrograms> liquids_;
-  SphereBatches batches_;
-  Texture nothing_;
+  SphereBatches batches_{gl_};
+  Texture nothing_{gl_, 1, 1, kFloat1, GL_NEAREST};
   std::vector<Group> groups_;
 };
 

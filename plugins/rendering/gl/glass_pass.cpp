@@ -6,7 +6,6 @@
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
-GlassPass::GlassPass(const Functions& gl) : gl_(gl), program_(gl, "surface.vert", "glass.frag") {}
 
 void GlassPass::draw(const Frame& frame, const Targets& targets, const MeshStore& meshes,
                      const Texture& before, const Environment& environment) const {

@@ -9,7 +9,7 @@ namespace weir::rendering::gl {
 
 class GlassPass {
  public:
-  explicit GlassPass(const Functions& gl);
+  explicit GlassPass(const Functions& gl) : gl_(gl) {}
 
   /// Into Targets::lightWithDepth. Light goes straight through, without refraction, so that what is inside is
   /// seen where it is. Surfaces come in the order of their distances, the inner sides before the outer ones.
@@ -19,7 +19,7 @@ class GlassPass {
 
  private:
   const Functions& gl_;
-  Program program_;
+  Program program_{gl_, "surface.vert", "glass.frag"};
 };
 
 }  // namespace weir::rendering::gl

@@ -42,24 +42,14 @@ struct Liquids {
 class Renderer::Passes {
  public:
   Passes(const Functions& functions, Device* splatDevice)
-      : gl(functions),
-        meshes(gl),
-        particles_(makeSphereDrawer(gl, splatDevice)),
-        surfaces_(gl),
-        shadows_(gl),
-        occlusion_(gl),
-        environment_(gl),
-        lighting_(gl),
-        lines_(gl),
-        glass_(gl),
-        nothingBefore_(gl, 1, 1, kFloat1, GL_NEAREST, &kNearest) {
+      : gl(functions), particles_(makeSphereDrawer(gl, splatDevice)) {
     gl.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
   }
 
   Picture draw(const View& view);
 
   const Functions& gl;
-  MeshStore meshes;
+  MeshStore meshes{gl};
 
  private:
   int samplesFor(const View& view) const;
@@ -69,15 +59,15 @@ class Renderer::Passes {
   Picture read(bool transparent) const;
 
   std::unique_ptr<SphereDrawer> particles_;
-  SurfacePass surfaces_;
-  ShadowPass shadows_;
-  OcclusionPass occlusion_;
-  Environment environment_;
-  LightingPass lighting_;
-  LinePass lines_;
-  GlassPass glass_;
+  SurfacePass surfaces_{gl};
+  ShadowPass shadows_{gl};
+  OcclusionPass occlusion_{gl};
+  Environment environment_{gl};
+  LightingPass lighting_{gl};
+  LinePass lines_{gl};
+  GlassPass glass_{gl};
   std::optional<Liquids> liquids_;  // once there are any: their programs take time to build
-  Texture nothingBefore_;           // one texel with the depth of the eye
+  Texture nothingBefore_{gl, 1, 1, kFloat1, GL_NEAREST, &kNearest};  // with the depth of the eye
   std::optional<Targets> targets_;
   GLint largest_ = 0;
 };

@@ -3,14 +3,6 @@
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
-ShadowPass::ShadowPass(const Functions& gl)
-    : gl_(gl),
-      opaque_(gl, "shadow.vert", "shadow.frag"),
-      glass_(gl, "shadow.vert", "shadow_glass.frag"),
-      depth_(makeShadowMap(gl, kShadowResolution)),
-      throughGlass_(gl, kShadowResolution, kShadowResolution, kColor8, GL_LINEAR),
-      depthTarget_(gl, {}, &depth_),
-      glassTarget_(gl, {&throughGlass_}, &depth_) {}
 
 void ShadowPass::draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles) {
   const Eigen::Matrix4f toClip = frame.sun.toClip();

@@ -9,7 +9,7 @@ namespace weir::rendering::gl {
 
 class ShadowPass {
  public:
-  explicit ShadowPass(const Functions& gl);
+  explicit ShadowPass(const Functions& gl) : gl_(gl) {}
 
   void draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles);
 
@@ -18,9 +18,10 @@ class ShadowPass {
 
  private:
   const Functions& gl_;
-  Program opaque_, glass_;
-  Texture depth_, throughGlass_;
-  Framebuffer depthTarget_, glassTarget_;
+  Program opaque_{gl_, "shadow.vert", "shadow.frag"}, glass_{gl_, "shadow.vert", "shadow_glass.frag"};
+  Texture depth_ = makeShadowMap(gl_, kShadowResolution);
+  Texture throughGlass_{gl_, kShadowResolution, kShadowResolution, kColor8, GL_LINEAR};
+  Framebuffer depthTarget_{gl_, {}, &depth_}, glassTarget_{gl_, {&throughGlass_}, &depth_};
 };
 
 }  // namespace weir::rendering::gl

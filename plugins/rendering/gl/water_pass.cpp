@@ -41,14 +41,6 @@ bool haveSize(const WaterTargets& water, const Targets& targets) {
 
 }  // namespace
 
-WaterPass::WaterPass(const Functions& gl)
-    : gl_(gl),
-      smoothing_(gl),
-      background_(gl, "water_background.frag"),
-      resolve_(gl, "water_scene.frag"),
-      compose_(gl, "water_compose.frag"),
-      shading_(gl, "water.frag") {}
-
 void WaterPass::draw(const Frame& frame, const Targets& targets, const Parts& parts,
                      const std::function<void(const Texture& depth)>& drawBehind) {
   if (frame.view.waters.empty()) return;

@@ -16,7 +16,7 @@ namespace weir::rendering::gl {
 
 class WaterPass {
  public:
-  explicit WaterPass(const Functions& gl);
+  explicit WaterPass(const Functions& gl) : gl_(gl) {}
 
   struct Parts {
     const MeshStore& meshes;
@@ -43,9 +43,10 @@ class WaterPass {
   void compose(const Frame& frame, const Targets& targets) const;
 
   const Functions& gl_;
-  WaterSmoothing smoothing_;
-  FullScreenProgram background_, resolve_, compose_;
-  ProgramVariants shading_;
+  WaterSmoothing smoothing_{gl_};
+  FullScreenProgram background_{gl_, "water_background.frag"};
+  FullScreenProgram resolve_{gl_, "water_scene.frag"}, compose_{gl_, "water_compose.frag"};
+  ProgramVariants shading_{gl_, "water.frag"};
   std::optional<WaterTargets> water_;
 };
 

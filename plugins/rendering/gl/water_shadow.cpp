@@ -1,15 +1,6 @@
 #include "plugins/rendering/gl/water_shadow.h"
 
 namespace weir::rendering::gl {
-WaterShadow::WaterShadow(const Functions& gl)
-    : gl_(gl),
-      absorb_(gl, "water_shadow.frag"),
-      depth_(makeShadowMap(gl, kResolution)),
-      ownDepth_(gl, kResolution, kResolution, kDepth32F, GL_NEAREST),
-      thickness_(gl, kResolution, kResolution, kFloat2, GL_NEAREST),
-      through_(gl, kResolution, kResolution, kColor8, GL_LINEAR),
-      ownDepthTarget_(gl, {}, &ownDepth_),
-      depthTarget_(gl, {}, &depth_) {}
 
 void WaterShadow::draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles,
                        const WaterSurfacePass& surfaces) const {

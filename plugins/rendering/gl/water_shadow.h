@@ -11,7 +11,7 @@ class WaterShadow {
  public:
   static constexpr int kResolution = 512;  ///< texels along a side
 
-  explicit WaterShadow(const Functions& gl);
+  explicit WaterShadow(const Functions& gl) : gl_(gl) {}
 
   void draw(const Frame& frame, const MeshStore& meshes, SphereDrawer& particles,
             const WaterSurfacePass& surfaces) const;
@@ -24,10 +24,12 @@ class WaterShadow {
                const WaterSurfacePass& surfaces) const;
 
   const Functions& gl_;
-  FullScreenProgram absorb_;
-  Texture depth_, ownDepth_;
-  Canvas thickness_, through_;
-  Framebuffer ownDepthTarget_, depthTarget_;
+  FullScreenProgram absorb_{gl_, "water_shadow.frag"};
+  Texture depth_ = makeShadowMap(gl_, kResolution);
+  Texture ownDepth_{gl_, kResolution, kResolution, kDepth32F, GL_NEAREST};
+  Canvas thickness_{gl_, kResolution, kResolution, kFloat2, GL_NEAREST};
+  Canvas through_{gl_, kResolution, kResolution, kColor8, GL_LINEAR};
+  Framebuffer ownDepthTarget_{gl_, {}, &ownDepth_}, depthTarget_{gl_, {}, &depth_};
 };
 
 }  // namespace weir::rendering::gl

@@ -3,10 +3,6 @@
 #include "plugins/rendering/gl/surface_pass.h"
 
 namespace weir::rendering::gl {
-WaterSurfacePass::WaterSurfacePass(const Functions& gl)
-    : gl_(gl),
-      surface_(gl, "surface.vert", "water_surface.frag"),
-      thickness_(gl, "surface.vert", "water_inside.frag") {}
 
 static void draw(const SeenWater& seen, const Program& program) {
   const Frame& frame = seen.frame;

@@ -17,7 +17,7 @@ struct SeenWater {
 
 class WaterSurfacePass {
  public:
-  explicit WaterSurfacePass(const Functions& gl);
+  explicit WaterSurfacePass(const Functions& gl) : gl_(gl) {}
 
   // Each draws into what SphereDrawer has drawn, which is bound.
 
@@ -29,7 +29,8 @@ class WaterSurfacePass {
 
  private:
   const Functions& gl_;
-  Program surface_, thickness_;
+  Program surface_{gl_, "surface.vert", "water_surface.frag"};
+  Program thickness_{gl_, "surface.vert", "water_inside.frag"};
 };
 
 }  // namespace weir::rendering::gl
