@@ -3,6 +3,7 @@
 
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/pair_gradient.h"
 
 namespace weir {
 
@@ -38,27 +39,10 @@ WEIR_HD inline SymmetricTensor inverseOf(SymmetricTensor m) {
           scale * Vec3f{o.y * o.z - o.x * d.z, o.x * o.z - o.y * d.y, o.x * o.y - o.z * d.x}};
 }
 
-/// a·r for r = x_j − x_i.
-struct ConsistentPair {
-  SpikyKernel kernel;
-  float particleVolume, shortest;  ///< closer pairs are treated as this far apart, m
-
-  /// Particles in one place would stay there for ever, so `sign`, opposite for the two, then gives the
-  /// direction.
-  WEIR_HD Vec3f operator()(Vec3f r, float sign) const {
-    float far = sqrtf(dot(r, r));
-    if (far < shortest) {
-      if (far == 0) r.x = sign * shortest;
-      far = shortest;
-    }
-    return (particleVolume * kernel.slope(far) / far) * r;
-  }
-};
-
 /// All that the passes know of the particles at the beginning of a step.
 struct ProjectionPacking {
   NeighborView neighbors;
-  ConsistentPair gradient;
+  PairGradient gradient;
   ArrayView<const Vec4f> state;
   ArrayView<const Vec3f> diagonal, off, wall;
 
@@ -69,7 +53,7 @@ struct ProjectionPacking {
     const Vec3f p = xyz(state[i]);
     forEachNeighbor(i, neighbors, [&](int j) {
       const Vec3f r = xyz(state[j]) - p;
-      f(j, gradient(r, j > i ? 1.0f : -1.0f), r);
+      f(j, gradient(r, pairSign(i, j)), r);
     });
   }
 };

@@ -29,18 +29,16 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
 }
 
 void TwoProjections::fit(FluidStep& fluid) {
-  fitScratch(fluid, state_, diagonal_, off_, wall_, u_, push_, rowX_, rowY_, rowZ_, q_, room_, source_,
-             residual_, direction_, product_, preconditioner_);
+  fitScratch(fluid, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
+             q_, room_, source_, residual_, direction_, product_, preconditioner_);
   if (sums_.data() != nullptr) return;
   sums_ = Array<Vec4f>(fluid.device, 2 * kTogether);
   active_ = Array<int>(fluid.device, 1);
 }
 
 ProjectionPacking TwoProjections::packingOf(FluidStep& fluid) {
-  constexpr float kShortest = 1e-4f;  // spacings
-  const FluidConstants& c = fluid.constants;
   return {fluid.neighbors.view(),
-          {c.kernel, c.particleVolume, kShortest * c.spacing},
+          pairGradientOf(fluid.constants),
           state_.view(),
           diagonal_.view(),
           off_.view(),
@@ -48,8 +46,9 @@ ProjectionPacking TwoProjections::packingOf(FluidStep& fluid) {
 }
 
 double TwoProjections::memory(const FluidRoom& room) const {
-  return bytesOfArrays(room.particles, state_, diagonal_, off_, wall_, u_, push_, rowX_, rowY_, rowZ_, q_,
-                       room_, source_, residual_, direction_, product_, preconditioner_) +
+  return bytesOfArrays(room.particles, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_,
+                       rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
+                       preconditioner_) +
          room.particles * sizeof(float);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "nodes/particle_fluid/modules/pbf_passes.h"
 #include "nodes/particle_fluid/modules/projection_moments.h"
 #include "nodes/particle_fluid/modules/projection_passes.h"
 
@@ -17,82 +18,27 @@ constexpr float kRelaxation = 0.5f;  // of the correction of positions
 constexpr float kSoftening = 1e-2f;  // per spacing², for particles with hardly a neighbour
 constexpr int kRounds = 6;           // of conjugate gradients, each with other particles under pressure
 
-/// v and x = x* − dt·v* + dt·v; the share of walls in the displacement.
+/// v, the displacement dt·(v − v*) and where it leads; the share of walls in it.
 struct Finish {
   float dt, toPressure;
   WallFieldView walls;
   ArrayView<const float> q;
-  ArrayView<const Vec3f> u, push, wall;
-  ArrayView<const Vec4f> state;
-  ArrayView<Vec3f> positions, velocities;
+  ArrayView<const Vec3f> positions, u, push, wall;
+  ArrayView<Vec4f> state;
+  ArrayView<Vec3f> displacement, velocities;
   ArrayView<float> pressure;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f v = u[i] + push[i], p = xyz(state[i]);
+    const Vec3f v = u[i] + push[i], p = xyz(state[i]), to = p + dt * v;
     velocities[i] = v;
-    positions[i] = p + dt * v;
+    displacement[i] = to - positions[i];
+    state[i] = {to.x, to.y, to.z, 0};
     pressure[i] = toPressure * q[i];
     if (walls.share.size == 0) return;
     const Vec3f toWall = walls.push(i, p).gradPhi;
     const float square = dot(toWall, toWall);
     if (square > 0) walls.share[i] += dt * q[i] * dot(wall[i], toWall) / square;
   }
-};
-
-struct Gather {
-  ArrayView<const Vec3f> positions;
-  ArrayView<Vec4f> state;
-  WEIR_HD void operator()(std::int64_t i) const {
-    state[i] = {positions[i].x, positions[i].y, positions[i].z, 0};
-  }
-};
-
-/// Pbf's multiplier, of λ ≤ 1.
-struct Multiplier {
-  ProjectionPacking packing;
-  WallFieldView walls;
-  float softening;
-  ArrayView<const Vec3f> predicted;
-  ArrayView<float> multiplier;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f p = xyz(packing.state[i]);
-    const SpikyKernel& kernel = packing.gradient.kernel;
-    float sum = kernel.value0, squares = 0;
-    Vec3f all{};
-    packing.forEach(i, [&](int, const Vec3f& g, const Vec3f& r) {
-      sum += kernel.value(sqrtf(dot(r, r)));
-      squares += dot(g, g);
-      all += g;
-    });
-    float over = packing.gradient.particleVolume * sum - 1;
-    if (!walls.empty()) {
-      over += walls.phi(i, p - predicted[i], p);
-      all += walls.push(i, p).gradPhi;
-    }
-    multiplier[i] = over > 0 ? kRelaxation * over / (squares + dot(all, all) + softening) : 0.0f;
-  }
-};
-
-struct Correct {
-  ProjectionPacking packing;
-  WallFieldView walls;
-  ArrayView<const float> multiplier;
-  ArrayView<Vec3f> positions;
-
-  WEIR_HD void operator()(std::int64_t i) const {
-    Vec3f move{};
-    const float own = multiplier[i];
-    packing.forEach(i, [&](int j, const Vec3f& g, const Vec3f&) { move -= (own + multiplier[j]) * g; });
-    if (!walls.empty()) move -= own * walls.push(i, xyz(packing.state[i])).gradPhi;
-    positions[i] += move;
-  }
-};
-
-struct Keep {
-  ArrayView<const Vec3f> from;
-  ArrayView<Vec3f> to;
-  WEIR_HD void operator()(std::int64_t i) const { to[i] = from[i]; }
 };
 
 /// k over −dΦ/dy, such that Σ d·k = 1 over the layers of fluid at a plane.
@@ -218,15 +164,35 @@ template <class Backend>
 void TwoProjections::correct(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const Count count = fluid.particles.count();
+  const PairGradient gradient = pairGradientOf(c);
   const auto positions = fluid.particles.positions().write().view();
-  const WallFieldView walls = fluid.walls.view();
-  const ProjectionPacking packing = packingOf(fluid);
-  parallelFor(device, "gather", count, Gather{positions, state_.view()});
+  WallFieldView walls = fluid.walls.view();
+  walls.share = {};  // no momentum is in it
   fluid.exchange(state_.view());
-  parallelFor(device, "multiplier", count,
-              Multiplier{packing, walls, kSoftening / (c.spacing * c.spacing), rowX_.view(), room_.view()});
-  fluid.exchange(room_.view());
-  parallelFor(device, "correct", count, Correct{packing, walls, room_.view(), positions});
+  parallelFor(device, "multipliers", count,
+              pbf::Multiplier{.neighbors = fluid.neighbors.view(),
+                              .gradient = gradient,
+                              .relaxation = kSoftening / (c.spacing * c.spacing),
+                              .scale = kRelaxation,
+                              .tension = false,
+                              .walls = walls,
+                              .displacement = displacement_.view(),
+                              .state = state_.view(),
+                              .weighted = weighted_.view()});
+  fluid.exchange(weighted_.view());
+  parallelFor(device, "correct", count,
+              pbf::Correct{.neighbors = fluid.neighbors.view(),
+                           .gradient = gradient,
+                           .repulsion = 0,
+                           .inverseValue = 0,
+                           .walls = walls,
+                           .predicted = positions,
+                           .weighted = weighted_.view(),
+                           .displacement = displacement_.view(),
+                           .state = state_.view()});
+  parallelFor(
+      device, "finish", count,
+      FinishDisplacement{0, displacement_.view(), positions, fluid.particles.velocities().write().view()});
 }
 
 template <class Backend>
@@ -235,7 +201,7 @@ void TwoProjections::stepOn(Backend& device, FluidStep& fluid) {
   const FluidConstants& c = fluid.constants;
   const Count count = fluid.particles.count();
   const float dt = static_cast<float>(fluid.time.dt);
-  const auto positions = fluid.particles.positions().write().view();
+  const auto positions = fluid.particles.positions().read();
   const auto velocities = fluid.particles.velocities().write().view();
   fluid.walls.forgetShares();
   parallelFor(device, "begin", count,
@@ -245,10 +211,19 @@ void TwoProjections::stepOn(Backend& device, FluidStep& fluid) {
   findMoments(device, fluid);
   smooth(device, fluid);
   project(device, fluid);
-  parallelFor(device, "keep", count, Keep{positions, rowX_.view()});
-  parallelFor(device, "finish", count,
-              Finish{dt, c.restDensity / dt, fluid.walls.view(), q_.view(), u_.view(), push_.view(),
-                     wall_.view(), state_.view(), positions, velocities, pressure_.write()});
+  parallelFor(device, "velocities", count,
+              Finish{.dt = dt,
+                     .toPressure = c.restDensity / dt,
+                     .walls = fluid.walls.view(),
+                     .q = q_.view(),
+                     .positions = positions,
+                     .u = u_.view(),
+                     .push = push_.view(),
+                     .wall = wall_.view(),
+                     .state = state_.view(),
+                     .displacement = displacement_.view(),
+                     .velocities = velocities,
+                     .pressure = pressure_.write()});
   correct(device, fluid);
 }
 

@@ -114,11 +114,12 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   void fit(FluidStep& fluid);
 
   State<Record> record_{*this, "projection"};
-  Attribute<float> pressure_;    // Pa
-  Array<Vec4f> state_;           // position, and what the pass needs beside it
-  Array<Vec3f> diagonal_, off_;  // of N: xx, yy, zz and xy, xz, yz
-  Array<Vec3f> wall_;            // k·(n·N·n)·n
-  Array<Vec3f> u_, push_, rowX_, rowY_, rowZ_;
+  Attribute<float> pressure_;             // Pa
+  Array<Vec4f> state_, weighted_;         // position; and the multiplier of corrections
+  Array<Vec3f> diagonal_, off_;           // of N: xx, yy, zz and xy, xz, yz
+  Array<Vec3f> wall_;                     // Σ k·(n·N·n)·n
+  Array<Vec3f> u_, push_, displacement_;  // the last from x*
+  Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
   static constexpr int kTogether = 8;  // iterations that the host does not look at one by one
   Array<Vec4f> sums_;                  // two of each of them
