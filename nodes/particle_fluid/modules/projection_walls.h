@@ -52,6 +52,18 @@ struct MeshPlanes {
   }
 };
 
+/// forEachWall, and of a container that is a cylinder the side and both ends.
+template <class F>
+WEIR_HD void forEachFace(const BoundaryPiece& piece, const Vec3f& x, const F& f) {
+  const Shape& shape = piece.shape;
+  if (piece.isMesh || shape.kind != ShapeKind::kCylinder || !shape.inverted) return forEachWall(piece, x, f);
+  const Vec3f p = rotate(conjugate(shape.rotation), x - shape.position);
+  const float r = sqrtf(p.x * p.x + p.z * p.z), half = 0.5f * shape.height;
+  if (r > 0) f(shape.radius - r, rotate(shape.rotation, Vec3f{-p.x / r, 0, -p.z / r}));
+  f(half - p.y, rotate(shape.rotation, Vec3f{0, -1, 0}));
+  f(half + p.y, rotate(shape.rotation, Vec3f{0, 1, 0}));
+}
+
 struct WallPlanes {
   BoundaryView boundary;
   MeshPlanes meshes;
@@ -81,7 +93,7 @@ struct WallPlanes {
     meshes.forEach(i, x, plane);
     if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return;
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-      forEachWall(piece, x, [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}); });
+      forEachFace(piece, x, [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}); });
     });
   }
 };

@@ -1,7 +1,6 @@
 #include "nodes/particle_fluid/modules/two_projections.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "nodes/particle_fluid/modules/pbf_passes.h"

@@ -34,7 +34,8 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   static constexpr ModuleInfo kInfo{
       "TwoProjections", kFamily,
       "Keeps the fluid incompressible without stiffness against shear, for calm water and waves: velocities "
-      "by a consistent operator, positions beside them; takes the place of the solver.",
+      "by a consistent operator, positions beside them; takes the place of the solver, with a "
+      "support_ratio of 1.8 or more. It moves no bodies.",
       "incompressible, pressure, solver, divergence, waves, calm, damping, ISPH"};
   const ModuleInfo& info() const override { return kInfo; }
 
