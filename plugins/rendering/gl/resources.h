@@ -16,7 +16,7 @@
 
 namespace weir::rendering::gl {
 
-/// The name of one GL object, deleted with it by that one of the functions.
+/// The name of one GL object, which `Delete`, a member of Functions, deletes with it.
 template <auto Delete>
 class Object {
  public:
