@@ -13,9 +13,15 @@ enum class WhiteKind : int { kSpray = 0, kFoam = 1, kBubble = 2 };
 
 /// By how much of the kernel around a particle the fluid fills, where there is no wall: half at a flat
 /// surface, and these at half a spacing above and below it.
+inline constexpr float kFilledAbove = 0.15f, kFilledBelow = 0.85f;
 WEIR_HD inline WhiteKind kindOf(float filled) {
-  constexpr float kAbove = 0.15f, kBelow = 0.85f;
+  constexpr float kAbove = kFilledAbove, kBelow = kFilledBelow;
   return filled < kAbove ? WhiteKind::kSpray : filled < kBelow ? WhiteKind::kFoam : WhiteKind::kBubble;
+}
+
+/// How far below the surface that is, in half spacings.
+WEIR_HD inline float depthOf(float filled) {
+  return (2 * filled - 1) / (kFilledBelow - kFilledAbove);
 }
 
 struct WhiteParticles {

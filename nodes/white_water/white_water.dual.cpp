@@ -39,6 +39,7 @@ struct Advance {
   FluidWalls walls;
   Course course;
   Vec3f rise;       // m/s
+  Vec3f lift;       // m/s, of foam half a spacing below the surface
   float waterDrag;  // 1/s
   float dt;
   WhiteParticles all;
@@ -53,10 +54,12 @@ struct Advance {
     }
     const FluidSample here = fluidAt(fluid, ahead);
     const float open = 1 - walls.hidden(ahead, fluid.radius);
-    const WhiteKind kind = kindOf(here.filled > 0 ? here.filled / open : 0.0f);
-    Motion moved = kind == WhiteKind::kSpray  ? course.flown(start)
-                   : kind == WhiteKind::kFoam ? drifted(start, here.velocity, all.kinds[i])
-                                              : risen(start, here.velocity);
+    const float filled = here.filled > 0 ? here.filled / open : 0.0f;
+    const WhiteKind kind = kindOf(filled);
+    Motion moved = kind == WhiteKind::kSpray ? course.flown(start)
+                   : kind == WhiteKind::kFoam
+                       ? drifted(start, here.velocity + depthOf(filled) * lift, all.kinds[i])
+                       : risen(start, here.velocity);
     walls.stop(start.position, false, moved);
     all.positions[i] = moved.position;
     all.velocities[i] = moved.velocity;
@@ -197,13 +200,16 @@ void WhiteWater::migrateOn(Backend& device, const StepContext& context) {
 template <class Backend>
 void WhiteWater::advanceOn(Backend& device, const StepContext& context) {
   const float pull = length(context.gravity), dt = static_cast<float>(context.dt);
+  const float half = 0.5f * fluid->material.spacing, way = riseSpeed * dt;
   // Displaced water makes bubbles start with twice gravity, so this is the rate that ends at rise_speed.
   const float rate = riseSpeed > 0 ? 2 * pull / riseSpeed : 0;
+  const Vec3f rise = pull > 0 ? (-riseSpeed / pull) * context.gravity : Vec3f{};
   parallelForUneven(device, "white water", set_->count(),
                     Advance{.fluid = grid_->view(),
                             .walls = walls_->view(),
                             .course = {context.gravity, airDrag, dt},
-                            .rise = pull > 0 ? (-riseSpeed / pull) * context.gravity : Vec3f{},
+                            .rise = rise,
+                            .lift = (way > half ? half / way : 1.0f) * rise,
                             .waterDrag = rate,
                             .dt = dt,
                             .all = elements()});

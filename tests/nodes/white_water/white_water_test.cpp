@@ -211,6 +211,7 @@ TEST_P(WhiteWaterOn, ABubbleRisesAtItsTerminalSpeed) {
 
 TEST_P(WhiteWaterOn, FoamGoesWithTheFluid) {
   Given scene(*device);
+  scene.gravity = {};  // by which it would rise to the surface
   const Vec3f flow{1.2f, 0, 0.3f};
   scene.fluid->positions = jitteredCube(10, 0.02f, 0, 1);
   scene.fluid->velocities = whirl(scene.fluid->positions, 0.02f, 2, flow);
@@ -238,6 +239,39 @@ TEST_P(WhiteWaterOn, FoamGoesWithTheFluid) {
     }
   }
   EXPECT_GT(foam, 2000);
+}
+
+TEST_P(WhiteWaterOn, FoamComesToLieOnTheSurface) {
+  constexpr float d = 0.02f, top = 9.5f * d;
+  // The way of a step at rise_speed is a small part of half a spacing, and twice that.
+  for (const auto& [dt, rise] : std::map<double, double>{{0.002, 0.25}, {0.01, 2}}) {
+    Given scene(*device);
+    scene.fluid->positions = jitteredCube(10, d, 0, 1);
+    scene.fluid->velocities = whirl(scene.fluid->positions, d, 2, {});
+    scene.fluid->onStep = [](GivenFluid& fluid, const StepContext& context) {
+      if (context.index == 1) fluid.set().velocities().fillZero();
+    };
+    scene.assign(object({{"trapped_air", 4e4 / dt}, {"rise_speed", rise}}));
+    scene.reset(dt);
+    scene.step(2);
+    const auto before = scene.particles();
+    scene.step(static_cast<int>(std::lround(0.6 / dt)));
+    int foam = 0, moved = 0;
+    double mean = 0;
+    for (const auto& [id, now] : scene.particles()) {
+      const Vec3f& p = now.position;
+      const bool inner = p.y > 7 * d && std::min(p.x, p.z) > 3 * d && std::max(p.x, p.z) < 6 * d;
+      if (now.kind != kFoam || !inner) continue;
+      ++foam;
+      mean += double(p.y / d);
+      moved += std::abs(before.at(id).position.y - p.y) > 0.3f * d ? 1 : 0;
+      // Above a particle of the lattice the surface is higher than between four.
+      EXPECT_NEAR(p.y / d, top / d, 0.4) << dt;
+    }
+    ASSERT_GT(foam, 30) << dt;
+    EXPECT_NEAR(mean / foam, double(top / d), 0.1) << dt;
+    EXPECT_GT(moved, foam / 4) << dt;
+  }
 }
 
 /// How many are made in a second of a fluid that always whirls.

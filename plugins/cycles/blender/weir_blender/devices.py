@@ -4,7 +4,7 @@ import bpy
 
 from .handover import HandoverError
 
-_KINDS = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")
+_KINDS = ("CUDA", "HIP", "METAL", "ONEAPI")
 
 
 def choose_device(scene, wanted):
