@@ -13,6 +13,7 @@
 #include "framework/base/file_output.h"
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
+#include "framework/communication/parcel_route.h"
 #include "framework/communication/thread_ranks.h"
 #include "framework/compute/device_count.h"
 #include "framework/run/guarded_checkpoint.h"
@@ -67,6 +68,15 @@ int rankHere(Communicator& ranks) {
   const std::vector<Message> names = ranks.allGather(Message(bytes, bytes + name.size()));
   const auto own = names.begin() + ranks.rank();
   return static_cast<int>(std::count(names.begin(), own, *own));
+}
+
+/// Where parcels have more than one way; otherwise null.
+std::unique_ptr<ParcelRoute> openRoute(Communicator* ranks, Device& device, Log& log) {
+  auto* const routes = dynamic_cast<ParcelRoutes*>(ranks);
+  if (routes == nullptr) return nullptr;
+  std::unique_ptr<ParcelRoute> route = routes->openRoute(device);
+  if (route) log.info("GPUs of ranks exchange " + route->description());
+  return route;
 }
 
 /// What all ranks find wrong alike is told by the first one. Returns the exit code.
@@ -352,14 +362,20 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   if (checkpoints) options.checkpoints = &*checkpoints;
   if (resumed) options.resume = &resumed->state;
   std::optional<AgreedRun> agreed;
+  const std::unique_ptr<ParcelRoute> route = openRoute(ranks, device, log);  // goes before the simulation
   if (ranks != nullptr) {
     joinRanks(simulation, *ranks, {.frames = outputs_->any(), .checkpoints = checkpoints.has_value()});
     agreed.emplace(*ranks, Interruption::asked(), options);
-    if (ranks->rank() > 0) return runSimulation(simulation, {}, options);
+    if (ranks->rank() > 0) {
+      const RunEnd end = runSimulation(simulation, {}, options);
+      if (route) route->end();
+      return end;
+    }
   }
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
   const RunEnd end = runShown(program_, simulation, makeObservers(), options, quiet_,
                               [last](const Simulation& s) { return ProgressState::of(s, last); });
+  if (route) route->end();
   log.info(howItEnded(end) + summaryOf(simulation));
   return end;
 }

@@ -1,4 +1,4 @@
-// Ranks of an MPI launch. Messages travel by host memory, so any MPI does.
+// Runs scenes on the ranks of an MPI launch.
 #pragma once
 
 #include "framework/communication/launched_ranks.h"
@@ -15,7 +15,7 @@ class MpiRanks final : public LaunchedRanks {
            const std::function<int(std::exception_ptr, int rank)>& failed) override;
 };
 
-/// Which MPI it is.
+/// Which MPI and which NCCL these are.
 class MpiInfo final : public InfoSource {
  public:
   std::vector<InfoEntry> info() const override;
