@@ -1,7 +1,7 @@
 // From a Device to the kernels of its back end.
 //
-// What a target is compiled with (WEIR_HAS_CUDA, WEIR_HAS_AVX2, WEIR_HAS_AVX512) matters here and in few other places, so
-// that all other sources are compiled alike with and without CUDA, and ccache compiles them once.
+// What a target is compiled with (WEIR_HAS_CUDA, WEIR_HAS_AVX2) matters here and in few other places, so that
+// all other sources are compiled alike with and without CUDA, and ccache compiles them once.
 #pragma once
 
 #include "framework/base/api.h"

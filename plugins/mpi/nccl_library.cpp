@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 
 #include <cstdlib>
-#include <string_view>
 
 #include "framework/base/error.h"
 #include "framework/base/text.h"
@@ -12,11 +11,16 @@ namespace weir {
 
 namespace {
 
-std::string libraryName() {
+/// Of the environment variable; empty where it is not set.
+std::string givenName() {
   const char* const given = std::getenv("WEIR_NCCL");
-  if (given == nullptr || *given == '\0') return "libnccl.so.2";
-  if (std::string_view(given) == "off") throw simulationError("WEIR_NCCL is off");
-  return given;
+  return given == nullptr ? "" : given;
+}
+
+std::string libraryName() {
+  const std::string given = givenName();
+  if (given == "off") throw simulationError("WEIR_NCCL is off");
+  return given.empty() ? "libnccl.so.2" : given;
 }
 
 template <class Function>
@@ -54,9 +58,14 @@ std::shared_ptr<const NcclLibrary> NcclLibrary::open() {
   return std::make_shared<const NcclLibrary>(tableOf(library));
 }
 
+bool NcclLibrary::isNamed() {
+  const std::string given = givenName();
+  return !given.empty() && given != "off";
+}
+
 std::string NcclLibrary::version() const {
   int number = 0;  // such as 22809; 2.8 and older had three digits behind the first
-  if (ncclGetVersion(&number) != ncclSuccess) return "of unknown version";
+  if (ncclGetVersion(&number) != kNcclSuccess) return "of unknown version";
   const int thousand = number < 10000 ? 1000 : 10000;
   return std::to_string(number / thousand) + "." + std::to_string(number % thousand / 100) + "." +
          std::to_string(number % 100);

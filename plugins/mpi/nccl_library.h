@@ -17,14 +17,17 @@ struct ncclUniqueId {
   char internal[128];
 };
 using ncclResult_t = int;
-inline constexpr ncclResult_t ncclSuccess = 0;
+inline constexpr ncclResult_t kNcclSuccess = 0;
 using ncclDataType_t = int;
-inline constexpr ncclDataType_t ncclInt8 = 0;
+inline constexpr ncclDataType_t kNcclInt8 = 0;
 
 struct NcclLibrary {
   /// By the environment variable WEIR_NCCL, which is a name, a path or "off", or by its usual name. Throws a
   /// simulation Error that says why it cannot be used. Stays open.
   static std::shared_ptr<const NcclLibrary> open();
+
+  /// Whether the environment variable WEIR_NCCL names a library.
+  static bool isNamed();
 
   /// "2.28.9"
   std::string version() const;

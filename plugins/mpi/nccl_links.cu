@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kWhat = "exchange between GPUs";
 
 void check(const NcclLibrary& nccl, ncclResult_t result, const char* what) {
-  if (result != ncclSuccess)
+  if (result != kNcclSuccess)
     throw simulationError(std::string("NCCL: ") + nccl.ncclGetErrorString(result) + ", in '" + what + "'");
 }
 
@@ -77,11 +77,11 @@ class NcclLink {
 
   void exchange(const std::vector<Transfer>& sent, const std::vector<Transfer>& received) {
     check(nccl_, nccl_.ncclGroupStart(), "ncclGroupStart");
-    ncclResult_t result = ncclSuccess;
+    ncclResult_t result = kNcclSuccess;
     for (const Transfer& t : sent)
-      if (result == ncclSuccess) result = nccl_.ncclSend(t.bytes, t.size, ncclInt8, t.peer, comm_, stream_);
+      if (result == kNcclSuccess) result = nccl_.ncclSend(t.bytes, t.size, kNcclInt8, t.peer, comm_, stream_);
     for (const Transfer& t : received)
-      if (result == ncclSuccess) result = nccl_.ncclRecv(t.bytes, t.size, ncclInt8, t.peer, comm_, stream_);
+      if (result == kNcclSuccess) result = nccl_.ncclRecv(t.bytes, t.size, kNcclInt8, t.peer, comm_, stream_);
     const ncclResult_t ended = nccl_.ncclGroupEnd();
     check(nccl_, result, sent.empty() ? "ncclRecv" : "ncclSend");
     check(nccl_, ended, "ncclGroupEnd");

@@ -133,11 +133,15 @@ Offer offerOf(const F& f) {
 
 }  // namespace
 
+// Two ranks cannot wait in a circle; more can, in theory, where the pool gives memory back between two
+// receives (engineering/ranks.md). So more have to ask for it.
 std::unique_ptr<ParcelRoute> openNcclRoute(MpiRank& rank, Device& device) {
   if (device.kind() == DeviceKind::kCpu) return nullptr;
   if (rank.size() == 1) return std::make_unique<HostRoute>("there is one rank");
   std::shared_ptr<const NcclLibrary> nccl;
   const std::vector<Offer> offers = rank.allGather(offerOf([&](Offer& offer) {
+    if (rank.size() > 2 && !NcclLibrary::isNamed())
+      throw simulationError("WEIR_NCCL names no library, as it must for more than two ranks");
     nccl = NcclLibrary::open();
     offer.gpu = gpuIdOf(device);
     if (rank.rank() == 0) offer.ids = makeNcclIds(*nccl);
