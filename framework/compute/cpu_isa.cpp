@@ -19,7 +19,7 @@ bool processorHas(CpuIsa isa) {
   switch (isa) {
     case CpuIsa::kBaseline:
       return true;
-    // These ask the operating system, too, whether it keeps the wide registers.
+      // These ask the operating system, too, whether it keeps the wide registers.
 #ifdef WEIR_HAS_AVX2
     case CpuIsa::kAvx2:
       return __builtin_cpu_supports("x86-64-v3");

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kWhat = "exchange between GPUs";
 
-void check(const NcclLibrary& nccl, ncclResult_t result, const char* what) {
+void check(const NcclLibrary& nccl, NcclResult result, const char* what) {
   if (result != kNcclSuccess)
     throw simulationError(std::string("NCCL: ") + nccl.ncclGetErrorString(result) + ", in '" + what + "'");
 }
@@ -59,7 +59,7 @@ struct Transfer {
 /// A communicator with its stream.
 class NcclLink {
  public:
-  NcclLink(const NcclLibrary& nccl, CudaDevice& device, const ncclUniqueId& id, int rank, int ranks)
+  NcclLink(const NcclLibrary& nccl, CudaDevice& device, const NcclUniqueId& id, int rank, int ranks)
       : nccl_(nccl), device_(device) {
     int least = 0, greatest = 0;
     device_.check(cudaDeviceGetStreamPriorityRange(&least, &greatest), kWhat);
@@ -77,12 +77,12 @@ class NcclLink {
 
   void exchange(const std::vector<Transfer>& sent, const std::vector<Transfer>& received) {
     check(nccl_, nccl_.ncclGroupStart(), "ncclGroupStart");
-    ncclResult_t result = kNcclSuccess;
+    NcclResult result = kNcclSuccess;
     for (const Transfer& t : sent)
       if (result == kNcclSuccess) result = nccl_.ncclSend(t.bytes, t.size, kNcclInt8, t.peer, comm_, stream_);
     for (const Transfer& t : received)
       if (result == kNcclSuccess) result = nccl_.ncclRecv(t.bytes, t.size, kNcclInt8, t.peer, comm_, stream_);
-    const ncclResult_t ended = nccl_.ncclGroupEnd();
+    const NcclResult ended = nccl_.ncclGroupEnd();
     check(nccl_, result, sent.empty() ? "ncclRecv" : "ncclSend");
     check(nccl_, ended, "ncclGroupEnd");
   }
@@ -106,7 +106,7 @@ class NcclLink {
  private:
   const NcclLibrary& nccl_;
   CudaDevice& device_;
-  ncclComm_t comm_ = nullptr;
+  NcclCommunicator comm_ = nullptr;
   cudaStream_t stream_ = nullptr;
   std::deque<std::pair<Event, NcclLinks::Batch>> kept_;
 };
@@ -233,7 +233,7 @@ GpuId gpuIdOf(const Device& device) {
 
 NcclIds makeNcclIds(const NcclLibrary& nccl) {
   NcclIds ids{};
-  for (ncclUniqueId& id : ids) check(nccl, nccl.ncclGetUniqueId(&id), "ncclGetUniqueId");
+  for (NcclUniqueId& id : ids) check(nccl, nccl.ncclGetUniqueId(&id), "ncclGetUniqueId");
   return ids;
 }
 

@@ -18,7 +18,7 @@ using GpuId = std::array<std::byte, 16>;
 GpuId gpuIdOf(const Device& device);
 
 /// Of a communicator from lower to higher ranks, and of one from higher to lower ones.
-using NcclIds = std::array<ncclUniqueId, 2>;
+using NcclIds = std::array<NcclUniqueId, 2>;
 NcclIds makeNcclIds(const NcclLibrary& nccl);
 
 class NcclLinks {
