@@ -15,8 +15,8 @@ enum class WhiteKind : int { kSpray = 0, kFoam = 1, kBubble = 2 };
 /// surface, and these at half a spacing above and below it.
 inline constexpr float kFilledAbove = 0.15f, kFilledBelow = 0.85f;
 WEIR_HD inline WhiteKind kindOf(float filled) {
-  constexpr float kAbove = kFilledAbove, kBelow = kFilledBelow;
-  return filled < kAbove ? WhiteKind::kSpray : filled < kBelow ? WhiteKind::kFoam : WhiteKind::kBubble;
+  if (filled < kFilledAbove) return WhiteKind::kSpray;
+  return filled < kFilledBelow ? WhiteKind::kFoam : WhiteKind::kBubble;
 }
 
 /// How far below the surface that is, in half spacings.

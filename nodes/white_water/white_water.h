@@ -19,8 +19,7 @@
 //
 //   spray    dv/dt = g − air_drag·v
 //   foam     v = v_fluid + s·u, from s = −1 half a spacing above the surface to 1 as far below: it comes to
-//   lie
-//            on the surface, and stays there where water goes down, so that it gathers
+//            lie on the surface, and stays there where water goes down, so that it gathers
 //   bubble   dv/dt = (v_fluid + u − v)/τ, where u is rise_speed against gravity and τ = rise_speed/(2·|g|),
 //            as what displaces water, whose mass it has to move, starts with twice gravity
 //
