@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MOST_WORDS = 15_000  # of all pages of docs/ together; the reference is generated and does not count
+MAX_WORDS = 15_000  # of all pages of docs/ together; the reference is generated and does not count
 LONG = 30  # words of a sentence
 
 HASH = re.compile(r"\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,12}\b")

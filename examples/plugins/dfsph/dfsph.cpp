@@ -30,7 +30,7 @@ namespace {
 void write(const SolverRecord& record, const std::string& name, NodeReport& report) {
   Value& of = report.statistics[name] = Value::object();
   of["error"] = record.error;
-  of["most_error"] = record.maxError;
+  of["max_error"] = record.maxError;
   of["iterations"] = double(record.iterations) / double(std::max<std::int64_t>(record.steps, 1));
   report.events.push_back({"steps in which the " + name + " did not reach its tolerance", record.unfinished});
 }

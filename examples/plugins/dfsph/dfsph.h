@@ -57,7 +57,7 @@ class Dfsph final : public FluidModule {
        .live = true,
        .doc = "Iterate until the mean of what ρ/ρ0 would grow in one step is not above this."}};
   Param<int> maxIterations{*this,
-                           "most_iterations",
+                           "max_iterations",
                            200,
                            {.min = 1, .max = 10000, .live = true, .doc = "Of each solver, in a step."}};
   Param<bool> divergenceFree{

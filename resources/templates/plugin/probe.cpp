@@ -10,7 +10,7 @@ void Probe::validate() const {
 }
 
 void Probe::reset(const SetupContext&) {
-  inside_ = mostInside_ = 0;
+  inside_ = maxInside_ = 0;
 }
 
 void Probe::frame(const StepContext&) {
@@ -19,12 +19,12 @@ void Probe::frame(const StepContext&) {
   const std::vector<Vec3f> positions = fluid->set().positions().toHost(count);
   inside_ =
       std::count_if(positions.begin(), positions.end(), [&](const Vec3f& p) { return box.contains(p); });
-  mostInside_ = std::max(*mostInside_, *inside_);
+  maxInside_ = std::max(*maxInside_, *inside_);
 }
 
 void Probe::report(NodeReport& report) {
   report.statistics["particles_inside"] = inside_.get();
-  report.statistics["most_particles_inside"] = mostInside_.get();
+  report.statistics["max_particles_inside"] = maxInside_.get();
 }
 
 }  // namespace my_plugin

@@ -27,7 +27,7 @@ class Probe final : public Node {
 
  private:
   // What is declared so is kept by checkpoints: a resumed run goes on with it.
-  State<std::int64_t> inside_{*this, "inside"}, mostInside_{*this, "most_inside"};
+  State<std::int64_t> inside_{*this, "inside"}, maxInside_{*this, "max_inside"};
 };
 
 }  // namespace my_plugin
