@@ -11,8 +11,10 @@ std::vector<Message> Communicator::allGather(const Message& mine) {
   return all;
 }
 
-Parcel Communicator::receiveParcel(int from, Device& device) {
-  return Parcel(Array<std::byte>(device, receive(from)));
+std::vector<Parcel> Communicator::receiveParcels(std::span<const int> from, Device& device) {
+  std::vector<Parcel> parcels;
+  for (const int rank : from) parcels.emplace_back(Array<std::byte>(device, receive(rank)));
+  return parcels;
 }
 
 void Communicator::sum(std::span<std::int64_t> values) {

@@ -45,12 +45,14 @@ class Communicator {
   /// RanksEnded if a rank has failed.
   virtual Message receive(int from) = 0;
 
-  /// The same for bytes on a device, for the device of the other rank. They go by way of the hosts, unless
-  /// the ranks share a process.
-  virtual void postParcel(int to, Parcel parcel) { post(to, parcel.toHost()); }
-  virtual Parcel receiveParcel(int from, Device& device);
-
   // All ranks take part in these.
+  /// Parcels, which are bytes on devices, go in rounds: a rank posts what it has for others, and ends the
+  /// round by receiving what they have for it. They go by way of the hosts, unless the ranks share a process
+  /// or a back end knows a better one. Does not wait.
+  virtual void postParcel(int to, Parcel parcel) { post(to, parcel.toHost()); }
+  /// One parcel of each of these ranks, which may be none; where a rank has posted several in this round, it
+  /// is named as often, and they come in their order. Whoever neither sends nor receives ends the round, too.
+  virtual std::vector<Parcel> receiveParcels(std::span<const int> from, Device& device);
   /// What each rank has given, by rank.
   std::vector<Message> allGather(const Message& mine);
   template <class T>

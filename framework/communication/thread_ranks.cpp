@@ -127,7 +127,11 @@ class ThreadRank final : public Communicator {
   void post(int to, Message message) override { post_.put(rank_, to, std::move(message)); }
   Message receive(int from) override { return std::get<Message>(post_.take(from, rank_)); }
   void postParcel(int to, Parcel parcel) override { post_.put(rank_, to, std::move(parcel)); }
-  Parcel receiveParcel(int from, Device&) override { return std::get<Parcel>(post_.take(from, rank_)); }
+  std::vector<Parcel> receiveParcels(std::span<const int> from, Device&) override {
+    std::vector<Parcel> parcels;
+    for (const int rank : from) parcels.push_back(std::get<Parcel>(post_.take(rank, rank_)));
+    return parcels;
+  }
 
  private:
   Post& post_;

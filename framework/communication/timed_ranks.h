@@ -9,8 +9,10 @@
 
 #include <array>
 #include <chrono>
+#include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "framework/communication/communicator.h"
 
@@ -72,9 +74,9 @@ class TimedRanks final : public Communicator {
     return ranks_.receive(from);
   }
   void postParcel(int to, Parcel parcel) override { ranks_.postParcel(to, std::move(parcel)); }
-  Parcel receiveParcel(int from, Device& device) override {
+  std::vector<Parcel> receiveParcels(std::span<const int> from, Device& device) override {
     const RankTimes::Scope scope(times_, RankWork::kSums);
-    return ranks_.receiveParcel(from, device);
+    return ranks_.receiveParcels(from, device);
   }
 
  private:

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "framework/base/api.h"
@@ -27,6 +28,8 @@ class Parcel {
   std::int64_t size() const { return bytes_.size(); }
   /// On the thread of the sender; waits for its device.
   std::vector<std::byte> toHost() const { return bytes_.toHost(); }
+  /// The same array, in the order of its device's work.
+  Array<std::byte> release() && { return std::move(bytes_); }
   /// Writes all bytes to memory of a device, in the order of its work. The parcel must stay until that is
   /// done.
   void copyTo(Device& reader, void* to) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -167,12 +168,19 @@ Parcel DividedParticles::packed(const PackLayout& layout, const Neighbor& neighb
   return Parcel(std::move(bytes));
 }
 
-const Parcel& DividedParticles::nextOf(int rank) {
-  return parcels_.emplace_back(ranks_.receiveParcel(rank, particles_.device()));
+std::span<const Parcel> DividedParticles::received(const std::vector<int>& from) {
+  std::vector<Parcel> parcels = ranks_.receiveParcels(from, particles_.device());
+  std::move(parcels.begin(), parcels.end(), std::back_inserter(parcels_));
+  return std::span(parcels_).last(parcels.size());
 }
 
-ArrayView<const std::byte> DividedParticles::unpackedOf(int rank) {
-  const Parcel& parcel = nextOf(rank);
+std::vector<int> DividedParticles::neighborRanks(int times) const {
+  std::vector<int> all;
+  for (const Neighbor& neighbor : neighbors_) all.insert(all.end(), std::size_t(times), neighbor.rank);
+  return all;
+}
+
+ArrayView<const std::byte> DividedParticles::unpacked(const Parcel& parcel) {
   buffer_.resizeDiscarding(parcel.size());
   parcel.copyTo(particles_.device(), buffer_.data());
   return std::as_const(buffer_).view();
@@ -218,15 +226,16 @@ void DividedParticles::exchange(const std::vector<int>& leaving, const std::vect
   std::vector<std::vector<int>> byRank(std::size_t(ranks_.size()));
   for (std::size_t k = 0; k < leaving.size(); ++k) byRank[std::size_t(owners[k])].push_back(leaving[k]);
   const PackLayout layout(particles_);
+  std::vector<int> others;
   for (int to = 0; to < ranks_.size(); ++to) {
     if (to == ranks_.rank()) continue;
+    others.push_back(to);
     const Array<int> going(particles_.device(), byRank[std::size_t(to)]);
     ranks_.postParcel(to, packed(layout, going.view()));
   }
   particles_.remove(leaving);
   particles_.dropHalo();
-  for (int from = 0; from < ranks_.size(); ++from)
-    if (from != ranks_.rank()) particles_.appendPacked(layout, unpackedOf(from));
+  for (const Parcel& parcel : received(others)) particles_.appendPacked(layout, unpacked(parcel));
 }
 
 /// The one above comes first, as in the order of cells.
@@ -266,9 +275,10 @@ void DividedParticles::showHalo(const SortedLayers& sorted) {
     ++layer;
   };
   if (!slabs_.above(ranks_.rank())) place({});
+  auto parcel = received(neighborRanks(2)).begin();
   for (Neighbor& neighbor : neighbors_) {
-    neighbor.halo = particles_.appendHalo(layout, unpackedOf(neighbor.rank));
-    const ArrayView<const std::byte> cells = unpackedOf(neighbor.rank);
+    neighbor.halo = particles_.appendHalo(layout, unpacked(*parcel++));
+    const ArrayView<const std::byte> cells = unpacked(*parcel++);
     place({reinterpret_cast<const int*>(cells.data), starts});
     placed += neighbor.halo.count;
   }
@@ -279,8 +289,9 @@ void DividedParticles::refresh(std::initializer_list<std::string_view> attribute
   const RankTimes::Scope scope(times(), RankWork::kRefresh);
   const PackLayout layout(particles_, attributes);
   for (const Neighbor& neighbor : neighbors_) ranks_.postParcel(neighbor.rank, packed(layout, neighbor));
+  auto parcel = received(neighborRanks(1)).begin();
   for (const Neighbor& neighbor : neighbors_)
-    particles_.refreshHalo(layout, unpackedOf(neighbor.rank), neighbor.halo);
+    particles_.refreshHalo(layout, unpacked(*parcel++), neighbor.halo);
 }
 
 void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInOne) {
@@ -294,11 +305,11 @@ void DividedParticles::refreshWords(ArrayView<std::uint32_t> words, int wordsInO
     device.copy(bytes.data(), words.data + neighbor.first * wordsInOne, std::size_t(bytes.size()));
     ranks_.postParcel(neighbor.rank, Parcel(std::move(bytes)));
   }
+  auto parcel = received(neighborRanks(1)).begin();
   for (const Neighbor& neighbor : neighbors_) {
-    const Parcel& parcel = nextOf(neighbor.rank);
     std::uint32_t* const to = words.data + wordsInOne * (particles_.bound() + neighbor.halo.first);
-    WEIR_CHECK(parcel.size() == neighbor.halo.count * wordsInOne * std::int64_t{sizeof(*to)});
-    parcel.copyTo(device, to);
+    WEIR_CHECK(parcel->size() == neighbor.halo.count * wordsInOne * std::int64_t{sizeof(*to)});
+    (parcel++)->copyTo(device, to);
   }
 }
 
@@ -320,54 +331,55 @@ void DividedParticles::gatherIds(const std::vector<std::int64_t>& counts, Partic
     makeRoom(*all, std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
     particles_.pack(ids, 0, particles_.bound(), buffer_);
     all->appendPacked(ids, std::as_const(buffer_).view());
-    for (int from = 1; from < ranks_.size(); ++from)
-      for (std::int64_t got = 0; got < counts[std::size_t(from)]; got += kAtOnce)
-        all->appendPacked(ids, unpackedOf(from));
-    all->continueIdsFrom(particles_.nextId());
-    all->refreshCount();
-    buffer_ = Array<std::byte>(particles_.device());
-  } else {
-    postAll<std::int64_t>("id");
   }
-  endGathering();
+  bring<std::int64_t>("id", counts, [&](const Parcel& parcel) { all->appendPacked(ids, unpacked(parcel)); });
+  if (all == nullptr) return;
+  all->continueIdsFrom(particles_.nextId());
+  all->refreshCount();
+  buffer_ = Array<std::byte>(particles_.device());
 }
 
 template <class T>
 void DividedParticles::gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts,
                               ParticleSet* all) {
+  T* to = nullptr;
   if (all != nullptr) {
     const Attribute<const T> own = std::as_const(particles_).get<T>(info.name);
-    T* to = all->get<T>(info.name).write().data();
+    to = all->get<T>(info.name).write().data();
     if (counts[0] > 0) particles_.device().copy(to, own.read().data(), std::size_t(counts[0]) * sizeof(T));
     to += counts[0];
-    for (int from = 1; from < ranks_.size(); ++from) {
-      T* const end = to + counts[std::size_t(from)];
-      for (; to < end; to += std::min<std::int64_t>(kAtOnce, end - to))
-        nextOf(from).copyTo(particles_.device(), to);
+  }
+  bring<T>(info.name, counts, [&](const Parcel& parcel) {
+    parcel.copyTo(particles_.device(), to);
+    to += parcel.size() / std::int64_t{sizeof(T)};
+  });
+}
+
+/// A rank and a part of what it has after the other, so that rank 0 has little on its way. Nobody goes on
+/// before it has all, so that no more than one attribute is there twice.
+template <class T, class Take>
+void DividedParticles::bring(std::string_view attribute, const std::vector<std::int64_t>& counts,
+                             const Take& take) {
+  for (int from = 1; from < ranks_.size(); ++from)
+    for (std::int64_t first = 0; first < counts[std::size_t(from)]; first += kAtOnce) {
+      if (ranks_.rank() == from) ranks_.postParcel(0, packed<T>(attribute, first));
+      const bool isTaker = ranks_.rank() == 0;
+      for (const Parcel& parcel : received(isTaker ? std::vector{from} : std::vector<int>())) take(parcel);
+      if (isTaker) releaseParcels();
     }
-  } else {
-    postAll<T>(info.name);
-  }
-  endGathering();
-}
-
-/// An attribute of all that this rank owns, to rank 0.
-template <class T>
-void DividedParticles::postAll(std::string_view attribute) {
-  Device& device = particles_.device();
-  const ArrayView<const T> own = particles_.get<T>(attribute).read();
-  for (std::int64_t first = 0; first < particles_.bound(); first += kAtOnce) {
-    const std::int64_t bytes = std::min(kAtOnce, particles_.bound() - first) * std::int64_t{sizeof(T)};
-    Array<std::byte> some(device, bytes);
-    device.copy(some.data(), own.data + first, std::size_t(bytes));
-    ranks_.postParcel(0, Parcel(std::move(some)));
-  }
-}
-
-/// Nobody goes on before rank 0 has what was sent, so that no more than one attribute is there twice.
-void DividedParticles::endGathering() {
   releaseParcels();
   ranks_.sum(0);
+}
+
+/// Of those that this rank owns, from one of them on.
+template <class T>
+Parcel DividedParticles::packed(std::string_view attribute, std::int64_t first) {
+  Device& device = particles_.device();
+  const ArrayView<const T> own = particles_.get<T>(attribute).read();
+  const std::int64_t bytes = std::min(kAtOnce, particles_.bound() - first) * std::int64_t{sizeof(T)};
+  Array<std::byte> some(device, bytes);
+  device.copy(some.data(), own.data + first, std::size_t(bytes));
+  return Parcel(std::move(some));
 }
 
 std::int64_t DividedParticles::countOfAll() {

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -107,10 +108,12 @@ class DividedParticles {
   void findNeighborRanks(const SortedLayers& sorted);
   Parcel packed(const PackLayout& layout, ArrayView<const int> indices);
   Parcel packed(const PackLayout& layout, const Neighbor& neighbor);
-  /// The next parcel of a rank.
-  const Parcel& nextOf(int rank);
-  /// Its bytes on this rank's device, until the next call.
-  ArrayView<const std::byte> unpackedOf(int rank);
+  /// Ends a round: what these ranks have sent, until the next call.
+  std::span<const Parcel> received(const std::vector<int>& from);
+  /// The ranks that touch this one, each so many times.
+  std::vector<int> neighborRanks(int times) const;
+  /// The bytes of one that was received, on this rank's device, until the next call.
+  ArrayView<const std::byte> unpacked(const Parcel& parcel);
   /// Gives the memory of all parcels that have come back to their senders.
   void releaseParcels();
 
@@ -118,10 +121,12 @@ class DividedParticles {
   static constexpr std::int64_t kParts = 64;
   /// How many particles a message to rank 0 has at most: those of MPI have less than 2 GiB.
   static constexpr std::int64_t kAtOnce = std::int64_t{1} << 25;
+  /// Calls take(parcel) on rank 0 with an attribute of all others, of which each rank owns so many.
+  template <class T, class Take>
+  void bring(std::string_view attribute, const std::vector<std::int64_t>& counts, const Take& take);
   template <class T>
-  void postAll(std::string_view attribute);
+  Parcel packed(std::string_view attribute, std::int64_t first);
   void gatherIds(const std::vector<std::int64_t>& counts, ParticleSet* all);
-  void endGathering();
   template <class T>
   void gather(const AttributeInfo& info, const std::vector<std::int64_t>& counts, ParticleSet* all);
 

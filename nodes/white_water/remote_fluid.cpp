@@ -42,9 +42,10 @@ void RemoteFluid::fetch(const Particles& own, const Aabb& box, const Slabs& slab
   for (int to = 0; to < ranks_.size(); ++to)
     if (const Layers& wanted = asks[std::size_t(to)].wants; to != self && mine.has.meet(wanted))
       ranks_.postParcel(to, packed(own, slabs.layers, wanted));
+  std::vector<int> seen;
   for (int from = 0; from < ranks_.size(); ++from)
-    if (from != self && asks[std::size_t(from)].has.meet(mine.wants))
-      parcels_.push_back(ranks_.receiveParcel(from, own.set().device()));
+    if (from != self && asks[std::size_t(from)].has.meet(mine.wants)) seen.push_back(from);
+  parcels_ = ranks_.receiveParcels(seen, own.set().device());
   take();
 }
 

@@ -39,12 +39,7 @@ void MpiRank::post(Channel channel, int to, Message message) {
             &sent.request);
 }
 
-Message MpiRank::receive(int from) {
-  if (carrier_ != nullptr) carrier_->flush();
-  return *receive(kMessages, from, std::nullopt);
-}
-
-std::optional<Message> MpiRank::receive(Channel channel, int from, std::optional<Seconds> patience) {
+Message MpiRank::receive(Channel channel, int from) {
   const auto start = std::chrono::steady_clock::now();
   for (;;) {
     int arrived = 0;
@@ -54,7 +49,6 @@ std::optional<Message> MpiRank::receive(Channel channel, int from, std::optional
     if (arrived != 0) return take(handle, status);
     lookForFailure();
     const Seconds passed = std::chrono::steady_clock::now() - start;
-    if (patience && passed > *patience) return std::nullopt;
     if (limit_ && passed > *limit_) {
       dropParcels();
       throw waitedTooLong(from, *limit_);
@@ -82,8 +76,8 @@ void MpiRank::postParcel(int to, Parcel parcel) {
     Communicator::postParcel(to, std::move(parcel));
 }
 
-Parcel MpiRank::receiveParcel(int from, Device& device) {
-  return carrier_ != nullptr ? carrier_->take(from) : Communicator::receiveParcel(from, device);
+std::vector<Parcel> MpiRank::receiveParcels(std::span<const int> from, Device& device) {
+  return carrier_ != nullptr ? carrier_->receive(from) : Communicator::receiveParcels(from, device);
 }
 
 std::unique_ptr<ParcelRoute> MpiRank::openRoute(Device& device) {

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <list>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "framework/communication/communicator.h"
 #include "framework/communication/parcel_route.h"
@@ -19,9 +21,7 @@ class ParcelCarrier {
  public:
   virtual ~ParcelCarrier() = default;
   virtual void post(int to, Parcel parcel) = 0;
-  virtual Parcel take(int from) = 0;
-  /// Before the rank waits for others: they may wait for what was posted.
-  virtual void flush() = 0;
+  virtual std::vector<Parcel> receive(std::span<const int> from) = 0;
   /// Before an error travels, as what waits for the device on its way could wait for ever.
   virtual void drop() noexcept = 0;
 };
@@ -38,14 +38,13 @@ class MpiRank final : public Communicator, public ParcelRoutes {
   int size() const override { return size_; }
   int sizeHere() const override { return sizeHere_; }
   void post(int to, Message message) override { post(kMessages, to, std::move(message)); }
-  Message receive(int from) override;
+  Message receive(int from) override { return receive(kMessages, from); }
   void postParcel(int to, Parcel parcel) override;
-  Parcel receiveParcel(int from, Device& device) override;
+  std::vector<Parcel> receiveParcels(std::span<const int> from, Device& device) override;
   std::unique_ptr<ParcelRoute> openRoute(Device& device) override;
 
   void post(Channel channel, int to, Message message);
-  /// Waits at most that long, or as long as it takes.
-  std::optional<Message> receive(Channel channel, int from, std::optional<Seconds> patience);
+  Message receive(Channel channel, int from);
   /// Until it is taken from here again, by null.
   void setCarrier(ParcelCarrier* carrier) { carrier_ = carrier; }
   /// Throws RanksEnded if another rank has failed.

@@ -10,12 +10,12 @@ GpuId gpuIdOf(const Device&) {
   throw InternalError("a CUDA device in a build without CUDA");
 }
 
-NcclIds makeNcclIds(const NcclLibrary&) {
+NcclUniqueId makeNcclId(const NcclLibrary&) {
   throw InternalError("NCCL in a build without CUDA");
 }
 
 std::unique_ptr<NcclLinks> makeNcclLinks(std::shared_ptr<const NcclLibrary>, Device&, int, int,
-                                         const NcclIds&) {
+                                         const NcclUniqueId&) {
   throw InternalError("NCCL in a build without CUDA");
 }
 

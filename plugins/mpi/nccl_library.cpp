@@ -11,14 +11,9 @@ namespace weir {
 
 namespace {
 
-/// Of the environment variable; empty where it is not set.
-std::string givenName() {
-  const char* const given = std::getenv("WEIR_NCCL");
-  return given == nullptr ? "" : given;
-}
-
 std::string libraryName() {
-  const std::string given = givenName();
+  const char* const variable = std::getenv("WEIR_NCCL");
+  const std::string given = variable == nullptr ? "" : variable;
   if (given == "off") throw simulationError("WEIR_NCCL is off");
   return given.empty() ? "libnccl.so.2" : given;
 }
@@ -56,11 +51,6 @@ std::shared_ptr<const NcclLibrary> NcclLibrary::open() {
     throw simulationError("NCCL cannot be opened: " + printable(why != nullptr ? why : name, 200));
   }
   return std::make_shared<const NcclLibrary>(tableOf(library));
-}
-
-bool NcclLibrary::isNamed() {
-  const std::string given = givenName();
-  return !given.empty() && given != "off";
 }
 
 std::string NcclLibrary::version() const {

@@ -26,9 +26,6 @@ struct NcclLibrary {
   /// simulation Error that says why it cannot be used. Stays open.
   static std::shared_ptr<const NcclLibrary> open();
 
-  /// Whether the environment variable WEIR_NCCL names a library.
-  static bool isNamed();
-
   /// "2.28.9"
   std::string version() const;
 

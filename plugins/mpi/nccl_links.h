@@ -1,11 +1,9 @@
-// The GPU's side of parcels by NCCL. Two communicators, as parcel_batches.h says why, each with a stream of
-// its own beside the device's: those wait for each other by events, and the host for none.
+// The GPU's side of parcels by NCCL, in the order of its work; the host waits for nothing.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "framework/compute/array.h"
@@ -17,21 +15,17 @@ namespace weir {
 using GpuId = std::array<std::byte, 16>;
 GpuId gpuIdOf(const Device& device);
 
-/// Of a communicator from lower to higher ranks, and of one from higher to lower ones.
-using NcclIds = std::array<NcclUniqueId, 2>;
-NcclIds makeNcclIds(const NcclLibrary& nccl);
+NcclUniqueId makeNcclId(const NcclLibrary& nccl);
 
 class NcclLinks {
  public:
   using Batch = std::vector<Array<std::byte>>;
   virtual ~NcclLinks() = default;
 
-  // As in ParcelTransport.
-  virtual void mark() = 0;
-  virtual void send(std::vector<Batch> toRanks) = 0;
-  virtual void receive(int from, std::span<Array<std::byte>> into) = 0;
+  /// As in ParcelTransport.
+  virtual void exchange(std::vector<Batch> toRanks, std::vector<Batch>& fromRanks) = 0;
 
-  /// Whether all that was sent has gone.
+  /// Whether the device has done all that it was asked for.
   virtual bool areIdle() = 0;
   /// Once nothing is on its way between any ranks, which all call it.
   virtual void close() = 0;
@@ -42,6 +36,6 @@ class NcclLinks {
 /// All ranks take part, each with a CUDA device that no other has. Returns when bytes have gone between all
 /// of them, which takes a second. Throws a simulation Error.
 std::unique_ptr<NcclLinks> makeNcclLinks(std::shared_ptr<const NcclLibrary> nccl, Device& device, int rank,
-                                         int ranks, const NcclIds& ids);
+                                         int ranks, const NcclUniqueId& id);
 
 }  // namespace weir

@@ -1,7 +1,6 @@
 #include "plugins/mpi/nccl_route.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <thread>
@@ -10,7 +9,7 @@
 
 #include "framework/base/error.h"
 #include "plugins/mpi/nccl_links.h"
-#include "plugins/mpi/parcel_batches.h"
+#include "plugins/mpi/parcel_rounds.h"
 
 namespace weir {
 
@@ -25,16 +24,15 @@ class NcclTransport final : public ParcelTransport {
     const auto bytes = std::as_bytes(std::span(sizes));
     rank_.post(MpiRank::kParcelSizes, to, Message(bytes.begin(), bytes.end()));
   }
-  std::optional<Sizes> announced(int from, std::optional<Seconds> patience) override {
-    const std::optional<Message> message = rank_.receive(MpiRank::kParcelSizes, from, patience);
-    if (!message) return std::nullopt;
-    Sizes sizes(message->size() / sizeof(std::int64_t));
-    std::memcpy(sizes.data(), message->data(), message->size());
+  Sizes announced(int from) override {
+    const Message message = rank_.receive(MpiRank::kParcelSizes, from);
+    Sizes sizes(message.size() / sizeof(std::int64_t));
+    std::memcpy(sizes.data(), message.data(), message.size());
     return sizes;
   }
-  void mark() override { links_.mark(); }
-  void send(std::vector<Batch> toRanks) override { links_.send(std::move(toRanks)); }
-  void receive(int from, std::span<Array<std::byte>> into) override { links_.receive(from, into); }
+  void exchange(std::vector<Batch> toRanks, std::vector<Batch>& fromRanks) override {
+    links_.exchange(std::move(toRanks), fromRanks);
+  }
 
  private:
   MpiRank& rank_;
@@ -49,7 +47,7 @@ class NcclRoute final : public ParcelRoute, public ParcelCarrier {
         version_(std::move(version)),
         links_(std::move(links)),
         transport_(rank, *links_),
-        batches_(transport_, device, rank.rank(), rank.size()) {
+        rounds_(transport_, device, rank.rank(), rank.size()) {
     rank_.setCarrier(this);
   }
   ~NcclRoute() override {
@@ -60,7 +58,6 @@ class NcclRoute final : public ParcelRoute, public ParcelCarrier {
   std::string description() const override { return "by NCCL " + version_; }
 
   void end() override {
-    batches_.flush();
     while (!links_->areIdle()) {
       rank_.lookForFailure();
       std::this_thread::yield();
@@ -70,9 +67,8 @@ class NcclRoute final : public ParcelRoute, public ParcelCarrier {
     links_->close();
   }
 
-  void post(int to, Parcel parcel) override { batches_.post(to, std::move(parcel)); }
-  Parcel take(int from) override { return batches_.take(from); }
-  void flush() override { batches_.flush(); }
+  void post(int to, Parcel parcel) override { rounds_.post(to, std::move(parcel)); }
+  std::vector<Parcel> receive(std::span<const int> from) override { return rounds_.receive(from); }
   void drop() noexcept override { links_->drop(); }
 
  private:
@@ -81,7 +77,7 @@ class NcclRoute final : public ParcelRoute, public ParcelCarrier {
   std::string version_;
   std::unique_ptr<NcclLinks> links_;
   NcclTransport transport_;
-  ParcelBatches batches_;
+  ParcelRounds rounds_;
 };
 
 class HostRoute final : public ParcelRoute {
@@ -99,7 +95,7 @@ struct Offer {
   bool isReady = false;
   char why[240] = "";  // not
   GpuId gpu{};
-  NcclIds ids{};  // of rank 0
+  NcclUniqueId id{};  // of rank 0
 
   void refuse(const std::string& reason) {
     isReady = false;
@@ -133,25 +129,21 @@ Offer offerOf(const F& f) {
 
 }  // namespace
 
-// Two ranks cannot wait in a circle; more can, in theory, where the pool gives memory back between two
-// receives (engineering/ranks.md). So more have to ask for it.
 std::unique_ptr<ParcelRoute> openNcclRoute(MpiRank& rank, Device& device) {
   if (device.kind() == DeviceKind::kCpu) return nullptr;
   if (rank.size() == 1) return std::make_unique<HostRoute>("there is one rank");
   std::shared_ptr<const NcclLibrary> nccl;
   const std::vector<Offer> offers = rank.allGather(offerOf([&](Offer& offer) {
-    if (rank.size() > 2 && !NcclLibrary::isNamed())
-      throw simulationError("WEIR_NCCL names no library, as it must for more than two ranks");
     nccl = NcclLibrary::open();
     offer.gpu = gpuIdOf(device);
-    if (rank.rank() == 0) offer.ids = makeNcclIds(*nccl);
+    if (rank.rank() == 0) offer.id = makeNcclId(*nccl);
   }));
   std::string why = objection(offers);
   if (!why.empty()) return std::make_unique<HostRoute>(why);
   std::unique_ptr<NcclLinks> links;
   const std::vector<Offer> ends = rank.allGather(offerOf([&](Offer& offer) {
     offer.gpu = gpuIdOf(device);
-    links = makeNcclLinks(nccl, device, rank.rank(), rank.size(), offers[0].ids);
+    links = makeNcclLinks(nccl, device, rank.rank(), rank.size(), offers[0].id);
   }));
   why = objection(ends);
   if (!why.empty()) return std::make_unique<HostRoute>(why);
