@@ -4,12 +4,14 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "framework/base/error.h"
 #include "plugins/mpi/mpi_rank.h"
 #include "plugins/mpi/nccl_library.h"
+#include "plugins/mpi/rank_watch.h"
 
 namespace weir {
 
@@ -36,6 +38,11 @@ bool isOfAll(const std::exception_ptr& failed) {
   }
 }
 
+[[noreturn]] void endAll(int code) {
+  MPI_Abort(MPI_COMM_WORLD, code);
+  std::_Exit(code);
+}
+
 /// Waits until all ranks have come here, at most 10 s, and ends the launch.
 [[noreturn]] void endTogether(int code) {
   constexpr std::chrono::seconds kMax{10};
@@ -46,8 +53,7 @@ bool isOfAll(const std::exception_ptr& failed) {
     MPI_Test(&all, &done, MPI_STATUS_IGNORE);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  MPI_Abort(MPI_COMM_WORLD, code);
-  std::_Exit(code);
+  endAll(code);
 }
 
 }  // namespace
@@ -70,8 +76,13 @@ std::vector<InfoEntry> MpiInfo::info() const {
 void MpiRanks::run(const std::function<void(Communicator&)>& work,
                    const std::function<int(std::exception_ptr, int rank)>& failed) {
   int given = 0;
-  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_MULTIPLE, &given);
   MpiRank rank;
+  std::optional<RankWatch> watch;
+  if (given == MPI_THREAD_MULTIPLE)
+    watch.emplace([&](const std::string& what) {
+      endAll(failed(std::make_exception_ptr(simulationError(what)), rank.rank()));
+    });
   try {
     rank.setLimit();
     work(rank);
@@ -82,6 +93,7 @@ void MpiRanks::run(const std::function<void(Communicator&)>& work,
     if (!isOfAll(std::current_exception())) rank.tellOfFailure();
     endTogether(failed(std::current_exception(), rank.rank()));
   }
+  watch.reset();
   MPI_Finalize();
 }
 

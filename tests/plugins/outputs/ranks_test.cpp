@@ -7,6 +7,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <regex>
@@ -368,6 +369,27 @@ std::vector<int> childrenOf(int pid) {
   return {std::istream_iterator<int>(file), {}};
 }
 
+/// Runs `during` again and again on a thread of its own, with the process id of mpirun, until it returns
+/// true.
+class Meanwhile {
+ public:
+  explicit Meanwhile(std::function<bool(int launcher)> during)
+      : during_(std::move(during)), thread_([this](const std::stop_token& stop) {
+          while (!stop.stop_requested() && (launcher_ == 0 || !during_(launcher_)))
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }) {}
+  ChildOptions options() {
+    ChildOptions options;
+    options.onStderr = [this](int pid, const std::string&) { launcher_ = pid; };
+    return options;
+  }
+
+ private:
+  std::function<bool(int)> during_;
+  std::atomic<int> launcher_ = 0;
+  std::jthread thread_;
+};
+
 TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
   scene_ = folder_.write("jet.json", kJet);
@@ -376,25 +398,39 @@ TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
   const Outcome whole = run("whole", coarse, {"--ranks", "2", "--frames", "30"});
   ASSERT_EQ(whole.result.code, 0) << whole.result.err;
   const std::string checkpoint = folder_ / "killed.h5";
-  std::atomic<int> launcher = 0;
   // As soon as there is a checkpoint, whatever comes on stderr meanwhile.
-  const std::jthread killer([&](const std::stop_token& stop) {
-    for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-      if (launcher == 0 || !std::filesystem::exists(checkpoint)) continue;
-      const std::vector<int> ranks = childrenOf(launcher);
-      if (ranks.size() == 3) return void(::kill(ranks[1], SIGKILL));
-    }
+  Meanwhile killer([&](int launcher) {
+    const std::vector<int> ranks = childrenOf(launcher);
+    return std::filesystem::exists(checkpoint) && ranks.size() == 3 && ::kill(ranks[1], SIGKILL) == 0;
   });
-  ChildOptions options;
-  options.onStderr = [&](int pid, const std::string&) { launcher = pid; };
   const ChildResult killed = runByMpi(3,
                                       {"run", scene_, "--duration", duration_, "--set", coarse.front(),
                                        "--checkpoint", checkpoint, "--checkpoint-every", "2"},
-                                      options);
+                                      killer.options());
   EXPECT_NE(killed.code, 0);
   EXPECT_FALSE(killed.timedOut) << killed.err;
   expectSameEnd(run("resumed", coarse, {"--ranks", "4", "--frames", "30", "--resume", checkpoint}), whole,
                 "after a kill");
+}
+
+TEST_F(RanksTest, WhereAProcessOfMpiIsStoppedAllEndAndOneSaysWhichItIs) {
+  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
+  scene_ = folder_.write("jet.json", kJet);
+  const std::string series = folder_ / "series.jsonl";
+  std::atomic<int> stopped = 0;
+  Meanwhile stopper([&](int launcher) {
+    const std::vector<int> ranks = childrenOf(launcher);
+    if (!std::filesystem::exists(series) || ranks.size() != 3) return false;
+    stopped = ranks[1];
+    return ::kill(stopped, SIGSTOP) == 0;
+  });
+  const ChildResult ended =
+      runByMpi(3, {"run", scene_, "--duration", "100000", "--set", "water.spacing=0.05", "--series", series},
+               stopper.options());
+  EXPECT_FALSE(ended.timedOut) << ended.err;
+  EXPECT_NE(ended.code, 0);
+  EXPECT_CONTAINS(ended.err, "(process " + std::to_string(stopped) + " on ");
+  EXPECT_CONTAINS(ended.err, "has not answered for 10 s");
 }
 
 TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
