@@ -71,8 +71,13 @@ def record_of(scene, settings, device, threads=None, **options):
     return f"{shlex.join(command)}\n# scene {digest}\n"
 
 
-def run(weir, scene, folder, settings, device, **options):
-    """Runs, or finds the results of the very same command on the same scene there. Returns (result, seconds)."""
+class TookTooLong(ValueError):
+    """A run was ended by its limit."""
+
+
+def run(weir, scene, folder, settings, device, limit=None, **options):
+    """Runs, or finds the results of the very same command on the same scene there. Returns (result, seconds). Raises
+    TookTooLong after `limit` seconds."""
     folder = Path(folder)
     command = command_line(weir, scene, folder, settings, device, **options)
     record = record_of(scene, settings, device, **options)
@@ -81,7 +86,11 @@ def run(weir, scene, folder, settings, device, **options):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     started = time.monotonic()
-    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    try:
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False,
+                              timeout=limit)
+    except subprocess.TimeoutExpired as e:
+        raise TookTooLong(f"not done after {limit:g} s: {folder.name}") from e
     if done.returncode not in (0, SIMULATION_FAILED):
         raise RunFailed(f"exit code {done.returncode} of\n  {shlex.join(command)}\n{done.stderr}")
     if done.returncode == SIMULATION_FAILED:

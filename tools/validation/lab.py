@@ -93,10 +93,10 @@ class Pending:
 
 class Lab:
     """Runs of all checks, that many `jobs` at a time, first come, first served. With `reuse`, results of the very same
-    command are taken where they are there already: they may be another build's."""
+    command are taken where they are there already: they may be another build's. `limit`: s that a run may take."""
 
-    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True):
-        self.reuse = reuse
+    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True, limit=None):
+        self.reuse, self._limit = reuse, limit
         self._pictures = pictures  # whether those that a check asks for are made
         self._pool = ThreadPoolExecutor(jobs)
         self._lock = threading.Lock()  # of what runs leave here
@@ -131,7 +131,7 @@ class Lab:
         if not self.reuse:
             shutil.rmtree(self.out / name, ignore_errors=True)
         result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
-                                      threads=self.threads, **options)
+                                      threads=self.threads, limit=self._limit, **options)
         with self._lock:
             if result.stats:
                 self.seconds += result.stats["wall_seconds"]

@@ -22,6 +22,8 @@ import waves
 import without_ends
 
 
+PAGE = ROOT / "engineering" / "validation.md"
+IMAGES = ROOT / "engineering" / "images" / "validation"  # of the page
 MARKER = "<!-- The rest is made by ./dev validate --docs -->"
 
 
@@ -83,8 +85,10 @@ def arguments(argv):
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
     parser.add_argument("--jobs", type=int, default=1, metavar="N",
                         help="run that many simulations at a time, with --threads of a part of the cores each")
+    parser.add_argument("--limit", type=float, metavar="S",
+                        help="end a simulation that takes longer than this many seconds; its check then fails")
     parser.add_argument("--no-plots", action="store_true",
-                        help="numbers only, on a machine without Python's matplotlib")
+                        help="numbers only, on a machine without Python's matplotlib; with --docs the page keeps its pictures")
     parser.add_argument("--docs", action="store_true",
                         help="write the table and the pictures into engineering/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
@@ -95,13 +99,13 @@ def arguments(argv):
         parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
     if wanted and parsed.docs:
         parser.error("--docs: the page shows all checks, so --only cannot be given with it")
-    if parsed.no_plots and parsed.docs:
-        parser.error("--docs: the page shows pictures, so --no-plots cannot be given with it")
     parsed.devices = [device.strip() for device in parsed.device.split(",")]
     if not all(parsed.devices) or len(set(parsed.devices)) < len(parsed.devices):
         parser.error(f"--device: {parsed.device!r} is not allowed; devices, each once, with commas between them")
     if parsed.jobs < 1:
         parser.error(f"--jobs: {parsed.jobs} is not allowed; at least 1")
+    if parsed.limit is not None and parsed.limit <= 0:
+        parser.error(f"--limit: {parsed.limit:g} s is not allowed; more than 0")
     parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
     return parsed
 
@@ -115,6 +119,7 @@ def outcome_of(check, lab):
 
 
 def pictures_of(check, outcome, out):
+    """The names of those that are drawn."""
     names = []
     if outcome.picture is not None:
         names.append(f"{check.key}.jpg")
@@ -125,18 +130,22 @@ def pictures_of(check, outcome, out):
     return names
 
 
-def write_docs(results, done, out):
-    """Replaces what follows the marker in engineering/validation.md, and the pictures of that page."""
-    page, images = ROOT / "engineering" / "validation.md", ROOT / "engineering" / "images" / "validation"
-    text = page.read_text(encoding="utf-8")
+def pictures_of_page(check):
+    """The names of those that the page has."""
+    return [name for name in (f"{check.key}.jpg", f"{check.key}_plot.png") if (IMAGES / name).exists()]
+
+
+def write_docs(results, done, out, drawn):
+    """Replaces what follows the marker in the page, and its pictures where there are new ones."""
+    text = PAGE.read_text(encoding="utf-8")
     if MARKER not in text:
-        raise program.RunFailed(f"{page} has no line {MARKER}")
+        raise program.RunFailed(f"{PAGE} has no line {MARKER}")
     results = results.replace("](", "](images/validation/")
-    page.write_text(text[:text.index(MARKER)] + MARKER + "\n\n" + results, encoding="utf-8")
-    images.mkdir(parents=True, exist_ok=True)
-    for _, _, names in done:
+    PAGE.write_text(text[:text.index(MARKER)] + MARKER + "\n\n" + results, encoding="utf-8")
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    for _, _, names in done if drawn else ():
         for name in names:
-            shutil.copy(out / name, images / name)
+            shutil.copy(out / name, IMAGES / name)
 
 
 def judged(options, device, out, drawn, say):
@@ -145,7 +154,7 @@ def judged(options, device, out, drawn, say):
     done = []
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
-                options.jobs, drawn) as lab:  # left first: the checks of a run that failed wait for no others
+                options.jobs, drawn, options.limit) as lab:  # left first: the checks of a run that failed wait for no others
         begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
         outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
         for check in options.checks:
@@ -153,7 +162,8 @@ def judged(options, device, out, drawn, say):
             outcome = outcomes[check.key].result()
             for row in outcome.rows:
                 say(f"  {report.verdict(row.passed):6} {row.what}: {report.number(row.measured)} {row.unit}")
-            done.append((check, outcome, pictures_of(check, outcome, out) if drawn else []))
+            undrawn = pictures_of_page(check) if options.docs else []
+            done.append((check, outcome, pictures_of(check, outcome, out) if drawn else undrawn))
     return done, lab
 
 
@@ -187,7 +197,7 @@ def main(argv):
     page = report.markdown(done, [first] + [results for _, results in pages[1:]] + beside)
     (base / "README.md").write_text("# Validation\n\n" + page, encoding="utf-8")
     if options.docs:
-        write_docs(page, done, base)
+        write_docs(page, done, base, not options.no_plots)
     print(base / "README.md")
     return 1 if any(not check["passed"] for _, results in pages for check in results["checks"]) else 0
 

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools" / "validation"))
@@ -171,6 +172,18 @@ class Checks(unittest.TestCase):
                 result.series  # noqa: B018
 
 
+    def test_a_run_that_takes_too_long_fails_its_check_and_is_no_result(self):
+        with tempfile.TemporaryDirectory() as folder:
+            stand_in = Path(folder) / "weir"
+            stand_in.write_text("#!/bin/sh\nexec sleep 60\n")
+            stand_in.chmod(0o755)
+            with Lab(stand_in, Path(folder) / "out", "cpu", 1, False, lambda text: None, limit=0.1) as lab:
+                outcome = validate.outcome_of(validate.Check("x", "X", lambda lab: lab.run("drop/1", "validation/drop").series), lab)
+            self.assertIs(outcome.rows[0].passed, False)
+            self.assertIn("not done after 0.1 s", outcome.rows[0].what)
+            self.assertFalse((Path(folder) / "out" / "drop/1" / "command.txt").exists())
+
+
 class Reports(unittest.TestCase):
     DONE = [(validate.CHECKS[0], Outcome([Row("a", 1.0, "m", 1.1, 0.05), Row("b", 2.0)]), ["a.png"])]
 
@@ -207,10 +220,21 @@ class SeveralDevices(unittest.TestCase):
                 validate.arguments(["--weir", "w", "--device", wrong])
             self.assertIn(f"--device: {wrong!r} is not allowed", said.getvalue())
 
-    def test_a_page_without_its_pictures_is_refused(self):
-        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
-            validate.arguments(["--weir", "w", "--no-plots", "--docs"])
-        self.assertIn("--no-plots cannot be given", said.getvalue())
+    def test_a_page_of_which_nothing_is_drawn_keeps_its_pictures(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page, images = Path(folder) / "page.md", Path(folder) / "images"
+            page.write_text(f"By hand.\n{validate.MARKER}\nold", encoding="utf-8")
+            images.mkdir()
+            (images / "drop_plot.png").write_bytes(b"as it was")
+            check = next(check for check in validate.CHECKS if check.key == "drop")
+            with mock.patch.multiple(validate, PAGE=page, IMAGES=images):
+                names = validate.pictures_of_page(check)
+                results = report.markdown([(check, Outcome([Row("a", 1.0)]), names)],
+                                          [json.loads(report.as_json([(check, Outcome([Row("a", 1.0)]), names)], "c", "m", 6))])
+                validate.write_docs(results, [(check, None, names)], Path(folder), drawn=False)
+            self.assertIn("](images/validation/drop_plot.png)", page.read_text(encoding="utf-8"))
+            self.assertNotIn("old", page.read_text(encoding="utf-8"))
+            self.assertEqual((images / "drop_plot.png").read_bytes(), b"as it was")
 
     def test_what_stands_beside_must_be_results(self):
         with tempfile.TemporaryDirectory() as folder:
