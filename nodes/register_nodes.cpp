@@ -74,6 +74,7 @@ void registerNodes(Registry& registry) {
   registry.addModule<TwoProjections>();
   registry.addModule<ViscositySolver>();
   registry.addModule<Xsph>();
+  registry.addService<MovedParameters>("Xsph", strengthOfXsph);
   registry.addModule<SurfaceTension>();
   registry.addModule<CapillaryForce>();
   registry.addModule<VorticityConfinement>();

@@ -1,7 +1,7 @@
-// Parameters that a module type once had and another type now has. A scene that sets one of them gets the
-// other type, with a warning that says what to write. Where a pipeline has the other type by default, a
-// module that names no type and sets a renamed parameter is of the type that has that name. Announced as a
-// service:
+// Parameters that a module type once had and another type now has, or that once meant something else. A
+// scene that sets one of them gets the other type, with a warning that says what to write. Where a pipeline
+// has the other type by default, a module that names no type and sets a renamed parameter is of the type that
+// has that name. Announced as a service:
 //
 //   registry.addService<MovedParameters>("MyOldSolver", [] { return std::make_unique<MyMoved>(); });
 #pragma once
@@ -23,7 +23,7 @@ class MovedParameters {
   };
   virtual ~MovedParameters() = default;
   virtual std::string_view from() const = 0;
-  virtual std::string_view to() const = 0;
+  virtual std::string_view to() const = 0;  ///< the same, where only the meaning changed
   /// Those that only the other type has now.
   virtual std::vector<Parameter> parameters() const = 0;
   /// Those of both that have another name or default in the other.
@@ -31,6 +31,10 @@ class MovedParameters {
   /// Whether these parameters, one of parameters() at least, did anything. Otherwise the type stays, and
   /// those that moved are left out.
   virtual bool matter(const Value& params) const = 0;
+  /// Whether a scene that has these parameters means them as they were.
+  virtual bool concerns(const Value& /*params*/) const { return true; }
+  /// What the warning says where both types are one.
+  virtual std::string_view meaning() const { return {}; }
 };
 
 }  // namespace weir

@@ -69,7 +69,7 @@ void leaveOut(Value& params, const Parameters& parameters, Module& target, const
 std::string wordingOf(const std::string& name, const Value& spec) {
   Value all = Value::object();
   Value& module = all[name];
-  module["type"] = *spec.find("type");
+  if (const Value* type = spec.find("type")) module["type"] = *type;
   for (const auto& [key, value] : spec.asObject()) module[key] = value;
   std::string line = writeJsonLine(all);
   while (line.ends_with('\n')) line.pop_back();
@@ -81,7 +81,7 @@ void move(const MovedParameters& moved, const Registry& registry, const std::str
   Value* params = spec.find("params");
   if (params == nullptr || !params->isObject()) return;
   const Parameters set = setAmong(moved.parameters(), *params);
-  if (set.empty()) return;
+  if (set.empty() || !moved.concerns(*params)) return;
   const Value first = *params->find(set.front().before);
   const std::unique_ptr<Module> target = registry.createModule(moved.to());
   std::vector<std::string> names;
@@ -92,8 +92,12 @@ void move(const MovedParameters& moved, const Registry& registry, const std::str
   if (moved.matter(*params)) {
     rename(*params, moved.parameters(), *target, first);
     rename(*params, moved.renamed(), *target, first);
-    spec["type"] = Value(moved.to());
-    what += "the module is read as one of type " + inQuotes(moved.to());
+    if (moved.from() == moved.to()) {
+      what = moved.meaning();
+    } else {
+      spec["type"] = Value(moved.to());
+      what += "the module is read as one of type " + inQuotes(moved.to());
+    }
     hint = "write " + wordingOf(name, spec);
   } else {
     leaveOut(*params, set, *target, place / "params");

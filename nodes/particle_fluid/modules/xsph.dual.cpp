@@ -52,9 +52,9 @@ struct ApproachMean {
 }  // namespace
 
 template <class Backend>
-void Xsph::stepOn(Backend& device, FluidStep& fluid) {
+void Xsph::sweepOn(Backend& device, FluidStep& fluid, float share) {
   const FluidConstants& c = fluid.constants;
-  const float weight = strength * c.particleVolume;
+  const float weight = share * c.particleVolume;
   fluid.exchange({"position", "velocity"});
   const Lease<Vec3f> smoothed = fluid.particles.leaseVectors();
   withMotion(device, fluid.particles, c.supportRadius, [&]<class Motion>(const Motion& motion) {
@@ -89,7 +89,7 @@ void Xsph::implicitOn(Backend& device, FluidStep& fluid) {
   velocities.swap(smoothed);
 }
 
-template void Xsph::stepOn(ThisBackend&, FluidStep&);
+template void Xsph::sweepOn(ThisBackend&, FluidStep&, float);
 template void Xsph::implicitOn(ThisBackend&, FluidStep&);
 
 }  // namespace weir

@@ -75,16 +75,16 @@ Value edited(const Socket& socket, const std::function<void(Value& scene)>& chan
   return socket.ask(set);
 }
 
-/// Goes on from a frame, or an earlier one that is kept, and to the end, with a strength of viscosity where
-/// one is given.
-std::string stateAfter(const Socket& socket, std::int64_t frame, std::optional<double> strength,
+/// Goes on from a frame, or an earlier one that is kept, and to the end, with a rate of viscosity where one
+/// is given.
+std::string stateAfter(const Socket& socket, std::int64_t frame, std::optional<double> rate,
                        std::int64_t count) {
   const Value set = edited(socket, [&](Value& scene) {
     Value params = Value::object(), module = Value::object(), modules = Value::object();
-    params["strength"] = strength.value_or(0);
+    params["rate"] = rate.value_or(0);
     module["params"] = params;
     modules["viscosity"] = module;
-    if (strength) scene["nodes"]["water"]["modules"] = modules;
+    if (rate) scene["nodes"]["water"]["modules"] = modules;
   });
   EXPECT_EQ(set.find("result")->find("problem"), nullptr);
   Value goOn = parseJson(R"({"id": 11, "do": "run.go_on"})", "request");
@@ -113,7 +113,7 @@ TEST(StudioParity, ARunThatGoesOnFromAFrameIsTheRunItWas) {
   const std::string once = stateOf(socket, count);
   const std::int64_t middle = 3;
   EXPECT_EQ(stateAfter(socket, middle, {}, count), once);
-  EXPECT_NE(stateAfter(socket, middle, 0.5, count), once);
+  EXPECT_NE(stateAfter(socket, middle, 500, count), once);
   // What came after that frame of another branch leaves nothing behind.
   EXPECT_EQ(stateAfter(socket, middle, {}, count), once);
   edited(socket, [](Value& scene) { scene["nodes"]["water"]["params"]["spacing"] = 0.05; });

@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kScene = R"({
   "weir": 1, "world": { "duration": 0.1 },
   "nodes": { "block": { "type": "BoxSampler" },
-             "water": { "type": "ParticleFluid", "modules": { "viscosity": { "params": { "strength": 0.1 } } } } },
+             "water": { "type": "ParticleFluid", "modules": { "viscosity": { "params": { "rate": 100 } } } } },
   "links": ["block.particles -> water.initial"]
 })";
 
@@ -52,10 +52,10 @@ TEST_F(SceneCheck, ASceneFileIsEditedInPlainForm) {
 }
 
 TEST_F(SceneCheck, TellsWhereAProblemIs) {
-  const CheckedScene wrong = check("\"strength\": 0.1", "\"strength\": \"much\"");
+  const CheckedScene wrong = check("\"rate\": 100", "\"rate\": \"much\"");
   EXPECT_EQ(wrong.scene, nullptr);
   ASSERT_TRUE(wrong.problem);
-  EXPECT_EQ(wrong.problem->find("pointer")->asString(), "/nodes/water/modules/viscosity/params/strength");
+  EXPECT_EQ(wrong.problem->find("pointer")->asString(), "/nodes/water/modules/viscosity/params/rate");
   EXPECT_FALSE(wrong.problem->find("message")->asString().empty());
   EXPECT_TRUE(check("", "").scene);
 }
@@ -63,15 +63,14 @@ TEST_F(SceneCheck, TellsWhereAProblemIs) {
 TEST_F(SceneCheck, KnowsWhatMayChangeDuringARun) {
   EXPECT_TRUE(difference("", "").live.empty());
   EXPECT_FALSE(difference("", "").reset);
-  const SceneDifference live = difference("\"strength\": 0.1", "\"strength\": 0.2");
+  const SceneDifference live = difference("\"rate\": 100", "\"rate\": 200");
   ASSERT_EQ(live.live.size(), 1u);
   EXPECT_FALSE(live.reset);
   EXPECT_EQ(live.live[0].module, "viscosity");
   const CheckedScene running = check("", "");
   apply(live.live[0], *running.scene);
-  EXPECT_FALSE(differenceOf(*running.scene, *check("\"strength\": 0.1", "\"strength\": 0.2").scene).reset);
-  EXPECT_TRUE(
-      differenceOf(*running.scene, *check("\"strength\": 0.1", "\"strength\": 0.2").scene).live.empty());
+  EXPECT_FALSE(differenceOf(*running.scene, *check("\"rate\": 100", "\"rate\": 200").scene).reset);
+  EXPECT_TRUE(differenceOf(*running.scene, *check("\"rate\": 100", "\"rate\": 200").scene).live.empty());
 }
 
 TEST_F(SceneCheck, NamesWhatAsksForAReset) {
@@ -80,7 +79,7 @@ TEST_F(SceneCheck, NamesWhatAsksForAReset) {
             "water.spacing");
   EXPECT_EQ(*difference("\"links\": [\"block.particles -> water.initial\"]", "\"links\": []").reset,
             "the links");
-  EXPECT_EQ(*difference("\"strength\": 0.1 }", "\"strength\": 0.1 }, \"enabled\": false").reset,
+  EXPECT_EQ(*difference("\"rate\": 100 }", "\"rate\": 100 }, \"enabled\": false").reset,
             "the modules of water");
 }
 

@@ -229,6 +229,15 @@ TEST_F(SceneCommands, UpgradeLeavesOutWhatHasNoEffect) {
             papers("{\n  \"iterations\": 5 // few\n  // none\n}"));
 }
 
+TEST_F(SceneCommands, UpgradeNamesTheFormThatAStrengthOfXsphIsOf) {
+  const auto papers = [&](const std::string& params) {
+    return withSolver(R"({ "type": "SemiImplicitSolver" },
+        "viscosity": { "params": { )" +
+                      params + " } }");
+  };
+  EXPECT_EQ(upgraded(papers(R"("strength": 0.3)")), papers(R"("strength": 0.3, "form": "explicit")"));
+}
+
 TEST_F(SceneCommands, UpgradeNamesTheSolverThatIterationsAreOf) {
   EXPECT_EQ(upgraded(withSolver(R"({ "params": { "iterations": 5 } })")),
             withSolver(R"({ "type": "SemiImplicitSolver", "params": { "iterations": 5 } })"));

@@ -43,7 +43,7 @@ constexpr const char* kEveryNode = R"({
       "type": "ParticleFluid",
       "params": { "spacing": 0.05, "support_ratio": 1.5, "calibration": "lattice", "bulk_modulus": 100000 },
       "modules": { "solver": { "params": { "iterations": 3 } },
-                   "viscosity": { "params": { "strength": { "keyframes": [[0, 0.1], [1, 0.2]] } } } }
+                   "viscosity": { "params": { "rate": { "keyframes": [[0, 100], [1, 200]] } } } }
     }
   },
   "links": [

@@ -30,7 +30,7 @@ FluidScene fluidWith(Device& device, const std::vector<Vec3f>& positions, float 
   return FluidScene(device, positions, {},
                     object({{"spacing", spacing}, {"calibration", "lattice"}, stiffness}),
                     object({{"solver", object({{"type", type}, {"params", std::move(solver)}})},
-                            {"viscosity", object({{"params", object({{"strength", 0.0}})}})}}));
+                            {"viscosity", object({{"params", object({{"rate", 0.0}})}})}}));
 }
 
 TEST(BulkEnergy, IsThePapersAndItsDerivativeIsItsDerivative) {

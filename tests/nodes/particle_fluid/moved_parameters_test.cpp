@@ -1,4 +1,5 @@
-// Scenes that give SemiImplicitSolver what AcceleratedSolver has now.
+// Scenes that give SemiImplicitSolver what AcceleratedSolver has now, and a strength to Xsph without its
+// form.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -28,7 +29,8 @@ struct Built {
   Value params;
 };
 
-Built built(const std::string& solver, const std::vector<std::string>& overrides = {}) {
+Built built(const std::string& solver, const std::vector<std::string>& overrides = {},
+            const char* name = "solver") {
   Registry registry;
   registerNodes(registry);
   std::vector<Override> changes;
@@ -36,7 +38,7 @@ Built built(const std::string& solver, const std::vector<std::string>& overrides
   Built result;
   const auto scene = buildScene(parseJson(sceneWith(solver), "s.json"), {"s.json", "", "/"}, registry,
                                 changes, result.warnings);
-  const Module& module = *scene->graph.find("water")->pipeline()->find("solver");
+  const Module& module = *scene->graph.find("water")->pipeline()->find(name);
   result.type = module.info().type;
   result.params = module.changedValues();
   return result;
@@ -138,6 +140,20 @@ TEST(MovedParameters, BothWordingsEndInTheSameBits) {
   EXPECT_EQ(endOf(R"({"params": {"tolerance": 0.01, "iterations": 50, "acceleration": "nesterov"}})"),
             endOf(R"({"type": "AcceleratedSolver",
                       "params": {"tolerance": 0.01, "max_iterations": 50, "acceleration": "nesterov"}})"));
+}
+
+TEST(MovedParameters, AStrengthOfXsphWithoutAFormCountsInSteps) {
+  const Built old = built("{}", {"water.viscosity.strength=0.1"}, "viscosity");
+  EXPECT_EQ(*old.params.find("form"), Value("explicit"));
+  EXPECT_EQ(old.params.find("strength")->brief(), "0.1");
+  ASSERT_EQ(old.warnings.size(), 1u);
+  EXPECT_CONTAINS(old.warnings[0], "counts in each step");
+  EXPECT_CONTAINS(old.warnings[0], R"("form": "explicit")");
+  for (const std::vector<std::string>& now :
+       {std::vector<std::string>{"water.viscosity.strength=0.1", "water.viscosity.form=explicit"},
+        {"water.viscosity.rate=100"},
+        {"water.viscosity.form=implicit"}})
+    EXPECT_TRUE(built("{}", now, "viscosity").warnings.empty()) << now.front();
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ std::vector<double> objectives(Device& device, const std::vector<Vec3f>& positio
   FluidScene scene(device, positions, {},
                    object({{"spacing", kSpacing}, {"calibration", "lattice"}, {"mu", 1.0}}),
                    object({{"solver", object({{"type", type}, {"params", std::move(solver)}})},
-                           {"viscosity", object({{"params", object({{"strength", 0.0}})}})}}));
+                           {"viscosity", object({{"params", object({{"rate", 0.0}})}})}}));
   scene.gravity = {};
   scene.reset(kDt);
   scene.step();

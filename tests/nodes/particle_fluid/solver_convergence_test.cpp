@@ -27,7 +27,7 @@ FluidScene fluidWith(Device& device, const std::vector<Vec3f>& positions,
       device, positions, velocities,
       object({{"spacing", kSpacing}, {"calibration", "lattice"}, {"bulk_modulus", bulkModulus}}),
       object({{"solver", object({{"type", "AcceleratedSolver"}, {"params", std::move(solver)}})},
-              {"viscosity", object({{"params", object({{"strength", 0.0}})}})}}));
+              {"viscosity", object({{"params", object({{"rate", 0.0}})}})}}));
 }
 
 void addTank(FluidScene& scene, const Value& parameters) {

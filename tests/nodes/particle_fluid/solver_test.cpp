@@ -40,7 +40,7 @@ TEST_P(OneStep, AgreesWithDoublePrecision) {
                 {"mu", 1.0}}),
         object(
             {{"solver", object({{"params", object({{"iterations", 3}, {"conservative", c.conservative}})}})},
-             {"viscosity", object({{"params", object({{"strength", 0.3}})}})}}));
+             {"viscosity", object({{"params", object({{"form", "explicit"}, {"strength", 0.3}})}})}}));
     scene.reset(c.dt);
     scene.step();
     EXPECT_LT(largestDifference(scene.positions(), reference.positions) / c.spacing, 1e-4) << name;

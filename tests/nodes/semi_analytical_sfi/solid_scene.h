@@ -50,7 +50,7 @@ inline SolidScene settling(Device& device, float spacing, const std::vector<Vec3
           {},
           object({{"spacing", spacing}, {"bulk_modulus", 5e5}}),
           object({{"solver", object({{"params", object({{"iterations", 60}})}})},
-                  {"viscosity", object({{"params", object({{"strength", 0.5}})}})}})};
+                  {"viscosity", object({{"params", object({{"form", "explicit"}, {"strength", 0.5}})}})}})};
 }
 
 }  // namespace weir::test

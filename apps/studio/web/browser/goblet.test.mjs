@@ -132,7 +132,7 @@ step("the viscosity changes while the scene runs", async () => {
   await hands.select("water");
   const viscosity = hands.aside().locator('[data-module="viscosity"]');
   await viscosity.locator("button.title").click();
-  await hands.set(viscosity, "strength", "float", 0.25);
+  await hands.set(viscosity, "rate", "float", 250);
   await page.waitForFunction(() => document.querySelectorAll(".plot").length > 2);
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
   assert.equal(await state().innerText(), "playing");

@@ -122,7 +122,7 @@ TEST(SurfaceTension, CubeBecomesSphere) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
     Value modules = withTension(0.03, 20);
-    modules["viscosity"] = object({{"params", object({{"strength", 0.05}})}});
+    modules["viscosity"] = object({{"params", object({{"form", "explicit"}, {"strength", 0.05}})}});
     FluidScene scene(*device, cube, {},
                      object({{"spacing", kSpacing}, {"support_ratio", 2.5}, {"calibration", "lattice"}}),
                      modules);
