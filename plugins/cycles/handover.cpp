@@ -222,6 +222,10 @@ Value Handover::surfaceOf(const SurfaceView& surface, std::size_t index, NpzFile
   arrays.add(name + "vertices", mesh.span.vertices);
   arrays.add(name + "triangles", mesh.span.triangles);
   if (!surface.velocities.empty()) arrays.add(name + "velocities", surface.velocities);
+  if (!surface.foam.empty()) {
+    arrays.add(name + "foam", surface.foam);
+    item["foam_reach"] = surface.foamReach;
+  }
   if (!mesh.span.colors.empty()) arrays.add(name + "colors", mesh.span.colors);
   return item;
 }

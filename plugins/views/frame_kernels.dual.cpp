@@ -155,6 +155,7 @@ template void boxOf(ThisBackend&, ArrayView<const Vec3f>, Aabb*);
 template void sumOf(ThisBackend&, ArrayView<const Vec3f>, PlacesSum*);
 template void chooseShown(ThisBackend&, ArrayView<const Vec3f>, ArrayView<const Cut>, ArrayView<int>, int*);
 template void take(ThisBackend&, ArrayView<const int>, ArrayView<const float>, ArrayView<float>);
+template void take(ThisBackend&, ArrayView<const int>, ArrayView<const int>, ArrayView<int>);
 template void take(ThisBackend&, ArrayView<const int>, ArrayView<const Vec3f>, ArrayView<Vec3f>);
 
 }  // namespace weir::rendering

@@ -267,6 +267,7 @@ void SceneCapture::captureFluidSurfaces(const Simulation& simulation, SceneSnaps
     to.color = own != nullptr && own->color.get() ? *own->color.get() : settings_.color->fixed.get();
     if (own != nullptr && own->particleColors) captureColors(snapshot, fluid, to.fluid);
     to.water = std::nullopt;
+    to.foamReach = 0;
     if (to.look == SurfaceLook::kWater) to.water = waterView(*own->water, 0, 0);
   }
   captureClosedWater(simulation, snapshot, i);
@@ -284,6 +285,8 @@ void SceneCapture::captureClosedWater(const Simulation& simulation, SceneSnapsho
     to.look = SurfaceLook::kWater;
     to.color = settings_.color->fixed;
     to.water = waterView(*settings_.fluids[placeOfFluid(node)].water, 0, 0);
+    constexpr float kReach = 2;  // spacings: a few of what the mesh resolves
+    to.foamReach = kReach * (*output)->material.spacing;
   }
 }
 

@@ -78,6 +78,7 @@ struct FluidSurfaceSnapshot {
   SurfaceLook look = SurfaceLook::kMatt;
   Color color;
   std::optional<WaterView> water;  ///< of the look "water"
+  float foamReach = 0;             ///< m: how far foam covers it; 0: foam is particles of its own alone
 };
 
 /// One frame.

@@ -10,6 +10,7 @@
 #include "plugins/views/camera_path.h"
 #include "plugins/views/environment_file.h"
 #include "plugins/views/frame_kernels.h"
+#include "plugins/views/surface_foam.h"
 #include "plugins/views/surface_means.h"
 #include "plugins/views/velocity_arrows.h"
 
@@ -78,6 +79,7 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   for (std::size_t i = 0; i < view.particles.size() && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
   const bool onDevice = place != ParticlePlace::kHost && maker_.readsDevice(view);
   for (std::size_t i = 0; i < view.particles.size(); ++i) shown_[i]->give(view.particles[i], onDevice);
+  addFoam(snapshot, view);
   return view;
 }
 
@@ -197,7 +199,8 @@ void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
                              .color = fields.colors.empty() ? surface.color : Color{1, 1, 1, 1},
                              .water = view.waters.size(),
                              .node = surface.node,
-                             .velocities = fields.velocities});
+                             .velocities = fields.velocities,
+                             .foamReach = surface.foamReach});
     if (surface.water) view.waters.push_back(*surface.water);
     if (boundsAreStatic_) continue;
     for (const Vec3f& p : mesh.vertices) bounds_.extend(p);
@@ -209,14 +212,33 @@ void SceneView::findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, Sho
   ParticleView particles;
   shown.give(particles, false);
   if (particles.velocities.empty() && particles.values.empty()) return;
-  const SurfaceMeans means(particles.positions, 2 * fluid.spacing);
-  if (!particles.velocities.empty()) fields.velocities = means.at(mesh.vertices, particles.velocities);
+  const NearParticles near(particles.positions, 2 * fluid.spacing);
+  if (!particles.velocities.empty()) fields.velocities = meansAt(mesh.vertices, near, particles.velocities);
   if (particles.values.empty()) return;
   std::vector<Vec3f> colors;
   colors.reserve(particles.values.size());
   for (const float value : particles.values)
     colors.push_back(map_.at((value - key_.low) / (key_.high - key_.low)));
-  fields.colors = means.at(mesh.vertices, colors);
+  fields.colors = meansAt(mesh.vertices, near, colors);
+}
+
+void SceneView::addFoam(SceneSnapshot& snapshot, View& view) {
+  foamRadii_.resize(view.particles.size());
+  for (SurfaceView& surface : view.surfaces) {
+    if (!(surface.foamReach > 0)) continue;
+    const auto i = std::size_t(std::find(fluidSurfaces_.begin(), fluidSurfaces_.end(), surface.mesh) -
+                               fluidSurfaces_.begin());
+    SurfaceFoam foam(snapshot.fluidSurfaces[i].mesh.wait().vertices, surface.foamReach);
+    for (std::size_t k = 0; k < view.particles.size(); ++k) {
+      ParticleView& particles = view.particles[k];
+      const std::span<const int> kinds = shown_[k]->kinds();
+      if (kinds.empty()) continue;
+      foamRadii_[k] = foam.lay(particles.positions, particles.radii, kinds);
+      particles.radii = foamRadii_[k];
+    }
+    fieldsOfSurfaces_[i].foam = std::move(foam.cover);
+    surface.foam = fieldsOfSurfaces_[i].foam;
+  }
 }
 
 void SceneView::chooseRange(const View& view) {

@@ -53,9 +53,12 @@ class SceneView {
   /// Of the fluid at each vertex of its surface; none of what is not captured.
   struct SurfaceFields {
     std::vector<Vec3f> velocities, colors;  // m/s; sRGB
+    std::vector<float> foam;                // SurfaceFoam::cover
   };
   void findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, ShownParticles& shown,
                   SurfaceFields& fields) const;
+  /// Lays foam on the surfaces that it covers, in place of its particles, which have radius 0 then.
+  void addFoam(SceneSnapshot& snapshot, View& view);
   void chooseRange(const View& view);
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(const SceneSnapshot& snapshot);
@@ -76,8 +79,9 @@ class SceneView {
   DeviceOutput<Vec3f> placesOnHost_{device_}, velocitiesOnHost_{device_};
   std::vector<std::unique_ptr<ShownParticles>> surfaceFluids_;  // behind each surface of a fluid
   std::vector<SurfaceFields> fieldsOfSurfaces_;
-  std::vector<Vec3f> arrows_;          // two points a line
-  std::vector<SurfaceView> surfaces_;  // that are still
+  std::vector<std::vector<float>> foamRadii_;  // of each fluid whose foam was laid on a surface
+  std::vector<Vec3f> arrows_;                  // two points a line
+  std::vector<SurfaceView> surfaces_;          // that are still
   std::vector<MeshId> fluidSurfaces_;
   std::vector<WaterView> surfaceWaters_;  // of those surfaces that are one's; they come first in a view
   std::optional<std::size_t> followedSurface_;

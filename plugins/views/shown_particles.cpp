@@ -40,6 +40,7 @@ void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foam
   velocities_ = {};
   if (fluid.velocities.size() > 0) velocities_ = fluid.velocities.on(device_, velocityRoom_);
   values_ = {};
+  kinds_ = {};
   isWhite_ = fluid.white;
   if (!fluid.colorType) return;
   if (fluid.white) return loadRadii(fluid);
@@ -65,9 +66,8 @@ void ShownParticles::loadRadii(FluidSnapshot& fluid) {
   };
   dispatch(device_, [&](auto& device) {
     const ArrayView<const float> stored = on(fluid.numbers<float>());
-    ArrayView<const int> kinds;
-    if (fluid.kinds) kinds = on(fluid.numbers<int>());
-    findWhiteRadii(device, stored, kinds, 0.5f * fluid.spacing, roomForValues(stored.size));
+    if (fluid.kinds) kinds_ = on(fluid.numbers<int>());
+    findWhiteRadii(device, stored, kinds_, 0.5f * fluid.spacing, roomForValues(stored.size));
     values_ = made_.view();
   });
 }
@@ -90,6 +90,10 @@ void ShownParticles::cut(std::span<const Cut> cuts) {
     keptValues_.resizeDiscarding(count);
     take(device, chosen, values_, keptValues_.view());
     values_ = keptValues_.view();
+    if (kinds_.size == 0) return;
+    keptKinds_.resizeDiscarding(count);
+    take(device, chosen, kinds_, keptKinds_.view());
+    kinds_ = keptKinds_.view();
   });
 }
 

@@ -41,6 +41,8 @@ class ShownParticles {
 
   /// Lets a view have places and numbers: those in the device's memory, or on the host.
   void give(ParticleView& view, bool onDevice);
+  /// Of white water, the kind (WhiteKind) of each particle, on the host; empty if they are not known.
+  std::span<const int> kinds() { return kindsOnHost_.of(kinds_); }
 
  private:
   template <class T>
@@ -51,6 +53,7 @@ class ShownParticles {
   Device& device_;
   ArrayView<const Vec3f> positions_;
   ArrayView<const float> values_;  // radii of white water
+  ArrayView<const int> kinds_;
   bool isWhite_ = false;
   ArrayView<const Vec3f> velocities_;  // none where they are not captured
   // For a frame that the device had no room for.
@@ -61,11 +64,13 @@ class ShownParticles {
   Array<int> chosen_{device_}, kept_{device_, 1};
   Array<Vec3f> keptPositions_{device_}, keptVelocities_{device_};
   Array<float> keptValues_{device_};
+  Array<int> keptKinds_{device_};
   Array<Aabb> box_{device_, 1};
   Array<Vec2f> range_{device_, 1};
   Array<PlacesSum> sum_{device_, 1};
   DeviceOutput<Vec3f> positionsOnHost_{device_}, velocitiesOnHost_{device_};
   DeviceOutput<float> valuesOnHost_{device_};
+  DeviceOutput<int> kindsOnHost_{device_};
 };
 
 }  // namespace weir::rendering

@@ -104,6 +104,8 @@ struct SurfaceView {
 
   std::string node = {};                           ///< whose it is
   std::span<const Vec3f> velocities = {};          ///< m/s, of each vertex; empty: none are known
+  std::span<const float> foam = {};                ///< cover of each vertex (SurfaceFoam); empty: none
+  float foamReach = 0;                             ///< m, over which that is a mean
   std::optional<Placement> before = std::nullopt;  ///< where it was one frame ago
 };
 

@@ -163,9 +163,9 @@ class Pictures(WithFolder):
 
     def test_spheres_may_have_a_radius_each(self):
         looks = {"name": "foam particles", "radius": 0.2, "color": [1, 0, 0], "white": False}
-        places = numpy.array([[-0.5, 0, 0], [numpy.nan, 0, 0], [0.5, 0, 0]], dtype="f4")
+        places = numpy.array([[-0.5, 0, 0], [numpy.nan, 0, 0], [0.5, 0, 0], [-0.5, 0.5, 0]], dtype="f4")
         seen = self.render(scene(particles=[looks]), particles0_positions=places,
-                           particles0_radii=numpy.array([0.1, 1, 0.3], dtype="f4"))
+                           particles0_radii=numpy.array([0.1, 1, 0.3, 0], dtype="f4"))
         red = seen[..., 0] > 2 * seen[..., 2]
         for half, radius in ((red[:, :SIZE // 2], 0.1), (red[:, SIZE // 2:], 0.3)):
             rows = numpy.nonzero(half)[0]
@@ -187,6 +187,24 @@ class Pictures(WithFolder):
         none, one, many = light(0), light(1), light(12)
         self.assertGreater(one, none + 0.1)
         self.assertGreater(many, 1.1 * one)
+
+    def test_foam_makes_water_white_where_it_lies(self):
+        # Before a black wall, seen through clear water with foam on its left half.
+        vertices, triangles = box([-1, -1, -0.4], [1, 1, 0])
+        back, sides = box([-3, -3, -1.2], [3, 3, -1])
+        water = {"absorption": [0, 0, 0], "scattering": 0.0, "scattered": [1, 1, 1], "refractive_index": 1.0}
+
+        def light(cover):
+            things = [surface("water", foam_reach=0.1), {**surface("matt", color=[0, 0, 0]), "name": "wall"}]
+            seen = self.render(scene(cycles={"samples": 64}, waters=[water], surfaces=things), surface0_vertices=vertices,
+                               surface0_triangles=triangles, surface1_vertices=back, surface1_triangles=sides,
+                               surface0_foam=numpy.where(vertices[:, 0] < 0, cover, 0).astype("f4"))
+            return seen[SIZE // 3:-SIZE // 3, SIZE // 6:SIZE // 4].mean(), seen[SIZE // 3:-SIZE // 3, -SIZE // 6:].mean()
+
+        none, little, much = light(0), light(0.04), light(1)
+        self.assertGreater(much[0], none[0] + 0.3)
+        self.assertTrue(none[0] + 0.03 < little[0] < 0.8 * much[0], (none, little, much))
+        self.assertLess(little[1], none[1] + 0.03)
 
     def test_a_surface_may_have_a_colour_at_each_vertex(self):
         vertices, triangles = box([-1, -1, -0.1], [1, 1, 0])
@@ -316,8 +334,9 @@ class Runs(WithFolder):
         number, item = next((i, p) for i, p in enumerate(frame.scene["particles"]) if p["name"] == "water spray particles")
         self.assertTrue(item["white"])
         away = numpy.linalg.norm(frame.positions(number) - place, axis=1)
-        self.assertEqual((away < 0.06).sum(), 16)
-        radii = frame.array(f"particles{number}_radii")[away < 0.06]
+        near = away < 0.3  # as far as they are strewn
+        self.assertEqual(near.sum(), 32)
+        radii = frame.array(f"particles{number}_radii")[near]
         self.assertTrue(0 < radii.min() and radii.max() < 0.01, radii)
         self.assertEqual(len(frame.array(f"particles{number}_velocities")), len(away))
         water = next(i for i, s in enumerate(frame.scene["surfaces"]) if s["name"] == "water")

@@ -139,6 +139,34 @@ TEST_P(SceneViews, OfWhiteWaterWhoseRadiiSpreadAndFollowItsKinds) {
     ASSERT_NEAR(seen.particles[0].radii[i], wanted[i], 1e-6f * wanted[i]) << i;
 }
 
+TEST_P(SceneViews, HaveFoamOnTheSurfacesThatItCovers) {
+  std::fill(heights.begin(), heights.end(), 0.05f);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<int>(i % 3);
+  capture(AttributeType::kFloat);
+  FluidSnapshot& fluid = snapshot.fluids[0];
+  fluid.white = fluid.kinds = true;
+  fluid.numbers<int>().start(onDevice(numbers), static_cast<std::int64_t>(numbers.size()));
+  const DynamicMesh mesh{onDevice<Vec3f>({{0, 0.5f, 0}, {0.1f, 0.5f, 0}, {9, 0.5f, 0}}),
+                         onDevice<Vec3f>({{0, 1, 0}, {0, 1, 0}, {0, 1, 0}}), onDevice<Vec3i>({{0, 2, 1}})};
+  FluidSurfaceSnapshot& surface = snapshot.fluidSurfaces.emplace_back(*device);
+  surface.mesh.start(mesh);
+  SceneView plain(settings, *settings.camera, renderer);
+  const View without = plain.of(snapshot, ParticlePlace::kHost);
+  EXPECT_TRUE(without.surfaces[0].foam.empty()) << "unless the capture asks for it";
+  surface.foamReach = 0.2f;
+  SceneView view(settings, *settings.camera, renderer);
+  const View seen = view.of(snapshot, ParticlePlace::kHost);
+  ASSERT_EQ(seen.surfaces[0].foam.size(), 3U);
+  EXPECT_GT(seen.surfaces[0].foam[0], 0);
+  EXPECT_EQ(seen.surfaces[0].foam[2], 0);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const float away =
+        std::min(length(positions[i] - Vec3f{0, 0.5f, 0}), length(positions[i] - Vec3f{0.1f, 0.5f, 0}));
+    const bool lies = numbers[i] == 1 && away < 0.2f;
+    ASSERT_EQ(seen.particles[0].radii[i] == 0, lies) << i;
+  }
+}
+
 TEST(WhiteLook, IsThatOfWhiteWaterUnlessTheSceneSaysOtherwise) {
   RenderSettings settings;
   WhiteWater foam;

@@ -9,7 +9,8 @@
 namespace weir::test {
 namespace {
 
-using rendering::SurfaceMeans;
+using rendering::meansAt;
+using rendering::NearParticles;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -30,7 +31,7 @@ TEST(SurfaceMeans, AreThoseOfTheFluidThatTurns) {
   std::vector<Vec3f> velocities;
   for (const Vec3f& p : positions) velocities.push_back(drift + cross(spin, p));
   const std::vector<Vec3f> places{{0, 0, 0}, {0.2f, -0.3f, 0.1f}, {-0.35f, 0.05f, 0.25f}};
-  const std::vector<Vec3f> found = SurfaceMeans(positions, 2 * kSpacing).at(places, velocities);
+  const std::vector<Vec3f> found = meansAt(places, NearParticles(positions, 2 * kSpacing), velocities);
   ASSERT_EQ(found.size(), places.size());
   for (std::size_t i = 0; i < places.size(); ++i)
     EXPECT_LT(length(found[i] - (drift + cross(spin, places[i]))), 1e-5f) << i;
@@ -40,8 +41,8 @@ TEST(SurfaceMeans, CountThoseThatAreNearAlone) {
   const std::vector<Vec3f> positions{{0, 0, 0}, {0.19f, 0, 0}, {0.21f, 0, 0}, {kNaN, 0, 0}};
   const std::vector<Vec3f> velocities{{1, 0, 0}, {3, 0, 0}, {100, 0, 0}, {100, 0, 0}};
   const std::vector<Vec3f> found =
-      SurfaceMeans(positions, 0.2f)
-          .at(std::vector<Vec3f>{{0, 0, 0}, {5, 5, 5}, {kNaN, 0, 0}, {1e30f, 0, 0}}, velocities);
+      meansAt(std::vector<Vec3f>{{0, 0, 0}, {5, 5, 5}, {kNaN, 0, 0}, {1e30f, 0, 0}},
+              NearParticles(positions, 0.2f), velocities);
   const float far = 1 - 0.19f * 0.19f / (0.2f * 0.2f), weight = far * far;
   EXPECT_NEAR(found[0].x, (1 + 3 * weight) / (1 + weight), 1e-5f);
   for (std::size_t i = 1; i < found.size(); ++i) EXPECT_EQ(length(found[i]), 0) << i;
@@ -49,8 +50,8 @@ TEST(SurfaceMeans, CountThoseThatAreNearAlone) {
 
 TEST(SurfaceMeans, AreNoneWithoutParticles) {
   const std::vector<Vec3f> one{{1, 2, 3}};
-  EXPECT_EQ(length(SurfaceMeans({}, 0.1f).at(one, {}).front()), 0);
-  EXPECT_TRUE(SurfaceMeans(one, 0.1f).at({}, one).empty());
+  EXPECT_EQ(length(meansAt(one, NearParticles({}, 0.1f), {}).front()), 0);
+  EXPECT_TRUE(meansAt({}, NearParticles(one, 0.1f), one).empty());
 }
 
 }  // namespace

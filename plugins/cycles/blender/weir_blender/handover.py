@@ -5,11 +5,12 @@ frame_00012.npz holds the array 'scene', the bytes of a JSON text, and the numbe
     particles0_positions  (n, 3) float32, m       of particles[0]
     particles0_values     (n,) float32            what colours them, where they are coloured
     particles0_velocities (n, 3) float32, m/s     where there is motion blur
-    particles0_radii      (n,) float32, m         where they are not all the same
+    particles0_radii      (n,) float32, m         where they are not all the same; 0: not to be seen
     surface0_vertices     (n, 3) float32, m       of surfaces[0], if it is another mesh at each frame
     surface0_triangles    (n, 3) int32
     surface0_velocities   (n, 3) float32, m/s     where there is motion blur
     surface0_colors       (n, 3) float32          where it has the colours of particles
+    surface0_foam         (n,) float32            how much of the area there is covered; a mean within 'foam_reach', m
 
 A surface that keeps its shape names a file of its own, mesh_00000.npz, with 'vertices' and 'triangles'. Surroundings
 that are a picture stand in environment.npz as 'light', (height, width, 3) float32, the first row below. Lengths are

@@ -6,6 +6,9 @@ from .handover import linear
 
 # Not "color": Cycles shows that black on point clouds.
 COLOR = "weir_color"
+FOAM = "weir_foam"
+FOAM_GAIN = 20.0
+WHITE = (0.95, 0.97, 0.98)
 
 
 def _new(name):
@@ -110,11 +113,16 @@ def white_water(name, color):
     material = _new(name)
     nodes = _Nodes(material.node_tree)
     tint = _rgba(color)
+    clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
+    nodes.output(nodes.mix(0.3, _froth(nodes, tint), clear))
+    return material
+
+
+def _froth(nodes, tint):
+    """White on both sides."""
     front = nodes.add("ShaderNodeBsdfDiffuse", Color=tint).outputs[0]
     back = nodes.add("ShaderNodeBsdfTranslucent", Color=tint).outputs[0]
-    clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
-    nodes.output(nodes.mix(0.3, nodes.mix(0.5, front, back), clear))
-    return material
+    return nodes.mix(0.5, front, back)
 
 
 def glass(name, color, closed):
@@ -134,7 +142,7 @@ def glass(name, color, closed):
     return material
 
 
-def water(name, look, caustics):
+def water(name, look, caustics, foam_reach=None):
     """Beer and Lambert: of light that goes x metres, exp(-absorption x) is left. Without caustics light goes straight
     on through the surface to what it lights, and is absorbed on its way as well."""
     material = _new(name)
@@ -145,8 +153,37 @@ def water(name, look, caustics):
         path = nodes.add("ShaderNodeLightPath")
         clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
         surface = nodes.mix(path.outputs["Is Shadow Ray"], surface, clear)
+    if foam_reach is not None:
+        surface = nodes.mix(_lace(nodes, foam_reach), surface, _froth(nodes, _rgba(WHITE)))
     nodes.output(surface, _inside(nodes, look))
     return material
+
+
+def _lace(nodes, reach):
+    """How white it is, by the attribute FOAM. Finer than the mesh: little foam lies in threads around cells of clear
+    water, which close as it becomes more."""
+    cover = nodes.add("ShaderNodeAttribute")
+    cover.attribute_name = FOAM
+    share = nodes.math("SUBTRACT", 1.0, nodes.math("EXPONENT", nodes.math("MULTIPLY", cover.outputs["Fac"], -FOAM_GAIN)))
+    places = nodes.add("ShaderNodeTexCoord").outputs["Object"]
+    bent = nodes.add("ShaderNodeTexNoise", Vector=places, Scale=0.4 / reach, Detail=4.0)
+    moved = nodes.add("ShaderNodeVectorMath", Vector=bent.outputs["Color"])
+    moved.operation = "MULTIPLY_ADD"
+    moved.inputs[1].default_value = (2 * reach,) * 3
+    nodes.tree.links.new(places, moved.inputs[2])
+    grain = nodes.add("ShaderNodeTexNoise", Vector=places, Scale=3 / reach, Detail=2.0)
+    height = nodes.math("MULTIPLY", grain.outputs["Fac"], 0.3)
+    for size, weight in ((2.5, 0.45), (0.7, 0.25)):
+        cells = nodes.add("ShaderNodeTexVoronoi", Vector=moved.outputs[0], Scale=1 / (size * reach))
+        cells.feature = "DISTANCE_TO_EDGE"
+        thread = nodes.math("MAXIMUM", nodes.math("SUBTRACT", 1.0, nodes.math("MULTIPLY", cells.outputs["Distance"], 3.0)))
+        height = nodes.math("ADD", height, nodes.math("MULTIPLY", thread, weight))
+    lies = nodes.tree.nodes.new("ShaderNodeMapRange")
+    lies.interpolation_type = "SMOOTHSTEP"
+    nodes.tree.links.new(nodes.math("ADD", share, height), lies.inputs[0])
+    for socket, value in zip(lies.inputs[1:5], (0.75, 1.25, 0.0, 0.95)):
+        socket.default_value = value
+    return lies.outputs[0]
 
 
 def _inside(nodes, look):
@@ -198,7 +235,7 @@ def ground(name, color, radius, tiles, fades):
 def surface(name, item, waters, closed, caustics, colored):
     """Of a surface of the hand-over, by its look."""
     if item["look"] == "water" and closed:
-        return water(name, waters[item["water"]], caustics)
+        return water(name, waters[item["water"]], caustics, item.get("foam_reach"))
     if item["look"] in ("glass", "water"):
         return glass(name, item["color"], closed)
     if item["look"] == "metal":

@@ -92,14 +92,15 @@ class SceneBuilder:
         file, colors = item.get("mesh"), frame.surface_colors(index)
         if file is None or self._changed("mesh " + name, (str(frame.path.parent), file)):
             vertices, triangles = frame.mesh(index)
-            fill_mesh(thing.data, vertices, triangles, frame.array(f"surface{index}_velocities"), colors)
+            fill_mesh(thing.data, vertices, triangles, frame.array(f"surface{index}_velocities"), colors,
+                      frame.array(f"surface{index}_foam"))
             self._closed[name] = is_closed(triangles)
         self._place(thing, frame.scene, item)
         closed = self._closed[name]
         caustics = frame.scene["cycles"]["caustics"]
         waters = frame.scene["waters"]
         made_of = repr((item["look"], item["color"], closed, caustics, colors is not None,
-                        waters[item["water"]] if item["look"] == "water" else None))
+                        waters[item["water"]] if item["look"] == "water" else None, item.get("foam_reach")))
         self._dress(thing, name, made_of, lambda: materials.surface(name, item, waters, closed, caustics, colors is not None))
         return name
 
@@ -133,6 +134,8 @@ class SceneBuilder:
         positions = frame.positions(index)
         whole = numpy.isfinite(positions).all(axis=1)
         velocities, radii = (frame.array(f"particles{index}_{what}") for what in ("velocities", "radii"))
+        if radii is not None:
+            whole &= radii > 0
         fill_points(thing.data, *(None if of is None else of[whole] for of in (positions, velocities, colors, radii)))
         colored, white = colors is not None, item.get("white", False)
         material = self._dress(thing, name, repr((item["color"], colored, white)),
@@ -263,7 +266,7 @@ def _tone(scene, picture):
     view.exposure = math.log2(picture["exposure"]) + (0.6 if view.view_transform == "AgX" else 0)
 
 
-def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None):
+def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None, foam=None):
     """Makes it the mesh of these triangles, smooth; the velocities are for motion blur, the colours light."""
     mesh.clear_geometry()
     vertices = turned(vertices)
@@ -280,6 +283,7 @@ def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None):
     mesh.polygons.foreach_set("use_smooth", _smooth(vertices, corners))
     _set_velocities(mesh, velocities)
     _set(mesh, COLOR, "FLOAT_COLOR", "color", colors)
+    _set(mesh, materials.FOAM, "FLOAT", "value", foam)
     mesh.update(calc_edges=True)
     mesh.validate()
 

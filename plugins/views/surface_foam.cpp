@@ -1,0 +1,31 @@
+#include "plugins/views/surface_foam.h"
+
+#include "framework/base/check.h"
+#include "nodes/white_water/white_particles.h"
+#include "plugins/views/near_particles.h"
+
+namespace weir::rendering {
+
+std::vector<float> SurfaceFoam::lay(std::span<const Vec3f> positions, std::span<const float> radii,
+                                    std::span<const int> kinds) {
+  WEIR_CHECK(positions.size() == radii.size());
+  WEIR_CHECK(positions.size() == kinds.size());
+  std::vector<Vec3f> places;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] != static_cast<int>(WhiteKind::kFoam)) continue;
+    places.push_back(positions[i]);
+    numbers.push_back(i);
+  }
+  std::vector<float> left(radii.begin(), radii.end());
+  const NearParticles near(places, reach_);
+  for (std::size_t v = 0; v < vertices_.size(); ++v)
+    near.visit(vertices_[v], [&](std::size_t k, float weight) {
+      const float share = radii[numbers[k]] / reach_;
+      cover[v] += 3 * share * share * weight;
+      left[numbers[k]] = 0;
+    });
+  return left;
+}
+
+}  // namespace weir::rendering
