@@ -13,9 +13,9 @@ bool breaksUp(float spacing) {
 }
 
 float Spray::meanRadius() {
-  // Radii are even between a and 2a: the mean of r³ is 15/4·a³.
-  constexpr double kPerDrop = 4 * std::numbers::pi / 3 * 15 / 4;
-  return static_cast<float>(1.5 * std::cbrt(1 / (kDrops * kPerDrop)));
+  // The mean of r³ is 5/4 of that of r, cubed.
+  constexpr double kPerDrop = 4 * std::numbers::pi / 3 * 5 / 4;
+  return static_cast<float>(std::cbrt(1 / (kDrops * kPerDrop)));
 }
 
 void Spray::make(Device& onDevice, const ParticleKernels& kernels, const ParticleSet& particles,

@@ -16,7 +16,7 @@ struct PlaceDrop {
   ArrayView<const float> spray;
   ArrayView<const Vec3f> positions, velocities;
   ArrayView<const std::int64_t> ids;
-  float spread, radius;  // m
+  float spacing, radius;  // m
   ArrayView<Vec3f> dropPositions, dropVelocities;
   ArrayView<float> radii;
 
@@ -24,17 +24,21 @@ struct PlaceDrop {
     const int kernel = chosen[drop / Spray::kDrops], i = particles[kernel];
     const std::uint64_t seed =
         splitMix64(static_cast<std::uint64_t>(ids[i]), static_cast<std::uint64_t>(drop % Spray::kDrops));
-    dropPositions[drop] = positions[i] + spread * inBall(seed);
+    const float share = spray[kernel], speed = length(velocities[i]);
+    const float lag = speed * Spray::kLag > 3 * spacing ? 3 * spacing / speed : Spray::kLag;
+    dropPositions[drop] = positions[i] + 0.5f * (1 + share) * spacing * around(seed) +
+                          lag * static_cast<float>(noise(seed, 9)) * velocities[i];
     dropVelocities[drop] = velocities[i];
-    radii[drop] = cbrtf(spray[kernel]) * radius * static_cast<float>(1 + noise(seed, 4) / 3);
+    radii[drop] = cbrtf(share) * radius * static_cast<float>(1 + noise(seed, 10) / 2);
   }
 
-  /// Even in all directions and in the distance, so that most are near the middle.
-  WEIR_HD static Vec3f inBall(std::uint64_t seed) {
-    constexpr float kPi = 3.14159265358979f;
-    const auto up = static_cast<float>(noise(seed, 0)), angle = kPi * static_cast<float>(noise(seed, 1));
-    const float away = 0.5f + 0.5f * static_cast<float>(noise(seed, 2)), across = sqrtf(1 - up * up);
-    return away * Vec3f{across * cosf(angle), up, across * sinf(angle)};
+  /// Along each axis the sum of three even numbers: nearly normal, with a deviation of 1 and none beyond 3.
+  WEIR_HD static Vec3f around(std::uint64_t seed) {
+    const auto along = [seed](std::uint64_t axis) {
+      const std::uint64_t first = 3 * axis;
+      return static_cast<float>(noise(seed, first) + noise(seed, first + 1) + noise(seed, first + 2));
+    };
+    return {along(0), along(1), along(2)};
   }
 };
 
@@ -48,12 +52,11 @@ void Spray::chooseOn(Backend& device, ArrayView<const float> spray) {
 template <class Backend>
 void Spray::placeOn(Backend& device, const ParticleKernels& kernels, const ParticleSet& particles,
                     float spacing) {
-  constexpr float kSpread = 1.25f;  // half of how far apart the particles of the thinnest cloud are
-  parallelFor(device, "spray drops", positions_.size(),
-              PlaceDrop{std::as_const(chosen_).view(), kernels.particles(), kernels.spray(),
-                        particles.positions().read(), particles.velocities().read(), particles.ids().read(),
-                        kSpread * spacing, meanRadius() * spacing, positions_.view(), velocities_.view(),
-                        radii_.view()});
+  parallelFor(
+      device, "spray drops", positions_.size(),
+      PlaceDrop{std::as_const(chosen_).view(), kernels.particles(), kernels.spray(),
+                particles.positions().read(), particles.velocities().read(), particles.ids().read(), spacing,
+                meanRadius() * spacing, positions_.view(), velocities_.view(), radii_.view()});
 }
 
 template void Spray::chooseOn(ThisBackend&, ArrayView<const float>);
