@@ -332,11 +332,11 @@ void searchAtBodies(Backend& device, WallField& walls) {
 
 /// After the solver: bodies stand where it has brought them, with the velocity of that.
 template <class Backend>
-void endBodies(Backend& device, const PressureProblem& problem) {
-  WallField& walls = problem.fluid.walls;
+void endBodies(Backend& device, FluidStep& fluid) {
+  WallField& walls = fluid.walls;
   if (!walls.moves) return;
   parallelFor(device, "end of bodies", walls.views.size(),
-              detail::EndBodies{walls.views.view(), 1 / problem.fluid.time.dt});
+              detail::EndBodies{walls.views.view(), 1 / fluid.time.dt});
   walls.sortSolids(device);
 }
 

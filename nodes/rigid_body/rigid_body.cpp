@@ -12,6 +12,7 @@
 #include "nodes/particle_fluid/modules/semi_implicit_solver.h"
 #include "nodes/particle_fluid/modules/solid_approach.h"
 #include "nodes/particle_fluid/modules/solid_contact.h"
+#include "nodes/particle_fluid/modules/two_projections.h"
 #include "nodes/particle_fluid/modules/viscosity_solver.h"
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/particle_fluid.h"
@@ -96,8 +97,9 @@ void RigidBody::checkModules() const {
                      std::string(allowed));
   };
   const auto* accelerated = enabledModule<AcceleratedSolver>(in);
-  if (enabledModule<SemiImplicitSolver>(in) == nullptr && accelerated == nullptr)
-    refuse("has no solver that moves bodies", "a SemiImplicitSolver or an AcceleratedSolver");
+  if (enabledModule<SemiImplicitSolver>(in) == nullptr && enabledModule<TwoProjections>(in) == nullptr &&
+      accelerated == nullptr)
+    refuse("has no solver that moves bodies", "a SemiImplicitSolver, an AcceleratedSolver or TwoProjections");
   if (accelerated != nullptr && accelerated->acceleration == Acceleration::kConjugate)
     refuse("has an AcceleratedSolver whose conjugate gradients do not move bodies",
            R"("acceleration": "nesterov" or "none")");

@@ -129,7 +129,7 @@ void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
       iterate(device, problem, pass);
   }
   problem.finish(device);
-  endBodies(device, problem);
+  endBodies(device, fluid);
   if (controlled()) meetWalls(device, problem);
 }
 

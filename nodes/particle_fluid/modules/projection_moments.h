@@ -36,7 +36,8 @@ WEIR_HD inline float roomFor(float lambda, float dt) {
   return below / kClosing + (below > kFree ? (below - kFree) / dt : 0.0f);
 }
 
-/// N; Σ k·(n·N·n)·n over the planes of walls; s less what their motion adds to D·v.
+/// N; Σ k·(n·N·n)·n over the planes of walls, and of each solid alone where bodies are moved; s less what the
+/// walls' motion adds to D·v.
 struct FindMoments {
   ProjectionPacking packing;
   WallFieldView walls;
@@ -44,6 +45,7 @@ struct FindMoments {
   float dt;
   ArrayView<const Vec3f> velocities;
   ArrayView<Vec3f> diagonal, off, wall;
+  ArrayView<Vec3f> wallOfPair;  // of each pair of a particle and a solid; empty where nobody asks for it
   ArrayView<float> room;
 
   WEIR_HD void operator()(std::int64_t i) const {
@@ -57,7 +59,8 @@ struct FindMoments {
       if (far > 0) moments.addSquare(sqrtf(dot(g, g)) / far, r);
     });
     float lambda = packing.gradient.particleVolume * sum;
-    if (!walls.empty()) lambda += walls.phi(i, -dt * velocities[i], p);
+    if (!walls.empty())
+      lambda += positivePart(walls.phi(i, -dt * velocities[i], p) - planes.meshes.gained(i, dt));
     planes.forEach(i, p, [&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
     write(i, p, inverseOf(moments), lambda);
   }
@@ -66,15 +69,21 @@ struct FindMoments {
   WEIR_HD void write(std::int64_t i, const Vec3f& p, const SymmetricTensor& n, float lambda) const {
     Vec3f push{};
     float moving = 0;
+    if (wallOfPair.size > 0) forgetPairs(i);
     planes.forEach(i, p, [&](const WallPlane& of) {
       const float k = of.push * dot(of.normal, n * of.normal);
       push += k * of.normal;
       moving += k * dot(of.normal, of.velocity);
+      if (of.pair >= 0 && wallOfPair.size > 0) wallOfPair[of.pair] = k * of.normal;
     });
     diagonal[i] = n.diagonal;
     off[i] = n.off;
     wall[i] = push;
     room[i] = roomFor(lambda, dt) - moving;
+  }
+  WEIR_HD void forgetPairs(std::int64_t i) const {
+    const SolidPairsView& pairs = planes.meshes.pairs;
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) wallOfPair[pair] = {};
   }
 };
 

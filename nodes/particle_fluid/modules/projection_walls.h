@@ -17,6 +17,7 @@ struct WallPlane {
   float distance;  ///< y, m
   float push;      ///< k, 1/m
   Vec3f velocity;  ///< of the wall, m/s
+  int pair = -1;   ///< of the particle and its solid, in SolidPairs; -1 for a boundary
 };
 
 /// Solids by meshes near particles, each a plane by its ∇Φ. So where faces meet, it is a slanted one.
@@ -24,19 +25,28 @@ struct MeshPlanes {
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
   ArrayView<const Vec4f> each;
-  float radius, factor;  ///< of Φ: H_w, m, and a
+  ArrayView<const Vec3f> predicted;  ///< positions of particles, at which `each` was found
+  float radius, factor;              ///< of Φ: H_w, m, and a
 
-  /// f(distance, normal, velocity)
+  /// f(distance, normal, velocity, pair)
   template <class F>
-  WEIR_HD void forEach(std::int64_t i, const Vec3f& x, const F& f) const {
+  WEIR_HD void forEach(std::int64_t i, const F& f) const {
     if (solids.size == 0) return;
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
       const Vec3f gradient = xyz(each[pair]);
       const float steep = sqrtf(dot(gradient, gradient));
       if (!(steep > 0)) continue;
       f(radius * distanceOf(steep * radius / factor), (-1 / steep) * gradient,
-        solids[pairs.solid[pair]].velocityAt(x));
+        solids[pairs.solid[pair]].velocityAt(predicted[i]), pair);
     }
+  }
+  /// By what Φ of a particle is more, where the solids move, than it was `dt` s ago.
+  WEIR_HD float gained(std::int64_t i, float dt) const {
+    if (solids.size == 0) return 0;
+    float sum = 0;
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair)
+      sum -= dt * dot(xyz(each[pair]), solids[pairs.solid[pair]].velocityAt(predicted[i]));
+    return sum;
   }
 
  private:
@@ -74,26 +84,24 @@ struct WallPlanes {
   template <class F>
   WEIR_HD void forEach(std::int64_t i, const Vec3f& x, const F& f) const {
     float open = 1;
-    forEachWithin(i, x, [&](const FaceIntegrals<float>& face, float, const Vec3f&, const Vec3f&) {
-      open *= 1 - face.phi;
+    forEachWithin(i, x, [&](const FaceIntegrals<float>& face, WallPlane) { open *= 1 - face.phi; });
+    forEachWithin(i, x, [&](const FaceIntegrals<float>& face, WallPlane plane) {
+      plane.push = -share * face.slope / radius * open / (1 - face.phi);
+      f(plane);
     });
-    forEachWithin(i, x,
-                  [&](const FaceIntegrals<float>& face, float y, const Vec3f& normal, const Vec3f& velocity) {
-                    f(WallPlane{normal, y, -share * face.slope / radius * open / (1 - face.phi), velocity});
-                  });
   }
 
  private:
   template <class F>
   WEIR_HD void forEachWithin(std::int64_t i, const Vec3f& x, const F& f) const {
-    const auto plane = [&](float distance, const Vec3f& normal, const Vec3f& velocity) {
+    const auto plane = [&](float distance, const Vec3f& normal, const Vec3f& velocity, int pair) {
       const float y = positivePart(distance);
-      if (y < radius) f(faceIntegrals(y / radius), y, normal, velocity);
+      if (y < radius) f(faceIntegrals(y / radius), WallPlane{normal, y, 0, velocity, pair});
     };
-    meshes.forEach(i, x, plane);
+    meshes.forEach(i, plane);
     if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return;
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-      forEachFace(piece, x, [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}); });
+      forEachFace(piece, x, [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}, -1); });
     });
   }
 };

@@ -65,7 +65,7 @@ void SemiImplicitSolver::stepOn(Backend& device, FluidStep& fluid) {
     record(problem);
   }
   problem.finish(device);
-  endBodies(device, problem);
+  endBodies(device, fluid);
 }
 
 template void SemiImplicitSolver::stepOn(ThisBackend&, FluidStep&);

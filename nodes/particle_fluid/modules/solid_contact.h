@@ -29,7 +29,7 @@ class SolidContact final : public FluidModule, public OnRanks {
     if (fluid.walls.empty()) return;
     if (fluid.walls.moves && !fluid.walls.moved)
       throw sceneError("the fluid meets a RigidBody, but no solver of it moves bodies",
-                       "a SemiImplicitSolver or an AcceleratedSolver");
+                       "a SemiImplicitSolver, an AcceleratedSolver or TwoProjections");
     dispatch(fluid.device, [&](auto& device) { stepOn(device, fluid); });
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "framework/graph/setting_warning.h"
+#include "nodes/particle_fluid/modules/projection_bodies.h"
 #include "nodes/particle_fluid/modules/projection_packing.h"
 #include "nodes/particle_fluid/scratch.h"
 
@@ -31,6 +32,9 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
 void TwoProjections::fit(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
              q_, room_, source_, residual_, direction_, product_, preconditioner_);
+  if (wrenches_.data() == nullptr) wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
+  wrenches_.resizeDiscarding(fluid.walls.views.size());
+  wallOfPair_.resizeDiscarding(fluid.walls.moves ? fluid.walls.pairs.room() : 0);
   if (sums_.data() != nullptr) return;
   sums_ = Array<Vec4f>(fluid.device, 2 * kTogether);
   active_ = Array<int>(fluid.device, 1);
@@ -45,11 +49,23 @@ ProjectionPacking TwoProjections::packingOf(FluidStep& fluid) {
           wall_.view()};
 }
 
+projection::BodiesAtParticles TwoProjections::bodiesOf(FluidStep& fluid) {
+  const WallField& walls = fluid.walls;
+  return {.solids = walls.views.view(),
+          .pairs = walls.pairs.view(),
+          .near = walls.pairs.near(),
+          .predicted = fluid.particles.positions().read(),
+          .wallOfPair = std::as_const(wallOfPair_).view(),
+          .particleMass = double(fluid.constants.particleMass)};
+}
+
 double TwoProjections::memory(const FluidRoom& room) const {
+  constexpr double kUsualPairs = 2;  // of a particle, as SolidPairs has room for
   return bytesOfArrays(room.particles, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_,
                        rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
                        preconditioner_) +
-         room.particles * sizeof(float);
+         room.particles * sizeof(float) +
+         (room.solids > 0 ? kUsualPairs * bytesOfArrays(room.particles, wallOfPair_) : 0);
 }
 
 void TwoProjections::report(NodeReport& report) {

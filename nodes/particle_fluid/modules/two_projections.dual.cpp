@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "nodes/particle_fluid/modules/pbf_passes.h"
+#include "nodes/particle_fluid/modules/projection_bodies.h"
 #include "nodes/particle_fluid/modules/projection_moments.h"
 #include "nodes/particle_fluid/modules/projection_passes.h"
 
@@ -48,11 +49,14 @@ float shareOf(const FluidConstants& c) {
   return static_cast<float>(1 / sum);
 }
 
-WallPlanes planesOf(const WallField& walls, const FluidConstants& c) {
+WallPlanes planesOf(const FluidStep& fluid) {
+  const WallField& walls = fluid.walls;
+  const FluidConstants& c = fluid.constants;
   return {.boundary = walls.boundary.boundary,
           .meshes = {.solids = walls.views.view(),
                      .pairs = walls.pairs.view(),
                      .each = walls.each.view(),
+                     .predicted = fluid.particles.positions().read(),
                      .radius = c.wallRadius,
                      .factor = c.wallFactor},
           .radius = c.supportRadius,
@@ -66,12 +70,13 @@ void TwoProjections::findMoments(Backend& device, FluidStep& fluid) {
   parallelFor(device, "moments", fluid.particles.count(),
               FindMoments{.packing = packingOf(fluid),
                           .walls = fluid.walls.view(),
-                          .planes = planesOf(fluid.walls, fluid.constants),
+                          .planes = planesOf(fluid),
                           .dt = static_cast<float>(fluid.time.dt),
                           .velocities = u_.view(),
                           .diagonal = diagonal_.view(),
                           .off = off_.view(),
                           .wall = wall_.view(),
+                          .wallOfPair = wallOfPair_.view(),
                           .room = room_.view()});
   fluid.exchange(diagonal_.view());
   fluid.exchange(off_.view());
@@ -84,8 +89,7 @@ void TwoProjections::smooth(Backend& device, FluidStep& fluid) {
   const Count count = fluid.particles.count();
   const ProjectionPacking packing = packingOf(fluid);
   parallelFor(device, "gradients", count,
-              FindGradients{packing, planesOf(fluid.walls, fluid.constants), u_.view(), rowX_.view(),
-                            rowY_.view(), rowZ_.view()});
+              FindGradients{packing, planesOf(fluid), u_.view(), rowX_.view(), rowY_.view(), rowZ_.view()});
   for (Array<Vec3f>* row : {&rowX_, &rowY_, &rowZ_}) fluid.exchange(row->view());
   parallelFor(device, "smooth", count,
               Smooth{packing, smoothing, u_.view(), rowX_.view(), rowY_.view(), rowZ_.view(), push_.view()});
@@ -96,9 +100,40 @@ void TwoProjections::smooth(Backend& device, FluidStep& fluid) {
 template <class Backend>
 void TwoProjections::apply(Backend& device, FluidStep& fluid, Count count, const Array<float>& of) {
   const ProjectionPacking packing = packingOf(fluid);
-  parallelFor(device, "push", count, PushOf{packing, of.view(), push_.view()});
+  parallelFor(device, "push", count, projection::PushOf{packing, of.view(), push_.view()});
   fluid.exchange(push_.view());
   parallelFor(device, "divergence", count, Divergence{packing, push_.view(), product_.view()});
+  applyBodies(device, fluid, of);
+}
+
+template <class Backend>
+void TwoProjections::applyBodies(Backend& device, FluidStep& fluid, const Array<float>& of) {
+  const WallField& walls = fluid.walls;
+  if (!walls.moves) return;
+  const BodiesAtParticles bodies = bodiesOf(fluid);
+  sumByKeyOverRanks(device, "wrenches", {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()},
+                    bodies.solids.size, SumWrenches{bodies, of.view()}, weir::detail::AddTwists{},
+                    wrenches_.data());
+  parallelFor(device, "change bodies", bodies.solids.size,
+              ChangeBodies{bodies.solids, wrenches_.data(), bodies.particleMass});
+  parallelForUneven(device, "add bodies", walls.pairs.nearCount(), AddBodies{bodies, product_.view()});
+}
+
+template <class Backend>
+void TwoProjections::moveBodies(Backend& device, FluidStep& fluid) {
+  WallField& walls = fluid.walls;
+  if (!walls.moves) return;
+  walls.moved = true;
+  const BodiesAtParticles bodies = bodiesOf(fluid);
+  parallelFor(device, "displace bodies", bodies.solids.size, DisplaceBodies{bodies.solids, fluid.time.dt});
+  parallelForUneven(device, "tell of bodies", walls.pairs.nearCount(),
+                    TellOfBodies{.bodies = bodies,
+                                 .dt = static_cast<float>(fluid.time.dt),
+                                 .q = std::as_const(q_).view(),
+                                 .lift = walls.lift.view(),
+                                 .share = walls.share.write(),
+                                 .each = walls.each.view()});
+  endBodies(device, fluid);
 }
 
 template <class Backend>
@@ -108,11 +143,11 @@ void TwoProjections::iterateOnce(Backend& device, FluidStep& fluid, float enough
   const Sums sums{residual_.view(), direction_.view(), product_.view(), preconditioner_.view()};
   fluid.exchange(direction_.view());
   apply(device, fluid, count, direction_);
-  reduce(device, "sums", count, Vec4f{}, sums, AddSums{}, before);
+  reduce(device, "sums", count, Vec4f{}, sums, projection::AddSums{}, before);
   parallelFor(device, "judge", 1, Judge{all, enough, before, active_.data()});
   parallelFor(device, "advance", count,
               Advance{before, direction_.view(), product_.view(), q_.view(), residual_.view()});
-  reduce(device, "sums", count, Vec4f{}, sums, AddSums{}, after);
+  reduce(device, "sums", count, Vec4f{}, sums, projection::AddSums{}, after);
   parallelFor(device, "turn", count,
               Turn{before, after, residual_.view(), preconditioner_.view(), direction_.view()});
 }
@@ -141,6 +176,9 @@ void TwoProjections::project(Backend& device, FluidStep& fluid) {
   const ProjectionPacking packing = packingOf(fluid);
   parallelFor(device, "source", count, Divergence{packing, u_.view(), source_.view()});
   parallelFor(device, "preconditioner", count, FindPreconditioner{packing, preconditioner_.view()});
+  if (fluid.walls.moves)
+    parallelForUneven(device, "precondition bodies", fluid.walls.pairs.nearCount(),
+                      PreconditionBodies{bodiesOf(fluid), preconditioner_.view()});
   bool finished = false;
   for (int round = 0; round < kRounds && !finished; ++round) {
     fluid.exchange(q_.view());
@@ -223,6 +261,7 @@ void TwoProjections::stepOn(Backend& device, FluidStep& fluid) {
                      .displacement = displacement_.view(),
                      .velocities = velocities,
                      .pressure = pressure_.write()});
+  moveBodies(device, fluid);
   correct(device, fluid);
 }
 

@@ -1,6 +1,6 @@
 // Velocities and positions made incompressible one beside the other, so that water at rest under pressure has
 // no stiffness against shear and small waves hardly lose height (engineering/jelly.md). In the place of the
-// module "solver". It waits for the device every few iterations, works on one rank, and moves no bodies.
+// module "solver". It waits for the device every few iterations, and works on one rank.
 //
 // At the positions x with which a step begins, x* − dt·v*, with r = x_j − x_i and a_ij = V0·|W'|/r:
 //
@@ -17,17 +17,22 @@
 // the particles that bear pressure. s lets fluid below rest density close up. A projection along Dᵀ takes
 // kinetic energy away only. The stress of these forces is isotropic, whatever the pressures, as N is the
 // inverse of M. Then x = x + dt·v, and positions go towards λ ≤ 1 by an iteration of Pbf (Macklin and Müller
-// 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take.
+// 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take. Bodies are part
+// of the projection (projection_bodies.h), and stand still for the correction.
 #pragma once
 
 #include "framework/base/clamped.h"
 #include "framework/compute/dispatch.h"
+#include "framework/solids/free_body.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/own_wall_factor.h"
 
 namespace weir {
 
 struct ProjectionPacking;
+namespace projection {
+struct BodiesAtParticles;
+}
 
 class TwoProjections final : public FluidModule, public InPeriodicDomain, public OwnWallFactor {
  public:
@@ -35,7 +40,7 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
       "TwoProjections", kFamily,
       "Keeps the fluid incompressible without stiffness against shear, for calm water and waves: velocities "
       "by a consistent operator, positions beside them; takes the place of the solver, with a "
-      "support_ratio of 1.8 or more. It moves no bodies.",
+      "support_ratio of 1.8 or more.",
       "incompressible, pressure, solver, divergence, waves, calm, damping, ISPH"};
   const ModuleInfo& info() const override { return kInfo; }
 
@@ -104,9 +109,16 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   /// Writes two sums, before it and after it, in device memory; nothing else if the round is done.
   template <class Backend>
   void iterateOnce(Backend& device, FluidStep& fluid, float enough, Vec4f* before);
-  /// D·Dᵀ of what is in `of`, into product_; push_ is Dᵀ of it.
+  /// D·Dᵀ of what is in `of`, into product_; push_ is Dᵀ of it, and what the bodies get is their change.
   template <class Backend>
   void apply(Backend& device, FluidStep& fluid, Count count, const Array<float>& of);
+  /// What the bodies' changes by the pressures in `of` add to product_.
+  template <class Backend>
+  void applyBodies(Backend& device, FluidStep& fluid, const Array<float>& of);
+  /// Bodies go on with the velocities that the projection has given them, and are told of it.
+  template <class Backend>
+  void moveBodies(Backend& device, FluidStep& fluid);
+  projection::BodiesAtParticles bodiesOf(FluidStep& fluid);
   /// Moves particles towards λ ≤ 1.
   template <class Backend>
   void correct(Backend& device, FluidStep& fluid);
@@ -118,7 +130,8 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   Attribute<float> pressure_;             // Pa
   Array<Vec4f> state_, weighted_;         // position; and the multiplier of corrections
   Array<Vec3f> diagonal_, off_;           // of N: xx, yy, zz and xy, xz, yz
-  Array<Vec3f> wall_;                     // Σ k·(n·N·n)·n
+  Array<Vec3f> wall_, wallOfPair_;        // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
+  Array<Twist> wrenches_;                 // of each solid
   Array<Vec3f> u_, push_, displacement_;  // the last from x*
   Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
