@@ -103,7 +103,7 @@ class FluidModule : public Module {
  public:
   static constexpr std::string_view kFamily = "FluidModule";
 
-  /// Before the first step: adds attributes, checks parameters against the fluid.
+  /// Before steps that bring fluid to rest, and again at time 0: adds attributes, zeroes sums, checks.
   virtual void reset(FluidStep&) {}
   /// Warns of parameters that are known to be unstable or not enough, with the number that says so. Called
   /// after reset, of modules that are enabled.

@@ -174,11 +174,11 @@ def facts(devices):
     return [
         f"- **Speed.** A step of {large['particles']} particles takes {large['late, batch (ms)']} ms on an H100, {percent(large['compression'])} compressed. One of 135,252 takes {times[0]} to "
         f"{times[-1]} ms on four CPU threads. These are the paper's settings, which cost less than the defaults ({bench}).",
-        f"- **Beside the authors' code.** {min(faster):.0f} to {max(faster):.0f} times as fast as PeriDyNo on the same GPU with the same settings ({bench}).",
+        f"- **Against PeriDyNo**, the paper's own code: {min(faster):.0f} to {max(faster):.0f} times as fast on the same GPU with the same settings ({bench}).",
         f"- **Memory.** {large['memory (B a particle)']} bytes a particle. {most['particles']} particles fit on one H100, at {most['late, batch (ms)']} ms a "
         f"step. The three iterations of that run leave its water {percent(most['compression'])} compressed: it shows capacity, not accuracy ({bench}).",
         f"- **Volume.** Settled water keeps its height to {volume} at the default support ratio, with 90 iterations ({validate}).",
-        f"- **Validation.** {met} of {demands} demands are met, of newer ones fewer. With 40 iterations the force of 30 cm of water on a wall is off by {force} ({validate}).",
+        f"- **Validation.** {met} of {demands} older demands are met, and fewer of the newer ones. With 40 iterations the force of 30 cm of water on a wall is off by {force} ({validate}).",
     ]
 
 
