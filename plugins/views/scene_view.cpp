@@ -76,9 +76,12 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   addEnvironment(view);
   view.transparent = settings_.transparent;
   // Ranges, bounds and what cameras follow are those of all particles.
-  for (std::size_t i = 0; i < view.particles.size() && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
+  const std::size_t fluids = view.particles.size();
+  for (std::size_t i = 0; i < fluids && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
+  addSpray(snapshot, view);
   const bool onDevice = place != ParticlePlace::kHost && maker_.readsDevice(view);
-  for (std::size_t i = 0; i < view.particles.size(); ++i) shown_[i]->give(view.particles[i], onDevice);
+  for (std::size_t i = 0; i < view.particles.size(); ++i)
+    (i < fluids ? shown_[i] : spray_[i - fluids])->give(view.particles[i], onDevice);
   addFoam(snapshot, view);
   return view;
 }
@@ -162,6 +165,22 @@ void SceneView::addWater(const FluidSnapshot& fluid, View& view) {
   view.waters.push_back(waterView(*look.water, look.smoothing * fluid.spacing, look.foam->opacity));
 }
 
+void SceneView::addSpray(const SceneSnapshot& snapshot, View& view) {
+  constexpr float kShare = 0.25f;  // of the spacing: their radius
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < snapshot.fluids.size(); ++i) {
+    const FluidSnapshot& fluid = snapshot.fluids[i];
+    if (!view.particles[i].water || !breaksUp(fluid.spacing)) continue;
+    if (count == spray_.size()) spray_.push_back(std::make_unique<ShownParticles>(device_));
+    shown_[i]->giveLone(fluid.spacing, *spray_[count++]);
+    view.particles.push_back({.radius = kShare * settings_.particleSize * fluid.spacing,
+                              .map = map_,
+                              .fixed = kWhite,
+                              .node = fluid.node + " spray",
+                              .white = true});
+  }
+}
+
 void SceneView::addArrows(SceneSnapshot& snapshot, View& view) {
   const ArrowSettings& settings = *settings_.arrows;
   arrows_.clear();
@@ -229,7 +248,7 @@ void SceneView::addFoam(SceneSnapshot& snapshot, View& view) {
     const auto i = std::size_t(std::find(fluidSurfaces_.begin(), fluidSurfaces_.end(), surface.mesh) -
                                fluidSurfaces_.begin());
     SurfaceFoam foam(snapshot.fluidSurfaces[i].mesh.wait().vertices, surface.foamReach);
-    for (std::size_t k = 0; k < view.particles.size(); ++k) {
+    for (std::size_t k = 0; k < snapshot.fluids.size(); ++k) {
       ParticleView& particles = view.particles[k];
       const std::span<const int> kinds = shown_[k]->kinds();
       if (kinds.empty()) continue;

@@ -47,6 +47,8 @@ class SceneView {
   void takeStill(const StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
   void addWater(const FluidSnapshot& fluid, View& view);
+  /// Lone particles of liquids become drops, as water of their size does not hold together.
+  void addSpray(const SceneSnapshot& snapshot, View& view);
   void addArrows(SceneSnapshot& snapshot, View& view);
   void addFluidSurfaces(SceneSnapshot& snapshot, View& view);
   void loadSurfaceFluids(SceneSnapshot& snapshot);
@@ -74,6 +76,7 @@ class SceneView {
   ColorKey key_;
   std::vector<Cut> cuts_;
   std::vector<std::unique_ptr<ShownParticles>> shown_;  // of each fluid
+  std::vector<std::unique_ptr<ShownParticles>> spray_;  // of each liquid that has some
   // For arrows: what the device had no room for, and what it has as the host sees it.
   Array<Vec3f> placeRoom_{device_}, velocityRoom_{device_};
   DeviceOutput<Vec3f> placesOnHost_{device_}, velocitiesOnHost_{device_};

@@ -78,23 +78,33 @@ void ShownParticles::cut(std::span<const Cut> cuts) {
   dispatch(device_, [&](auto& device) {
     chooseShown(device, positions_, std::as_const(cuts_).view(), chosen_.view(), kept_.data());
   });
-  const std::int64_t count = found(kept_);
-  keptPositions_.resizeDiscarding(count);
-  keptVelocities_.resizeDiscarding(count);
-  const ArrayView<const int> chosen{chosen_.data(), count};
-  dispatch(device_, [&](auto& device) {
-    take(device, chosen, positions_, keptPositions_.view());
-    positions_ = keptPositions_.view();
-    if (velocities_.size > 0) take(device, chosen, velocities_, keptVelocities_.view());
-    if (values_.size == 0) return;
-    keptValues_.resizeDiscarding(count);
-    take(device, chosen, values_, keptValues_.view());
-    values_ = keptValues_.view();
-    if (kinds_.size == 0) return;
-    keptKinds_.resizeDiscarding(count);
-    take(device, chosen, kinds_, keptKinds_.view());
-    kinds_ = keptKinds_.view();
-  });
+  keep({chosen_.data(), found(kept_)});
+}
+
+void ShownParticles::giveLone(float spacing, ShownParticles& spray) {
+  lone_.find(positions_, spacing);
+  spray.positions_ = positions_;
+  spray.velocities_ = {}, spray.values_ = {}, spray.kinds_ = {};
+  spray.isWhite_ = true;
+  spray.keep(lone_.lone());
+  keep(lone_.others());
+}
+
+void ShownParticles::keep(ArrayView<const int> chosen) {
+  keepOf(chosen, positions_, keptPositions_);
+  keepOf(chosen, velocities_, keptVelocities_);
+  keepOf(chosen, values_, keptValues_);
+  keepOf(chosen, kinds_, keptKinds_);
+}
+
+template <class T>
+void ShownParticles::keepOf(ArrayView<const int> chosen, ArrayView<const T>& elements,
+                            std::array<Array<T>, 2>& rooms) {
+  if (elements.size == 0) return;
+  Array<T>& to = elements.data == rooms[0].data() ? rooms[1] : rooms[0];
+  to.resizeDiscarding(chosen.size);
+  dispatch(device_, [&](auto& device) { take(device, chosen, elements, to.view()); });
+  elements = std::as_const(to).view();
 }
 
 template <class T>

@@ -1,6 +1,7 @@
 // What a picture shows of the particles of one fluid, in memory of the device that draws.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "framework/compute/array.h"
 #include "plugins/views/device_output.h"
 #include "plugins/views/frame_kernels.h"
+#include "plugins/views/lone_particles.h"
 #include "plugins/views/render_settings.h"
 #include "plugins/views/scene_capture.h"
 #include "plugins/views/view.h"
@@ -29,6 +31,8 @@ class ShownParticles {
   void load(FluidSnapshot& fluid, const std::optional<Vec2f>& foamEnds);
   /// Leaves those alone that all cuts show.
   void cut(std::span<const Cut> cuts);
+  /// Gives those that are lone, in fluid of this spacing (m), to `spray`, as white water without radii.
+  void giveLone(float spacing, ShownParticles& spray);
 
   // These wait for the device.
 
@@ -49,6 +53,9 @@ class ShownParticles {
   T found(const Array<T>& result) const;
   ArrayView<float> roomForValues(std::int64_t count);
   void loadRadii(FluidSnapshot& fluid);
+  void keep(ArrayView<const int> chosen);
+  template <class T>
+  void keepOf(ArrayView<const int> chosen, ArrayView<const T>& elements, std::array<Array<T>, 2>& rooms);
 
   Device& device_;
   ArrayView<const Vec3f> positions_;
@@ -62,9 +69,15 @@ class ShownParticles {
   Array<float> made_{device_};  // numbers that no attribute holds as they are
   Array<Cut> cuts_{device_};
   Array<int> chosen_{device_}, kept_{device_, 1};
-  Array<Vec3f> keptPositions_{device_}, keptVelocities_{device_};
-  Array<float> keptValues_{device_};
-  Array<int> keptKinds_{device_};
+  LoneParticles lone_{device_};
+  template <class T>
+  static std::array<Array<T>, 2> twoOf(Device& device) {
+    return {Array<T>(device), Array<T>(device)};
+  }
+  // What is kept of what has been kept is in the other one of two.
+  std::array<Array<Vec3f>, 2> keptPositions_{twoOf<Vec3f>(device_)}, keptVelocities_{twoOf<Vec3f>(device_)};
+  std::array<Array<float>, 2> keptValues_{twoOf<float>(device_)};
+  std::array<Array<int>, 2> keptKinds_{twoOf<int>(device_)};
   Array<Aabb> box_{device_, 1};
   Array<Vec2f> range_{device_, 1};
   Array<PlacesSum> sum_{device_, 1};

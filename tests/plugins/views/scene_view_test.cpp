@@ -139,6 +139,32 @@ TEST_P(SceneViews, OfWhiteWaterWhoseRadiiSpreadAndFollowItsKinds) {
     ASSERT_NEAR(seen.particles[0].radii[i], wanted[i], 1e-6f * wanted[i]) << i;
 }
 
+TEST_P(SceneViews, OfLiquidsWhoseLoneParticlesAreDrops) {
+  // 4,000 in 4 cubic metres are 0.1 m apart, so most have others near them.
+  positions[5] = {7, 8, 9};
+  set(R"({"fluids": [{"node": "water", "look": "water"}], "clips": [{"point": [8, 0, 0], "normal": [1, 0, 0]}]})");
+  capture(AttributeType::kFloat);
+  FluidSnapshot& fluid = snapshot.fluids[0];
+  fluid.node = "water";
+  fluid.look = &settings.fluids[0];
+  SceneView view(settings, *settings.camera, renderer);
+  const View seen = view.of(snapshot, ParticlePlace::kHost);
+  ASSERT_EQ(seen.particles.size(), 2U);
+  const ParticleView &liquid = seen.particles[0], &spray = seen.particles[1];
+  EXPECT_TRUE(liquid.water);
+  EXPECT_EQ(liquid.foam.size(), liquid.positions.size());
+  EXPECT_FALSE(spray.water);
+  EXPECT_TRUE(spray.white && spray.values.empty());
+  EXPECT_LT(spray.radius, 0.5f * liquid.radius);
+  EXPECT_LT(spray.positions.size(), liquid.positions.size());
+  EXPECT_EQ(liquid.positions.size() + spray.positions.size(), positions.size() - 1);  // one is nowhere
+  const auto is = [](const Vec3f& p) { return p.x == 7; };
+  EXPECT_TRUE(std::any_of(spray.positions.begin(), spray.positions.end(), is));
+  EXPECT_FALSE(std::any_of(liquid.positions.begin(), liquid.positions.end(), is));
+  fluid.spacing = 0.004f;  // drops of it hold together
+  EXPECT_EQ(view.of(snapshot, ParticlePlace::kHost).particles.size(), 1U);
+}
+
 TEST_P(SceneViews, HaveFoamOnTheSurfacesThatItCovers) {
   std::fill(heights.begin(), heights.end(), 0.05f);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<int>(i % 3);
@@ -248,6 +274,7 @@ TEST_P(SceneViews, AreOnTheHostForWhatOpenGlDraws) {
   set(R"({"fluids": [{"node": "water", "foam": {"by": "height", "range": [8, 2]}}]})");
   capture(AttributeType::kFloat);
   snapshot.fluids[0].look = &settings.fluids[0];
+  snapshot.fluids[0].spacing = 0.3f;  // so that none is lone
   const Picture water = picture(false);
   SceneView view(settings, *settings.camera, renderer);
   const View seen = view.of(snapshot);
