@@ -45,9 +45,22 @@ class CudaNcclLinks final : public NcclLinks {
       : nccl_(std::move(nccl)), device_(device) {
     makeCurrent();
     check(*nccl_, nccl_->ncclCommInitRank(&comm_, ranks, id, rank), "ncclCommInitRank");
-    warmUp(rank, ranks);
   }
   ~CudaNcclLinks() override { drop(); }
+
+  /// The first exchange of each two ranks sets up their connection, on both hosts at once.
+  void warmUp(int rank, int ranks) {
+    Array<std::byte> bytes(device_, ranks + 1);
+    bytes.fillZero();
+    std::vector<Transfer> sent, received;
+    for (int peer = 0; peer < ranks; ++peer) {
+      if (peer == rank) continue;
+      sent.push_back({peer, bytes.data() + ranks, 1});
+      received.push_back({peer, bytes.data() + peer, 1});
+    }
+    exchange(sent, received);
+    device_.synchronize();
+  }
 
   // What was sent may be used again, as that is in the device's order, too.
   void exchange(std::vector<Batch> toRanks, std::vector<Batch>& fromRanks) override {
@@ -97,20 +110,6 @@ class CudaNcclLinks final : public NcclLinks {
     check(*nccl_, ended, "ncclGroupEnd");
   }
 
-  /// The first exchange of each two ranks sets up their connection, on both hosts at once.
-  void warmUp(int rank, int ranks) {
-    Array<std::byte> bytes(device_, ranks + 1);
-    bytes.fillZero();
-    std::vector<Transfer> sent, received;
-    for (int peer = 0; peer < ranks; ++peer) {
-      if (peer == rank) continue;
-      sent.push_back({peer, bytes.data() + ranks, 1});
-      received.push_back({peer, bytes.data() + peer, 1});
-    }
-    exchange(sent, received);
-    device_.synchronize();
-  }
-
   std::shared_ptr<const NcclLibrary> nccl_;
   CudaDevice& device_;
   NcclCommunicator comm_ = nullptr;
@@ -136,7 +135,10 @@ NcclUniqueId makeNcclId(const NcclLibrary& nccl) {
 
 std::unique_ptr<NcclLinks> makeNcclLinks(std::shared_ptr<const NcclLibrary> nccl, Device& device, int rank,
                                          int ranks, const NcclUniqueId& id) {
-  return std::make_unique<CudaNcclLinks>(std::move(nccl), static_cast<CudaDevice&>(device), rank, ranks, id);
+  auto links =
+      std::make_unique<CudaNcclLinks>(std::move(nccl), static_cast<CudaDevice&>(device), rank, ranks, id);
+  links->warmUp(rank, ranks);
+  return links;
 }
 
 }  // namespace weir
