@@ -125,6 +125,7 @@ def deviation(groups):
 
 ANSWERS = {
     "Settled volume": "the volume that was filled", "A block at rest": "no motion", "Hydrostatic pressure": "weight, and ρg·h²/2 on a wall",
+    "The default solver": "0.2 % of compression, and weight",
     "Buoyancy": "Archimedes", "A tank that moves": "a tank that stands", "Energy": "a sum that may only fall",
     "A tank that turns": "the parabola ω²r²/2g", "Efflux from a hole": "Torricelli's law", "The front of a dam break": "an experiment",
     "A full goblet": "no particle lost in 10 s", "A small wave": "potential flow", "A drop": "a sphere",

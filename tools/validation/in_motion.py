@@ -57,7 +57,7 @@ def rotating_tank(lab):
         slope, _ = line(r * r, heights)
         rows += [Row(f"angular velocity of the water, H = {ratio}d", float(turning), "rad/s", omega, 0.03),
                  Row(f"curvature of the surface against ω²/2g of the water, dh/d(r²), H = {ratio}d", slope, "1/m",
-                     float(turning) ** 2 / (2 * GRAVITY), 0.1)]
+                     float(turning) ** 2 / (2 * GRAVITY), 0.03)]
         curves.append((f"surface, H = {ratio}d", r, heights, "." if ratio == 1.5 else "x"))
         if ratio == 1.5:
             fine = numpy.linspace(0, radius, 40)

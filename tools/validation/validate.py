@@ -43,6 +43,7 @@ CHECKS = [
     Check("settled_volume", "Settled volume", at_rest.settled_volume),
     Check("block_at_rest", "A block at rest", at_rest.block_at_rest),
     Check("wall_force", "Hydrostatic pressure", at_rest.wall_force),
+    Check("default_solver", "The default solver", at_rest.default_solver, long=True),
     Check("held_sphere", "Buoyancy", at_rest.held_sphere, long=True),
     Check("moving_tank", "A tank that moves", at_rest.moving_tank),
     Check("sloshing", "Energy", at_rest.sloshing),

@@ -25,7 +25,7 @@ def refined(what, unit, spacings, found, expected):
     error goes from the coarsest to the finest."""
     errors = [abs(value / of - 1) for value, of in zip(found, expected)]
     rows = [Row(f"{what}, {HEIGHT / d:.0f} spacings between the plates", value, unit, of,
-                0.02 if d == spacings[-1] else None) for d, value, of in zip(spacings, found, expected)]
+                0.01 if d == spacings[-1] else None) for d, value, of in zip(spacings, found, expected)]
     return rows + [Row("order of the error", math.log(errors[0] / errors[-1]) / math.log(spacings[0] / spacings[-1]))]
 
 
@@ -110,7 +110,7 @@ def taylor_green(lab):
             amplitudes.append(float((at.velocities * mode).sum() / (mode * mode).sum()))
         found = math.log(amplitudes[0] / amplitudes[-1]) / times[-1]
         rows.append(Row(f"rate of decay, {side / d:.0f} spacings a side", found, "1/s", rate,
-                        0.02 if d == spacings[-1] else None))
+                        0.01 if d == spacings[-1] else None))
         curves.append((f"{side / d:.0f} spacings", times, [a / speed for a in amplitudes], "o"))
     curves.append(("closed form", times, [math.exp(-rate * t) for t in times], "k-"))
     return Outcome(rows, (Chart("Decay of Taylor–Green vortices", "time (s)", "amplitude", tuple(curves)),))
