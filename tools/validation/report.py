@@ -48,7 +48,8 @@ def table(rows, beside=()):
 
 def summary(results):
     verdicts = [row["passed"] for check in results["checks"] for row in check["rows"]]
-    return (f"Made by `{results['command']}` on {results['device']} in {results['seconds'] / 60:.1f} minutes of "
+    made = f" ({results['made']})" if results.get("made") else ""
+    return (f"Made by `{results['command']}` on {results['device']}{made} in {results['seconds'] / 60:.1f} minutes of "
             f"simulation: {verdicts.count(True)} demands met, {verdicts.count(False)} not.")
 
 
@@ -65,13 +66,14 @@ def markdown(done, results):
     return "\n".join(lines) + "\n"
 
 
-def as_json(done, command, machine, seconds):
+def as_json(done, command, machine, seconds, made=""):
+    """`made`: the day and the commit."""
     checks = [{"key": check.key, "title": check.title,
                "passed": all(row.passed is not False for row in outcome.rows),
                "rows": [{"what": row.what, "measured": row.measured, "unit": row.unit, "expected": row.expected,
                          "demanded": demand(row), "passed": row.passed} for row in outcome.rows]}
               for check, outcome, _ in done]
-    return json.dumps({"command": command, "device": machine, "seconds": seconds, "checks": checks}, indent=2,
+    return json.dumps({"command": command, "device": machine, "made": made, "seconds": seconds, "checks": checks}, indent=2,
                       ensure_ascii=False) + "\n"
 
 

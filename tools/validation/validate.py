@@ -1,10 +1,12 @@
 """Runs scenes whose answers are known and compares: see ./dev validate --help."""
 
 import argparse
+import datetime
 import json
 import math
 import shlex
 import shutil
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -168,6 +170,12 @@ def judged(options, device, out, drawn, say):
     return done, lab
 
 
+def made_today():
+    """The day, and the commit where that is known."""
+    head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True, check=False)
+    return ", ".join(filter(None, [str(datetime.date.today()), head.stdout.strip()]))
+
+
 def results_of(path):
     """What this command wrote elsewhere."""
     try:
@@ -191,7 +199,7 @@ def main(argv):
     for k, device in enumerate(options.devices):
         out = base / device if k else base
         done, lab = judged(options, device, out, not (k or options.no_plots), say)
-        results = report.as_json(done, command, lab.machine, lab.seconds)
+        results = report.as_json(done, command, lab.machine, lab.seconds, made_today())
         (out / "results.json").write_text(results, encoding="utf-8")
         pages.append((done, json.loads(results)))
     done, first = pages[0]

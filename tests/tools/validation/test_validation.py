@@ -196,6 +196,11 @@ class Reports(unittest.TestCase):
         self.assertIn("on a machine in 1.0 minutes of simulation: 0 demands met, 1 not", page)
         self.assertIn("| a | 1.1 | 1 | m | -9.09 % | within 5 % | **FAIL** |", page)
 
+    def test_the_page_says_when_it_was_made(self):
+        text = report.as_json(self.DONE, "./dev validate", "a machine", 60, "2001-02-03, abc")
+        self.assertIn("on a machine (2001-02-03, abc) in 1.0 minutes", report.markdown(self.DONE, [json.loads(text)]))
+        self.assertTrue(validate.made_today().startswith("20"))
+
     def test_the_json_holds_the_same(self):
         check = self.results("m")["checks"][0]
         self.assertFalse(check["passed"])
@@ -272,7 +277,7 @@ class SeveralDevices(unittest.TestCase):
             theirs = Path(folder) / "quick" / "cpu" / "results.json"
             self.assertTrue(theirs.exists())
             self.assertEqual(call("--device", "cuda", "--beside", str(theirs)), 0)
-            self.assertIn("on a cpu in", (Path(folder) / "quick" / "README.md").read_text(encoding="utf-8"))
+            self.assertIn("on a cpu (", (Path(folder) / "quick" / "README.md").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":
