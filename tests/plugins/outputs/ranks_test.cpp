@@ -176,7 +176,8 @@ constexpr const char* kManyBodies = R"scene({
       "density": 400, "rotation": [10, "=0.5*k", 5],
       "position": ["=-0.18+0.09*(k-5*floor(k/5))", 0.1, "=-0.09+0.06*floor(k/5)"] } } },
     "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
-               "modules": { "solver": { "type": "SemiImplicitSolver", "params": { "iterations": 10 } } } }
+               "modules": { "solver": { "type": "SemiImplicitSolver", "params": { "iterations": 10 } },
+                            "viscosity": { "params": { "rate": 75 } } } }
   },
   "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
             { "repeat": "=bodies", "as": "k", "item": "crate.surface -> body_{k}.mesh" },
