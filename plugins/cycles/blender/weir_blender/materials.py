@@ -7,7 +7,7 @@ from .handover import linear
 # Not "color": Cycles shows that black on point clouds.
 COLOR = "weir_color"
 FOAM = "weir_foam"
-FOAM_GAIN = 20.0
+FOAM_GAIN = 1.6  # so that about three times the area of the foam is white, up to a third of all
 WHITE = (0.95, 0.97, 0.98)
 
 
@@ -164,7 +164,7 @@ def _lace(nodes, reach):
     water, which close as it becomes more."""
     cover = nodes.add("ShaderNodeAttribute")
     cover.attribute_name = FOAM
-    share = nodes.math("SUBTRACT", 1.0, nodes.math("EXPONENT", nodes.math("MULTIPLY", cover.outputs["Fac"], -FOAM_GAIN)))
+    share = nodes.math("MULTIPLY", nodes.math("SQRT", cover.outputs["Fac"]), FOAM_GAIN)
     places = nodes.add("ShaderNodeTexCoord").outputs["Object"]
     bent = nodes.add("ShaderNodeTexNoise", Vector=places, Scale=0.4 / reach, Detail=4.0)
     moved = nodes.add("ShaderNodeVectorMath", Vector=bent.outputs["Color"])
