@@ -109,7 +109,10 @@ int RestState::reach(int max, const std::function<void()>& step) {
       for (Resting& of : batches_) of.carried = 0;
     }
   }
-  dispatch(fluid_.device, [&](auto& device) { releaseOn(device); });
+  dispatch(fluid_.device, [&](auto& device) {
+    releaseOn(device);
+    giveBackOn(device);
+  });
   return taken;
 }
 

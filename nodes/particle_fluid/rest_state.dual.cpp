@@ -112,6 +112,17 @@ struct Release {
   }
 };
 
+template <class T>
+struct GiveBack {
+  Batch batch;
+  ArrayView<const T> initial;
+  ArrayView<T> values;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    if (batch.has(i)) values[i] = initial[batch.indexOf(i)];
+  }
+};
+
 struct SquareSpeed {
   ArrayView<const Vec3f> velocities;
   WEIR_HD ExactSum operator()(std::int64_t i) const { return ExactSum(dot(velocities[i], velocities[i])); }
@@ -126,6 +137,13 @@ void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, c
     if (count > 0) f(of, Batch{first, count, particles.ids().read()});
     first += count;
   }
+}
+
+/// Calls f(name, values) for what particles of a batch bring with them.
+template <class F>
+void forEachBrought(const ParticleBatch& batch, const F& f) {
+  for (const BatchAttribute& brought : batch.attributes)
+    std::visit([&](const auto& values) { f(brought.info.name, values); }, brought.values);
 }
 
 template <class Resting>
@@ -185,6 +203,20 @@ void RestState::releaseOn(Backend& device) {
 }
 
 template <class Backend>
+void RestState::giveBackOn(Backend& device) {
+  ParticleSet& p = fluid_.particles;
+  forEachBatch(batches_, p, [&](const Resting& of, const Batch&) {
+    forEachBrought(*of.batch,
+                   [&]<class T>(const std::string& name, const Array<T>&) { p.get<T>(name).fillZero(); });
+  });
+  forEachBatch(batches_, p, [&](const Resting& of, const Batch& batch) {
+    forEachBrought(*of.batch, [&]<class T>(const std::string& name, const Array<T>& initial) {
+      parallelFor(device, "give back", p.count(), GiveBack<T>{batch, initial.view(), p.get<T>(name).write()});
+    });
+  });
+}
+
+template <class Backend>
 double RestState::meanSquareSpeedOn(Backend& device) {
   ParticleSet& p = fluid_.particles;
   reduce(device, "speed", p.count(), ExactSum(), SquareSpeed{p.velocities().read()}, Plus{}, sum_.data());
@@ -196,6 +228,7 @@ template void RestState::dampOn(ThisBackend&, float);
 template void RestState::findCarriedOn(ThisBackend&);
 template void RestState::containOn(ThisBackend&);
 template void RestState::releaseOn(ThisBackend&);
+template void RestState::giveBackOn(ThisBackend&);
 template double RestState::meanSquareSpeedOn(ThisBackend&);
 
 }  // namespace weir

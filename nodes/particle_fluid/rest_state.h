@@ -3,8 +3,8 @@
 // A sampler gives each batch a container, the region that it fills. Steps of the fluid's own pipeline, with
 // its gravity, boundaries and solver, are taken with velocities damped and every particle kept in its batch's
 // container, until the fluid is at rest there: its pressure is hydrostatic, and its layers at walls are those
-// that the walls make. Then every particle gets the velocity that its sampler gave it. Particles without a
-// container stay where they are meanwhile.
+// that the walls make. Then every particle gets the velocity, and what else its sampler gave it: modules have
+// worked on that, too. Particles without a container stay where they are meanwhile.
 //
 // Pressure is for fluid that the scene holds: where a container vanishes that had carried the fluid, what is
 // stored in the pressure would be let go. So a batch may be told to find out (StartPressure): once its
@@ -37,6 +37,9 @@ class RestState {
   void containOn(Backend& device);
   template <class Backend>
   void releaseOn(Backend& device);
+  /// Attributes that batches brought are what these brought, 0 elsewhere.
+  template <class Backend>
+  void giveBackOn(Backend& device);
   template <class Backend>
   double meanSquareSpeedOn(Backend& device);
   template <class Backend>
