@@ -81,8 +81,11 @@ std::string sceneFile(const std::string& given) {
   if (!mayBeName(given) || fs::exists(given, error) || error) return given;
   const std::vector<std::string> names = installedScenes();
   if (std::find(names.begin(), names.end(), given) != names.end()) return installedScene(given).string();
-  throw ioError("there is no file " + inQuotes(given) + ", and no scene of this name comes with Weir",
-                "a scene file, or a name that 'weir scenes' lists", suggestionFor(given));
+  const std::string withEnding = given + ".json";
+  throw ioError(
+      "there is no file " + inQuotes(given) + ", and no scene of this name comes with Weir",
+      "a scene file, or a name that 'weir scenes' lists",
+      fs::exists(withEnding, error) ? "did you mean " + inQuotes(withEnding) + "?" : suggestionFor(given));
 }
 
 }  // namespace weir::app

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "apps/weir/bench/bench_command.h"
+#include "apps/weir/command_line_errors.h"
 #include "apps/weir/completion.h"
 #include "apps/weir/describe.h"
 #include "apps/weir/describe_file.h"
@@ -57,17 +58,6 @@ std::string commandLine(int argc, char** argv) {
     if (!word.starts_with(kOutput)) text.append(" ").append(word);
   }
   return text;
-}
-
-/// CLI11 would only say that some command is missing.
-void checkCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  const std::string& command = arguments.front();
-  std::vector<std::string> names;
-  for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
-  if (std::find(names.begin(), names.end(), command) == names.end())
-    throw usageError("there is no command " + inQuotes(command), joinNames(names),
-                     didYouMean(command, names));
 }
 
 /// `weir help` and `weir help COMMAND` as `weir --help` and `weir COMMAND --help`.
@@ -177,9 +167,7 @@ int runProgram(Program& program, int argc, char** argv) {
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help and --version
   } catch (const CLI::ParseError& e) {
-    throw usageError(e.what(), {},
-                     "'weir --help' and 'weir COMMAND --help' list what there is; options for outputs come "
-                     "from plugins, see 'weir info'");
+    throw commandLineError(app, e);
   }
   if (run.command().parsed()) return run.run();
   if (sweep.command().parsed()) return sweep.run();

@@ -115,13 +115,14 @@ int newPlugin(Program& program, const std::string& name, const std::string& fold
         "with "
         "cmake --install BUILD --prefix FOLDER, and name that folder below");
   const std::string place = to.string();
+  const fs::path installed = prefix / "bin/weir";
   print(
       fmt::format("{0}\n\nBuild, test and run it:\n\n"
                   "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n"
                   "  cmake --build {0}/build\n"
                   "  ctest --test-dir {0}/build --output-on-failure\n"
-                  "  weir run {0}/scene.json --plugin {0}/build/plugins/weir_{2}.so\n",
-                  place, prefix.string(), name));
+                  "  {3} run {0}/scene.json --plugin {0}/build/plugins/weir_{2}.so\n",
+                  place, prefix.string(), name, fs::exists(installed, error) ? installed.string() : "weir"));
   return kDone;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "apps/weir/command_line_errors.h"
 #include "apps/weir/replay.h"
 #include "apps/weir/shown_run.h"
 #include "framework/base/interruption.h"
@@ -107,9 +108,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
       ->required()
       ->type_name("SCENE");
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, true);
-  command_->add_option("--frame", frame_, "Show this frame alone")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+  command_->add_option("--frame", frame_, "Show this frame alone")->type_name("N")->check(notNegative());
   addEngineOption(*command_, engine_);
   command_->add_option("--set", set_, "Change a parameter first, such as render.width=1920; may be repeated")
       ->type_name("NAME=VALUE")

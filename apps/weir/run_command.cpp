@@ -7,6 +7,7 @@
 #include <exception>
 #include <new>
 
+#include "apps/weir/command_line_errors.h"
 #include "apps/weir/installed_scenes.h"
 #include "apps/weir/shown_run.h"
 #include "apps/weir/standard_streams.h"
@@ -124,7 +125,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
   command_->add_option("--duration", duration_, "Simulated seconds, in place of the scene's")->type_name("S");
   command_->add_option("--frames", frames_, "End at this frame, if the duration does not end before")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(notNegative());
   command_
       ->add_option("--set", set_,
                    "Change a parameter: NODE.PARAM=VALUE, NODE.MODULE.PARAM=VALUE, world.PARAM=VALUE, "

@@ -56,7 +56,9 @@ Override parseOverride(std::string_view text) {
     if (more) path.remove_prefix(dot + 1);
   }
   if (result.path.size() == 1 && result.path[0] != "title")
-    throw usageError(option + " names no parameter of " + inQuotes(result.path[0]), kForms);
+    throw usageError(
+        option + " needs two names before '=', with a dot between, and has " + inQuotes(result.path[0]),
+        kForms);
   if (result.path.size() > kDeepestNesting) throw usageError(option + " has too many parts", kForms);
   result.value = readOverrideValue(text.substr(equals + 1), option);
   std::error_code ignored;

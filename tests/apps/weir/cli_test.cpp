@@ -218,13 +218,17 @@ TEST_F(Cli, QuietSaysNothing) {
 }
 
 TEST_F(Cli, UsageErrors) {
-  expectFailure(runWeir({}), 2, {"subcommand"});
+  expectFailure(runWeir({}), 2, {"no command is given", "run, sweep"});
   expectFailure(runWeir({"rum"}), 2, {"'rum'", "did you mean 'run'?"});
-  expectFailure(runWeir({"run"}), 2, {"scene is required"});
-  expectFailure(runWeir({"run", scene(), "--spacing", "3"}), 2, {"--spacing"});
+  expectFailure(runWeir({"run"}), 2, {"'weir run' needs SCENE"});
+  expectFailure(runWeir({"run", scene(), "--spacing", "3"}), 2, {"'weir run' has no option '--spacing'"});
+  expectFailure(runWeir({"run", scene(), "--vidoe=a.mp4"}), 2, {"'--vidoe'", "did you mean '--video'?"});
+  expectFailure(runWeir({"run", scene(), "twice"}), 2, {"'weir run' does not take 'twice'"});
   expectFailure(runWeir({"run", scene(), "--device", "tpu"}), 2, {"tpu", "cpu"});
   expectFailure(runWeir({"run", scene(), "--set", "spacing"}), 2, {"spacing", "'='"});
-  expectFailure(runWeir({"run", scene(), "--frames", "-1"}), 2, {"--frames"});
+  expectFailure(runWeir({"run", scene(), "--set", "spacing=1"}), 2, {"needs two names", "NODE.PARAM=VALUE"});
+  expectFailure(runWeir({"run", scene(), "--frames", "-1"}), 2,
+                {"--frames: '-1' is not a number of at least 0"});
   expectFailure(runWeir({"run", scene(), "--threads", "0"}), 2, {"--threads"});
   expectFailure(runWeir({"run", scene(), "--stats", folder / "stats.txt"}), 2, {"stats.txt", ".json"});
   expectFailure(runWeir({"run", scene(), "--stats", scene()}), 2, {"would overwrite the scene"});

@@ -110,6 +110,10 @@ TEST_F(SceneCommands, ASceneIsRunByItsNameUnlessThereIsSuchAFile) {
 TEST_F(SceneCommands, NamesThatAreNoneAreSuggested) {
   expectFailure(runWeir({"run", "dam_brek"}), 5, {"no file 'dam_brek'", "did you mean 'dam_break'?"});
   expectFailure(runWeir({"validate", "goblet"}), 5, {"did you mean 'gallery/goblet'?"});
+  ChildOptions here;
+  here.folder = folder.path();
+  folder.write("goblet.json", std::string(kDamBreak));
+  expectFailure(runWeir({"run", "goblet"}, here), 5, {"did you mean 'goblet.json'?"});
   expectFailure(runWeir({"run", "dam_break.json"}), 5, {"dam_break.json", "No such file"});
   expectFailure(runWeir({"scenes", "dam_brek"}), 2, {"did you mean 'dam_break'?"});
   expectFailure(runWeir({"scenes", "../scenes/dam_break"}), 2, {"there is no scene"});
@@ -185,7 +189,7 @@ TEST_F(SceneCommands, FormatTellsOfWhatItCannotDo) {
   EXPECT_EQ(readFile(good), "{\n  \"weir\": 1\n}\n") << "the others are formatted";
   expectFailure(runWeir({"format", "--stdout", good, locked}), 2, {"--stdout"});
   expectFailure(runWeir({"format", "--stdout", "--check", good}), 2, {"--check"});
-  expectFailure(runWeir({"format"}), 2, {"files is required"});
+  expectFailure(runWeir({"format"}), 2, {"'weir format' needs "});
 }
 
 TEST_F(SceneCommands, UpgradeRenamesWhatOtherModulesHaveNow) {
