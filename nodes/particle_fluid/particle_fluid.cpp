@@ -415,6 +415,9 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
 }
 
 void ParticleFluid::warnOfSettings(const SetupContext& context) {
+  if (initial.empty() && emitters.empty())
+    context.log.warn(fmt::format(
+        "node '{}': it stays empty, as nothing is linked to its inputs 'initial' and 'emitters'", name()));
   const InitialFluid there = presentFluid(context.device);
   const FluidOutlook outlook{.constants = constants_,
                              .dt = context.dt,

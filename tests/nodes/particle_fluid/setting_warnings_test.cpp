@@ -164,6 +164,14 @@ TEST(SettingWarnings, SurfaceTensionOnTooSmallASupport) {
   EXPECT_TRUE(with("water.support_ratio=2").empty());
 }
 
+TEST(SettingWarnings, AFluidThatNothingFills) {
+  CpuDevice device(1);
+  SimulatedScene scene(device, R"({ "weir": 1, "nodes": { "water": { "type": "ParticleFluid" } } })", {});
+  scene->reset();
+  ASSERT_EQ(scene.warnings().size(), 1u);
+  EXPECT_CONTAINS(scene.warnings().front(), "node 'water': it stays empty");
+}
+
 TEST(SettingWarnings, ATooFastJet) {
   // 50 m/s · 1/1000 s are 5 cm.
   expectWarning({"nozzle.speed=50"},
@@ -205,8 +213,9 @@ TEST(SettingWarnings, EveryShapeKnowsItsThickness) {
     CpuDevice device(1);
     std::string text = R"({"weir": 1, "world": {"gravity": [0, 0, 0]}, "nodes": {
       "wall": {"type": "StaticBoundary", "params": PARAMETERS},
-      "water": {"type": "ParticleFluid", "params": {"spacing": 0.04}}},
-      "links": ["wall.boundary -> water.boundaries"]})";
+      "far": {"type": "BoxSampler", "params": {"arrangement": "lattice", "min": [9, 9, 9], "max": [9.2, 9.2, 9.2]}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.04, "rest_steps": 0}}},
+      "links": ["wall.boundary -> water.boundaries", "far.particles -> water.initial"]})";
     text.replace(text.find("PARAMETERS"), 10, parameters);
     SimulatedScene scene(device, text);
     scene->reset();
