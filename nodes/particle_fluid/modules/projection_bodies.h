@@ -1,8 +1,8 @@
 // Bodies in the projection of TwoProjections (two_projections.h): six more unknowns each, strongly coupled.
 //
-// To D_i of particle i a body m with the velocities V_m adds −w_im·J_im·V_m, w_im = Σ k·(n·N·n)·n being the sum
-// over its planes and J_im·V_m the velocity of its point at the particle's predicted position. The least change
-// of the kinetic energy ½m·Σ|v − v*|² + ½(V − V*)ᵀM(V − V*) that satisfies D·v ≥ −s is
+// To D_i of particle i a body m with the velocities V_m adds −w_im·J_im·V_m, w_im = Σ k·(n·N·n)·n being the
+// sum over its planes and J_im·V_m the velocity of its point at the particle's predicted position. The least
+// change of the kinetic energy ½m·Σ|v − v*|² + ½(V − V*)ᵀM(V − V*) that satisfies D·v ≥ −s is
 //
 //   v = v* + Dᵀq,   V_m = V_m* − m·M⁻¹·Σ_i q_i·J_imᵀ·w_im
 //
@@ -60,8 +60,8 @@ struct ChangeBodies {
   WEIR_HD void operator()(std::int64_t k) const {
     FreeBody* body = solids[k].body;
     if (body == nullptr) return;
-    body->change = solved(body->mass.matrix(body->predicted.rotation), -particleMass * wrenches[k],
-                          body->mass.locked);
+    body->change =
+        solved(body->mass.matrix(body->predicted.rotation), -particleMass * wrenches[k], body->mass.locked);
   }
 };
 

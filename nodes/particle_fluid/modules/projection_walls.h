@@ -101,7 +101,8 @@ struct WallPlanes {
     meshes.forEach(i, plane);
     if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return;
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-      forEachFace(piece, x, [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}, -1); });
+      forEachFace(piece, x,
+                  [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}, -1); });
     });
   }
 };

@@ -32,7 +32,8 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
 void TwoProjections::fit(FluidStep& fluid) {
   fitScratch(fluid, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
              q_, room_, source_, residual_, direction_, product_, preconditioner_);
-  if (wrenches_.data() == nullptr) wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
+  if (wrenches_.data() == nullptr)
+    wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
   wrenches_.resizeDiscarding(fluid.walls.views.size());
   wallOfPair_.resizeDiscarding(fluid.walls.moves ? fluid.walls.pairs.room() : 0);
   if (sums_.data() != nullptr) return;

@@ -17,8 +17,8 @@
 // the particles that bear pressure. s lets fluid below rest density close up. A projection along Dᵀ takes
 // kinetic energy away only. The stress of these forces is isotropic, whatever the pressures, as N is the
 // inverse of M. Then x = x + dt·v, and positions go towards λ ≤ 1 by an iteration of Pbf (Macklin and Müller
-// 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take. Bodies are part
-// of the projection (projection_bodies.h), and stand still for the correction.
+// 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take. Bodies are
+// part of the projection (projection_bodies.h), and stand still for the correction.
 #pragma once
 
 #include "framework/base/clamped.h"
@@ -127,11 +127,11 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   void fit(FluidStep& fluid);
 
   State<Record> record_{*this, "projection"};
-  Attribute<float> pressure_;             // Pa
-  Array<Vec4f> state_, weighted_;         // position; and the multiplier of corrections
-  Array<Vec3f> diagonal_, off_;           // of N: xx, yy, zz and xy, xz, yz
-  Array<Vec3f> wall_, wallOfPair_;        // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
-  Array<Twist> wrenches_;                 // of each solid
+  Attribute<float> pressure_;       // Pa
+  Array<Vec4f> state_, weighted_;   // position; and the multiplier of corrections
+  Array<Vec3f> diagonal_, off_;     // of N: xx, yy, zz and xy, xz, yz
+  Array<Vec3f> wall_, wallOfPair_;  // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
+  Array<Twist> wrenches_;           // of each solid
   Array<Vec3f> u_, push_, displacement_;  // the last from x*
   Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
