@@ -18,7 +18,8 @@ constexpr const char* kWhite = R"({
     "hole": { "type": "Sink", "params": { "min": [0.7, 0, 0], "max": [0.9, 0.08, 0.3] } },
     "bar": { "type": "BoxMesh", "params": { "min": [0.5, 0.1, -0.1], "max": [0.53, 0.2, 0.4] } },
     "beam": { "type": "SemiAnalyticalSFI", "params": { "velocity": [0.2, 0.1, 0] } },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5, "rest_steps": 0 } },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5, "rest_steps": 0 },
+               "modules": { "viscosity": { "params": { "rate": 75 } } } },
     "foam": { "type": "WhiteWater",
               "params": { "trapped_air": 6e5, "wave_crests": 2e6, "air_limits": [0.02, 0.3], "crest_limits": [1, 10],
                           "lifetime": [0.05, 0.2], "max_particles": 4000 } }
