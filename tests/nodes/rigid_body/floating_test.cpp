@@ -44,13 +44,13 @@ std::string sceneOf(const Pool& pool) {
           "cube": {{"type": "BoxMesh", "params": {{"min": [{}, {}, {}], "max": [{}, {}, {}]}}}},
           "body": {{"type": "RigidBody", "params": {{"position": [0, {}, 0], {}}}}},
           "water": {{"type": "ParticleFluid", "params": {{"spacing": {}, "rest_steps": {}}},
-                     "modules": {{"solver": {{{}}}}}}}}},
+                     "modules": {{"solver": {{{}}}, "viscosity": {{"params": {{"rate": {}}}}}}}}}}},
         "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
                   "tank.boundary -> body.walls", "water.fluid -> body.fluid", "cube.surface -> body.mesh"]}})",
       -pool.gravity, pool.dt, -pool.side / 2, -pool.side / 2, pool.side / 2, pool.depth, pool.side / 2,
       -pool.side / 2, -pool.side / 2, pool.side / 2, pool.side / 2, -pool.cube / 2, -pool.cube / 2,
       -pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.cube / 2, pool.height, pool.body, pool.spacing,
-      pool.restSteps, pool.solver);
+      pool.restSteps, pool.solver, 0.3 / pool.dt);
 }
 
 struct Bathed {
