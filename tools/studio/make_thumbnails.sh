@@ -40,7 +40,7 @@ run stirrer 20
 run measured_fall 9
 for scene in sprinkler syrup position_based; do run $scene 10; done
 run drops 50
-run cohesion 24
+run cohesion 20
 run small_waves 9
 # Coarser: they have pictures of 240 pixels.
 for scene in falling_boxes boat water_wheel white_water; do run $scene 20 --set water.spacing=0.03; done
