@@ -330,7 +330,7 @@ constexpr const char* kTagged = R"({
     "block": { "type": "BoxSampler", "params": { "min": [-0.3, 0, -0.3], "max": [0.3, 0.5, 0.3] } },
     "water": { "type": "ParticleFluid",
                "params": { "spacing": 0.1, "domain_min": [-1, -0.1, -1], "domain_max": [1, 2, 1] },
-               "modules": { "tag": { "type": "Tagger", "after": "boundary" } } } },
+               "modules": { "viscosity": { "params": { "rate": 60 } }, "tag": { "type": "Tagger", "after": "boundary" } } } },
   "links": [ "block.particles -> water.initial", "nozzle.particles -> water.emitters" ]
 })";
 
