@@ -87,10 +87,7 @@ ExplainCommand::ExplainCommand(CLI::App& app, Program& program)
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxThreads));
-  command_->add_option("--plugin", plugin_, "Load this plugin; may be repeated")
-      ->type_name("LIB")
-      ->take_all()
-      ->allow_extra_args(false);
+  program_.addPluginOption(*command_);
   program_.addPluginPermission(*command_);
 }
 

@@ -27,7 +27,7 @@ class ExplainCommand {
   Program& program_;
   CLI::App* command_;
   std::string scene_;
-  std::vector<std::string> set_, plugin_;
+  std::vector<std::string> set_;
   std::string device_ = "auto";
   int threads_ = 0;
   bool measure_ = false;

@@ -8,14 +8,11 @@
 #include <exception>
 #include <new>
 
+#include "apps/weir/about_commands.h"
 #include "apps/weir/bench/bench_command.h"
 #include "apps/weir/command_line_errors.h"
-#include "apps/weir/completion.h"
-#include "apps/weir/describe.h"
-#include "apps/weir/describe_file.h"
 #include "apps/weir/explain_command.h"
 #include "apps/weir/format_command.h"
-#include "apps/weir/installed_scenes.h"
 #include "apps/weir/new_plugin_command.h"
 #include "apps/weir/program.h"
 #include "apps/weir/render_command.h"
@@ -104,7 +101,6 @@ int runProgram(Program& program, int argc, char** argv) {
   program.loadInstalledPlugins();
   for (const std::string& file : pluginArguments(argc, argv)) program.loadPlugin(file);
   std::atexit(tellOfLibraryThatExits);  // so it runs before what the plugins' libraries do at exit
-  const Registry& registry = program.registry();
 
   CLI::App app{"Simulates scenes of connected nodes, and makes videos of them.", "weir"};
   app.set_version_flag("--version", std::string(version()));
@@ -118,46 +114,9 @@ int runProgram(Program& program, int argc, char** argv) {
   ExplainCommand explain(app, program);
   FormatCommand format(app, program);
   UpgradeCommand upgrade(app, program);
-
-  std::vector<std::string> scenes, set, plugins;
-  CLI::App* validate = app.add_subcommand("validate", "Check scenes without running them");
-  validate->add_option("scenes", scenes, "The scene files, or names of 'weir scenes'")
-      ->required()
-      ->type_name("SCENE...");
-  validate->add_option("--set", set, "Change a parameter first, as for 'weir run'")
-      ->type_name("NAME=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
-
-  program.addPluginPermission(*validate);
-
-  std::string type;
-  bool json = false;
-  CLI::App* nodes = app.add_subcommand("nodes", "List the types of nodes and modules, or tell all of one");
-  nodes->add_option("type", type, "A node or module type")->type_name("TYPE");
-  nodes->add_flag("--json", json, "Print JSON");
-
-  std::string newName, newFolder;
-  CLI::App* makePlugin = app.add_subcommand(
-      "new-plugin", "Write the project of a new plugin: a module, a node, a scene, a test");
-  makePlugin->add_option("name", newName, "Its name, such as vortex_force")->required()->type_name("NAME");
-  makePlugin->add_option("--directory", newFolder, "The folder to make; ./NAME if it is left out")
-      ->type_name("DIR");
-
-  CLI::App* schema = app.add_subcommand("schema", "Print the JSON Schema of scene files");
-  std::vector<std::string> files;
-  bool sceneOnly = false;
-  CLI::App* info = app.add_subcommand(
-      "info", "Show version, devices and plugins; or what files hold, and whether they are whole");
-  info->add_option("files", files, "Checkpoints, exports, meshes or files of particles")
-      ->type_name("FILE...");
-  info->add_flag("--scene", sceneOnly, "Print the scene that a file holds, and nothing else");
-  CLI::App* completion = app.add_subcommand("completion", "Print a script for completion in bash");
-  for (CLI::App* command : {validate, nodes, schema, info})
-    command->add_option("--plugin", plugins, "Load this plugin; may be repeated")
-        ->type_name("LIB")
-        ->take_all()
-        ->allow_extra_args(false);
+  ValidateCommand validate(app, program);
+  AboutCommands about(app, program);
+  NewPluginCommand newPlugin(app, program);
 
   std::vector<std::string> arguments = argumentsOf(argc, argv);
   checkCommand(app, arguments);
@@ -178,17 +137,9 @@ int runProgram(Program& program, int argc, char** argv) {
   if (explain.command().parsed()) return explain.run();
   if (format.command().parsed()) return format.run();
   if (upgrade.command().parsed()) return upgrade.run();
-  if (validate->parsed()) return validateScenes(program, scenes, set);
-  if (nodes->parsed() && json) print(writeJson(typesAsValue(registry, type)));
-  if (nodes->parsed() && !json) print(type.empty() ? describeAll(registry) : describeType(registry, type));
-  if (makePlugin->parsed()) return newPlugin(program, newName, newFolder);
-  if (schema->parsed()) print(writeJson(sceneSchema(registry)));
-  if (info->parsed() && sceneOnly && files.empty())
-    throw usageError("--scene needs a file", "a checkpoint, or an export that Weir wrote");
-  if (info->parsed() && !files.empty()) return describeFiles(program, files, sceneOnly);
-  if (info->parsed()) print(describeProgram(program, registry));
-  if (completion->parsed()) print(bashCompletion(app, installedScenes()));
-  return kDone;
+  if (validate.command().parsed()) return validate.run();
+  if (newPlugin.command().parsed()) return newPlugin.run();
+  return about.run();
 }
 
 /// runProgram() with its errors as messages and exit codes.

@@ -92,9 +92,18 @@ void writePlugin(const fs::path& from, const std::vector<fs::path>& files, const
 
 }  // namespace
 
-int newPlugin(Program& program, const std::string& name, const std::string& folder) {
-  checkName(program, name);
-  const fs::path from = dataFolder() / "templates/plugin", to = folder.empty() ? name : folder;
+NewPluginCommand::NewPluginCommand(CLI::App& app, Program& program)
+    : program_(program),
+      command_(app.add_subcommand("new-plugin",
+                                  "Write the project of a new plugin: a module, a node, a scene, a test")) {
+  command_->add_option("name", name_, "Its name, such as vortex_force")->required()->type_name("NAME");
+  command_->add_option("--directory", folder_, "The folder to make; ./NAME if it is left out")
+      ->type_name("DIR");
+}
+
+int NewPluginCommand::run() {
+  checkName(program_, name_);
+  const fs::path from = dataFolder() / "templates/plugin", to = folder_.empty() ? name_ : folder_;
   std::error_code error;
   if (fs::symlink_status(to, error).type() != fs::file_type::not_found)
     throw ioError(inQuotes(to.string()) + " exists already", "a folder that does not exist yet");
@@ -106,11 +115,11 @@ int newPlugin(Program& program, const std::string& name, const std::string& fold
     throw ioError("the template of plugins is not where this program expects it: " + from.string(), {},
                   "install Weir again, with its folder share/weir");
 
-  writePlugin(from, files, to, name);
+  writePlugin(from, files, to, name_);
 
   const fs::path prefix = dataFolder().parent_path().parent_path();
   if (!fs::exists(prefix / "lib/cmake/Weir/WeirConfig.cmake", error))
-    program.log().warn(
+    program_.log().warn(
         "this Weir runs from its build folder, and plugins are built against an installed one: install it "
         "with "
         "cmake --install BUILD --prefix FOLDER, and name that folder below");
@@ -122,7 +131,7 @@ int newPlugin(Program& program, const std::string& name, const std::string& fold
                   "  cmake --build {0}/build\n"
                   "  ctest --test-dir {0}/build --output-on-failure\n"
                   "  {3} run {0}/scene.json --plugin {0}/build/plugins/weir_{2}.so\n",
-                  place, prefix.string(), name, fs::exists(installed, error) ? installed.string() : "weir"));
+                  place, prefix.string(), name_, fs::exists(installed, error) ? installed.string() : "weir"));
   return kDone;
 }
 

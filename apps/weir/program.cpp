@@ -83,6 +83,13 @@ void Program::loadPlugin(const fs::path& file) {
   plugins_.emplace_back(file, registry_);
 }
 
+void Program::addPluginOption(CLI::App& command) {
+  command.add_option("--plugin", namedPlugins_, "Load this plugin; may be repeated")
+      ->type_name("LIB")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
 void Program::addPluginPermission(CLI::App& command) {
   command.add_flag("--allow-plugins", allowsPlugins_,
                    "Load the plugins that the scene names: their code runs with all that you may do");

@@ -41,6 +41,8 @@ class Program {
   /// is.
   void loadPlugin(const std::filesystem::path& file);
 
+  /// Adds --plugin to a command, for its help: main() has loaded these before.
+  void addPluginOption(CLI::App& command);
   /// Adds --allow-plugins to a command that reads scenes.
   void addPluginPermission(CLI::App& command);
 
@@ -70,6 +72,7 @@ class Program {
   std::function<void()> beforeMessage_;
   bool quiet_ = false;
   bool allowsPlugins_ = false;
+  std::vector<std::string> namedPlugins_;
   Log log_;
   std::vector<Plugin> plugins_;  // before the registry, which holds functions of theirs
   Registry registry_;

@@ -117,10 +117,7 @@ RenderCommand::RenderCommand(CLI::App& app, Program& program)
   command_->add_option("--device", device_, "What holds the particles: cpu, cuda or cuda:N")
       ->type_name("D")
       ->capture_default_str();
-  command_->add_option("--plugin", plugin_, "Load this plugin; may be repeated")
-      ->type_name("LIB")
-      ->take_all()
-      ->allow_extra_args(false);
+  program_.addPluginOption(*command_);
   program_.addPluginPermission(*command_);
   command_->add_option("--threads", threads_, "Threads on the CPU; one a core if it is left out")
       ->type_name("N")

@@ -32,7 +32,7 @@ class RenderCommand {
   std::unique_ptr<OutputOptions> outputs_;
   std::string file_, scene_, engine_;
   std::string device_ = "cpu";
-  std::vector<std::string> set_, plugin_;
+  std::vector<std::string> set_;
   std::optional<std::int64_t> frame_;
   int threads_ = 0;
   bool quiet_ = false;

@@ -133,10 +133,7 @@ RunCommand::RunCommand(CLI::App& app, Program& program)
       ->type_name("NAME=VALUE")
       ->take_all()
       ->allow_extra_args(false);
-  command_->add_option("--plugin", plugin_, "Load this plugin; may be repeated")
-      ->type_name("LIB")
-      ->take_all()
-      ->allow_extra_args(false);
+  program_.addPluginOption(*command_);
   program_.addPluginPermission(*command_);
   addEngineOption(*command_, engine_);
   outputs_ = std::make_unique<OutputOptions>(*command_, program_, false);

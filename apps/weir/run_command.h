@@ -59,7 +59,6 @@ class RunCommand {
   std::string duration_;
   std::optional<std::int64_t> frames_;
   std::vector<std::string> set_;
-  std::vector<std::string> plugin_;
   std::string checkpoint_;
   std::string checkpointEvery_ = "600s";
   std::string resume_;

@@ -34,10 +34,22 @@ void validateScene(Program& program, const std::string& file, const std::vector<
 
 }  // namespace
 
-int validateScenes(Program& program, const std::vector<std::string>& scenes,
-                   const std::vector<std::string>& overrides) {
-  return forEachFile(program, scenes, [&](const std::string& file) {
-    validateScene(program, file, overrides);
+ValidateCommand::ValidateCommand(CLI::App& app, Program& program)
+    : program_(program), command_(app.add_subcommand("validate", "Check scenes without running them")) {
+  command_->add_option("scenes", scenes_, "The scene files, or names of 'weir scenes'")
+      ->required()
+      ->type_name("SCENE...");
+  command_->add_option("--set", set_, "Change a parameter first, as for 'weir run'")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  program_.addPluginPermission(*command_);
+  program_.addPluginOption(*command_);
+}
+
+int ValidateCommand::run() {
+  return forEachFile(program_, scenes_, [&](const std::string& file) {
+    validateScene(program_, file, set_);
     print(file + ": valid\n");
     return kDone;
   });

@@ -1,6 +1,7 @@
 // weir validate: checks scenes without running them.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,20 @@
 
 namespace weir::app {
 
-/// Checks each scene and the files that it names, and prints "SCENE: valid" or the error. Returns the exit
-/// code of the first that is not valid, or 0.
-int validateScenes(Program& program, const std::vector<std::string>& scenes,
-                   const std::vector<std::string>& overrides);
+class ValidateCommand {
+ public:
+  ValidateCommand(CLI::App& app, Program& program);
+
+  /// Checks each scene and the files that it names, and prints "SCENE: valid" or the error. Returns the exit
+  /// code of the first that is not valid, or 0.
+  int run();
+
+  CLI::App& command() { return *command_; }
+
+ private:
+  Program& program_;
+  CLI::App* command_;
+  std::vector<std::string> scenes_, set_;
+};
 
 }  // namespace weir::app
